@@ -1,0 +1,52 @@
+"""What one visitor has chosen: a preset, a time scale, and which of the paper's misprints to follow. Values only."""
+
+import msgspec
+
+from rangenav import signals
+from rangenav.inputs import Input, require_within
+from rangenav.preset import Preset
+
+MIN_TIME_SCALE, MAX_TIME_SCALE = 0.1, 10.0
+PRINTED_POSITION = (1.0, 0.0, 0.0)
+PRINTED_VELOCITY = (-0.0125, 2.5, -4.33)
+"""The initial values the paper prints (m, m/s); they belong to another path, see README "Departures"."""
+
+
+class Printed(Input, kw_only=True):
+    """One switch for each departure (MATH §9) that changes a computation; True follows the printed paper."""
+
+    model: bool = False
+    """C_5 = 0 and input |g|² in the observer's model."""
+    excitation: bool = False
+    """φ = ä − ω×ȧ − 2ω×(ω×a)."""
+    reduced_row: bool = False
+    """r_{4,2} = 4ȧᵀ − 3aᵀ[ω]x."""
+    body_axes: bool = False
+    """The excitation integral in body axes."""
+    initial_values: bool = False
+    """p(0) and v(0) as printed: the path drifts away from the formula."""
+    attitude_rate: bool = False
+    """Time constants of the attitude error twice as long as they are."""
+
+
+class Settings(Input, kw_only=True):
+    """Everything that decides what the page shows."""
+
+    preset: Preset
+    time_scale: float = 1.0
+    """The path is run this many times slower."""
+    printed: Printed = Printed()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_within("time_scale", self.time_scale, MIN_TIME_SCALE, MAX_TIME_SCALE)
+
+
+def effective(settings: Settings) -> Preset:
+    """The preset that is computed, downloaded and judged: time scale and printed initial values applied to its path."""
+    path = settings.preset.path
+    if settings.time_scale != 1.0:
+        path = signals.slowed(path, settings.time_scale)
+    if settings.printed.initial_values:
+        path = signals.started_at(path, position=PRINTED_POSITION, velocity=PRINTED_VELOCITY)
+    return msgspec.structs.replace(settings.preset, path=path)

@@ -1,0 +1,47 @@
+"""The plain types that cross from Python into the kernels. No numba here, so that importing them costs nothing."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Parameters(NamedTuple):
+    """What stays constant over a record, in the plain types the compiler wants."""
+
+    gravity: np.ndarray
+    magnetic: np.ndarray
+    b4: float
+    """Input into ξ4: 3|g|², or |g|² in the printed form."""
+    variance: float
+    """Of one correction with y (m⁴), used unless matched."""
+    v: np.ndarray
+    """Process-noise density of the four blocks."""
+    k1: float
+    rho1: float
+    rho2: float
+    symmetric: bool
+    """Halve each correction around the reading of the estimate."""
+    matched: bool
+    """Noise-matched: variances from the range's and the IMU's noise at the current estimate."""
+    range_sigma: float
+    accel_density: float
+    gyro_density: float
+
+
+class Arrays(NamedTuple):
+    """Everything that changes, written in place by the kernels; `cascade.State` is its public face."""
+
+    x: np.ndarray
+    """13, turned axes."""
+    P: np.ndarray
+    """13 × 13, turned axes, symmetric."""
+    turned: np.ndarray
+    """3 × 3, from body axes to turned axes."""
+    rotation: np.ndarray
+    """3 × 3, R̂."""
+    gyro: np.ndarray
+    accel: np.ndarray
+    mag: np.ndarray
+    """The last one measured, carried along by the gyro between samples."""
+    pending: np.ndarray
+    """(y, variance) of a correction due at the start of the next interval; NaN if none."""

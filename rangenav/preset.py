@@ -1,0 +1,142 @@
+"""One preset holds every input of one run; it is a TOML file, read and written without loss.
+
+Errors name file, field and rule: `eight.toml: Expected `float`, got `str` - at `$.path.tones[0].frequency``.
+"""
+
+import math
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from rangenav.cascade import Gains, Guess
+from rangenav.inputs import Input, Vec3, require, require_within
+from rangenav.motion import World
+from rangenav.sensors import Sensors
+from rangenav.signals import Signal
+
+FORMAT_VERSION = 1
+MIN_DURATION, MAX_DURATION = 0.5, 600.0
+MAX_SAMPLES = 2_000_000
+"""A ceiling on duration × rate, so that no preset asks for more memory or time than a page can give."""
+MAX_BYTES = 1_000_000
+MAX_TITLE, MAX_STORY = 80, 400
+FOLDERS = (Path(__file__).parent / "presets", Path(__file__).parent.parent / "presets")
+"""Inside an installed wheel, and in a source tree."""
+
+
+class Requirement(Input, kw_only=True):
+    """What the motion is asked to deliver on every window."""
+
+    window: float = 6.0
+    """δ (s), of the excitation, the Gramian and the predicted accuracy."""
+    mu: float = 1.0
+    """m²/s⁷: the least eigenvalue of ∫ p⁗ p⁗ᵀ over a window."""
+    position_sigma: float = 0.5
+    """m: predicted 1-σ position error at the end of a window; above it the verdict is "weak"."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_within("window", self.window, 0.05, MAX_DURATION, "s")
+        require(self.mu > 0, f"mu must be positive, got {self.mu:g}")
+        require(self.position_sigma > 0, f"position_sigma must be positive, got {self.position_sigma:g}")
+
+
+class Preset(Input, kw_only=True):
+    """Every input of one run."""
+
+    version: Literal[1] = FORMAT_VERSION
+    title: str
+    story: str = ""
+    """One sentence: what this motion teaches."""
+    expect: Literal["observable", "unobservable"] = "observable"
+    duration: float = 20.0
+    """s"""
+    seed: int = 0
+    initial_rotation: Vec3 = (0.0, 0.0, 0.0)
+    """R(0) as a rotation vector (rad)."""
+    path: Signal
+    """m, inertial frame."""
+    angular_velocity: Signal
+    """rad/s, body frame."""
+    world: World = World()
+    sensors: Sensors = Sensors()
+    gains: Gains = Gains()
+    guess: Guess = Guess()
+    requirement: Requirement = Requirement()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(0 < len(self.title) <= MAX_TITLE, f"title must have 1 to {MAX_TITLE} characters, got {len(self.title)}")
+        require(len(self.story) <= MAX_STORY, f"story must have at most {MAX_STORY} characters, got {len(self.story)}")
+        require_within("duration", self.duration, MIN_DURATION, MAX_DURATION, "s")
+        require(0 <= self.seed < 2**53, f"seed must lie between 0 and 2^53, got {self.seed}")
+        require(float(np.linalg.norm(self.initial_rotation)) <= 2 * math.pi, "initial_rotation must be at most 2π rad long")
+        samples = self.duration * max(self.sensors.imu_rate, self.sensors.range_rate)
+        require(samples <= MAX_SAMPLES, f"duration × rate must not exceed {MAX_SAMPLES} samples, got {samples:.0f}")
+        window = self.requirement.window
+        require(window < self.duration, f"requirement.window must be shorter than the duration, got {window:g} s")
+        self._refuse_aliased_tones()
+
+    def _refuse_aliased_tones(self) -> None:
+        nyquist = math.pi * self.sensors.imu_rate
+        for name, signal in (("path", self.path), ("angular_velocity", self.angular_velocity)):
+            fastest = signal.bandwidth
+            require(fastest < nyquist, f"{name}: {fastest:g} rad/s is faster than the IMU can sample ({nyquist:.0f} rad/s)")
+
+
+def loads(text: str, *, source: str) -> Preset:
+    """A preset from TOML text; errors start with `source`. Raises ValueError."""
+    try:
+        return msgspec.toml.decode(text, type=Preset)
+    except (msgspec.ValidationError, msgspec.DecodeError) as error:
+        raise ValueError(f"{source}: {error}") from None
+    except RecursionError:
+        raise ValueError(f"{source}: nested too deeply") from None
+
+
+def dumps(preset: Preset) -> str:
+    """TOML text that `loads` turns into an equal preset."""
+    return msgspec.toml.encode(preset).decode()
+
+
+def load(name_or_path: str | Path) -> Preset:
+    """A shipped preset by its name, or any preset by its path. Raises ValueError with one sentence."""
+    path = find(name_or_path)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise ValueError(f"{path.name}: larger than {MAX_BYTES} bytes, which no preset is")
+        text = path.read_bytes().decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{path.name}: not UTF-8 text (byte {error.start})") from None
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+    return loads(text, source=path.name)
+
+
+def save(preset: Preset, path: str | Path) -> None:
+    """Write a preset as TOML."""
+    Path(path).write_text(dumps(preset), encoding="utf-8")
+
+
+def find(name_or_path: str | Path) -> Path:
+    """The file behind a shipped name or a path. Raises ValueError naming the shipped presets if there is none."""
+    path = Path(name_or_path)
+    if path.suffix == ".toml" or path.parent != Path("."):
+        require(path.is_file(), f"{path}: no such file")
+        return path
+    shipped = {file.stem: file for file in shipped_files()}
+    require(str(name_or_path) in shipped, f"{name_or_path}: no such preset; shipped are {', '.join(shipped)}")
+    return shipped[str(name_or_path)]
+
+
+def shipped_files() -> list[Path]:
+    """The files of all shipped presets, in alphabetical order."""
+    folder = next((folder for folder in FOLDERS if folder.is_dir()), None)
+    return sorted(folder.glob("*.toml")) if folder else []
+
+
+def shipped() -> dict[str, Preset]:
+    """All shipped presets by name."""
+    return {file.stem: load(file) for file in shipped_files()}

@@ -1,0 +1,118 @@
+"""Signals in R³ whose every derivative comes from one formula: `signal(t, order)`.
+
+A Multisine is offset + drift t + Σ A sin(w t + phase) on each axis; its derivative of order k is
+Σ A wᵏ sin(w t + phase + k π/2), so snap is as exact as position.
+"""
+
+import math
+from fractions import Fraction
+from typing import Literal
+
+import msgspec
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.inputs import Input, Vec3, require, require_within
+
+AXES = {"x": 0, "y": 1, "z": 2}
+MAX_TONES = 64
+MAX_AMPLITUDE = 1e4
+MAX_FREQUENCY = 1e4
+"""rad/s; tones beyond the IMU's Nyquist frequency are refused by the preset, which knows the rate."""
+COMMON_PERIOD_DENOMINATOR = 1000
+"""Frequencies whose ratios are fractions with a larger denominator are taken to have no common period."""
+
+
+class Tone(Input, kw_only=True):
+    """One sine on one axis: amplitude · sin(frequency · t + phase)."""
+
+    axis: Literal["x", "y", "z"]
+    amplitude: float
+    """In the signal's unit (m for a path, rad/s for an angular velocity)."""
+    frequency: float
+    """rad/s, positive."""
+    phase: float = 0.0
+    """rad; π/2 makes it a cosine."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_within("amplitude", self.amplitude, -MAX_AMPLITUDE, MAX_AMPLITUDE)
+        require(0 < self.frequency <= MAX_FREQUENCY, f"frequency must lie in (0, 10000] rad/s, got {self.frequency:g}")
+
+
+class Multisine(Input, kw_only=True, tag="multisine", tag_field="kind"):
+    """offset + drift · t + tones, with every derivative."""
+
+    tones: tuple[Tone, ...] = ()
+    offset: Vec3 = (0.0, 0.0, 0.0)
+    """In the signal's unit."""
+    drift: Vec3 = (0.0, 0.0, 0.0)
+    """The signal's unit per second."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(len(self.tones) <= MAX_TONES, f"at most {MAX_TONES} tones, got {len(self.tones)}")
+
+    def __call__(self, t: Float[Array, "*n"], order: int = 0) -> Float[Array, "*n 3"]:
+        """The derivative of the given order at times t (s), in the signal's unit per s**order."""
+        t = np.asarray(t, dtype=float)
+        value = np.zeros((*t.shape, 3))
+        if order == 0:
+            value += np.asarray(self.offset) + t[..., None] * np.asarray(self.drift)
+        elif order == 1:
+            value += np.asarray(self.drift)
+        for tone in self.tones:
+            sine = np.sin(tone.frequency * t + (tone.phase + order * math.pi / 2))
+            value[..., AXES[tone.axis]] += tone.amplitude * tone.frequency**order * sine
+        return value
+
+    @property
+    def bandwidth(self) -> float:
+        """The highest frequency present (rad/s), 0 without tones."""
+        return max((tone.frequency for tone in self.tones), default=0.0)
+
+    def bound(self, order: int) -> float:
+        """A bound on |signal(t, order)| for every t: the norm of Σ|A| wᵏ per axis. Infinite if it drifts at order 0."""
+        if order == 0 and any(self.drift):
+            return math.inf
+        sums = np.zeros(3) if order > 1 else np.abs(self.offset if order == 0 else self.drift)
+        for tone in self.tones:
+            sums[AXES[tone.axis]] += abs(tone.amplitude) * tone.frequency**order
+        return float(np.linalg.norm(sums))
+
+    @property
+    def period(self) -> float | None:
+        """The common period (s) of all tones, 0 if there are none, None if their frequencies share none.
+
+        Drift is left out: what depends on second and higher derivatives repeats all the same.
+        """
+        frequencies = [tone.frequency for tone in self.tones if tone.amplitude != 0]
+        if not frequencies:
+            return 0.0
+        first = frequencies[0]
+        ratios = [Fraction(w / first).limit_denominator(COMMON_PERIOD_DENOMINATOR) for w in frequencies]
+        if any(abs(float(r) - w / first) > 1e-12 * float(w / first) for r, w in zip(ratios, frequencies, strict=True)):
+            return None
+        divisor = Fraction(math.gcd(*(r.numerator for r in ratios)), math.lcm(*(r.denominator for r in ratios)))
+        return 2 * math.pi / (first * float(divisor))
+
+
+Signal = Multisine
+"""The families of signals; a union that grows as families are added."""
+
+
+def slowed(signal: Multisine, factor: float) -> Multisine:
+    """The same geometry run `factor` times slower: s(t / factor). Its snap falls by factor⁻⁴, μ over a period by ⁻⁷."""
+    require(math.isfinite(factor) and factor > 0, f"the time scale must be a positive number, got {factor}")
+    tones = tuple(msgspec.structs.replace(tone, frequency=tone.frequency / factor) for tone in signal.tones)
+    x, y, z = signal.drift
+    return msgspec.structs.replace(signal, tones=tones, drift=(x / factor, y / factor, z / factor))
+
+
+def started_at(signal: Multisine, *, position: Vec3, velocity: Vec3) -> Multisine:
+    """The signal shifted and drifting so that it has the given value and rate at t = 0; higher derivatives are kept."""
+    zero = np.zeros(())
+    offset = np.asarray(signal.offset) + np.asarray(position) - signal(zero)
+    drift = np.asarray(signal.drift) + np.asarray(velocity) - signal(zero, 1)
+    return msgspec.structs.replace(signal, offset=tuple(offset.tolist()), drift=tuple(drift.tolist()))
