@@ -1,8 +1,7 @@
 """The cascaded observer (paper, fig. 2): the Riccati observer's gravity estimate feeds the complementary filter.
 
 `observe()` runs a whole record, `step()` takes one IMU sample at a time (on a vehicle, in a loop); both call the same
-kernel and give the same numbers. `observe_plain()` is the same scheme in plain numpy, in body axes: slow, readable,
-and a witness. The estimate is exponentially stable, which is not monotone: from x̂ = 0 the position error first peaks.
+kernel and give the same numbers; `plain.observe()` is the same scheme in numpy. The estimate is exponentially stable, which is not monotone: from x̂ = 0 the position error first peaks.
 """
 
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from types import ModuleType
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model, riccati, so3
@@ -19,7 +18,7 @@ from rangenav.inputs import Input, Vec3, require
 from rangenav.kernels.layout import Arrays, Parameters
 from rangenav.motion import World, to_inertial
 from rangenav.riccati import RiccatiGains
-from rangenav.sensors import Measurements, Sensors
+from rangenav.sensors import Measurements, Sensors, check
 
 MAX_OFFSET = 1e4
 NO_PENDING = (np.nan, np.nan)
@@ -263,23 +262,6 @@ def errors(estimate: Estimate, *, truth: Float[Array, "n 13"], rotation: Float[A
     position, velocity, gravity = (np.linalg.norm(difference[:, block], axis=-1) for block in blocks)
     attitude_error = so3.angle(rotation @ np.swapaxes(estimate.rotation, -1, -2))
     return Errors(position=position, velocity=velocity, gravity=gravity, attitude=attitude_error)
-
-
-def check(measurements: Measurements) -> None:
-    """Raise ValueError naming the first sample that breaks a rule: stamps increase, numbers are finite (mag may be NaN)."""
-    z = measurements
-    require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
-    for name, stamps in (("time", z.time), ("range_time", z.range_time)):
-        _refuse_first(~(np.diff(stamps) > 0), f"{name} must increase", offset=1)
-    for name in ("gyro", "accel", "range", "time", "range_time"):
-        finite = np.isfinite(getattr(z, name))
-        _refuse_first(~(finite if finite.ndim == 1 else finite.all(axis=-1)), f"{name} must be finite")
-    _refuse_first(np.isinf(z.mag).any(axis=-1), "mag must be finite, or NaN where there is none")
-
-
-def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:
-    if bad.any():
-        raise ValueError(f"{rule}: broken at sample {int(np.argmax(bad)) + offset}")
 
 
 def _check(time: float, sample: Sample) -> None:

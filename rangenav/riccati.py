@@ -57,11 +57,10 @@ def predict(
     accel: Float[Array, "3"],
     h: float,
     *,
-    v: Float[Array, "13"],
     gravity_norm: float,
     form: model.Form = "derived",
 ) -> tuple[Float[Array, "13"], Float[Array, "13 13"]]:
-    """Body-axes state and covariance h seconds later: v·h/2, the exact transition, v·h/2.
+    """Body-axes state and covariance h seconds later by the exact transition; process noise is added around it.
 
     gyro is the mean angular velocity of the step (rad/s), accel the mean apparent acceleration (m/s²) in the axes the
     body has at its start.
@@ -70,8 +69,8 @@ def predict(
     turn = np.eye(model.STATES)
     for block in (model.POSITION, model.VELOCITY, model.GRAVITY):
         turn[block, block] = so3.exp(gyro * h).T
-    transition, half_noise = turn @ phi, np.diag(v) * (h / 2)
-    P = transition @ (P + half_noise) @ transition.T + half_noise
+    transition = turn @ phi
+    P = transition @ P @ transition.T
     return turn @ (phi @ x + integral), (P + P.T) / 2
 
 

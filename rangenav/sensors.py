@@ -7,7 +7,7 @@ between are NaN. Ranges carry their own time stamps, so they may come at any rat
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Input, require, require_within
@@ -85,6 +85,23 @@ def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng
         range_time=range_time,
         range=distance + noise.range * range_rng.standard_normal(range_time.shape),
     )
+
+
+def check(measurements: Measurements) -> None:
+    """Raise ValueError naming the first sample that breaks a rule: stamps increase, numbers are finite (mag may be NaN)."""
+    z = measurements
+    require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
+    for name, stamps in (("time", z.time), ("range_time", z.range_time)):
+        _refuse_first(~(np.diff(stamps) > 0), f"{name} must increase", offset=1)
+    for name in ("gyro", "accel", "range", "time", "range_time"):
+        finite = np.isfinite(getattr(z, name))
+        _refuse_first(~(finite if finite.ndim == 1 else finite.all(axis=-1)), f"{name} must be finite")
+    _refuse_first(np.isinf(z.mag).any(axis=-1), "mag must be finite, or NaN where there is none")
+
+
+def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:
+    if bad.any():
+        raise ValueError(f"{rule}: broken at sample {int(np.argmax(bad)) + offset}")
 
 
 def _sampled(time: Array, *, rate: float, clock: float) -> Array:

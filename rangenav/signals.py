@@ -116,3 +116,8 @@ def started_at(signal: Multisine, *, position: Vec3, velocity: Vec3) -> Multisin
     offset = np.asarray(signal.offset) + np.asarray(position) - signal(zero)
     drift = np.asarray(signal.drift) + np.asarray(velocity) - signal(zero, 1)
     return msgspec.structs.replace(signal, offset=tuple(offset.tolist()), drift=tuple(drift.tolist()))
+
+
+def bent(signal: Multisine) -> Multisine:
+    """The signal without offset and drift: what is left is all that second and higher derivatives know of it."""
+    return msgspec.structs.replace(signal, offset=(0.0, 0.0, 0.0), drift=(0.0, 0.0, 0.0))

@@ -1,0 +1,67 @@
+# make run    set up, start the page, open the browser      make test   set up, run every test
+# make check  the whole gate, as .ci/run calls it           make bench  side-by-side timings against named peers
+#
+# Everything is installed into .venv, and again only when pyproject.toml has changed.
+# ARGS goes to the program: make run ARGS="--port 9000 --no-browser", make test ARGS="-k hover".
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
+
+.DEFAULT_GOAL := help
+.PHONY: help run test check format bench clean
+
+help:
+	@sed -n '1,5s/^# \{0,1\}//p' Makefile
+
+run: $(VENV)/installed
+	@$(BIN)/rangenav-explorer $(ARGS)
+
+test: $(VENV)/installed-test
+	$(BIN)/python -m pytest $(ARGS)
+
+check: $(VENV)/installed-test
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/pyright --pythonpath $(BIN)/python
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest $(ARGS)
+
+format: $(VENV)/installed-test
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+bench: $(VENV)/installed-bench
+	$(BIN)/python benchmarks/observer.py
+	$(BIN)/python benchmarks/observability.py
+	$(BIN)/python benchmarks/live.py
+
+clean:
+	rm -rf $(VENV)
+
+$(VENV)/created:
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) was not found: install Python 3.11 or newer, or say which one with PYTHON=..." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python 3.11 or newer is needed, but $(PYTHON) is $$($(PYTHON) -V): say which one to use with PYTHON=..." >&2; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "$(PYTHON) has no venv module: on Debian and Ubuntu, apt install python3-venv." >&2; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/installed: pyproject.toml | $(VENV)/created
+	@echo "Installing rangenav into $(VENV) (a minute or two the first time) ..."
+	@$(INSTALL) .
+	@touch $@
+
+# The extras also hold the project itself, so their stamps stand for the plain one too.
+$(VENV)/installed-test: pyproject.toml | $(VENV)/created
+	@echo "Installing rangenav and what its tests need into $(VENV) (a few minutes the first time) ..."
+	@$(INSTALL) ".[test]"
+	@touch $@ $(VENV)/installed
+
+# If the peers cannot all be had, those that can are installed; each benchmark says which one is missing and goes on.
+$(VENV)/installed-bench: pyproject.toml | $(VENV)/installed-test
+	@echo "Installing the peers that the benchmarks are measured against into $(VENV) ..."
+	@$(INSTALL) ".[bench]" || for peer in gtsam pybounds jax; do \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check $$peer || echo "$$peer could not be installed"; \
+	done
+	@touch $@

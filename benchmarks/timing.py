@@ -1,0 +1,89 @@
+"""What every benchmark shares: repeated timing, the median, a table for people and one JSON line for machines."""
+
+import importlib.metadata
+import json
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from rich.console import Console
+from rich.table import Table
+
+WIDTH = 110
+"""Columns of the table when the output is not a terminal."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Target:
+    """A measured figure and the bound it has to keep."""
+
+    name: str
+    value: float
+    bound: float
+    at_least: bool
+    unit: str = ""
+
+    @property
+    def met(self) -> bool:
+        """Whether the figure keeps its bound."""
+        return self.value >= self.bound if self.at_least else self.value <= self.bound
+
+    def __str__(self) -> str:
+        sign = "≥" if self.at_least else "≤"
+        return f"{self.name}: {self.value:.3g}{self.unit} ({sign} {self.bound:g}{self.unit}: {'met' if self.met else 'MISSED'})"
+
+
+def seconds(call: Callable[[], object], runs: int) -> np.ndarray:
+    """Wall-clock time (s) of each of `runs` calls, after one that is not counted."""
+    call()
+    elapsed = np.empty(runs)
+    for run in range(runs):
+        begin = time.perf_counter()
+        call()
+        elapsed[run] = time.perf_counter() - begin
+    return elapsed
+
+
+def median_seconds(call: Callable[[], object], runs: int) -> float:
+    """Median of `seconds`."""
+    return float(np.median(seconds(call, runs)))
+
+
+def missing(distribution: str) -> str | None:
+    """A sentence if the peer is not installed here, None if it is."""
+    try:
+        importlib.metadata.version(distribution)
+    except importlib.metadata.PackageNotFoundError:
+        return f'{distribution} is not installed (pip install ".[bench]"): that comparison is left out'
+    return None
+
+
+def versions(*distributions: str) -> dict[str, str]:
+    """What ran: Python, the processor's kind, and the version of each distribution that is installed."""
+    found = {"python": platform.python_version(), "machine": platform.machine()}
+    return found | {name: importlib.metadata.version(name) for name in distributions if missing(name) is None}
+
+
+def report(
+    benchmark: str,
+    *,
+    columns: tuple[str, ...],
+    rows: list[tuple[str, ...]],
+    targets: list[Target],
+    notes: list[str],
+    figures: dict[str, object],
+) -> None:
+    """Print the table, the targets and the notes, then everything as exactly one JSON line."""
+    console = Console()
+    table = Table(*columns, title=benchmark)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for row in rows:
+        table.add_row(*row)
+    console.print(table, width=None if console.is_terminal else WIDTH)
+    for line in [*map(str, targets), *notes]:
+        console.print(line, highlight=False, markup=False, soft_wrap=True)
+    judged = [asdict(target) | {"met": target.met} for target in targets]
+    print(json.dumps({"benchmark": benchmark, **figures, "targets": judged, "notes": notes}), flush=True)

@@ -1,0 +1,153 @@
+"""Who may talk to the page: this machine's own browser, from the page's own address. Checked against viser 1.1.1.
+
+viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), lets any client open a public
+tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of this, so this file wraps
+`websockets.asyncio.server.serve`, which viser calls, and takes out or replaces the message handlers in question.
+Everything here leans on viser's inside: read it again whenever the pinned version moves.
+"""
+
+import contextlib
+import io
+import logging
+import socket
+from collections.abc import Callable
+from typing import Any
+
+import viser
+import websockets.asyncio.server
+from viser import _messages
+from websockets.asyncio.server import ServerConnection
+from websockets.http11 import Request, Response
+
+CHECKED_AGAINST = "1.1.1"
+NAMES = ("127.0.0.1", "localhost")
+ADDRESS = "127.0.0.1"
+MAX_MESSAGE = 2**18
+"""Bytes of one message from a browser; viser allows 50 MB. The largest honest one, a camera pose, has a few hundred."""
+UNUSED_MESSAGES = (
+    _messages.FileTransferStartUpload,
+    _messages.FileTransferPart,
+    _messages.GuiFormDirtyMessage,
+    _messages.GuiFormSubmitMessage,
+)
+LOST_LINES = ("opening handshake failed", "connection rejected (403 Forbidden)")
+"""What websockets logs, with a traceback, for a request we refuse on purpose."""
+
+log = logging.getLogger(__name__)
+
+
+def open_server(host: str, port: int) -> viser.ViserServer:
+    """A server that answers on this machine only. Raises ValueError with one sentence; port 0 takes any free port."""
+    if host not in NAMES:
+        raise ValueError(f"--host {host}: only 127.0.0.1 and localhost are served until the page has access control")
+    if not 0 <= port < 2**16:
+        raise ValueError(f"--port {port}: must lie between 0 and 65535")
+    _refuse_busy(port)
+    with _guarded_serve(), contextlib.redirect_stdout(io.StringIO()):  # viser prints a table where we want one line
+        server = viser.ViserServer(host=ADDRESS, port=port, verbose=False)
+    if port not in (0, server.get_port()):  # taken in the meantime: viser has silently moved on to the next one
+        server.stop()
+        raise ValueError(_busy(port))
+    for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
+        server._websock_server.unregister_handler(message)
+    _drop_unused(server.gui)
+    return server
+
+
+def accept_values_only(client: viser.ClientHandle) -> None:
+    """Let this client set the values of its own controls and nothing else; say so when it sends what is no value."""
+    connection = client.gui._websock_interface
+    (update,) = connection._incoming_handlers[_messages.GuiUpdateMessage]
+
+    async def checked(client_id: Any, message: _messages.GuiUpdateMessage) -> None:
+        try:
+            if set(message.updates) != {"value"}:
+                raise ValueError(f"only a control's value may be set, not {sorted(message.updates)}")
+            await update(client_id, message)  # type: ignore[misc]
+        except (ValueError, TypeError, AssertionError, OverflowError) as error:
+            log.warning("client %s sent what is no value: %s", client_id, error)
+            client.add_notification("⚠ Not a value", "That control takes another kind of value.", color="red")
+
+    connection.unregister_handler(_messages.GuiUpdateMessage)
+    connection.register_handler(_messages.GuiUpdateMessage, checked)  # type: ignore[arg-type]
+    _drop_unused(client.gui)
+
+
+def refusal(request: Request, port: int) -> str | None:
+    """Why a request is not served, or None. Every request names our Host; a websocket must also come from our page."""
+    hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
+    if len(hosts) != 1 or hosts[0].lower() not in {f"{name}:{port}" for name in NAMES}:
+        return "This page answers only to its own address on this machine."
+    own = {f"http://{name}:{port}" for name in NAMES}
+    if len(origins) > 1 or not own.issuperset(origins):
+        return "Requests from other sites are refused."
+    if request.headers.get_all("Upgrade") and not origins:
+        return "A websocket must say which page it comes from."
+    return None
+
+
+def add_headers(response: Response, port: int) -> None:
+    """Headers that keep the page out of frames, and the page itself from talking to anyone else."""
+    sockets = " ".join(f"ws://{name}:{port}" for name in NAMES)
+    response.headers["X-Frame-Options"] = "DENY"
+    response.headers["Content-Security-Policy"] = (
+        # viser's page unpacks itself from an inline script, and starts its decoder from a blob.
+        "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; "
+        f"connect-src 'self' data: blob: {sockets}; "
+        "frame-ancestors 'none'; object-src 'none'; base-uri 'none'; form-action 'none'"
+    )
+    response.headers["Referrer-Policy"] = "no-referrer"
+    response.headers["X-Content-Type-Options"] = "nosniff"
+    response.headers["Cross-Origin-Resource-Policy"] = "same-origin"
+
+
+@contextlib.contextmanager
+def _guarded_serve():
+    """While a server is being made, viser's call of `serve` goes through our checks."""
+    serve = websockets.asyncio.server.serve
+
+    def guarded(handler: Any, host: str, port: int, *, process_request: Callable, **options: Any) -> Any:
+        options["max_size"] = MAX_MESSAGE
+        return serve(handler, host, port, process_request=_checked(process_request), **options)
+
+    websockets.asyncio.server.serve = guarded  # type: ignore[assignment]
+    try:
+        yield
+    finally:
+        websockets.asyncio.server.serve = serve
+
+
+def _checked(process_request: Callable) -> Callable[[ServerConnection, Request], Response | None]:
+    """viser's HTTP answers, behind our refusals and with our headers."""
+    logging.getLogger("websockets.server").addFilter(lambda record: record.getMessage() not in LOST_LINES)
+
+    def answer(connection: ServerConnection, request: Request) -> Response | None:
+        port = connection.local_address[1]
+        sentence = refusal(request, port)
+        response = connection.respond(403, sentence + "\n") if sentence else process_request(connection, request)
+        if response is not None:
+            add_headers(response, port)
+        return response
+
+    return answer
+
+
+def _refuse_busy(port: int) -> None:
+    """Try the port before viser does, with the option a server would set (else a port just left looks busy)."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((ADDRESS, port))
+        except OSError:
+            raise ValueError(_busy(port)) from None
+
+
+def _busy(port: int) -> str:
+    return f"--port {port}: in use or not allowed; stop the other program or choose another port"
+
+
+def _drop_unused(gui: viser.GuiApi) -> None:
+    """The page has no uploads and no forms, but viser would collect the former without limit, store them as any control's
+    value, and pass the latter's messages on to every other visitor."""
+    for message in UNUSED_MESSAGES:
+        gui._websock_interface.unregister_handler(message)

@@ -1,0 +1,208 @@
+"""What a preset's motion lets one range tell: sliding windows, the worst of them, blind directions, a verdict."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray as Array
+
+from rangenav.inputs import Vec3
+from rangenav.motion import World
+from rangenav.observability import accuracy, blindness, excitation, reduced, spectrum
+from rangenav.observability.accuracy import Accuracy
+from rangenav.observability.blindness import Direction
+from rangenav.preset import Preset, Requirement
+from rangenav.sensors import Sensors
+from rangenav.signals import Signal
+
+WINDOWS = 101
+"""Start times on which spectra are taken: a curve that looks smooth, at 5 ms for 101 windows of 13 columns."""
+FINE_WINDOWS = 401
+"""Start times for the worst excitation, which is far cheaper than a Gramian."""
+CACHED = 8
+"""Results kept for each stage: enough for undo and A/B, small enough for many visitors."""
+
+Verdict = Literal["blind", "weak", "observable"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Windows:
+    """Observability over sliding windows [start, start + window]."""
+
+    start: Float[Array, "w"]
+    """s"""
+    window: float
+    excitation: Float[Array, "w 3"]
+    """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
+    gramian: Float[Array, "w 13"]
+    """Eigenvalues of the lifted Gramian (1/δ)∫, ascending, SI."""
+    floor: Float[Array, "w"]
+    """Gramian eigenvalues below it are rounding."""
+    scaled: Float[Array, "w 13"]
+    """Scaled singular values, descending."""
+    rank: Int[Array, "w"]
+    nonlinear: Float[Array, "w 9"]
+    """Eigenvalues of the nonlinear Gramian, ascending, SI."""
+    nonlinear_floor: Float[Array, "w"]
+    nonlinear_rank: Int[Array, "w"]
+    sigma_lifted: Float[Array, "w"]
+    """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
+    sigma_nonlinear: Float[Array, "w"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Analysis:
+    """The answer for one preset, always about its worst windows."""
+
+    windows: Windows
+    mu: float
+    """The least excitation eigenvalue over all windows (m²/s⁷)."""
+    mu_at: float
+    """s, where that window starts."""
+    excitation: Float[Array, "3"]
+    """All three eigenvalues there."""
+    bound_for_all_t: float | None
+    """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period."""
+    gramian_at: float
+    """s, where the window of least rank (and then least scaled singular value) starts."""
+    gramian: Float[Array, "13"]
+    floor: float
+    rank: int
+    tolerance: float
+    """Relative: a scaled singular value counts above this share of the largest."""
+    nonlinear_at: float
+    nonlinear: Float[Array, "9"]
+    nonlinear_rank: int
+    directions: tuple[Direction, ...]
+    lifted_start: Accuracy
+    lifted_end: Accuracy
+    nonlinear_start: Accuracy
+    nonlinear_end: Accuracy
+    reduced_min: float
+    """The least eigenvalue of the reduced pair (Proposition 1) on the worst window."""
+    verdict: Verdict
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Seen:
+    """The stage that knows neither anchor nor sensors."""
+
+    start: Float[Array, "w"]
+    spectrum: spectrum.Spectrum
+    excitation: Float[Array, "w 3"]
+    worst: int
+    mu: float
+    mu_at: float
+    bound_for_all_t: float | None
+    directions: tuple[Direction, ...]
+    reduced_min: float
+
+
+def analyse(preset: Preset) -> Analysis:
+    """Analyse a preset over its own window."""
+    sensors = preset.sensors
+    return analysis(preset.path, preset.world, preset.duration, preset.requirement, sensors.noise.range, sensors.range_rate)
+
+
+@lru_cache(maxsize=CACHED)
+def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
+    """Excitation, Gramian and blind directions: they depend on path, gravity and window only."""
+    start = np.linspace(0, duration - window, WINDOWS)
+    gramians = spectrum.window_spectra(path, gravity, start, window)
+    k = spectrum.worst(gramians)
+    mu, mu_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
+    values, axes = excitation.directions(path, float(start[k]), window)
+    return Seen(
+        start=start,
+        spectrum=gramians,
+        excitation=excitation.eigenvalues(path, start, window),
+        worst=k,
+        mu=mu,
+        mu_at=mu_at,
+        bound_for_all_t=excitation.bound_for_all_t(path, window),
+        directions=blindness.directions(gramians.null_basis[k], values, axes),
+        reduced_min=reduced.least_eigenvalue(path, gravity, float(start[k]), window),
+    )
+
+
+@lru_cache(maxsize=CACHED)
+def analysis(
+    path: Signal, world: World, duration: float, requirement: Requirement, range_sigma: float, range_rate: float
+) -> Analysis:
+    """The whole answer; everything that does not depend on anchor and noise comes from `seen`."""
+    window = requirement.window
+    lifted = seen(path, world.gravity, duration, window)
+    local = spectrum.nonlinear_spectra(path, world.anchor, lifted.start, window)
+    k, j = lifted.worst, spectrum.worst(local)
+    at = float(lifted.start[k])
+
+    def predicted(kind: accuracy.Kind, moment: Literal["start", "end"]) -> Accuracy:
+        return accuracy.predict(path, world, at, window, sigma=range_sigma, rate=range_rate, kind=kind, at=moment)
+
+    lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
+    return Analysis(
+        windows=_windows(path, world, lifted, local, window, range_sigma, range_rate),
+        mu=lifted.mu,
+        mu_at=lifted.mu_at,
+        excitation=excitation.eigenvalues(path, np.array([lifted.mu_at]), window)[0],
+        bound_for_all_t=lifted.bound_for_all_t,
+        gramian_at=at,
+        gramian=lifted.spectrum.eigenvalues[k],
+        floor=float(lifted.spectrum.floor[k]),
+        rank=rank,
+        tolerance=float(lifted.spectrum.tolerance[k] / lifted.spectrum.scaled[k, 0]),
+        nonlinear_at=float(lifted.start[j]),
+        nonlinear=local.eigenvalues[j],
+        nonlinear_rank=int(local.rank[j]),
+        directions=lifted.directions,
+        lifted_start=predicted("lifted", "start"),
+        lifted_end=lifted_end,
+        nonlinear_start=predicted("nonlinear", "start"),
+        nonlinear_end=predicted("nonlinear", "end"),
+        reduced_min=lifted.reduced_min,
+        verdict=judge(rank, lifted_end, requirement),
+    )
+
+
+def judge(rank: int, end: Accuracy, requirement: Requirement) -> Verdict:
+    """blind: rank below 13; weak: full rank, but the predicted position error exceeds the requirement; else observable."""
+    if rank < 13:
+        return "blind"
+    return "observable" if end.position <= requirement.position_sigma else "weak"
+
+
+def with_window(preset: Preset, window: float) -> Preset:
+    """The preset judged over another window (s). Raises ValueError if it does not fit the duration."""
+    import msgspec
+
+    requirement = msgspec.structs.replace(preset.requirement, window=window)
+    return msgspec.structs.replace(preset, requirement=requirement)
+
+
+def _windows(
+    path: Signal, world: World, lifted: Seen, local: spectrum.Spectrum, window: float, sigma: float, rate: float
+) -> Windows:
+    def end_position(kind: accuracy.Kind) -> Array:
+        return accuracy.end_sigmas(path, world, lifted.start, window, sigma=sigma, rate=rate, kind=kind)[:, 0]
+
+    return Windows(
+        start=lifted.start,
+        window=window,
+        excitation=lifted.excitation,
+        gramian=lifted.spectrum.eigenvalues,
+        floor=lifted.spectrum.floor,
+        scaled=lifted.spectrum.scaled,
+        rank=lifted.spectrum.rank,
+        nonlinear=local.eigenvalues,
+        nonlinear_floor=local.floor,
+        nonlinear_rank=local.rank,
+        sigma_lifted=end_position("lifted"),
+        sigma_nonlinear=end_position("nonlinear"),
+    )
+
+
+def noise_note(sensors: Sensors) -> str:
+    """What the predicted accuracy assumes, for wherever it is shown."""
+    return f"ranges at {sensors.range_rate:g} Hz with {sensors.noise.range:g} m noise, no IMU noise"

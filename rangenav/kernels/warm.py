@@ -1,0 +1,47 @@
+"""Compile every kernel ahead of its first use, innermost first, so that progress can be shown."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+
+def compile_all(progress: Callable[[float, str], None]) -> None:
+    """Run each kernel once on a tiny problem; progress(fraction, name) is called before each and once at the end."""
+    progress(0.0, "loading the compiler")
+    stages = _stages()
+    for done, (name, stage) in enumerate(stages):
+        progress((done + 1) / (len(stages) + 1), name)
+        stage()
+    progress(1.0, "ready")
+
+
+def _stages() -> list[tuple[str, Callable[[], object]]]:
+    from rangenav.kernels import attitude, cascade, riccati, rotation
+    from rangenav.kernels.layout import Arrays, Parameters
+
+    vector, matrix, state = np.zeros(3), np.eye(3), np.zeros(13)
+    p = Parameters(
+        gravity=np.array([0.0, 0.0, 9.81]), magnetic=np.array([1.0, 0.0, 0.0]), b4=1.0, variance=1.0, v=np.ones(4), k1=1.0,
+        rho1=1.0, rho2=1.0, symmetric=True, matched=False, range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
+    )  # fmt: skip
+    s = Arrays(
+        x=state, P=np.eye(13), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(), accel=vector.copy(),
+        mag=vector.copy(), pending=np.full(2, np.nan),
+    )  # fmt: skip
+    time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
+    return [
+        ("rotations", lambda: rotation.exp(0.0, 0.0, 0.1, matrix.copy())),
+        ("attitude filter", lambda: attitude.step(s.rotation, vector, vector, vector, vector, vector, vector, 1e-3, p)),
+        ("Riccati prediction", lambda: riccati.predict_covariance(s.P, vector, 1e-3)),
+        ("Riccati correction", lambda: riccati.correct(s.x, s.P, 1.0, 1.0)),
+        ("first sample", lambda: cascade.begin(s, 1.0, p)),
+        ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, np.empty((2, 2)), p)),
+        ("reading the estimate", lambda: cascade.read(s, np.empty(13), np.empty((3, 3, 3)))),
+        (
+            "whole record",
+            lambda: cascade.run(
+                s, time, rows, rows, rows, time, ranges, np.empty((2, 13)), np.empty((2, 4)), np.empty((2, 3, 3, 3)),
+                np.empty((2, 3, 3)), np.empty((2, 2)), 1, p,
+            ),
+        ),
+    ]  # fmt: skip

@@ -1,0 +1,81 @@
+"""Blind directions in words: what no range in a window can tell, from the null space of all 13 coordinates and of the snap."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.model import GRAVITY, POSITION, VELOCITY
+from rangenav.signals import AXES
+
+SHARE = 1e-6
+"""A null vector reaches into a block if its part there (scaled units) is longer than this."""
+SAME = 0.9999
+"""Cosine above which two directions count as one, and one that is an axis is called by its name."""
+UNEXCITED = 1e-12
+"""Share of the largest excitation eigenvalue below which a direction counts as not excited at all."""
+BLOCKS = {"position": POSITION, "velocity": VELOCITY, "gravity": GRAVITY}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Direction:
+    """One inertial direction and what cannot be told along it."""
+
+    vector: Float[Array, "3"]
+    kinds: tuple[str, ...]
+    """Of "snap", "position", "velocity", "gravity"."""
+    words: str
+
+
+def directions(
+    null_basis: Float[Array, "13 k"], excitation: Float[Array, "3"], axes: Float[Array, "3 3"]
+) -> tuple[Direction, ...]:
+    """Directions unseen by a window: null_basis of its Gramian, eigenvalues (ascending) and axes (columns) of its excitation."""
+    spans = {"snap": axes[:, excitation <= UNEXCITED * max(excitation[-1], np.finfo(float).tiny)]}
+    for name, block in BLOCKS.items():
+        left, size, _ = np.linalg.svd(null_basis[block])
+        spans[name] = left[:, : int(np.sum(size > SHARE))]
+    found: list[tuple[Array, list[str]]] = []
+    for kind, span in spans.items():
+        for vector in _readable_basis(span):
+            _add(found, vector, kind)
+    return tuple(Direction(vector=v, kinds=tuple(kinds), words=_words(v, kinds)) for v, kinds in found)
+
+
+def _add(found: list[tuple[Array, list[str]]], vector: Array, kind: str) -> None:
+    for known, kinds in found:
+        if abs(known @ vector) > SAME:
+            kinds.append(kind)
+            return
+    found.append((vector, [kind]))
+
+
+def _readable_basis(span: Array) -> list[Array]:
+    """A basis of the span made of coordinate axes where it contains them: QR with pivoting of its projector."""
+    dimension = span.shape[1]
+    if dimension == 0:
+        return []
+    basis, _, _ = scipy.linalg.qr(span @ span.T, pivoting=True)
+    vectors = [basis[:, k] for k in range(dimension)]
+    vectors = [np.where(np.abs(v) < 1e-9, 0.0, v) for v in vectors]
+    return [v if v[np.argmax(np.abs(v))] > 0 else -v for v in vectors]
+
+
+def name(vector: Float[Array, "3"]) -> str:
+    """x, y or z where the direction is an axis, else its three numbers."""
+    for axis, k in AXES.items():
+        if abs(vector[k]) > SAME:
+            return axis
+    return "(" + ", ".join(f"{value + 0.0:.2f}" for value in vector) + ")"
+
+
+def _words(vector: Array, kinds: list[str]) -> str:
+    along = name(vector)
+    told = [kind for kind in kinds if kind != "snap"]
+    sentences = [f"nothing excites {along}: the path has no snap along it"] if "snap" in kinds else []
+    if told:
+        what = told[0] if len(told) == 1 else ", ".join(told[:-1]) + " and " + told[-1]
+        sentences.append(f"{what} along {along} cannot be told")
+    return "; ".join(sentences)

@@ -1,0 +1,173 @@
+"""One run of a preset: the truth, what the sensors saw, what the observers made of it, and how well they did."""
+
+import math
+import time
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import cascade, model, motion
+from rangenav.cascade import Errors, Estimate, Gains, Guess, Setting
+from rangenav.inputs import Vec3
+from rangenav.motion import Motion, World
+from rangenav.observability import excitation
+from rangenav.preset import Preset
+from rangenav.sensors import Measurements, Sensors, measure
+from rangenav.signals import Signal
+
+SETTLED_POSITION = 0.3
+"""m; an error counts as settled once it stays below this to the end."""
+SETTLED_ATTITUDE = math.radians(5)
+DIVERGED_STD = 1e3
+"""m; with a larger 1-σ of the observer's own position the estimate says nothing: unobservable, covariance diverges."""
+CACHED = 4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Truth:
+    """A motion with its true 13-state."""
+
+    motion: Motion
+    state: Float[Array, "n 13"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Summary:
+    """How well a run went; errors in m, m/s, m/s² and degrees, body axes."""
+
+    peak_position: float
+    settle_position_s: float | None
+    """From when on the position error stays below 0.3 m; None if it does not."""
+    settle_attitude_s: float | None
+    """From when on the attitude error stays below 5°."""
+    steady_position: float
+    """RMSE over the last quarter, as all steady ones."""
+    steady_velocity: float
+    steady_gravity: float
+    steady_attitude_deg: float
+    final_position: float
+    final_velocity: float
+    final_gravity: float
+    final_attitude_deg: float
+    diverged: bool
+    """The covariance has grown past what it could tell."""
+    microseconds_per_step: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Record:
+    """Everything one run produced."""
+
+    preset: Preset
+    truth: Truth
+    measurements: Measurements
+    estimate: Estimate
+    errors: Errors
+    summary: Summary
+
+
+def run(preset: Preset, *, form: model.Form = "derived") -> Record:
+    """Simulate, measure and observe a preset with its own seed."""
+    return run_seed(preset, preset.seed, form=form)
+
+
+def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Record:
+    """As `run`, with another seed."""
+    p = preset
+    truth = simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate)
+    measurements = measured(
+        p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors, seed
+    )
+    estimate, seconds = observed(truth, measurements, p.world, p.sensors, p.gains, p.guess, form)
+    errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    summary = summarise(estimate, errors, seconds)
+    return Record(
+        preset=p, truth=truth, measurements=measurements, estimate=estimate, errors=errors, summary=summary
+    )
+
+
+@lru_cache(maxsize=CACHED)
+def simulated(
+    path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, rate: float
+) -> Truth:
+    """The truth on the IMU's clock."""
+    moved = motion.simulate(
+        path, angular_velocity, world=world, initial_rotation=initial_rotation, duration=duration, rate=rate
+    )
+    return Truth(motion=moved, state=model.true_state(moved, world=world))
+
+
+@lru_cache(maxsize=CACHED)
+def measured(
+    path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, sensors: Sensors, seed: int
+) -> Measurements:
+    """One noisy record; the same seed gives the same record to the last bit."""
+    truth = simulated(path, angular_velocity, world, initial_rotation, duration, sensors.imu_rate)
+    return measure(truth.motion, path=path, world=world, sensors=sensors, rng=np.random.default_rng(seed))
+
+
+def observed(
+    truth: Truth, measurements: Measurements, world: World, sensors: Sensors, gains: Gains, guess: Guess, form: model.Form
+) -> tuple[Estimate, float]:
+    """The estimate and the seconds it took."""
+    start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=world)
+    began = time.perf_counter()
+    estimate = cascade.observe(
+        measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form)
+    )
+    return estimate, time.perf_counter() - began
+
+
+def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:
+    """Peak, settling, steady and final errors of a run."""
+    tail = slice(3 * len(estimate.time) // 4, None)
+    std = estimate.std[-1, model.POSITION]
+
+    def rms(error: Array) -> float:
+        return float(np.sqrt(np.mean(error[tail] ** 2)))
+
+    return Summary(
+        peak_position=float(errors.position.max()),
+        settle_position_s=settled(estimate.time, errors.position, SETTLED_POSITION),
+        settle_attitude_s=settled(estimate.time, errors.attitude, SETTLED_ATTITUDE),
+        steady_position=rms(errors.position),
+        steady_velocity=rms(errors.velocity),
+        steady_gravity=rms(errors.gravity),
+        steady_attitude_deg=math.degrees(rms(errors.attitude)),
+        final_position=float(errors.position[-1]),
+        final_velocity=float(errors.velocity[-1]),
+        final_gravity=float(errors.gravity[-1]),
+        final_attitude_deg=math.degrees(float(errors.attitude[-1])),
+        diverged=not bool(np.all(std < DIVERGED_STD)),
+        microseconds_per_step=seconds / (len(estimate.time) - 1) * 1e6,
+    )
+
+
+def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> float | None:
+    """The time from which on the error stays below the limit, None if it ends above it."""
+    above = np.flatnonzero(~(error < limit))
+    if len(above) == 0:
+        return float(time[0])
+    return None if above[-1] == len(time) - 1 else float(time[above[-1] + 1])
+
+
+def save(record: Record, path: str | Path) -> None:
+    """Write every array of a run to one NPZ file, named as in the documentation of `rangenav simulate`."""
+    truth, z, estimate = record.truth.motion, record.measurements, record.estimate
+    arrays = {
+        "time": truth.time,
+        **{name: getattr(truth, name) for name in ("position", "velocity", "acceleration", "jerk", "snap")},
+        "rotation": truth.rotation,
+        "angular_velocity": truth.angular_velocity,
+        **{name: getattr(z, name) for name in ("gyro", "accel", "mag", "range", "range_time")},
+        "state": estimate.state,
+        "std": estimate.std,
+        "rotation_estimate": estimate.rotation,
+        "phi": excitation.phi(truth),
+        "phi_printed": excitation.phi_printed(truth),
+    }
+    np.savez_compressed(path, **arrays)  # pyright: ignore[reportArgumentType]

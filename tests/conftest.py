@@ -1,0 +1,35 @@
+"""What holds for every test: array shapes are checked on every call, and in CI no browser test may be skipped."""
+
+import os
+from collections.abc import Generator
+from pathlib import Path
+
+import pytest
+from jaxtyping import install_import_hook
+
+SOURCE = Path(__file__).parent.parent
+COMPILED = "kernels"
+"""numba needs the functions as they are written; a wrapper around each cannot be compiled."""
+NO_VISER = ("explorer.compute", "explorer.settings")
+"""The explorer's arrays are made there; its other modules only hand them on."""
+
+
+def _checked_modules() -> list[str]:
+    """Every module of rangenav but the kernels."""
+    entries = (path.stem for path in sorted((SOURCE / "rangenav").iterdir()) if path.suffix == ".py" or path.is_dir())
+    return [f"rangenav.{name}" for name in entries if name not in (COMPILED, "__init__", "__pycache__", "__main__")]
+
+
+install_import_hook([*_checked_modules(), *NO_VISER], "beartype.beartype")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """In CI a skipped browser test has failed: there the browser is always installed."""
+    report = yield
+    if report.skipped and os.environ.get("CI") and item.get_closest_marker("browser"):
+        report.outcome = "failed"
+        report.longrepr = f"{item.nodeid} was skipped, but in CI every browser test must run: {report.longrepr}"
+    return report
