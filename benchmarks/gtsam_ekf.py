@@ -1,11 +1,9 @@
 """A peer: GTSAM's NavStateImuEKF (C++) driven from Python over the same record: rotation, position, velocity, 9 × 9.
 
-Its Python interface has `predict(gyro, accel, dt)` and `updateWithVector(prediction, H, z, R)`. There is no range update
-to call, so the range and its Jacobian are computed here, as a user of the wheel has to; NavState's tangent is
+Its Python interface has `predict(gyro, accel, dt)` and `updateWithVector(prediction, H, z, R)`. There is no range
+update to call, so the range and its Jacobian are computed here, as a user of the wheel has to; NavState's tangent is
 (rotation, position, velocity), all in body axes: p ← p + R dp. Gravity is known to it; our observer estimates it.
 """
-
-from typing import Literal
 
 import gtsam
 import numpy as np
@@ -13,16 +11,23 @@ import numpy as np
 from rangenav.preset import Preset
 from rangenav.sensors import Measurements
 
-Sensors = Literal["imu", "imu, range", "imu, range, mag"]
+USES = ("imu", "imu, range", "imu, range, mag")
+"""What is filtered: predictions alone, with every range, with every magnetometer sample too (what our cascade uses)."""
 INTEGRATION_VARIANCE = 1e-8
 START_SIGMA = (0.1, 0.1, 0.1)
 """rad, m, m/s: it starts at the truth, because from x̂ = 0 it need not converge."""
 
 
 def run(
-    preset: Preset, record: Measurements, *, rotation: np.ndarray, position: np.ndarray, velocity: np.ndarray, use: Sensors
+    preset: Preset,
+    record: Measurements,
+    *,
+    rotation: np.ndarray,
+    position: np.ndarray,
+    velocity: np.ndarray,
+    use: str,
 ) -> np.ndarray:
-    """The last position (m, inertial) after filtering the whole record; ranges come at the IMU's stamps."""
+    """The last position (m, inertial) after filtering the record with one of `USES`; ranges at the IMU's stamps."""
     world, noise = preset.world, preset.sensors.noise
     start = gtsam.NavState(gtsam.Rot3(rotation), position, velocity)
     ekf = gtsam.NavStateImuEKF(start, np.diag(np.repeat(np.square(START_SIGMA), 3)), _noise(preset))
@@ -31,10 +36,10 @@ def run(
     steps = np.diff(record.time)
     for k in range(1, len(record.time)):
         ekf.predict(record.gyro[k - 1], record.accel[k - 1], steps[k - 1])
-        if use != "imu":
+        if use != USES[0]:
             expected, H = _range(ekf.state(), anchor)
             ekf.updateWithVector(expected, H, record.range[k : k + 1], range_noise)
-        if use == "imu, range, mag":
+        if use == USES[2]:
             expected, H = _mag(ekf.state(), magnetic)
             ekf.updateWithVector(expected, H, record.mag[k], mag_noise)
     return ekf.state().position()

@@ -15,7 +15,9 @@ STATES, SPLITS = 13, (13, 182, 191)
 """The flat vector holds x̂ (13), P (169), R̂ (9) and R (9)."""
 
 
-def solve(preset: Preset, state: np.ndarray, estimate: np.ndarray, rotation: np.ndarray, time: np.ndarray) -> np.ndarray:
+def solve(
+    preset: Preset, state: np.ndarray, estimate: np.ndarray, rotation: np.ndarray, time: np.ndarray
+) -> np.ndarray:
     """(n, 200): the solution at the given times, from x̂(0), R̂(0) and R(0), with the preset's constant gains."""
     gains = preset.gains
     covariance = np.diag(gains.riccati.p0.diagonal())

@@ -3,6 +3,7 @@
 import importlib.metadata
 import json
 import platform
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -31,8 +32,8 @@ class Target:
         return self.value >= self.bound if self.at_least else self.value <= self.bound
 
     def __str__(self) -> str:
-        sign = "≥" if self.at_least else "≤"
-        return f"{self.name}: {self.value:.3g}{self.unit} ({sign} {self.bound:g}{self.unit}: {'met' if self.met else 'MISSED'})"
+        rule = f"{'≥' if self.at_least else '≤'} {self.bound:g}{self.unit}"
+        return f"{self.name}: {self.value:.3g}{self.unit} ({rule}: {'met' if self.met else 'MISSED'})"
 
 
 def seconds(call: Callable[[], object], runs: int) -> np.ndarray:
@@ -69,6 +70,7 @@ def versions(*distributions: str) -> dict[str, str]:
 def report(
     benchmark: str,
     *,
+    title: str,
     columns: tuple[str, ...],
     rows: list[tuple[str, ...]],
     targets: list[Target],
@@ -76,13 +78,13 @@ def report(
     figures: dict[str, object],
 ) -> None:
     """Print the table, the targets and the notes, then everything as exactly one JSON line."""
-    console = Console()
-    table = Table(*columns, title=benchmark)
-    for column in table.columns[1:]:
-        column.justify = "right"
+    table = Table(title=title)
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="right" if number else "left")
     for row in rows:
         table.add_row(*row)
-    console.print(table, width=None if console.is_terminal else WIDTH)
+    console = Console() if sys.stdout.isatty() else Console(width=WIDTH)
+    console.print(table)
     for line in [*map(str, targets), *notes]:
         console.print(line, highlight=False, markup=False, soft_wrap=True)
     judged = [asdict(target) | {"met": target.met} for target in targets]

@@ -1,4 +1,4 @@
-"""The clock of the timeline: which moment of the run is shown, and whether it moves. Told the time, never asks for it."""
+"""The clock of the timeline: which moment of the run is shown, and whether it moves. It is told the time, never asks."""
 
 import math
 

@@ -143,7 +143,7 @@ class State:
     def std(self) -> Float[Array, "13"]:
         """Square roots of P's diagonal, body axes."""
         vectors = np.diagonal(self._read()[1], axis1=-2, axis2=-1).ravel()
-        return np.sqrt(np.concatenate([np.diagonal(self.arrays.P)[:4], vectors]))
+        return np.sqrt(np.concatenate([self.arrays.P[: 4 * (model.STATES + 1) : model.STATES + 1], vectors]))
 
     @property
     def rotation(self) -> Float[Array, "3 3"]:
@@ -177,11 +177,11 @@ def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
     v = gains.riccati.v
     floor = riccati.V_RANGE[0]
     return Parameters(
-        gravity=np.asarray(world.gravity, dtype=float),
-        magnetic=np.asarray(world.magnetic, dtype=float),
+        gravity=_floats(world.gravity),
+        magnetic=_floats(world.magnetic),
         b4=model.input_4(float(np.linalg.norm(world.gravity)), setting.form),
         variance=sensors.range_rate / gains.riccati.q,
-        v=np.full(4, floor) if matched else np.array([v.xi, v.position, v.velocity, v.gravity], dtype=float),
+        v=(floor,) * 4 if matched else _floats((v.xi, v.position, v.velocity, v.gravity)),
         k1=float(gains.attitude.k1),
         rho1=float(gains.attitude.rho1),
         rho2=float(gains.attitude.rho2),
@@ -197,10 +197,10 @@ def begin(first: Sample, start: Start, setting: Setting, *, symmetric: bool = Fa
     """The observer at its first IMU sample; ranges stamped at that time are applied when the next sample comes."""
     given = parameters(setting, symmetric=symmetric)
     missing = np.isnan(first.mag).any()
-    expected = start.rotation.T @ given.magnetic
+    expected = start.rotation.T @ np.asarray(given.magnetic)
     arrays = Arrays(
         x=start.state.astype(float),
-        P=np.diag(setting.gains.riccati.p0.diagonal()),
+        P=np.diag(setting.gains.riccati.p0.diagonal()).ravel(),
         turned=np.eye(3),
         rotation=start.rotation.astype(float),
         gyro=np.array(first.gyro, dtype=float),
@@ -275,6 +275,11 @@ def _check(time: float, sample: Sample) -> None:
 
 def _first_sample(z: Measurements) -> Sample:
     return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[:1], z.range[:1])
+
+
+def _floats(values: tuple) -> tuple:
+    """Whole numbers become floats, so that the kernels meet one type only and compile once."""
+    return tuple(float(value) for value in values)
 
 
 def _kernel() -> ModuleType:

@@ -7,8 +7,10 @@ ValueError, never by the limits of a slider. A control calls `note` when the vis
 
 import html
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import TypeVar
 
 import viser
 
@@ -19,11 +21,29 @@ Note = Callable[[], None]
 WIDEN = 1.25
 """A slider that must show a value outside its range is widened to this much more than the value."""
 LOG_DIGITS, MAX_EXPONENT = 2, 300
+MAX_CLICKS = 32
+"""Presses remembered while the session is busy; of more, the oldest are dropped."""
 RED = "#b3261e"
 
 
 class Refused(Exception):  # noqa: N818  (not an error of the program: the visitor has been told)
     """What is chosen is no valid input, and a sentence beside the control says why."""
+
+
+T = TypeVar("T")
+
+
+def read_all(readers: Iterable[Callable[[], T]]) -> list[T]:
+    """What every reader gives; all are asked, so that each can complain, before Refused is raised."""
+    values, refused = [], None
+    for read in readers:
+        try:
+            values.append(read())
+        except Refused as refusal:
+            refused = refusal
+    if refused is not None:
+        raise refused
+    return values
 
 
 class Complaint:
@@ -109,7 +129,7 @@ class LogDial:
         _when_moved(self._slider, note)
 
     def read(self) -> float:
-        """The value as written, or as the visitor has moved it; the label follows. Raises ValueError if it is no number."""
+        """The value as written or moved; the label follows. Raises ValueError if it is no number."""
         exponent = self._slider.value
         if not abs(exponent) <= MAX_EXPONENT:
             raise ValueError(f"log10 of {self._symbol} must be a number between -{MAX_EXPONENT} and {MAX_EXPONENT}")
@@ -202,6 +222,23 @@ class Switch:
     def write(self, value: bool) -> None:
         """Show it on or off."""
         self._box.value = value
+
+
+class Clicks:
+    """The names of what the visitor has pressed, in order, until the session takes them."""
+
+    def __init__(self, note: Note) -> None:
+        self._names: deque[str] = deque(maxlen=MAX_CLICKS)
+        self._note = note
+
+    def add(self, name: str) -> None:
+        """Called from viser's threads."""
+        self._names.append(name)
+        self._note()
+
+    def take(self) -> list[str]:
+        """All names so far, oldest first."""
+        return [self._names.popleft() for _ in range(len(self._names))]
 
 
 def _when_moved(handle: viser.GuiInputHandle, note: Note) -> None:

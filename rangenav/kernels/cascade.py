@@ -12,13 +12,6 @@ from rangenav.kernels.compiled import kernel
 
 
 @kernel
-def to_body(turned, vector, out):
-    """out ← turnedᵀ vector."""
-    for i in range(3):
-        out[i] = turned[0, i] * vector[0] + turned[1, i] * vector[1] + turned[2, i] * vector[2]
-
-
-@kernel
 def range_variance(x, p):
     """Variance (m⁴) of one y: constant, or d̂²σ² + ½σ⁴ with the predicted d̂² (the measured one would bias the gain)."""
     if not p.matched:
@@ -35,26 +28,23 @@ def measured_y(distance, p):
 
 
 @kernel
-def propagate(s, gyro1, accel1, begin, end, interval, p):
-    """Predict from begin to end (fractions of the interval): the mean of a at both ends, in the axes of the start."""
+def propagate(x, P, turned, gyro0, gyro1, accel0, accel1, begin, end, interval, p):
+    """Predict from begin to end (fractions of the interval) and return the new turn.
+
+    The acceleration is the mean of both ends, in the axes of the start: with the rate at the middle, order 2.
+    """
     h, middle = (end - begin) * interval, (begin + end) / 2
-    increment, a = np.empty((3, 3)), np.empty(3)
-    wx = s.gyro[0] + middle * (gyro1[0] - s.gyro[0])
-    wy = s.gyro[1] + middle * (gyro1[1] - s.gyro[1])
-    wz = s.gyro[2] + middle * (gyro1[2] - s.gyro[2])
-    rot.exp(h * wx, h * wy, h * wz, increment)
-    ax0, ay0, az0 = _between(s.accel, accel1, begin)
-    ax1, ay1, az1 = _between(s.accel, accel1, end)
-    bx = (ax0 + increment[0, 0] * ax1 + increment[0, 1] * ay1 + increment[0, 2] * az1) / 2
-    by = (ay0 + increment[1, 0] * ax1 + increment[1, 1] * ay1 + increment[1, 2] * az1) / 2
-    bz = (az0 + increment[2, 0] * ax1 + increment[2, 1] * ay1 + increment[2, 2] * az1) / 2
-    for i in range(3):
-        a[i] = s.turned[i, 0] * bx + s.turned[i, 1] * by + s.turned[i, 2] * bz
-    _add_noise(s, h / 2, p)
-    riccati.predict_state(s.x, a, h, p.b4)
-    riccati.predict_covariance(s.P, a, h)
-    _add_noise(s, h / 2, p)
-    rot.turn(s.turned, increment)
+    wx, wy, wz = _between(gyro0, gyro1, middle)
+    increment = rot.exp(h * wx, h * wy, h * wz)
+    ax0, ay0, az0 = _between(accel0, accel1, begin)
+    ax1, ay1, az1 = _between(accel0, accel1, end)
+    bx, by, bz = rot.apply(increment, ax1, ay1, az1)
+    ax, ay, az = rot.apply(turned, (ax0 + bx) / 2, (ay0 + by) / 2, (az0 + bz) / 2)
+    _add_noise(x, P, h / 2, p)
+    riccati.predict_state(x, ax, ay, az, h, p.b4)
+    riccati.predict_covariance(P, ax, ay, az, h)
+    _add_noise(x, P, h / 2, p)
+    return rot.multiply(turned, increment)
 
 
 @kernel
@@ -67,20 +57,10 @@ def _between(start, end, fraction):
 
 
 @kernel
-def _add_noise(s, h, p):
-    riccati.add_block_noise(s.P, p.v, h)
+def _add_noise(x, P, h, p):
+    riccati.add_block_noise(P, p.v, h)
     if p.matched:
-        riccati.add_imu_noise(s.P, s.x, p.accel_density, p.gyro_density, h)
-
-
-@kernel
-def correct(s, y, at_sample, p):
-    """Apply one range; at an IMU sample of the symmetric scheme half of it now and the other half pending."""
-    variance = range_variance(s.x, p)
-    if p.symmetric and at_sample:
-        s.pending[0], s.pending[1] = y, 2 * variance
-        return riccati.correct(s.x, s.P, y, 2 * variance)
-    return riccati.correct(s.x, s.P, y, variance)
+        riccati.add_imu_noise(P, x, p.accel_density, p.gyro_density, h)
 
 
 @kernel
@@ -96,50 +76,56 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
 
     innovation[j] ← (y − ŷ, its variance) for each of them.
     """
-    gravity0, gravity1, mag, mag_end = np.empty(3), np.empty(3), np.empty(3), np.empty(3)
-    to_body(s.turned, s.x[10:13], gravity0)
+    x, P, interval, reached = s.x, s.P, t1 - t0, 0.0
+    old = rot.load(s.turned)
+    gravity0 = rot.apply_inverse(old, x[10], x[11], x[12])
     if not np.isnan(s.pending[0]):
-        riccati.correct(s.x, s.P, s.pending[0], s.pending[1])
+        riccati.correct(x, P, s.pending[0], s.pending[1])
         s.pending[0] = np.nan
-    interval, reached = t1 - t0, 0.0
-    for i in range(3):
-        mag[i] = s.turned[i, 0] * s.mag[0] + s.turned[i, 1] * s.mag[1] + s.turned[i, 2] * s.mag[2]
+    turned = old
     for j in range(first, last):
         at_sample = range_time[j] == t1
         fraction = 1.0 if at_sample else (range_time[j] - t0) / interval
         if fraction > reached:
-            propagate(s, gyro1, accel1, reached, fraction, interval, p)
+            turned = propagate(x, P, turned, s.gyro, gyro1, s.accel, accel1, reached, fraction, interval, p)
             reached = fraction
-        innovation[j, 0], innovation[j, 1] = correct(s, measured_y(distance[j], p), at_sample, p)
+        y, variance = measured_y(distance[j], p), range_variance(x, p)
+        if p.symmetric and at_sample:
+            variance *= 2
+            s.pending[0], s.pending[1] = y, variance
+        innovation[j, 0], innovation[j, 1] = riccati.correct(x, P, y, variance)
     if reached < 1.0:
-        propagate(s, gyro1, accel1, reached, 1.0, interval, p)
-    rot.orthonormalise(s.turned)
+        turned = propagate(x, P, turned, s.gyro, gyro1, s.accel, accel1, reached, 1.0, interval, p)
+    turned = rot.orthonormal(turned)
+    rot.store(turned, s.turned)
+    mag0, new_mag = (s.mag[0], s.mag[1], s.mag[2]), (mag1[0], mag1[1], mag1[2])
     if np.isnan(mag1[0]):  # no new sample: the last one, carried along by the gyro
-        to_body(s.turned, mag, mag_end)
-    else:
-        mag_end[:] = mag1
-    to_body(s.turned, s.x[10:13], gravity1)
-    attitude.step(s.rotation, s.gyro, gyro1, s.mag, mag_end, gravity0, gravity1, interval, p)
-    s.gyro[:], s.accel[:], s.mag[:] = gyro1, accel1, mag_end
+        mx, my, mz = rot.apply(old, mag0[0], mag0[1], mag0[2])
+        new_mag = rot.apply_inverse(turned, mx, my, mz)
+    gravity1 = rot.apply_inverse(turned, x[10], x[11], x[12])
+    rotation = rot.load(s.rotation)
+    rot.store(attitude.step(rotation, s.gyro, gyro1, mag0, new_mag, gravity0, gravity1, interval, p), s.rotation)
+    for i in range(3):
+        s.gyro[i], s.accel[i], s.mag[i] = gyro1[i], accel1[i], new_mag[i]
 
 
 @kernel
 def read(s, state, covariance):
-    """state ← x̂ in body axes; covariance ← the four symmetric blocks of P in body axes: ξ's diagonal, then 3 × 3 each."""
-    turned, x, P = s.turned, s.x, s.P
+    """state ← x̂ and covariance ← the position, velocity and gravity blocks of P, all in body axes."""
+    x, P, t = s.x, s.P, rot.load(s.turned)
     for i in range(4):
         state[i] = x[i]
     for block in range(3):
         o = 4 + 3 * block
+        state[o], state[o + 1], state[o + 2] = rot.apply_inverse(t, x[o], x[o + 1], x[o + 2])
+        d = 14 * o
+        xx, xy, xz, yy, yz, zz = P[d], P[d + 1], P[d + 2], P[d + 14], P[d + 15], P[d + 28]
         for i in range(3):
-            state[o + i] = turned[0, i] * x[o] + turned[1, i] * x[o + 1] + turned[2, i] * x[o + 2]
-            for j in range(i, 3):
-                total = 0.0
-                for k in range(3):
-                    row = P[o + k, o] * turned[0, j] + P[o + k, o + 1] * turned[1, j] + P[o + k, o + 2] * turned[2, j]
-                    total += turned[k, i] * row
-                covariance[block, i, j] = total
-                covariance[block, j, i] = total
+            tx, ty, tz = t[i], t[3 + i], t[6 + i]
+            cx, cy, cz = xx * tx + xy * ty + xz * tz, xy * tx + yy * ty + yz * tz, xz * tx + yz * ty + zz * tz
+            for j in range(i + 1):
+                covariance[block, i, j] = t[j] * cx + t[3 + j] * cy + t[6 + j] * cz
+                covariance[block, j, i] = covariance[block, i, j]
 
 
 @kernel
@@ -157,5 +143,5 @@ def run(s, time, gyro, accel, mag, range_time, distance, states, xi_variance, co
             first = last
         read(s, states[k], covariances[k])
         for i in range(4):
-            xi_variance[k, i] = s.P[i, i]
-        rotations[k] = s.rotation
+            xi_variance[k, i] = s.P[14 * i]
+        rot.store(rot.load(s.rotation), rotations[k])

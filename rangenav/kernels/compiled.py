@@ -4,4 +4,3 @@ import numba
 
 kernel = numba.njit(cache=True, nogil=True, error_model="numpy")
 """error_model "numpy" lets a division give inf or NaN as in numpy; the check before each would stop vectorisation."""
-inlined = numba.njit(cache=True, nogil=True, error_model="numpy", inline="always")

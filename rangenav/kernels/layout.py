@@ -6,15 +6,15 @@ import numpy as np
 
 
 class Parameters(NamedTuple):
-    """What stays constant over a record, in the plain types the compiler wants."""
+    """What stays constant over a record: numbers only, since an array in here would be reference-counted at every call."""
 
-    gravity: np.ndarray
-    magnetic: np.ndarray
+    gravity: tuple[float, float, float]
+    magnetic: tuple[float, float, float]
     b4: float
     """Input into ξ4: 3|g|², or |g|² in the printed form."""
     variance: float
     """Of one correction with y (m⁴), used unless matched."""
-    v: np.ndarray
+    v: tuple[float, float, float, float]
     """Process-noise density of the four blocks."""
     k1: float
     rho1: float
@@ -34,7 +34,7 @@ class Arrays(NamedTuple):
     x: np.ndarray
     """13, turned axes."""
     P: np.ndarray
-    """13 × 13, turned axes, symmetric."""
+    """169: 13 × 13 row by row, turned axes, symmetric."""
     turned: np.ndarray
     """3 × 3, from body axes to turned axes."""
     rotation: np.ndarray

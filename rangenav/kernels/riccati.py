@@ -1,7 +1,8 @@
 """One step of the Riccati observer in turned axes: the gyro-integrated frame, in which 𝒜 is nilpotent and ω is gone.
 
-P is 13 × 13 and symmetric to the last bit: predictions compute one triangle's values and mirror them, corrections
-subtract a product u uᵀ. Left unsymmetrised it goes indefinite within 10⁴ steps.
+P is a flat array of 169, row by row, symmetric to the last bit: one triangle is computed and mirrored (left
+unsymmetrised it goes indefinite within 10⁴ steps). Flat with constant offsets, because only then does the compiler see
+that rows do not overlap and work on four columns at once: 50 ns for Φ P, against 80 ns with two indices.
 """
 
 import numpy as np
@@ -9,63 +10,105 @@ import numpy as np
 from rangenav.kernels.compiled import kernel
 
 N = 13
+ROW1, ROW2, ROW3 = 1 * N, 2 * N, 3 * N
+PX, PY, PZ = 4 * N, 5 * N, 6 * N
+VX, VY, VZ = 7 * N, 8 * N, 9 * N
+GX, GY, GZ = 10 * N, 11 * N, 12 * N
 
 
 @kernel
-def predict_state(x, a, h, b4):
+def predict_state(x, ax, ay, az, h, b4):
     """x ← Φ(h) x + ∫Φ b for a constant apparent acceleration a (turned axes), b4 the constant input into ξ4."""
-    ap = a[0] * x[4] + a[1] * x[5] + a[2] * x[6]
-    av = a[0] * x[7] + a[1] * x[8] + a[2] * x[9]
-    ag = a[0] * x[10] + a[1] * x[11] + a[2] * x[12]
-    aa = a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
+    ap = ax * x[4] + ay * x[5] + az * x[6]
+    av = ax * x[7] + ay * x[8] + az * x[9]
+    ag = ax * x[10] + ay * x[11] + az * x[12]
+    aa = ax * ax + ay * ay + az * az
     h2, h3, h4 = h * h, h * h * h, h * h * h * h
     x[0] += h * x[1] + h2 / 2 * (x[2] + ap) + h3 / 6 * x[3] + h3 / 2 * av + h4 / 4 * ag + h4 / 24 * b4 + h4 / 8 * aa
     x[1] += h * (x[2] + ap) + h2 / 2 * (x[3] + 3 * av) + h3 * ag + h3 / 6 * b4 + h3 / 2 * aa
     x[2] += h * (x[3] + 2 * av) + h2 * (2.5 * ag + b4 / 2 + aa)
     x[3] += h * (3 * ag + b4)
-    for i in range(3):
-        x[4 + i] += h * x[7 + i] + h2 / 2 * (x[10 + i] + a[i])
-        x[7 + i] += h * (x[10 + i] + a[i])
+    x[4] += h * x[7] + h2 / 2 * (x[10] + ax)
+    x[5] += h * x[8] + h2 / 2 * (x[11] + ay)
+    x[6] += h * x[9] + h2 / 2 * (x[12] + az)
+    x[7] += h * (x[10] + ax)
+    x[8] += h * (x[11] + ay)
+    x[9] += h * (x[12] + az)
 
 
 @kernel
-def transition_rows(P, a, h):
-    """P ← Φ(h) P, row by row from the top, so that every row still finds the old ones below it."""
+def predict_covariance(P, ax, ay, az, h):
+    """P ← Φ P Φᵀ: Φ P on whole rows, then (Φ P) Φᵀ on the upper triangle, then its mirror."""
+    _transition_rows(P, ax, ay, az, h)
+    _transition_columns(P, ax, ay, az, h)
+    mirror(P)
+
+
+@kernel
+def _transition_rows(P, ax, ay, az, h):
+    """P ← Φ P, from the top row down, so that every row still finds the old ones below it."""
     h2, h3, h4 = h * h, h * h * h, h * h * h * h
     for j in range(N):
-        ap = a[0] * P[4, j] + a[1] * P[5, j] + a[2] * P[6, j]
-        av = a[0] * P[7, j] + a[1] * P[8, j] + a[2] * P[9, j]
-        ag = a[0] * P[10, j] + a[1] * P[11, j] + a[2] * P[12, j]
-        p1, p2, p3 = P[1, j], P[2, j], P[3, j]
-        P[0, j] += h * p1 + h2 / 2 * (p2 + ap) + h3 / 6 * p3 + h3 / 2 * av + h4 / 4 * ag
-        P[1, j] = p1 + h * (p2 + ap) + h2 / 2 * p3 + 1.5 * h2 * av + h3 * ag
-        P[2, j] = p2 + h * (p3 + 2 * av) + 2.5 * h2 * ag
-        P[3, j] = p3 + 3 * h * ag
-        for i in range(3):
-            v, g = P[7 + i, j], P[10 + i, j]
-            P[4 + i, j] += h * v + h2 / 2 * g
-            P[7 + i, j] = v + h * g
+        ap = ax * P[PX + j] + ay * P[PY + j] + az * P[PZ + j]
+        av = ax * P[VX + j] + ay * P[VY + j] + az * P[VZ + j]
+        ag = ax * P[GX + j] + ay * P[GY + j] + az * P[GZ + j]
+        p1, p2, p3 = P[ROW1 + j], P[ROW2 + j], P[ROW3 + j]
+        P[j] += h * p1 + h2 / 2 * (p2 + ap) + h3 / 6 * p3 + h3 / 2 * av + h4 / 4 * ag
+        P[ROW1 + j] = p1 + h * (p2 + ap) + h2 / 2 * p3 + 1.5 * h2 * av + h3 * ag
+        P[ROW2 + j] = p2 + h * (p3 + 2 * av) + 2.5 * h2 * ag
+        P[ROW3 + j] = p3 + 3 * h * ag
+        P[PX + j] += h * P[VX + j] + h2 / 2 * P[GX + j]
+        P[PY + j] += h * P[VY + j] + h2 / 2 * P[GY + j]
+        P[PZ + j] += h * P[VZ + j] + h2 / 2 * P[GZ + j]
+        P[VX + j] += h * P[GX + j]
+        P[VY + j] += h * P[GY + j]
+        P[VZ + j] += h * P[GZ + j]
 
 
 @kernel
-def predict_covariance(P, a, h):
-    """P ← Φ P Φᵀ = Φ (Φ P)ᵀ: the same row operations twice with a transposition between, then mirrored."""
-    transition_rows(P, a, h)
-    for i in range(N):
+def _transition_columns(P, ax, ay, az, h):
+    """The upper triangle of P Φᵀ; Φ is upper triangular, so no entry below the diagonal is asked for."""
+    h2, h3, h4 = h * h, h * h * h, h * h * h * h
+    for i in range(4):
+        o = N * i
+        ap = ax * P[o + 4] + ay * P[o + 5] + az * P[o + 6]
+        av = ax * P[o + 7] + ay * P[o + 8] + az * P[o + 9]
+        ag = ax * P[o + 10] + ay * P[o + 11] + az * P[o + 12]
+        p1, p2, p3 = P[o + 1], P[o + 2], P[o + 3]
+        P[o] += h * p1 + h2 / 2 * (p2 + ap) + h3 / 6 * p3 + h3 / 2 * av + h4 / 4 * ag
+        P[o + 1] = p1 + h * (p2 + ap) + h2 / 2 * p3 + 1.5 * h2 * av + h3 * ag
+        P[o + 2] = p2 + h * (p3 + 2 * av) + 2.5 * h2 * ag
+        P[o + 3] = p3 + 3 * h * ag
+    for i in range(7):
+        o = N * i
+        P[o + 4] += h * P[o + 7] + h2 / 2 * P[o + 10]
+        P[o + 5] += h * P[o + 8] + h2 / 2 * P[o + 11]
+        P[o + 6] += h * P[o + 9] + h2 / 2 * P[o + 12]
+    for i in range(10):
+        o = N * i
+        P[o + 7] += h * P[o + 10]
+        P[o + 8] += h * P[o + 11]
+        P[o + 9] += h * P[o + 12]
+
+
+@kernel
+def mirror(P):
+    """Copy the upper triangle onto the lower."""
+    for i in range(1, N):
         for j in range(i):
-            P[i, j], P[j, i] = P[j, i], P[i, j]
-    transition_rows(P, a, h)
-    for i in range(N):
-        for j in range(i):
-            P[i, j] = P[j, i]
+            P[N * i + j] = P[N * j + i]
 
 
 @kernel
 def add_block_noise(P, v, h):
     """P ← P + V h with V = diag(v_ξ, v_p, v_v, v_g), isotropic in each block and so the same in any axes."""
-    for i in range(N):
-        block = 0 if i < 4 else (i - 1) // 3
-        P[i, i] += v[block] * h
+    xi, position, velocity, gravity = v[0] * h, v[1] * h, v[2] * h, v[3] * h
+    for i in range(4):
+        P[(N + 1) * i] += xi
+    for i in range(3):
+        P[(N + 1) * (4 + i)] += position
+        P[(N + 1) * (7 + i)] += velocity
+        P[(N + 1) * (10 + i)] += gravity
 
 
 @kernel
@@ -92,22 +135,22 @@ def add_imu_noise(P, x, accel_density, gyro_density, h):
 def _add_outer(P, column, weight):
     for i in range(1, N):
         for j in range(1, N):
-            P[i, j] += weight * (column[i] * column[j])
+            P[N * i + j] += weight * (column[i] * column[j])
 
 
 @kernel
 def correct(x, P, y, variance):
     """One rank-one update with y = ½d² of the given variance (m⁴); returns the innovation and its variance."""
-    innovation, total = y - x[0], P[0, 0] + variance
-    scale, kept = 1 / np.sqrt(total), variance / total
-    u = np.empty(N)
+    innovation, total = y - x[0], P[0] + variance
+    inverse = 1 / total
+    scale, kept, step = np.sqrt(inverse), variance * inverse, innovation * inverse
     for i in range(N):
-        u[i] = P[0, i] * scale
-        x[i] += P[0, i] / total * innovation
+        x[i] += P[i] * step
     for i in range(1, N):
-        for j in range(1, N):
-            P[i, j] -= u[i] * u[j]
+        u = P[i] * scale
+        for j in range(1, N):  # u uᵀ as one product of equal factors: symmetric to the last bit
+            P[N * i + j] -= u * (P[j] * scale)
     for i in range(N):  # ξ1's own row without the difference of two large numbers
-        P[0, i] *= kept
-        P[i, 0] = P[0, i]
+        P[i] *= kept
+        P[N * i] = P[i]
     return innovation, total

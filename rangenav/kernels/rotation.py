@@ -1,4 +1,4 @@
-"""Small rotations in place: R ← R exp([w]x), kept orthogonal over any number of steps."""
+"""Small rotations as tuples of nine numbers, row by row: they live in registers and never allocate."""
 
 import numpy as np
 
@@ -9,9 +9,9 @@ SMALL_SQUARE = 1e-4
 
 
 @kernel
-def exp(wx, wy, wz, out):
-    """out ← exp([w]x), by Rodrigues' formula."""
-    square = wx * wx + wy * wy + wz * wz
+def exp(x, y, z):
+    """exp([w]x) of w = (x, y, z), by Rodrigues' formula."""
+    square = x * x + y * y + z * z
     if square < SMALL_SQUARE:
         a = 1 - square / 6 * (1 - square / 20 * (1 - square / 42))
         b = 0.5 - square / 24 * (1 - square / 30 * (1 - square / 56))
@@ -20,37 +20,64 @@ def exp(wx, wy, wz, out):
         half = np.sin(angle / 2)
         a = np.sin(angle) / angle
         b = 2 * half * half / square
-    out[0, 0] = 1 - b * (wy * wy + wz * wz)
-    out[1, 1] = 1 - b * (wx * wx + wz * wz)
-    out[2, 2] = 1 - b * (wx * wx + wy * wy)
-    out[0, 1], out[1, 0] = b * wx * wy - a * wz, b * wx * wy + a * wz
-    out[0, 2], out[2, 0] = b * wx * wz + a * wy, b * wx * wz - a * wy
-    out[1, 2], out[2, 1] = b * wy * wz - a * wx, b * wy * wz + a * wx
+    return (
+        1 - b * (y * y + z * z), b * x * y - a * z, b * x * z + a * y,
+        b * x * y + a * z, 1 - b * (x * x + z * z), b * y * z - a * x,
+        b * x * z - a * y, b * y * z + a * x, 1 - b * (x * x + y * y),
+    )  # fmt: skip
 
 
 @kernel
-def turn(rotation, increment):
-    """rotation ← rotation · increment."""
-    for i in range(3):
-        a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
-        for j in range(3):
-            rotation[i, j] = a * increment[0, j] + b * increment[1, j] + c * increment[2, j]
+def load(matrix):
+    """The tuple of a 3 × 3 array."""
+    return (
+        matrix[0, 0], matrix[0, 1], matrix[0, 2],
+        matrix[1, 0], matrix[1, 1], matrix[1, 2],
+        matrix[2, 0], matrix[2, 1], matrix[2, 2],
+    )  # fmt: skip
 
 
 @kernel
-def orthonormalise(rotation):
-    """One Newton step to the nearest rotation, R ← R(3I − RᵀR)/2: squares the drift that rounding left."""
-    xx = yy = zz = xy = xz = yz = 0.0
-    for i in range(3):
-        a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
-        xx += a * a
-        yy += b * b
-        zz += c * c
-        xy += a * b
-        xz += a * c
-        yz += b * c
-    for i in range(3):
-        a, b, c = rotation[i, 0], rotation[i, 1], rotation[i, 2]
-        rotation[i, 0] = a + (a - a * xx - b * xy - c * xz) / 2
-        rotation[i, 1] = b + (b - a * xy - b * yy - c * yz) / 2
-        rotation[i, 2] = c + (c - a * xz - b * yz - c * zz) / 2
+def store(r, matrix):
+    """Write a tuple into a 3 × 3 array."""
+    matrix[0, 0], matrix[0, 1], matrix[0, 2] = r[0], r[1], r[2]
+    matrix[1, 0], matrix[1, 1], matrix[1, 2] = r[3], r[4], r[5]
+    matrix[2, 0], matrix[2, 1], matrix[2, 2] = r[6], r[7], r[8]
+
+
+@kernel
+def multiply(r, s):
+    """r s."""
+    return (
+        r[0] * s[0] + r[1] * s[3] + r[2] * s[6], r[0] * s[1] + r[1] * s[4] + r[2] * s[7], r[0] * s[2] + r[1] * s[5] + r[2] * s[8],
+        r[3] * s[0] + r[4] * s[3] + r[5] * s[6], r[3] * s[1] + r[4] * s[4] + r[5] * s[7], r[3] * s[2] + r[4] * s[5] + r[5] * s[8],
+        r[6] * s[0] + r[7] * s[3] + r[8] * s[6], r[6] * s[1] + r[7] * s[4] + r[8] * s[7], r[6] * s[2] + r[7] * s[5] + r[8] * s[8],
+    )  # fmt: skip
+
+
+@kernel
+def apply(r, x, y, z):
+    """r u."""
+    return r[0] * x + r[1] * y + r[2] * z, r[3] * x + r[4] * y + r[5] * z, r[6] * x + r[7] * y + r[8] * z
+
+
+@kernel
+def apply_inverse(r, x, y, z):
+    """rᵀ u."""
+    return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
+
+
+@kernel
+def orthonormal(r):
+    """One Newton step to the nearest rotation, r(3I − rᵀr)/2: squares the drift that rounding left."""
+    xx = (1 - r[0] * r[0] - r[3] * r[3] - r[6] * r[6]) / 2
+    yy = (1 - r[1] * r[1] - r[4] * r[4] - r[7] * r[7]) / 2
+    zz = (1 - r[2] * r[2] - r[5] * r[5] - r[8] * r[8]) / 2
+    xy = -(r[0] * r[1] + r[3] * r[4] + r[6] * r[7]) / 2
+    xz = -(r[0] * r[2] + r[3] * r[5] + r[6] * r[8]) / 2
+    yz = -(r[1] * r[2] + r[4] * r[5] + r[7] * r[8]) / 2
+    return (
+        r[0] + r[0] * xx + r[1] * xy + r[2] * xz, r[1] + r[0] * xy + r[1] * yy + r[2] * yz, r[2] + r[0] * xz + r[1] * yz + r[2] * zz,
+        r[3] + r[3] * xx + r[4] * xy + r[5] * xz, r[4] + r[3] * xy + r[4] * yy + r[5] * yz, r[5] + r[3] * xz + r[4] * yz + r[5] * zz,
+        r[6] + r[6] * xx + r[7] * xy + r[8] * xz, r[7] + r[6] * xy + r[7] * yy + r[8] * yz, r[8] + r[6] * xz + r[7] * yz + r[8] * zz,
+    )  # fmt: skip

@@ -21,18 +21,18 @@ def _stages() -> list[tuple[str, Callable[[], object]]]:
 
     vector, matrix, state = np.zeros(3), np.eye(3), np.zeros(13)
     p = Parameters(
-        gravity=np.array([0.0, 0.0, 9.81]), magnetic=np.array([1.0, 0.0, 0.0]), b4=1.0, variance=1.0, v=np.ones(4), k1=1.0,
+        gravity=(0.0, 0.0, 9.81), magnetic=(1.0, 0.0, 0.0), b4=1.0, variance=1.0, v=(1.0, 1.0, 1.0, 1.0), k1=1.0,
         rho1=1.0, rho2=1.0, symmetric=True, matched=False, range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
     )  # fmt: skip
     s = Arrays(
-        x=state, P=np.eye(13), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(), accel=vector.copy(),
+        x=state, P=np.eye(13).ravel(), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(), accel=vector.copy(),
         mag=vector.copy(), pending=np.full(2, np.nan),
     )  # fmt: skip
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
     return [
-        ("rotations", lambda: rotation.exp(0.0, 0.0, 0.1, matrix.copy())),
-        ("attitude filter", lambda: attitude.step(s.rotation, vector, vector, vector, vector, vector, vector, 1e-3, p)),
-        ("Riccati prediction", lambda: riccati.predict_covariance(s.P, vector, 1e-3)),
+        ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), rotation.load(matrix)))),
+        ("attitude filter", lambda: attitude.step(rotation.load(matrix), vector, vector, vector, vector, vector, vector, 1e-3, p)),
+        ("Riccati prediction", lambda: riccati.predict_covariance(s.P, 0.0, 0.0, 9.8, 1e-3)),
         ("Riccati correction", lambda: riccati.correct(s.x, s.P, 1.0, 1.0)),
         ("first sample", lambda: cascade.begin(s, 1.0, p)),
         ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, np.empty((2, 2)), p)),

@@ -1,0 +1,209 @@
+"""The plots in the left dock: created once, then assigned. Picture -> numbers lies in `plots`, their look in `markup`."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, GuiUplotHandle, PanelHandle, uplot
+
+from explorer.charts import catalogue, curves, markup
+from explorer.charts.catalogue import Group
+from explorer.charts.plots import Curve, Drawing, Plot
+from explorer.compute import Picture
+
+COLUMN_WIDTH = 400
+NARROW_COLUMN_WIDTH = 380
+HEIGHT, NARROW_HEIGHT = 186, 118
+"""px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
+ICONS = {"Errors": "chart-line", "Observability": "eye", "Signals": "wave-sine"}
+
+
+@dataclass(eq=False)
+class _Chart:
+    """One plot on the page, and what it shows."""
+
+    plot: Plot
+    height: int
+    header: GuiHtmlHandle
+    handle: GuiUplotHandle
+    drawing: Drawing | None = None
+    looks: tuple[object, ...] = ()
+    """What the axes and visible curves were made for: changing those rebuilds the chart in the browser."""
+
+    def draw(self, picture: Picture) -> None:
+        """Assign the curves; the axes and the legend only when they differ."""
+        self.drawing = drawing = self.plot.draw(picture)
+        looks = (drawing.axis, drawing.hidden, float(picture.motion.time[-1]))
+        if looks != self.looks:
+            self.looks = looks
+            self.handle.series = series(self.plot.curves, drawing.hidden)
+            self.handle.scales = scales(self.plot, drawing.axis, looks[2])
+            self.handle.axes = axes(self.plot, drawing.axis)
+            self.header.content = markup.header(self.plot, height=self.height, hidden=drawing.hidden)
+        time, values = curves.decimate(drawing.time, drawing.drawn)
+        self.handle.data = (time, *np.ascontiguousarray(values.T))
+
+    def values(self, time: float) -> list[tuple[str, str]]:
+        """The text of each curve in the legend at a time; a window counts until the next one starts."""
+        if self.drawing is None:
+            return []
+        row = _read_at(self.drawing, time)
+        named = [i for i, curve in enumerate(self.plot.curves) if curve.label and i not in self.drawing.hidden]
+        return [(markup.variable(self.plot, i), said(row[i])) for i in named]
+
+
+class Charts:
+    """All plots of one visitor: two columns beside each other, or one column of tabs."""
+
+    def __init__(self, client: ClientHandle, *, narrow: bool) -> None:
+        self._client = client
+        self._narrow = narrow
+        self._height = NARROW_HEIGHT if narrow else HEIGHT
+        self._picture: Picture | None = None
+        self._time = 0.0
+        self._columns: list[_Column] = []
+        errors, *others = catalogue.GROUPS
+        for groups in [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]:
+            self._columns.append(_Column(client, groups, height=self._height, width=self._width()))
+
+    def draw(self, picture: Picture) -> None:
+        """Show another picture; the cursor stays at its time."""
+        self._picture = picture
+        for column in self._columns:
+            column.draw(picture)
+        self.cursor(picture, self._time)
+
+    def cursor(self, picture: Picture, time: float) -> None:
+        """Move the shared time cursor, and say the values there: one small message for each column."""
+        self._time = time
+        fraction = float(np.clip(time / picture.motion.time[-1], 0.0, 1.0))
+        for i, column in enumerate(self._columns):
+            column.cursor(fraction, time, sentence(picture, time) if i == 0 else "")
+
+    def show_paper_figures(self) -> None:
+        """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab, so in the
+        narrow page the other tabs are made anew: the browser then falls back to the one that stayed."""
+        first = self._columns[0]
+        first.panel.expand()
+        if self._narrow:
+            first.keep_only_first_tab()
+            if self._picture is not None:
+                self.draw(self._picture)
+
+    def _width(self) -> int:
+        return NARROW_COLUMN_WIDTH if self._narrow else COLUMN_WIDTH
+
+
+class _Column:
+    """One dock panel, with a tab for each group."""
+
+    def __init__(self, client: ClientHandle, groups: tuple[Group, ...], *, height: int, width: int) -> None:
+        self._client, self._groups, self._height = client, groups, height
+        self.panel: PanelHandle = client.gui.add_panel()
+        self._tabs: list[GuiTabHandle] = []
+        self._charts: list[list[_Chart]] = []
+        self._add_tab(groups[0])
+        with self._tabs[0]:
+            self._live = client.gui.add_html("", order=-1.0)
+        for group in groups[1:]:
+            self._add_tab(group)
+        self.panel.dock_left()
+        self.panel.set_width(width)
+
+    def draw(self, picture: Picture) -> None:
+        for chart in self._all():
+            chart.draw(picture)
+
+    def cursor(self, fraction: float, time: float, said: str) -> None:
+        values = [entry for chart in self._all() for entry in chart.values(time)]
+        self._live.content = markup.live(fraction, values, said)
+
+    def keep_only_first_tab(self) -> None:
+        """Remove all tabs but the first, and add them again behind it."""
+        for tab in self._tabs[1:]:
+            tab.remove()
+        del self._tabs[1:], self._charts[1:]
+        for group in self._groups[1:]:
+            self._add_tab(group)
+
+    def _all(self) -> list[_Chart]:
+        return [chart for charts in self._charts for chart in charts]
+
+    def _add_tab(self, group: Group) -> None:
+        tab = self.panel.add_tab(group.title, ICONS[group.title])
+        self._tabs.append(tab)
+        with tab:
+            self._charts.append([_add_chart(self._client, plot, self._height) for plot in group.plots])
+
+
+def _add_chart(client: ClientHandle, plot: Plot, height: int) -> _Chart:
+    """An empty plot under its header; the first draw gives it numbers."""
+    axis = (0.1, 1.0)
+    empty = tuple(np.linspace(0.5, 1.0, 2) for _ in range(1 + len(plot.curves)))
+    header = client.gui.add_html(markup.header(plot, height=height, hidden=()))
+    handle = client.gui.add_uplot(
+        empty,
+        series(plot.curves, ()),
+        scales=scales(plot, axis, 1.0),
+        axes=axes(plot, axis),
+        legend={"show": False},  # its numbers have three decimals: 1e-6 would read 0
+        cursor={"sync": {"key": "t"}, "drag": {"x": False, "y": False}},  # zoomed, the time cursor would lie
+        height=height,
+        padding=markup.PADDING,
+    )
+    return _Chart(plot=plot, height=height, header=header, handle=handle)
+
+
+def series(lines: tuple[Curve, ...], hidden: tuple[int, ...]) -> tuple[uplot.Series, ...]:
+    """uPlot's description of the curves; the first entry is the time axis."""
+    return (uplot.Series(label="t"), *(_line(curve, show=i not in hidden) for i, curve in enumerate(lines)))
+
+
+def _line(curve: Curve, *, show: bool) -> uplot.Series:
+    line = uplot.Series(label=curve.label, stroke=curve.color, width=curve.width, show=show, points={"show": False})
+    if curve.dash:
+        line["dash"] = curve.dash
+    if curve.filled:
+        line["fill"] = f"{curve.color}38"
+    return line
+
+
+def scales(plot: Plot, axis: curves.Range, duration: float) -> dict[str, uplot.Scale]:
+    """Every time axis runs from 0 to the duration: windows too, so that one cursor fits all."""
+    y = uplot.Scale(range=axis, distr=3, log=10) if plot.log else uplot.Scale(range=axis)
+    return {"x": uplot.Scale(time=False, range=(0.0, duration)), "y": y}
+
+
+def axes(plot: Plot, axis: curves.Range) -> tuple[uplot.Axis, uplot.Axis]:
+    """Axes of fixed size; a log axis gets its labels here, because uPlot's would round 1e-6 to 0."""
+    x = uplot.Axis(size=markup.AXIS_HEIGHT, gap=2)
+    if not plot.log:
+        return x, uplot.Axis(size=markup.AXIS_WIDTH, gap=2, space=28)
+    places, labels = curves.decade_ticks(axis)
+    return x, uplot.Axis(size=markup.AXIS_WIDTH, gap=2, splits=tuple(places), values=tuple(labels))
+
+
+def said(value: float) -> str:
+    """A value in a legend: a number, or why there is none."""
+    if np.isinf(value):
+        return "blind" if value > 0 else "below floor"
+    return curves.number(float(value))
+
+
+def sentence(picture: Picture, time: float) -> str:
+    """What the 3-D picture shows, in one line."""
+    motion, errors = picture.motion, picture.errors
+    k = int(np.clip(np.searchsorted(motion.time, time - 1e-9), 0, len(motion.time) - 1))
+    distance = float(np.linalg.norm(motion.position[k] - np.asarray(picture.preset.world.anchor)))
+    position, attitude = curves.number(float(errors.position[k])), curves.number(float(np.degrees(errors.attitude[k])))
+    return (
+        f"<b>{time:.2f} s</b>: {curves.number(distance)} m from the anchor; "
+        f"estimate off by <b>{position} m</b> and <b>{attitude}°</b>"
+    )
+
+
+def _read_at(drawing: Drawing, time: float) -> np.ndarray:
+    """The row at a time; NaN after the last window has started."""
+    step = drawing.time[1] - drawing.time[0] if len(drawing.time) > 1 else 0.0
+    if time > drawing.time[-1] + step:
+        return np.full(drawing.read.shape[1], np.nan)
+    return drawing.read[max(int(np.searchsorted(drawing.time, time + 1e-9)) - 1, 0)]

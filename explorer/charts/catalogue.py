@@ -1,0 +1,154 @@
+"""All plots of the page, in the three groups that become dock panels or tabs."""
+
+from typing import NamedTuple
+
+from explorer.charts import plots, words
+from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, Curve, Plot
+
+
+class Group(NamedTuple):
+    """Plots that are shown together."""
+
+    title: str
+    plots: tuple[Plot, ...]
+
+
+def _error(name: str, title: str, unit: str, draw: plots.Callable, text: words.Words) -> Plot:
+    """An error with the σ that P claims beside it."""
+    actual = Curve(label="error", color=plots.VERMILLION)
+    claimed = Curve(label="σ by P", color=plots.BLUE, dash=DASHED)
+    return Plot(name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, words=text)
+
+
+def _components(prefix: str, dash: tuple[float, ...], width: float) -> tuple[Curve, ...]:
+    colors = (plots.VERMILLION, plots.GREEN, plots.BLUE, plots.GREY)
+    labels = (f"{prefix}x", "y", "z", "norm")
+    return tuple(Curve(label=la, color=c, dash=dash, width=width) for la, c in zip(labels, colors, strict=True))
+
+
+def _eigenvalues(prefix: str, dash: tuple[float, ...]) -> tuple[Curve, ...]:
+    colors = (plots.VERMILLION, plots.PURPLE, plots.SKY)
+    labels = (f"{prefix}λ₁", "λ₂", "λ₃")
+    return tuple(Curve(label=la, color=c, dash=dash) for la, c in zip(labels, colors, strict=True))
+
+
+def _spectrum() -> tuple[Curve, ...]:
+    """The least and greatest eigenvalue by name, the eleven between them thin and unnamed, the floor filled."""
+    least = Curve(label="λ₁", color=plots.VERMILLION, width=2.0)
+    between = tuple(Curve(label="", color=plots.SKY, width=1.0) for _ in range(plots.STATES - 2))
+    greatest = Curve(label="λ₁₃", color=plots.BLUE, width=2.0, dash=DASHED)
+    floor = Curve(label="floor", color=plots.GREY, width=2.0, filled=True)
+    return (least, *between, greatest, floor)
+
+
+ERRORS = Group(
+    "Errors",
+    (
+        _error("position", "Position error", "m", plots.position_error, words.POSITION_ERROR),
+        _error("velocity", "Velocity error", "m/s", plots.velocity_error, words.VELOCITY_ERROR),
+        _error("gravity", "Gravity error", "m/s²", plots.gravity_error, words.GRAVITY_ERROR),
+        Plot(
+            name="attitude",
+            title="Attitude error",
+            unit="°",
+            curves=(Curve(label="error", color=plots.VERMILLION),),
+            draw=plots.attitude_error,
+            words=words.ATTITUDE_ERROR,
+        ),
+    ),
+)
+OBSERVABILITY = Group(
+    "Observability",
+    (
+        Plot(
+            name="snap",
+            title="Excitation signal φ",
+            unit="m/s⁴, body axes",
+            curves=_components("", plots.SOLID, 1.25) + _components("printed ", DASHED, 1.25),
+            draw=plots.snap,
+            words=words.SNAP,
+            log=False,
+        ),
+        Plot(
+            name="excitation",
+            title="PE eigenvalues",
+            unit="m²/s⁷, by window start",
+            curves=(
+                *_eigenvalues("", plots.SOLID),
+                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+                *_eigenvalues("printed ", DASHED),
+            ),
+            draw=plots.excitation,
+            words=words.EXCITATION,
+        ),
+        Plot(
+            name="gramian",
+            title="Gramian spectrum",
+            unit="SI, by window start",
+            curves=_spectrum(),
+            draw=plots.gramian,
+            words=words.GRAMIAN,
+        ),
+        Plot(
+            name="predicted",
+            title="Predicted σ",
+            unit="m, by window start",
+            curves=(
+                Curve(label="lifted", color=plots.BLUE, dash=DASHED, width=2.0),
+                Curve(label="nonlinear", color=plots.GREEN, dash=DOTTED, width=2.0),
+                Curve(label="actual", color=plots.VERMILLION),
+                Curve(label="wanted", color=plots.GREY, dash=DASH_DOT),
+            ),
+            draw=plots.predicted,
+            words=words.PREDICTED,
+        ),
+    ),
+)
+SIGNALS = Group(
+    "Signals",
+    (
+        Plot(
+            name="innovation",
+            title="Innovation",
+            unit="in its own σ",
+            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION),),
+            draw=plots.innovation,
+            words=words.INNOVATION,
+            log=False,
+        ),
+        Plot(
+            name="distance",
+            title="Range",
+            unit="m",
+            curves=(
+                Curve(label="measured", color=plots.SKY, width=1.0),
+                Curve(label="true", color=plots.BLUE, dash=DASHED),
+            ),
+            draw=plots.distance,
+            words=words.DISTANCE,
+            log=False,
+        ),
+        Plot(
+            name="speed",
+            title="Speed",
+            unit="m/s",
+            curves=(Curve(label="true", color=plots.BLUE),),
+            draw=plots.speed,
+            words=words.SPEED,
+            log=False,
+        ),
+        Plot(
+            name="effort",
+            title="Thrust/weight and body rate",
+            unit="1, rad/s",
+            curves=(
+                Curve(label="thrust/weight", color=plots.BLUE),
+                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED),
+            ),
+            draw=plots.effort,
+            words=words.EFFORT,
+            log=False,
+        ),
+    ),
+)
+GROUPS = (ERRORS, OBSERVABILITY, SIGNALS)

@@ -1,0 +1,78 @@
+"""The HTML around a plot: title, legend with live values, foldable equation, and the time cursor that lies over it.
+
+Nothing here holds text of a visitor. A plot cannot move a line cheaply, so the cursor is a strip of HTML placed at
+    left = LEFT + f (width − LEFT − RIGHT),   f = time / duration,
+and f, like every value in the legends, is a CSS variable: one small <style> moves all cursors at once.
+"""
+
+from collections.abc import Iterable
+
+from explorer.charts.plots import Curve, Plot
+
+AXIS_WIDTH, AXIS_HEIGHT = 50, 24
+"""px that the plots give to their axes: fixed, so that the cursor knows where the time axis begins and ends."""
+PADDING = (8, 14, 0, 0)
+"""px inside a plot: top, right, bottom, left."""
+MARGIN = 10
+"""px that viser leaves around a plot (its spacing "xs"), plus its border of 1 px."""
+BORDER = 1
+LEFT = MARGIN + BORDER + AXIS_WIDTH
+RIGHT = MARGIN + BORDER + PADDING[1]
+FRACTION = "--tcur"
+STYLE = f"""<style>
+.rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: 12px; line-height: 1.35; }}
+.rn-plot details {{ padding: 0 {MARGIN}px; }}
+.rn-plot summary {{ cursor: pointer; list-style: none; }}
+.rn-plot summary::-webkit-details-marker {{ display: none; }}
+.rn-title {{ display: flex; align-items: baseline; gap: 6px; white-space: nowrap; }}
+.rn-title b {{ font-weight: 600; }} .rn-unit {{ opacity: .65; }}
+.rn-fold {{ margin-left: auto; opacity: .65; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
+.rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 9px; font-size: 11px; font-variant-numeric: tabular-nums; }}
+.rn-legend span {{ white-space: nowrap; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
+.rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid #56B4E9; background: rgba(128,128,128,.09); }}
+.rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
+.rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
+.rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px; margin-left: -.75px; background: currentColor; opacity: .55; }}
+.rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px; font-size: 11px; opacity: .65; }}
+</style>"""
+
+
+def variable(plot: Plot, column: int) -> str:
+    """The CSS variable that carries the value of a curve at the cursor."""
+    return f"--{plot.name}-{column}"
+
+
+def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
+    """Title, legend, equation and cursor of a plot `height` px high; assigned again only when curves come or go."""
+    shown = [(i, curve) for i, curve in enumerate(plot.curves) if curve.label and i not in hidden]
+    legend = "".join(_entry(curve, variable(plot, i)) for i, curve in shown)
+    top = MARGIN - 7 + BORDER + PADDING[0]
+    inside = height - PADDING[0] - AXIS_HEIGHT
+    style = f"{STYLE}<style>.rn-legend .rn-v::after {{ content: var(--rn-value, '–'); }}</style>"
+    return (
+        f'{style}<div class="rn-plot" data-plot="{plot.name}"><details><summary>'
+        f'<div class="rn-title"><b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>'
+        f'<span class="rn-fold" title="Equation and meaning">▸ ƒ</span></div><div class="rn-legend">{legend}</div></summary>'
+        f'<div class="rn-words"><div class="rn-equation">{plot.words.equation}</div>{plot.words.meaning}</div></details>'
+        f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
+        f'<div class="rn-cursor" style="left:calc({LEFT}px + var({FRACTION}, 0) * (100% - {LEFT + RIGHT}px))"></div>'
+        f'<span class="rn-seconds">s</span></div></div>'
+    )
+
+
+def _entry(curve: Curve, name: str) -> str:
+    dash = " ".join(f"{length:g}" for length in curve.dash)
+    line = (
+        f'<path d="M0 5h20" stroke="{curve.color}" stroke-width="{max(curve.width, 2):g}" stroke-dasharray="{dash}"/>'
+    )
+    return (
+        f'<span><svg width="20" height="10">{line}</svg>{curve.label} '
+        f'<b class="rn-v" style="--rn-value:var({name},\'–\');font-weight:500"></b></span>'
+    )
+
+
+def live(fraction: float, values: Iterable[tuple[str, str]], sentence: str) -> str:
+    """The one element that changes as time moves: the cursor's place, the values in the legends, and a sentence."""
+    assigned = "".join(f'{name}:"{text}";' for name, text in values)
+    said = f'<div style="padding:0 {MARGIN}px;font-size:13px">{sentence}</div>' if sentence else ""
+    return f"<style>:root{{{FRACTION}:{fraction:.5f};{assigned}}}</style>{said}"

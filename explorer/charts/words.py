@@ -1,0 +1,59 @@
+"""Beside each plot: the governing equation and what its letters mean, as HTML that a visitor unfolds."""
+
+from typing import NamedTuple
+
+
+class Words(NamedTuple):
+    """An equation, and one or two sentences."""
+
+    equation: str
+    meaning: str
+
+
+POSITION_ERROR = Words(
+    "|p̂<sub>B</sub> − p<sub>B</sub>|, &nbsp; x̂̇ = 𝒜x̂ + b + K(y − ŷ), &nbsp; K = P𝒞ᵀQ",
+    "Position relative to the anchor, body axes (paper, fig. 3). Dashed: the σ that the observer's own P claims, √tr P."
+    " With constant gains P is a tuning, not a promise.",
+)
+VELOCITY_ERROR = Words(
+    "|v̂<sub>B</sub> − v<sub>B</sub>|, &nbsp; v̇<sub>B</sub> = −ω×v<sub>B</sub> + g<sub>B</sub> + a",
+    "Velocity, body axes (paper, fig. 3). Dashed: √tr of P's velocity block.",
+)
+GRAVITY_ERROR = Words(
+    "|ĝ<sub>B</sub> − g<sub>B</sub>|, &nbsp; ġ<sub>B</sub> = −ω×g<sub>B</sub>",
+    "Gravity seen from the body (paper, fig. 3). It feeds the attitude filter. Dashed: √tr of P's gravity block.",
+)
+ATTITUDE_ERROR = Words(
+    "∠R̃, &nbsp; R̃ = RR̂ᵀ, &nbsp; R̂̇ = R̂[ω<sub>y</sub> + k₁(ρ₁ m<sub>y</sub>×R̂ᵀm + ρ₂ ĝ<sub>B</sub>×R̂ᵀg)]<sub>×</sub>",
+    "The angle of the attitude error (paper, eq. 9, fig. 4): 0° is right, 180° is one of the undesired equilibria.",
+)
+SNAP = Words(
+    "φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗",
+    "The snap of the path in body axes: what excites the estimate. The paper prints ä − ω×ȧ − 2ω×(ω×a), which is not zero"
+    " even for a hover that turns.",
+)
+EXCITATION = Words(
+    "∫<sub>t</sub><sup>t+δ</sup> p⁗ p⁗ᵀ ds ≥ μ I₃",
+    "The three eigenvalues over the window that starts at t. Persistency of excitation: the least one stays above μ for"
+    " all t. What is below the axis is rounding noise.",
+)
+GRAMIAN = Words(
+    "W(t) = (1/δ) ∫<sub>t</sub><sup>t+δ</sup> hᵀh ds, &nbsp; h = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ]",
+    "D(s) = p(s) − p(t) − τv(t) − ½τ²g, τ = s − t. The 13 eigenvalues (SI) are squares of singular values. Below the grey"
+    " floor lies rounding noise: those eigenvalues run along the floor instead.",
+)
+PREDICTED = Words(
+    "σ² = tr [ (Σ hᵀh / (d²σ<sub>d</sub>² + ½σ<sub>d</sub>⁴))⁻¹ ]<sub>position</sub>",
+    "The best 1-σ position error at the end of the window that starts at t, from its ranges alone and perfect IMU:"
+    " for the lifted linear model, and for the nonlinear range (Cramér–Rao). A blind window has none.",
+)
+INNOVATION = Words(
+    "(y − ŷ) / √(𝒞P𝒞ᵀ + Q⁻¹), &nbsp; y = ½d²",
+    "What each range adds, in units of the σ that P expects. With noise-matched gains it should mostly stay within ±2.",
+)
+DISTANCE = Words("d = |p − p<sub>anchor</sub>|", "The only position measurement there is: true, and as measured.")
+SPEED = Words("|ṗ|", "Of the true path.")
+EFFORT = Words(
+    "|p̈ − g| / |g|, &nbsp; |ω|",
+    "How many times its weight the vehicle must push, and how fast it turns (rad/s).",
+)

@@ -1,0 +1,135 @@
+"""The Gains tab: the Riccati observer's q, v and p0, and the attitude filter's k1, ρ1 and ρ2 (paper, eq. 8–9)."""
+
+import numpy as np
+import viser
+
+from explorer.compute import Picture
+from explorer.panels.controls import Choice, Complaint, LogDial, Note, read_all
+from rangenav.attitude import AttitudeGains
+from rangenav.cascade import Gains
+from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
+
+MODES = {"constant": "constant (the paper's theorem)", "noise-matched": "noise-matched (outside it)"}
+BLOCKS = {"xi": "ξ", "position": "p", "velocity": "v", "gravity": "g"}
+K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
+"""Ranges of the sliders, narrower than what the model accepts."""
+
+
+class GainsPanel:
+    """All gains of the cascade."""
+
+    def __init__(self, gui: viser.GuiApi, gains: Gains, note: Note) -> None:
+        hint = (
+            "constant: q and v below (paper, eq. 8). noise-matched: both follow from the sensors' noise at the current "
+            "estimate; better in practice, but the gain then depends on the estimate and the theorem says nothing."
+        )
+        self._mode = Choice(gui, "gains", MODES, hint=hint, note=note)
+        self._complaint = Complaint(gui)
+        self._riccati = _RiccatiFolder(gui, note)
+        self._attitude = _AttitudeFolder(gui, note)
+        self.write(gains)
+
+    def read(self) -> Gains:
+        """The gains chosen. Raises Refused after saying why beside the control."""
+        with self._complaint.catching():
+            mode = self._mode.read()
+        riccati, attitude = self._riccati.read(), self._attitude.read()
+        return Gains(mode=mode, riccati=riccati, attitude=attitude)
+
+    def write(self, gains: Gains) -> None:
+        """Show gains."""
+        self._mode.write(gains.mode)
+        self._riccati.write(gains.riccati)
+        self._attitude.write(gains.attitude)
+
+    def draw(self, picture: Picture) -> None:
+        """Show what follows from the gains."""
+        self._riccati.draw(picture)
+        self._attitude.draw(picture)
+
+
+class _RiccatiFolder:
+    """q, v and p0; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
+
+    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
+        with gui.add_folder("Riccati observer: q and v"):
+            hint = (
+                "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
+                "Larger trusts the ranges more."
+            )
+            self._q = LogDial(gui, "q", Q_RANGE, hint=hint, note=note)
+            why = "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
+            self._v = _blocks(gui, "v", V_RANGE, why, note)
+            self._line = gui.add_markdown("", visible=False)
+            self._complaint = Complaint(gui)
+        with gui.add_folder("Initial covariance p0", expand_by_default=False):
+            why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
+            self._p0 = _blocks(gui, "p0", P0_RANGE, why, note)
+            self._p0_complaint = Complaint(gui)
+
+    def read(self) -> RiccatiGains:
+        with self._complaint.catching():
+            q, v = self._q.read(), _read_blocks(self._v)
+            checked = RiccatiGains(q=q, v=v)
+        with self._p0_complaint.catching():
+            return RiccatiGains(q=checked.q, v=checked.v, p0=_read_blocks(self._p0))
+
+    def write(self, gains: RiccatiGains) -> None:
+        self._q.write(gains.q)
+        for name in BLOCKS:
+            self._v[name].write(getattr(gains.v, name))
+            self._p0[name].write(getattr(gains.p0, name))
+
+    def draw(self, picture: Picture) -> None:
+        matched = picture.preset.gains.mode == "noise-matched"
+        self._line.visible = matched
+        if matched:
+            self._line.content = "q and v are not used now: noise-matched gains take theirs from the sensors' noise."
+
+
+class _AttitudeFolder:
+    """k1, ρ1, ρ2 and the time constants they give."""
+
+    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
+        with gui.add_folder("Attitude filter"):
+            hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
+            self._k1 = LogDial(gui, "k1", K1_LIMITS, hint=hint, note=note)
+            hint = "ρ1 (no unit): weight of the magnetometer, whose vector has length 1 (paper, eq. 9)."
+            self._rho1 = LogDial(gui, "ρ1", RHO1_LIMITS, hint=hint, note=note)
+            hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."
+            self._rho2 = LogDial(gui, "ρ2", RHO2_LIMITS, hint=hint, note=note)
+            self._line = gui.add_markdown("")
+            self._complaint = Complaint(gui)
+
+    def read(self) -> AttitudeGains:
+        with self._complaint.catching():
+            return AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
+
+    def write(self, gains: AttitudeGains) -> None:
+        self._k1.write(gains.k1)
+        self._rho1.write(gains.rho1)
+        self._rho2.write(gains.rho2)
+
+    def draw(self, picture: Picture) -> None:
+        rho2 = picture.preset.gains.attitude.rho2
+        squared = float(np.dot(picture.preset.world.gravity, picture.preset.world.gravity))
+        constants = ", ".join(f"{seconds:.3g}" for seconds in picture.attitude_time_constants)
+        printed = " **as printed**" if picture.settings.printed.attitude_rate else ""
+        line = f"ρ2·|g|² = **{rho2 * squared:.3g}** (|g|² = {squared:.1f}), beside ρ1\n\n"
+        line += f"time constants{printed}: **{constants} s**"
+        if line != self._line.content:
+            self._line.content = line
+
+
+def _blocks(gui: viser.GuiApi, name: str, limits: tuple[float, float], why: str, note: Note) -> dict[str, LogDial]:
+    """One dial for each block of the 13-state."""
+
+    def dial(block: str, letter: str) -> LogDial:
+        hint = f"{name} of the {block} block, in the square of its unit: {why}."
+        return LogDial(gui, f"{name} {letter}", limits, hint=hint, note=note)
+
+    return {block: dial(block, letter) for block, letter in BLOCKS.items()}
+
+
+def _read_blocks(dials: dict[str, LogDial]) -> Blocks:
+    return Blocks(**{block: dial.read() for block, dial in dials.items()})

@@ -1,0 +1,93 @@
+"""The Sensors tab: rates, noise and the seed of the noise."""
+
+from typing import NamedTuple
+
+import viser
+
+from explorer.panels.controls import Complaint, Dial, LogDial, Note, Number
+from rangenav.preset import Preset
+from rangenav.sensors import Noise, Sensors
+
+
+class Chosen(NamedTuple):
+    """What this tab decides."""
+
+    sensors: Sensors
+    seed: int
+
+    @staticmethod
+    def of(preset: Preset) -> "Chosen":
+        """The part of a preset that this tab shows."""
+        return Chosen(preset.sensors, preset.seed)
+
+
+class SensorsPanel:
+    """All controls of the sensors."""
+
+    def __init__(self, gui: viser.GuiApi, chosen: Chosen, note: Note) -> None:
+        hint = "Hz: how often a range d = |p − anchor| + noise arrives (paper, eq. 3); each is one correction by y = ½d²."
+        self._range_rate = Dial(gui, "range (Hz)", (1.0, 200.0), step=1.0, hint=hint, note=note)
+        self._noise = _NoiseFolder(gui, note)
+        with gui.add_folder("IMU and magnetometer rates", expand_by_default=False):
+            hint = "Hz: gyro and accelerometer, and with them the observer's step. Above 1000 Hz every change takes longer."
+            self._imu_rate = Dial(gui, "IMU (Hz)", (20.0, 1000.0), step=10.0, hint=hint, note=note)
+            hint = "Hz: the magnetometer, read on the IMU's clock; it cannot be faster."
+            self._mag_rate = Dial(gui, "mag (Hz)", (1.0, 1000.0), step=1.0, hint=hint, note=note)
+        hint = "The same seed gives the same noise to the last bit; another one another run. A whole number from 0."
+        self._seed = Number(gui, "noise seed", step=1.0, hint=hint, note=note)
+        self.complaint = Complaint(gui)
+        self.write(chosen)
+
+    def read(self) -> Chosen:
+        """The sensors chosen. Raises Refused after saying why beside the control."""
+        noise = self._noise.read()
+        with self.complaint.catching():
+            sensors = Sensors(
+                imu_rate=self._imu_rate.read(),
+                mag_rate=self._mag_rate.read(),
+                range_rate=self._range_rate.read(),
+                noise=noise,
+            )
+            return Chosen(sensors, _whole("seed", self._seed.read()))
+
+    def write(self, chosen: Chosen) -> None:
+        """Show sensors."""
+        self._imu_rate.write(chosen.sensors.imu_rate)
+        self._mag_rate.write(chosen.sensors.mag_rate)
+        self._range_rate.write(chosen.sensors.range_rate)
+        self._noise.write(chosen.sensors.noise)
+        self._seed.write(float(chosen.seed))
+
+
+class _NoiseFolder:
+    """Standard deviations per sample."""
+
+    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
+        def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
+            hint = f"{symbol} ({unit}): standard deviation of white noise on each sample of the {what} (paper, eq. 2–3)."
+            return LogDial(gui, f"{symbol} ({unit})", limits, hint=hint, note=note, zero_at_left=True)
+
+        with gui.add_folder("Noise"):
+            self._range = dial("σ range", "m", (1e-3, 10.0), "range")
+            self._gyro = dial("σ gyro", "rad/s", (1e-4, 1.0), "gyro")
+            self._accel = dial("σ accel", "m/s²", (1e-3, 10.0), "accelerometer")
+            self._mag = dial("σ mag", "1", (1e-3, 1.0), "magnetometer, a unit vector; the paper prints σ² = 0.01")
+            self._complaint = Complaint(gui)
+
+    def read(self) -> Noise:
+        with self._complaint.catching():
+            return Noise(
+                gyro=self._gyro.read(), accel=self._accel.read(), mag=self._mag.read(), range=self._range.read()
+            )
+
+    def write(self, noise: Noise) -> None:
+        self._gyro.write(noise.gyro)
+        self._accel.write(noise.accel)
+        self._mag.write(noise.mag)
+        self._range.write(noise.range)
+
+
+def _whole(name: str, value: float) -> int:
+    if not value.is_integer():  # also NaN and infinity
+        raise ValueError(f"{name} must be a whole number, got {value:g}")
+    return int(value)
