@@ -1,8 +1,8 @@
 """A peer: the paper's equations integrated as they stand, by scipy's DOP853 (paper, eq. 1, 7, 8, 9).
 
     ẋ̂ = 𝒜x̂ + b + P𝒞ᵀQ(y − 𝒞x̂)     Ṗ = 𝒜P + P𝒜ᵀ − P𝒞ᵀQ𝒞P + V     Ṙ̂ = R̂[ω + k1 σ]x     Ṙ = R[ω]x
-Written from the formulas alone, sharing no code with the observers, on noise-free continuous signals. V is isotropic in
-each vector block, so it is the same matrix in body axes. 𝒜 is the derived form: the last input is 3|g|².
+Transcribed from the formulas, not tuned, sharing no code with the observers, on noise-free continuous signals. V is
+isotropic in each vector block, so it is the same matrix in body axes. 𝒜 is the derived form: the last input is 3|g|².
 """
 
 import numpy as np
@@ -13,6 +13,7 @@ from rangenav.preset import Preset
 RTOL, ATOL = 1e-8, 1e-10
 STATES, SPLITS = 13, (13, 182, 191)
 """The flat vector holds x̂ (13), P (169), R̂ (9) and R (9)."""
+C = np.eye(1, STATES)
 
 
 def solve(
@@ -22,30 +23,29 @@ def solve(
     gains = preset.gains
     covariance = np.diag(gains.riccati.p0.diagonal())
     start = np.concatenate([state, covariance.ravel(), estimate.ravel(), rotation.ravel()])
+    V = np.diag(gains.riccati.v.diagonal())
     solution = solve_ivp(
         _rate, (time[0], time[-1]), start, "DOP853", time, rtol=RTOL, atol=ATOL,
-        args=(preset, np.asarray(preset.world.gravity), np.asarray(preset.world.magnetic), gains.riccati.v.diagonal()),
+        args=(preset, np.asarray(preset.world.gravity), np.asarray(preset.world.magnetic), V),
     )  # fmt: skip
     if not solution.success:
         raise ValueError(f"the paper's equations could not be integrated: {solution.message}")
     return solution.y.T
 
 
-def _rate(time: float, flat: np.ndarray, preset: Preset, g: np.ndarray, m: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _rate(time: float, flat: np.ndarray, preset: Preset, g: np.ndarray, m: np.ndarray, V: np.ndarray) -> np.ndarray:
     x, P, estimate, R = np.split(flat, SPLITS)
     P, estimate, R = P.reshape(STATES, STATES), estimate.reshape(3, 3), R.reshape(3, 3)
     omega, p = preset.angular_velocity(time), preset.path(time) - np.asarray(preset.world.anchor)
-    a = R.T @ (preset.path(time, 2) - g)
+    a, mag = R.T @ (preset.path(time, 2) - g), R.T @ m
     A, b = _matrices(omega, a, g @ g)
-    gain = preset.gains.riccati.q * P[:, 0]
-    AP = A @ P
-    P_rate = AP + AP.T - np.outer(gain, P[0])
-    P_rate[np.diag_indices(STATES)] += v
-    k = preset.gains.attitude
-    sigma = k.rho1 * _hat(R.T @ m) @ (estimate.T @ m) + k.rho2 * _hat(x[10:]) @ (estimate.T @ g)
-    x_rate = A @ x + b + gain * (p @ p / 2 - x[0])
-    turning = estimate @ _hat(omega + k.k1 * sigma)
-    return np.concatenate([x_rate, P_rate.ravel(), turning.ravel(), (R @ _hat(omega)).ravel()])
+    q, k = preset.gains.riccati.q, preset.gains.attitude
+    K = P @ C.T * q
+    x_rate = A @ x + b + K @ (p @ p / 2 - C @ x)
+    P_rate = A @ P + P @ A.T - K @ C @ P + V
+    sigma = k.rho1 * np.cross(mag, estimate.T @ m) + k.rho2 * np.cross(x[10:], estimate.T @ g)
+    estimate_rate, rotation_rate = estimate @ _hat(omega + k.k1 * sigma), R @ _hat(omega)
+    return np.concatenate([x_rate, P_rate.ravel(), estimate_rate.ravel(), rotation_rate.ravel()])
 
 
 def _matrices(omega: np.ndarray, a: np.ndarray, gravity_square: float) -> tuple[np.ndarray, np.ndarray]:

@@ -147,7 +147,7 @@ def _busy(port: int) -> str:
 
 
 def _drop_unused(gui: viser.GuiApi) -> None:
-    """The page has no uploads and no forms, but viser would collect the former without limit and store them as the value
-    of any control, and would pass the latter's messages on to every other visitor."""
+    """The page has no uploads and no forms, but viser would collect the former without limit and store them as a
+    control's value, and would pass the latter's messages on to every other visitor."""
     for message in UNUSED_MESSAGES:
         gui._websock_interface.unregister_handler(message)

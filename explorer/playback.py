@@ -1,4 +1,4 @@
-"""The clock of the timeline: which moment of the run is shown, and whether it moves. It is told the time, never asks."""
+"""The clock of the timeline: which moment of the run is shown, and whether it moves. It is told the time."""
 
 import math
 
@@ -57,3 +57,7 @@ class Playback:
     def wait(self, now: float) -> float | None:
         """How long (s) the session may sleep before the next frame is due; None: until something happens."""
         return max(0.0, self._last + 1.0 / FRAME_RATE - now) if self.playing else None
+
+    def toggle_loop(self) -> None:
+        """Begin again at the end, or stop there."""
+        self.loop = not self.loop

@@ -4,6 +4,7 @@ Errors name file, field and rule: `eight.toml: Expected `float`, got `str` - at 
 """
 
 import math
+import re
 from pathlib import Path
 from typing import Literal
 
@@ -22,6 +23,8 @@ MAX_SAMPLES = 2_000_000
 """A ceiling on duration × rate, so that no preset asks for more memory or time than a page can give."""
 MAX_BYTES = 1_000_000
 MAX_TITLE, MAX_STORY = 80, 400
+NUMBER_ARRAY = re.compile(r"\[\n((?:    [-+.\deE]+,\n)+)\]")
+"""An array that the TOML writer has spread over lines; strings cannot match, their line ends are escaped."""
 FOLDERS = (Path(__file__).parent / "presets", Path(__file__).parent.parent / "presets")
 """Inside an installed wheel, and in a source tree."""
 
@@ -97,7 +100,11 @@ def loads(text: str, *, source: str) -> Preset:
 
 
 def dumps(preset: Preset) -> str:
-    """TOML text that `loads` turns into an equal preset."""
+    """TOML text that `loads` turns into an equal preset; arrays of numbers stand on one line each."""
+    return NUMBER_ARRAY.sub(lambda found: "[" + ", ".join(found[1].replace(",", "").split()) + "]", _encoded(preset))
+
+
+def _encoded(preset: Preset) -> str:
     return msgspec.toml.encode(preset).decode()
 
 

@@ -1,9 +1,9 @@
-"""The plots in the left dock: created once, then assigned. Picture -> numbers lies in `plots`, their look in `markup`."""
+"""The plots in the left dock: created once, then assigned. `plots` has the numbers of a Picture, `markup` the HTML."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, GuiUplotHandle, PanelHandle, uplot
+from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, GuiUplotHandle, Icon, PanelHandle, uplot
 
 from explorer.charts import catalogue, curves, markup
 from explorer.charts.catalogue import Group
@@ -14,7 +14,7 @@ COLUMN_WIDTH = 400
 NARROW_COLUMN_WIDTH = 380
 HEIGHT, NARROW_HEIGHT = 186, 118
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
-ICONS = {"Errors": "chart-line", "Observability": "eye", "Signals": "wave-sine"}
+ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
 
 
 @dataclass(eq=False)

@@ -1,4 +1,4 @@
-"""What may be sent to a plot: fewer points that keep every extreme, and axes in whole decades. Pure functions of arrays.
+"""What may be sent to a plot: fewer points that keep every extreme, and axes in whole decades. Pure functions.
 
 A browser plot cannot draw NaN, ±∞ or, on a log axis, zero: those are moved just outside the axes here, never into them.
 """

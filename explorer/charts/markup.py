@@ -29,11 +29,14 @@ STYLE = f"""<style>
 .rn-fold {{ margin-left: auto; opacity: .65; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
 .rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 9px; font-size: 11px; font-variant-numeric: tabular-nums; }}
 .rn-legend span {{ white-space: nowrap; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
+.rn-v {{ font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid #56B4E9; background: rgba(128,128,128,.09); }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
-.rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px; margin-left: -.75px; background: currentColor; opacity: .55; }}
-.rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px; font-size: 11px; opacity: .65; }}
+.rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px;
+  margin-left: -.75px; background: currentColor; opacity: .55; }}
+.rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
+  font-size: 11px; opacity: .65; }}
 </style>"""
 
 
@@ -48,15 +51,14 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
     legend = "".join(_entry(curve, variable(plot, i)) for i, curve in shown)
     top = MARGIN - 7 + BORDER + PADDING[0]
     inside = height - PADDING[0] - AXIS_HEIGHT
-    style = f"{STYLE}<style>.rn-legend .rn-v::after {{ content: var(--rn-value, '–'); }}</style>"
+    fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
+    left = f"calc({LEFT}px + var({FRACTION}, 0) * (100% - {LEFT + RIGHT}px))"
     return (
-        f'{style}<div class="rn-plot" data-plot="{plot.name}"><details><summary>'
-        f'<div class="rn-title"><b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>'
-        f'<span class="rn-fold" title="Equation and meaning">▸ ƒ</span></div><div class="rn-legend">{legend}</div></summary>'
+        f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details><summary><div class="rn-title"><b>{plot.title}</b>'
+        f'<span class="rn-unit">{plot.unit}</span>{fold}</div><div class="rn-legend">{legend}</div></summary>'
         f'<div class="rn-words"><div class="rn-equation">{plot.words.equation}</div>{plot.words.meaning}</div></details>'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
-        f'<div class="rn-cursor" style="left:calc({LEFT}px + var({FRACTION}, 0) * (100% - {LEFT + RIGHT}px))"></div>'
-        f'<span class="rn-seconds">s</span></div></div>'
+        f'<div class="rn-cursor" style="left:{left}"></div><span class="rn-seconds">s</span></div></div>'
     )
 
 

@@ -29,8 +29,8 @@ ATTITUDE_ERROR = Words(
 )
 SNAP = Words(
     "φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗",
-    "The snap of the path in body axes: what excites the estimate. The paper prints ä − ω×ȧ − 2ω×(ω×a), which is not zero"
-    " even for a hover that turns.",
+    "The snap of the path in body axes: what excites the estimate. The paper prints ä − ω×ȧ − 2ω×(ω×a), which is not"
+    " zero even for a hover that turns.",
 )
 EXCITATION = Words(
     "∫<sub>t</sub><sup>t+δ</sup> p⁗ p⁗ᵀ ds ≥ μ I₃",
@@ -39,8 +39,8 @@ EXCITATION = Words(
 )
 GRAMIAN = Words(
     "W(t) = (1/δ) ∫<sub>t</sub><sup>t+δ</sup> hᵀh ds, &nbsp; h = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ]",
-    "D(s) = p(s) − p(t) − τv(t) − ½τ²g, τ = s − t. The 13 eigenvalues (SI) are squares of singular values. Below the grey"
-    " floor lies rounding noise: those eigenvalues run along the floor instead.",
+    "D(s) = p(s) − p(t) − τv(t) − ½τ²g, τ = s − t. The 13 eigenvalues (SI) are squares of singular values. Below the"
+    " grey floor lies rounding noise: those eigenvalues run along the floor instead.",
 )
 PREDICTED = Words(
     "σ² = tr [ (Σ hᵀh / (d²σ<sub>d</sub>² + ½σ<sub>d</sub>⁴))⁻¹ ]<sub>position</sub>",

@@ -8,9 +8,9 @@ ValueError, never by the limits of a slider. A control calls `note` when the vis
 import html
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 import viser
 
@@ -31,19 +31,6 @@ class Refused(Exception):  # noqa: N818  (not an error of the program: the visit
 
 
 T = TypeVar("T")
-
-
-def read_all(readers: Iterable[Callable[[], T]]) -> list[T]:
-    """What every reader gives; all are asked, so that each can complain, before Refused is raised."""
-    values, refused = [], None
-    for read in readers:
-        try:
-            values.append(read())
-        except Refused as refusal:
-            refused = refusal
-    if refused is not None:
-        raise refused
-    return values
 
 
 class Complaint:
@@ -189,21 +176,21 @@ class Vector:
         self._box.value = value
 
 
-class Choice:
+class Choice(Generic[T]):
     """A dropdown: one of a few values, each under its own words."""
 
-    def __init__(self, gui: viser.GuiApi, label: str, words: Mapping[str, str], *, hint: str, note: Note) -> None:
+    def __init__(self, gui: viser.GuiApi, label: str, words: Mapping[T, str], *, hint: str, note: Note) -> None:
         self._name, self._words, self._values = label, dict(words), {text: value for value, text in words.items()}
         self._menu = gui.add_dropdown(label, tuple(words.values()), hint=hint)
         _when_moved(self._menu, note)
 
-    def read(self) -> str:
+    def read(self) -> T:
         """The chosen value. Raises ValueError if the browser sent one that was not offered."""
         if self._menu.value not in self._values:
-            raise ValueError(f"{self._name} must be one of {', '.join(self._values)}")
+            raise ValueError(f"{self._name} must be one of: {', '.join(self._values)}")
         return self._values[self._menu.value]
 
-    def write(self, value: str) -> None:
+    def write(self, value: T) -> None:
         """Show a value."""
         self._menu.value = self._words[value]
 

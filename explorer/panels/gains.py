@@ -1,15 +1,20 @@
 """The Gains tab: the Riccati observer's q, v and p0, and the attitude filter's k1, ρ1 and ρ2 (paper, eq. 8–9)."""
 
+from typing import Literal
+
 import numpy as np
 import viser
 
 from explorer.compute import Picture
-from explorer.panels.controls import Choice, Complaint, LogDial, Note, read_all
+from explorer.panels.controls import Choice, Complaint, LogDial, Note
 from rangenav.attitude import AttitudeGains
 from rangenav.cascade import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 
-MODES = {"constant": "constant (the paper's theorem)", "noise-matched": "noise-matched (outside it)"}
+MODES: dict[Literal["constant", "noise-matched"], str] = {
+    "constant": "constant (the paper's theorem)",
+    "noise-matched": "noise-matched (outside it)",
+}
 BLOCKS = {"xi": "ξ", "position": "p", "velocity": "v", "gravity": "g"}
 K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 """Ranges of the sliders, narrower than what the model accepts."""

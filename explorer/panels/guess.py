@@ -1,13 +1,18 @@
 """The initial estimate: x̂(0), and the attitude error R̃(0) = R(0) R̂(0)ᵀ as a turn about an axis."""
 
 import math
+from typing import Literal
 
 import viser
 
 from explorer.panels.controls import Choice, Complaint, Dial, Note, Vector
 from rangenav.cascade import Guess
 
-STATES = {"zero": "zero", "truth": "truth", "offset": "truth plus offsets"}
+STATES: dict[Literal["zero", "truth", "offset"], str] = {
+    "zero": "zero",
+    "truth": "the truth",
+    "offset": "truth plus offsets",
+}
 
 
 class GuessPanel:
@@ -15,7 +20,9 @@ class GuessPanel:
 
     def __init__(self, gui: viser.GuiApi, guess: Guess, note: Note) -> None:
         with gui.add_folder("Initial estimate"):
-            hint = "x̂(0): zero as in the paper's scenario, the true lifted state, or the lift of truth plus the offsets."
+            hint = (
+                "x̂(0): zero as in the paper's scenario, the true lifted state, or the lift of truth plus the offsets."
+            )
             self._state = Choice(gui, "x̂(0)", STATES, hint=hint, note=note)
             hint = "Angle of the initial attitude error R̃(0) (degrees); near 180° the filter lingers (paper, U_π)."
             self._angle = Dial(

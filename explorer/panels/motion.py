@@ -5,13 +5,9 @@ from dataclasses import dataclass
 import msgspec
 import viser
 
-from explorer.panels.controls import Complaint, Dial, LogDial, Note, Vector, read_all
+from explorer.panels.controls import Complaint, Dial, LogDial, Note, Vector
 from explorer.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Settings
-from rangenav.analysis import with_window
-from rangenav.inputs import Vec3
-from rangenav.preset import Preset
 from rangenav.signals import Signal, Tone
-
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,11 +62,6 @@ class Chosen:
             window=p.requirement.window,
         )
 
-    def into(self, preset: Preset) -> Preset:
-        """The preset with this motion. Raises ValueError if they do not fit."""
-        moved = msgspec.structs.replace(preset, path=self.path, angular_velocity=self.angular_velocity)
-        return with_window(moved, self.window)
-
 
 class MotionPanel:
     """All controls of the motion."""
@@ -82,7 +73,9 @@ class MotionPanel:
         )
         self._scale = LogDial(gui, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint, note=note)
         self._scale_line = gui.add_markdown("")
-        hint = "δ (s): the window of the excitation ∫p⁗p⁗ᵀ, of the Gramian (paper, definition of uniform observability)."
+        hint = (
+            "δ (s): the window of the excitation ∫p⁗p⁗ᵀ, of the Gramian (paper, definition of uniform observability)."
+        )
         self._window = Dial(gui, "window δ (s)", (0.5, 15.0), step=0.1, hint=hint, note=note)
         self.complaint = Complaint(gui)
         self._path = _SignalFolder(gui, PATH, chosen.path, note)
@@ -94,8 +87,8 @@ class MotionPanel:
         """The motion chosen. Raises Refused after saying why beside the control."""
         with self.complaint.catching():
             scale, window = self._scale.read(), self._window.read()
-        path, turn = read_all([lambda: self._offsets.read(self._path.read()), self._turn.read])
-        return Chosen(path=path, angular_velocity=turn, time_scale=scale, window=window)
+        path = self._offsets.read(self._path.read())
+        return Chosen(path=path, angular_velocity=self._turn.read(), time_scale=scale, window=window)
 
     def write(self, chosen: Chosen) -> None:
         """Show a motion."""
@@ -124,7 +117,7 @@ class _SignalFolder:
         self._build(signal)
 
     def read(self) -> Signal:
-        tones = tuple(read_all([tone.read for tone in self._tones]))
+        tones = tuple(tone.read() for tone in self._tones)
         return msgspec.structs.replace(self._written, tones=tones)
 
     def write(self, signal: Signal) -> None:

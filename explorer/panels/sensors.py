@@ -25,11 +25,13 @@ class SensorsPanel:
     """All controls of the sensors."""
 
     def __init__(self, gui: viser.GuiApi, chosen: Chosen, note: Note) -> None:
-        hint = "Hz: how often a range d = |p − anchor| + noise arrives (paper, eq. 3); each is one correction by y = ½d²."
+        hint = (
+            "Hz: how often a range d = |p − anchor| + noise arrives (paper, eq. 3); each is one correction by y = ½d²."
+        )
         self._range_rate = Dial(gui, "range (Hz)", (1.0, 200.0), step=1.0, hint=hint, note=note)
         self._noise = _NoiseFolder(gui, note)
         with gui.add_folder("IMU and magnetometer rates", expand_by_default=False):
-            hint = "Hz: gyro and accelerometer, and with them the observer's step. Above 1000 Hz every change takes longer."
+            hint = "Hz: gyro and accelerometer, and with them the observer's step. Faster makes every change slower."
             self._imu_rate = Dial(gui, "IMU (Hz)", (20.0, 1000.0), step=10.0, hint=hint, note=note)
             hint = "Hz: the magnetometer, read on the IMU's clock; it cannot be faster."
             self._mag_rate = Dial(gui, "mag (Hz)", (1.0, 1000.0), step=1.0, hint=hint, note=note)
@@ -64,7 +66,9 @@ class _NoiseFolder:
 
     def __init__(self, gui: viser.GuiApi, note: Note) -> None:
         def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
-            hint = f"{symbol} ({unit}): standard deviation of white noise on each sample of the {what} (paper, eq. 2–3)."
+            hint = (
+                f"{symbol} ({unit}): standard deviation of white noise on each sample of the {what} (paper, eq. 2–3)."
+            )
             return LogDial(gui, f"{symbol} ({unit})", limits, hint=hint, note=note, zero_at_left=True)
 
         with gui.add_folder("Noise"):

@@ -1,0 +1,78 @@
+"""`rangenav-explorer`: serves the page on this machine and prints its address once it answers."""
+
+import logging
+import sys
+import threading
+import urllib.request
+import webbrowser
+from dataclasses import dataclass
+from typing import Annotated
+
+import tyro
+
+from rangenav import preset
+
+DEFAULT_PRESET = "paper-slow"
+ANSWER_PATIENCE = 10.0
+"""s"""
+
+
+@dataclass(frozen=True)
+class Arguments:
+    """Edit motion and gains in a browser and see, live, what one range can tell."""
+
+    preset: str = DEFAULT_PRESET
+    """A shipped preset's name, or the path of a TOML file."""
+    host: str = "127.0.0.1"
+    """127.0.0.1 or localhost."""
+    port: int = 8080
+    browser: Annotated[bool, tyro.conf.arg(help="Open a browser, if there is one.")] = True
+
+
+def main() -> None:
+    """Entry point of the command."""
+    arguments = tyro.cli(Arguments, prog="rangenav-explorer")
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    try:
+        serve(arguments)
+    except ValueError as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
+    except KeyboardInterrupt:
+        pass
+
+
+def serve(arguments: Arguments) -> None:
+    """Serve until interrupted. Raises ValueError with one sentence if host, port or preset will not do."""
+    shipped = preset.shipped()
+    first = _with_own(shipped, arguments.preset)
+    from explorer.access import open_server  # here, so that a wrong argument is answered at once
+
+    server = open_server(arguments.host, arguments.port)
+    from explorer.session import Sessions
+    from explorer.warming import Warming
+
+    warming = Warming()
+    Sessions(server, shipped, first, warming)
+    url = f"http://{arguments.host}:{server.get_port()}/"
+    with urllib.request.urlopen(url, timeout=ANSWER_PATIENCE):
+        print(url, flush=True)
+    warming.start()
+    if arguments.browser:
+        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+    threading.Event().wait()
+
+
+def _with_own(shipped: dict[str, preset.Preset], name_or_path: str) -> str:
+    """The name under which the wanted preset is offered; a file of one's own joins the shipped ones."""
+    wanted = preset.load(name_or_path)
+    if name_or_path in shipped:
+        return name_or_path
+    name = preset.find(name_or_path).stem
+    name = f"{name} (file)" if name in shipped else name
+    shipped[name] = wanted
+    return name
+
+
+if __name__ == "__main__":
+    main()

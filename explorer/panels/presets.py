@@ -1,0 +1,89 @@
+"""The Presets tab: pick one, read what it teaches, reproduce the paper's figures, download what is on the page."""
+
+import html
+import math
+from typing import Literal
+
+import viser
+
+from explorer.panels.controls import Choice, Clicks, Note
+from rangenav import analysis, preset
+from rangenav.preset import Preset
+
+Action = Literal["again", "paper", "download"]
+
+
+class PresetsPanel:
+    """Picker and buttons."""
+
+    def __init__(self, gui: viser.GuiApi, presets: dict[str, Preset], name: str, note: Note) -> None:
+        self._clicks = Clicks(note)
+        titles = {name: f"{shown.title} ({name})" for name, shown in presets.items()}
+        hint = "Every shipped motion, with its sensors, gains and requirement. Choosing one discards what was changed."
+        self._choice = Choice(gui, "preset", titles, hint=hint, note=note)
+        self._story = gui.add_html("")
+        self._button(gui, "Start this preset again", "again", "Puts every control back to what the preset says.")
+        self._button(
+            gui,
+            "The paper's figures 3–5",
+            "paper",
+            "Loads the paper's own scenario and shows the position, velocity and gravity errors (fig. 3), the attitude "
+            "error (fig. 4) and the true and estimated path (fig. 5).",
+        )
+        self._button(
+            gui,
+            "Download this preset",
+            "download",
+            "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself.",
+        )
+        self.write(name, presets[name])
+
+    def read(self) -> str:
+        """The name of the chosen preset. Raises ValueError if the browser sent another."""
+        return self._choice.read()
+
+    def write(self, name: str, shown: Preset) -> None:
+        """Show a preset's name, story and expectation."""
+        self._choice.write(name)
+        expected = {"observable": "● expected observable", "unobservable": "✕ expected unobservable"}[shown.expect]
+        style = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em"
+        self._story.content = f'<div style="{style}">{html.escape(shown.story)}<br><b>{expected}</b></div>'
+
+    def actions(self) -> list[str]:
+        """The buttons pressed since the last call, in order."""
+        return self._clicks.take()
+
+    def _button(self, gui: viser.GuiApi, label: str, action: Action, hint: str) -> None:
+        gui.add_button(label, hint=hint).on_click(lambda _: self._clicks.add(action))
+
+
+def document(shown: Preset) -> bytes:
+    """A preset as a TOML file; the verdict in its first lines is computed from the text that follows them."""
+    text = preset.dumps(shown)
+    read_back = preset.loads(text, source="this file")
+    return (verdict_comments(read_back) + "\n" + text).encode()
+
+
+def verdict_comments(shown: Preset) -> str:
+    """Comment lines that state what was computed, without a word from the preset's own text."""
+    found, needed = analysis.analyse(shown), shown.requirement
+    met = "met" if found.mu >= needed.mu else "NOT met"
+    lines = [
+        f"verdict: {found.verdict}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9)",
+        f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
+        f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
+        f"predicted 1-sigma position at the end of the worst window: {_metres(found.lifted_end.position)} lifted, "
+        f"{_metres(found.nonlinear_end.position)} nonlinear; required {needed.position_sigma:g} m",
+        f"it assumes {analysis.noise_note(shown.sensors)}",
+    ]
+    lines += [f"blind: {direction.words}" for direction in found.directions]
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def file_name(name: str, shown: Preset, shipped: Preset) -> str:
+    """The name of the download: the shipped preset's, marked if it was changed."""
+    return f"{name}.toml" if shown == shipped else f"{name}-changed.toml"
+
+
+def _metres(sigma: float) -> str:
+    return f"{sigma:.4g} m" if math.isfinite(sigma) else "not determined"

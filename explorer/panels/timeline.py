@@ -1,0 +1,86 @@
+"""The timeline: play, scrub, step, speed and loop, with keys for all of them."""
+
+from collections.abc import Callable
+
+import viser
+
+from explorer.panels.controls import Clicks, Complaint, Note
+from explorer.playback import STEP, Playback
+
+BUTTONS = {
+    "⏮": "home",
+    "◀": "back",
+    "▶ ❚❚": "play",
+    "▶▏": "forward",
+    "slower": "slower",
+    "faster": "faster",
+    "↻ loop": "loop",
+}
+KEYS = (
+    ("Play or pause", "space", "play"),
+    ("One step back in time", "arrowleft", "back"),
+    ("One step on in time", "arrowright", "forward"),
+    ("Back to the start", "home", "home"),
+)
+REDRAW = 0.1
+"""s: how often the slider follows while playing; the scene moves at every frame."""
+KEEP_CAMERA_STILL = (
+    # viser also turns its camera with the arrow keys; its listener sits one level further out than that of the hotkeys.
+    '<img alt="" src="data:," style="display:none" onerror="document.documentElement.addEventListener('
+    "'keydown',e=>{if(['ArrowLeft','ArrowRight'].includes(e.key))e.stopPropagation()})"
+    '">'
+)
+
+
+class TimelinePanel:
+    """The floating panel at the bottom."""
+
+    def __init__(self, gui: viser.GuiApi, duration: float, note: Note) -> None:
+        self._clicks, self._note = Clicks(note), note
+        hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
+        self._scrub = gui.add_slider("t (s)", 0.0, duration, 0.01, 0.0, hint=hint)
+        self._scrub.on_update(lambda event: self._clicks.add("scrub") if event.client_id is not None else None)
+        hint = "Keys: space plays and pauses, ← and → step, Home goes to the start. All commands: Ctrl+K."
+        buttons = gui.add_button_group("", tuple(BUTTONS), hint=hint)
+        buttons.on_click(lambda event: self._clicks.add(BUTTONS.get(event.target.value, "")))
+        self._buttons = buttons
+        for label, key, name in KEYS:
+            gui.add_command(label, hotkey=key).on_trigger(self._adding(name))
+        gui.add_html(KEEP_CAMERA_STILL)
+        self._complaint = Complaint(gui)
+        self._written = -REDRAW
+
+    def read(self, playback: Playback, now: float) -> None:
+        """Carry out what was pressed since the last call. Raises Refused if the slider was sent no number."""
+        for name in self._clicks.take():
+            with self._complaint.catching():
+                self._carry_out(name, playback, now)
+
+    def write(self, playback: Playback, now: float) -> None:
+        """Show where the playhead is."""
+        if self._scrub.max != playback.duration:
+            self._scrub.max = playback.duration
+        if not playback.playing or now - self._written >= REDRAW:
+            self._scrub.value, self._written = round(playback.time, 2), now
+        state = "▶ playing" if playback.playing else "❚❚ paused"
+        label = f"{state} ×{playback.speed:g}{' ↻' if playback.loop else ''}"
+        if label != self._buttons.label:
+            self._buttons.label = label
+
+    def _carry_out(self, name: str, playback: Playback, now: float) -> None:
+        actions: dict[str, Callable[[], None]] = {
+            "scrub": lambda: playback.seek(self._scrub.value),
+            "home": lambda: playback.seek(0.0),
+            "back": lambda: playback.seek(playback.time - STEP),
+            "forward": lambda: playback.seek(playback.time + STEP),
+            "play": lambda: playback.toggle(now),
+            "slower": lambda: playback.change_speed(-1),
+            "faster": lambda: playback.change_speed(+1),
+            "loop": playback.toggle_loop,
+        }
+        if name not in actions:
+            raise ValueError("the timeline has no such button")
+        actions[name]()
+
+    def _adding(self, name: str) -> Callable[[viser.CommandEvent], None]:
+        return lambda _: self._clicks.add(name)

@@ -1,0 +1,119 @@
+"""The verdict in words, shapes and colours: what the motion lets one range tell, and how the observers did."""
+
+import html
+import math
+
+import viser
+
+from explorer.compute import Picture
+from explorer.panels.controls import Complaint
+
+WORDS = {
+    "observable": ("●", "#00785a", "OBSERVABLE", "full rank, and the predicted error meets the requirement"),
+    "weak": ("▲", "#9a5b00", "WEAK", "full rank, but the predicted error exceeds the requirement"),
+    "blind": ("✕", "#b3261e", "BLIND", "some directions cannot be told at all"),
+}
+"""Shape, colour (Okabe–Ito hues, dark enough to read on white), word, meaning."""
+NAME_STYLE = "padding:0.1em 0.7em 0.1em 0;color:#666;vertical-align:top;white-space:nowrap"
+ROW = f'<tr><td style="{NAME_STYLE}">{{}}</td><td>{{}}</td></tr>'
+CHIP_STYLE = "border:1px solid;border-radius:3px;padding:0 0.35em;margin-left:0.6em;font-size:0.75em"
+CHIP = f'<span style="color:{{}};{CHIP_STYLE}">{{}}</span>'
+
+
+class VerdictPanel:
+    """One status block, and above it what is being waited for."""
+
+    def __init__(self, gui: viser.GuiApi) -> None:
+        self._bar = gui.add_progress_bar(0.0, animated=True)
+        self._bar_line = gui.add_markdown("Starting …")
+        self.complaint = Complaint(gui)
+        self._block = gui.add_html("")
+
+    def progress(self, fraction: float, what: str) -> None:
+        """Show how far the preparation has come; at 1 nothing is shown any more."""
+        self._bar.visible = self._bar_line.visible = fraction < 1
+        self._bar.value = 100 * fraction
+        self._bar_line.content = f"Compiling the observers (once per machine): {html.escape(what)}"
+
+    def draw(self, picture: Picture) -> None:
+        """Show the verdict on a picture."""
+        shape, colour, word, meaning = WORDS[picture.analysis.verdict]
+        head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{_chips(picture)}</div>'
+        table = "".join(ROW.format(name, text) for name, text in _rows(picture))
+        self._block.content = (
+            '<div style="padding:0.5em 0.9em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">'
+            f'{head}<div style="color:#666;margin-bottom:0.4em">{meaning}</div>'
+            f'<table style="border-collapse:collapse">{table}</table></div>'
+        )
+
+
+def number(value: float, unit: str = "") -> str:
+    """Three digits and the unit; what is not determined says so."""
+    if not math.isfinite(value):
+        return "not determined"
+    return f"{value:.3g} {unit}".rstrip()
+
+
+def _chips(picture: Picture) -> str:
+    """Labels beside the verdict: printed switches that are on, and a run that says nothing."""
+    printed = picture.settings.printed
+    on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
+    chips = [CHIP.format("#8a3d7a", f"PRINTED: {', '.join(on)}")] if on else []
+    if picture.summary.diverged:
+        chips.append(CHIP.format("#b3261e", "⚠ covariance diverges"))
+    return "".join(chips)
+
+
+def _rows(picture: Picture) -> list[tuple[str, str]]:
+    return [*_observability_rows(picture), *_observer_rows(picture), ("vehicle", _vehicle(picture))]
+
+
+def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
+    found, needed = picture.analysis, picture.preset.requirement
+    rank = (
+        f"<b>{found.rank} of 13</b>, nonlinear {found.nonlinear_rank} of 9; worst window from {found.gramian_at:.3g} s"
+    )
+    rows = [("rank", rank)]
+    if found.directions:
+        rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.words)}" for direction in found.directions)))
+    met = "✓" if found.mu >= needed.mu else "✕"
+    where = f"over δ = {needed.window:g} s from {found.mu_at:.3g} s"
+    rows.append(("μ (PE)", f"{met} <b>{number(found.mu)}</b> m²/s⁷ {where}; needs {needed.mu:g}"))
+    rows.append(("least λ(W)", _least(float(found.gramian[0]), found.floor)))
+    for name, start, end in (
+        ("lifted", found.lifted_start, found.lifted_end),
+        ("nonlinear", found.nonlinear_start, found.nonlinear_end),
+    ):
+        text = f"{number(start.position, 'm')} at its start, <b>{number(end.position, 'm')}</b> at its end"
+        rows.append((f"σ p, {name}", text))
+    return rows
+
+
+def _least(eigenvalue: float, floor: float) -> str:
+    if eigenvalue < floor:
+        return f"below the noise floor {number(floor)} of double precision: no number"
+    return f"{number(eigenvalue)} (noise floor {number(floor)})"
+
+
+def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
+    s = picture.summary
+    if s.diverged:
+        return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing")]
+    settled = f"position {_since(s.settle_position_s, '0.3 m')}; attitude {_since(s.settle_attitude_s, '5°')}"
+    steady = (
+        f"<b>{number(s.steady_position, 'm')}</b>, {number(s.steady_velocity, 'm/s')}, "
+        f"{number(s.steady_gravity, 'm/s²')}, <b>{number(s.steady_attitude_deg)}°</b>; "
+        f"peak {number(s.peak_position, 'm')}"
+    )
+    return [("settled", settled), ("steady error", steady)]
+
+
+def _since(seconds: float | None, limit: str) -> str:
+    return f"✕ never below {limit}" if seconds is None else f"✓ below {limit} from {seconds:.3g} s"
+
+
+def _vehicle(picture: Picture) -> str:
+    limits = picture.limits
+    thrust = f"<b>{limits.thrust_to_weight:.3g} times the weight</b> in thrust"
+    rate = f"{number(limits.speed, 'm/s')}, {number(math.degrees(limits.body_rate))}°/s"
+    return f"{thrust}, {rate}, {number(limits.anchor_distance_min, 'm')} from the anchor at the nearest"

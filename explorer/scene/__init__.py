@@ -1,0 +1,203 @@
+"""The 3-D picture: nodes made once, assigned by draw(picture), moved by move(picture, time). Up is −g."""
+
+import time as clock
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+from viser import ClientHandle
+from viser.transforms import SO3
+
+from explorer.compute import Picture
+from explorer.scene import stage as stages
+from explorer.scene.arrows import Arrow
+from explorer.scene.stage import Stage
+from explorer.scene.vehicle import Vehicle
+from rangenav.observability import blindness
+from rangenav.observability.blindness import Direction
+
+BLUE, VERMILLION, SKY, ORANGE = (0, 114, 178), (213, 94, 0), (86, 180, 233), (230, 159, 0)
+GREEN, LIGHT_GREEN, PURPLE, LIGHT_PURPLE = (0, 158, 115), (120, 205, 175), (204, 121, 167), (228, 178, 206)
+"""Okabe–Ito; an estimate of a vector has the lighter tint of the true one, a thinner shaft and a longer one."""
+MAX_BLIND = 6
+RESTING = 0.5
+"""s without camera movement, after which the camera may be set anew."""
+REFRAME = 1.6
+"""Factor by which the stage must grow or shrink, or radii by which it must shift, before the camera is set anew."""
+VIEW = 0.55
+"""Height of the camera's direction against its horizontal distance."""
+NO_LINE = np.zeros((1, 2, 3))
+
+
+class Scene:
+    """All 3-D nodes of one visitor."""
+
+    def __init__(self, client: ClientHandle) -> None:
+        self._client = client
+        scene = client.scene
+        self._time = 0.0
+        self._stage: Stage | None = None
+        self._framed: Stage | None = None
+        self._magnetic = np.zeros((0, 3))
+        self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
+        self._path = scene.add_line_segments("/path", NO_LINE, BLUE, thickness=3.0, thickness_units="screen")
+        self._trail = scene.add_line_segments("/trail", NO_LINE, VERMILLION, thickness=2.5, thickness_units="screen")
+        self._anchor = scene.add_frame("/anchor", show_axes=False)
+        self._beacon = scene.add_icosphere("/anchor/beacon", 1.0, ORANGE, subdivisions=1, flat_shading=True)
+        self._mast = scene.add_line_segments("/anchor/mast", NO_LINE, ORANGE, thickness=3.0, thickness_units="screen")
+        scene.add_label("/anchor/label", "anchor", anchor="bottom-center", font_screen_scale=0.9)
+        self._sphere = scene.add_icosphere(
+            "/anchor/range",
+            1.0,
+            SKY,
+            subdivisions=4,
+            opacity=0.1,
+            side="double",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._truth = Vehicle(scene, "vehicle", BLUE, opacity=None, label_above=True)
+        self._ghost = Vehicle(scene, "estimate", VERMILLION, opacity=0.4, label_above=False)
+        self._ellipsoid = scene.add_icosphere(
+            "/ellipsoid", 1.0, VERMILLION, subdivisions=3, opacity=0.13, cast_shadow=False, receive_shadow=False
+        )
+        self._compass = scene.add_frame("/compass", show_axes=False)
+        self._gravity = Arrow(scene, "/compass/gravity", "g", GREEN)
+        self._gravity_estimate = Arrow(scene, "/compass/gravity_estimate", "ĝ", LIGHT_GREEN)
+        self._north = Arrow(scene, "/compass/magnetic", "m", PURPLE)
+        self._north_estimate = Arrow(scene, "/compass/magnetic_estimate", "m measured", LIGHT_PURPLE)
+        self._far = Arrow(scene, "/compass/far", "", VERMILLION)
+        self._blind = [Arrow(scene, f"/blind{i}", "", ORANGE, both_ways=True) for i in range(MAX_BLIND)]
+
+    def draw(self, picture: Picture) -> None:
+        """Show another picture, at the time shown last."""
+        on = stages.stage(picture)
+        self._fit(picture, on)
+        self._path.points = stages.solid(picture, on)
+        trail = stages.dashed(picture.position_estimate, on)
+        self._trail.visible = len(trail) > 0
+        if len(trail):
+            self._trail.points = trail
+        self._magnetic = stages.last_seen(picture.measurements.mag)
+        self._draw_blind(picture.analysis.directions, on)
+        self._frame_camera(on)
+        self.move(picture, self._time)
+
+    def move(self, picture: Picture, time: float) -> None:
+        """Move everything that moves to the sample nearest to a time."""
+        assert self._stage is not None, "draw comes before move"
+        self._time = time
+        grid = picture.motion.time
+        k = int(np.clip(np.searchsorted(grid, time - (grid[1] - grid[0]) / 2), 0, len(grid) - 1))
+        position, rotation = picture.motion.position[k], picture.motion.rotation[k]
+        self._truth.place(position, rotation)
+        self._compass.position = position
+        self._sphere.scale = max(float(np.linalg.norm(position - picture.preset.world.anchor)), 1e-6)
+        self._move_estimate(picture, k)
+
+    def _move_estimate(self, picture: Picture, k: int) -> None:
+        on = self._stage
+        assert on is not None
+        position, rotation = picture.position_estimate[k], picture.estimate.rotation[k]
+        turned = bool(np.isfinite(rotation).all())
+        self._gravity_estimate.point(rotation @ picture.estimate.state[k, 10:13] if turned else np.zeros(3))
+        self._north_estimate.point(rotation @ self._magnetic[k] if turned else np.zeros(3))
+        here = turned and bool(on.holds(position))
+        self._ghost.show(here)
+        if here:
+            self._ghost.place(position, rotation)
+            self._far.hide()
+        else:
+            self._point_far(position - picture.motion.position[k])
+        self._move_ellipsoid(picture, k, here=here)
+
+    def _point_far(self, offset: Float[Array, "3"]) -> None:
+        """The ghost is off the stage: an arrow at the vehicle says where to, a label how far."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            distance = float(np.linalg.norm(offset))
+        known = np.isfinite(distance)
+        self._far.say(f"estimate {distance:.3g} m this way" if known else "the estimate is not a number any more")
+        self._far.point(offset if known else np.ones(3))
+
+    def _move_ellipsoid(self, picture: Picture, k: int, *, here: bool) -> None:
+        on, rotation = self._stage, picture.estimate.rotation[k]
+        assert on is not None
+        found = stages.ellipsoid(picture.estimate.covariance[k, 0]) if here else None
+        drawn = found is not None and found[0][2] < stages.REACH * on.radius
+        self._ellipsoid.visible = drawn
+        if here:
+            self._ghost.label.text = "estimate, 1σ by P" if drawn else "estimate, σ by P too large to draw"
+        if found is not None and drawn:
+            x, y, z = (float(axis) for axis in found[0])
+            self._ellipsoid.scale = (x, y, z)
+            self._ellipsoid.wxyz = SO3.from_matrix(rotation @ found[1]).wxyz
+            self._ellipsoid.position = picture.position_estimate[k]
+
+    def _fit(self, picture: Picture, on: Stage) -> None:
+        """Everything that depends on the world or on the size of the stage; unchanged values are not sent again."""
+        world, unit = picture.preset.world, on.unit
+        if self._stage is None or not np.array_equal(self._stage.up, on.up):
+            self._client.scene.set_up_direction(on.up)
+        self._stage = on
+        self._grid.width = self._grid.height = round(16 * on.radius / on.cell) * on.cell
+        self._grid.cell_size, self._grid.section_size = on.cell, 5 * on.cell
+        self._grid.fade_distance = 14 * on.radius
+        self._grid.position = on.ground
+        self._grid.wxyz = (SO3(np.array(stages.turn_from_x(on.up))) @ SO3.from_y_radians(np.pi / 2)).wxyz
+        self._anchor.position = np.asarray(world.anchor)
+        self._beacon.scale = 0.22 * unit
+        foot = float((np.asarray(world.anchor) - on.ground) @ on.up)
+        self._mast.points = np.array([[[0.0, 0.0, 0.0], -foot * on.up]])
+        self._mast.visible = foot > 0.01 * on.radius
+        self._truth.fit(on)
+        self._ghost.fit(on)
+        for arrow, length, radius in (
+            (self._gravity, 1.7, 0.035),
+            (self._gravity_estimate, 2.2, 0.022),
+            (self._north, 1.5, 0.035),
+            (self._north_estimate, 2.0, 0.022),
+            (self._far, 3.0, 0.03),
+        ):
+            arrow.fit(length=length * unit, radius=radius * unit)
+        self._gravity.point(np.asarray(world.gravity))
+        self._north.point(np.asarray(world.magnetic))
+
+    def _draw_blind(self, directions: tuple[Direction, ...], on: Stage) -> None:
+        for i, arrow in enumerate(self._blind):
+            if i >= len(directions):
+                arrow.hide()
+                continue
+            arrow.fit(length=0.7 * on.radius, radius=0.012 * on.radius)
+            arrow.place(on.centre)
+            arrow.say(blind_label(directions[i]))
+            arrow.point(directions[i].vector)
+
+    def _frame_camera(self, on: Stage) -> None:
+        """Look at path and anchor from above; later only when they are elsewhere, and never while someone drags."""
+        camera, before = self._client.camera, self._framed
+        if before is not None:
+            shift = float(np.linalg.norm(on.centre - before.centre)) / before.radius
+            alike = 1 / REFRAME < on.radius / before.radius < REFRAME and shift < REFRAME
+            if (alike and np.array_equal(on.up, before.up)) or clock.time() - camera.update_timestamp < RESTING:
+                return
+        self._framed = on
+        half = camera.fov / 2
+        narrowest = min(1.0, camera.image_width / max(camera.image_height, 1))
+        distance = 1.25 * on.radius / np.sin(np.arctan(np.tan(half) * narrowest))
+        camera.far = max(1000.0, 60 * distance)
+        camera.position = on.centre + distance * view_direction(on.up)
+        camera.look_at = on.centre
+
+
+def view_direction(up: Float[Array, "3"]) -> Float[Array, "3"]:
+    """The unit vector from the stage to the camera: above, and between two of the horizontal axes."""
+    level = np.array([1.0, 0.55, 0.3]) - np.array([1.0, 0.55, 0.3]) @ up * up
+    direction = level / np.linalg.norm(level) + VIEW * up
+    return direction / np.linalg.norm(direction)
+
+
+def blind_label(direction: Direction) -> str:
+    """A word for a blind direction: what cannot be told along it."""
+    along = blindness.name(direction.vector)
+    told = [kind for kind in direction.kinds if kind != "snap"]
+    return f"blind along {along}: {', '.join(told)}" if told else f"no snap along {along}"

@@ -1,0 +1,119 @@
+"""How large the 3-D picture is and which part of a curve fits in it; sizes follow the path. Pure functions.
+
+An unobservable estimate may be anywhere, 10¹⁷ m away or NaN. Only what lies on the stage is drawn; no number is changed.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from explorer.compute import Picture
+
+REACH = 4.0
+"""The stage ends at this many radii from its centre: curves, ellipsoids and ghosts beyond are not drawn."""
+SMALLEST_RADIUS = 0.01
+"""m, for a path that stands on its anchor."""
+UNIT_SHARE, SMALLEST_UNIT_SHARE = 0.12, 0.035
+"""The airframe's size against the stage; a 2 cm path 3 m away gets a small vehicle that one can fly up to."""
+SAGITTA_SHARE = 0.002
+"""How far, in radii, a chord of the drawn true path may leave the curve."""
+MAX_POINTS = 1500
+DASHES_PER_RADIUS = 14
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Stage:
+    """The ball that holds path and anchor, and the sizes that follow from it."""
+
+    centre: Float[Array, "3"]
+    radius: float
+    unit: float
+    """m: the length of the vehicle's arms' span, by which everything small is measured."""
+    up: Float[Array, "3"]
+    """−g/|g|"""
+    ground: Float[Array, "3"]
+    """The point below the centre at the height of the lowest of path and anchor."""
+    cell: float
+    """m between grid lines: 1, 2 or 5 times a power of ten."""
+
+    def holds(self, points: Float[Array, "n 3"]) -> Array:
+        """Which points lie on the stage; NaN does not."""
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.linalg.norm(points - self.centre, axis=-1) < REACH * self.radius
+
+
+def stage(picture: Picture) -> Stage:
+    """The stage of a picture."""
+    path, anchor = picture.motion.position, np.asarray(picture.preset.world.anchor)
+    gravity = np.asarray(picture.preset.world.gravity)
+    up = -gravity / np.linalg.norm(gravity)
+    path_radius = float(np.linalg.norm(path.max(axis=0) - path.min(axis=0))) / 2
+    points = np.vstack([path, anchor])
+    low, high = points.min(axis=0), points.max(axis=0)
+    centre = (low + high) / 2
+    radius = max(float(np.linalg.norm(high - low)) / 2, SMALLEST_RADIUS)
+    share = UNIT_SHARE * math.sqrt(path_radius / radius) if path_radius > 1e-3 * radius else UNIT_SHARE / 2
+    height = float((points @ up).min() - centre @ up)
+    return Stage(
+        centre=centre,
+        radius=radius,
+        unit=radius * max(share, SMALLEST_UNIT_SHARE),
+        up=up,
+        ground=centre + height * up,
+        cell=round_step(radius / 4),
+    )
+
+
+def round_step(length: float) -> float:
+    """The next 1, 2 or 5 times a power of ten, upwards."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return next(step * power for step in (1, 2, 5, 10) if length <= step * power * (1 + 1e-9))
+
+
+def solid(picture: Picture, on: Stage) -> Float[Array, "m 2 3"]:
+    """The true path as segments: as few as keep each chord within the sagitta |p̈| Δt²/8, at most 1500."""
+    motion = picture.motion
+    step = float(motion.time[1] - motion.time[0])
+    fastest = float(np.linalg.norm(motion.acceleration, axis=1).max())
+    chord = math.sqrt(8 * SAGITTA_SHARE * on.radius / max(fastest, 1e-9))
+    stride = max(int(chord / step), -(-len(motion.time) // MAX_POINTS), 1)
+    stride = min(stride, max(len(motion.time) // 8, 1))
+    points = np.vstack([motion.position[::stride], motion.position[-1:]])
+    return np.stack([points[:-1], points[1:]], axis=1)
+
+
+def dashed(positions: Float[Array, "n 3"], on: Stage) -> Float[Array, "m 2 3"]:
+    """A curve as dashes of equal length along it; what is not on the stage is left out."""
+    points = positions[:: -(-len(positions) // MAX_POINTS)]
+    inside = on.holds(points)
+    segments = np.stack([points[:-1], points[1:]], axis=1)[inside[:-1] & inside[1:]]
+    along = np.cumsum(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1))
+    return segments[np.floor(along / (on.radius / DASHES_PER_RADIUS)) % 2 == 0]
+
+
+def turn_from_x(direction: Float[Array, "3"]) -> tuple[float, float, float, float]:
+    """The quaternion (w, x, y, z) of the shortest turn from the x axis to a direction of any length but zero."""
+    x, y, z = direction / np.linalg.norm(direction)
+    if x < -1 + 1e-9:
+        return 0.0, 0.0, 0.0, 1.0
+    length = math.sqrt(2 * (1 + x))
+    return float((1 + x) / length), 0.0, float(-z / length), float(y / length)
+
+
+def ellipsoid(covariance: Float[Array, "3 3"]) -> tuple[Float[Array, "3"], Float[Array, "3 3"]] | None:
+    """Semi-axes (1 σ) and a right-handed frame of them; None if this is no covariance any more."""
+    if not np.isfinite(covariance).all():
+        return None
+    variances, axes = np.linalg.eigh(covariance)
+    if variances[0] <= 0:
+        return None
+    return np.sqrt(variances), axes * np.sign(np.linalg.det(axes))
+
+
+def last_seen(samples: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
+    """Each row, or the last row before it that is not NaN."""
+    seen = ~np.isnan(samples).any(axis=1)
+    return samples[np.maximum.accumulate(np.where(seen, np.arange(len(samples)), 0))]

@@ -1,0 +1,182 @@
+"""One visitor: a browser tab with its own controls, its own loop and its own clock. Latest wins, nothing queues up.
+
+viser thread   a control was moved: wake.set()                 nothing else, ever
+session loop   wake.wait(); wake.clear()                       clear BEFORE reading, so that no change is lost
+               settings = dock.read()
+               picture  = compute(settings)                    stages cached by their own inputs
+               with client.atomic(): draw(picture)
+playback       the same loop wakes at the frame rate and moves the scene and the cursors; it computes nothing
+"""
+
+import contextlib
+import logging
+import threading
+import time
+from collections.abc import Iterator
+
+import viser
+
+from explorer import compute
+from explorer.access import accept_values_only
+from explorer.charts import Charts
+from explorer.compute import Picture
+from explorer.panels import presets
+from explorer.panels.controls import Refused
+from explorer.panels.dock import WIDTH, Dock
+from explorer.panels.timeline import TimelinePanel
+from explorer.playback import Playback
+from explorer.scene import Scene
+from explorer.settings import Settings, effective
+from explorer.warming import Warming
+from rangenav.preset import Preset
+
+NARROW = 1600
+"""px: a window below this width gets one column of plots."""
+CANVAS_PATIENCE = 1.5
+"""s to wait for the browser to tell its width; a headless or hidden one may never do."""
+PROGRESS_PERIOD = 0.1
+PAPER = "paper"
+
+log = logging.getLogger(__name__)
+
+
+class Session:
+    """Made when a tab connects, stopped when it leaves."""
+
+    def __init__(self, client: viser.ClientHandle, shipped: dict[str, Preset], first: str, warming: Warming) -> None:
+        self._client, self._shipped, self._name, self._warming = client, shipped, first, warming
+        self._wake, self._stopped = threading.Event(), False
+        self._picture: Picture | None = None
+        self._playback = Playback(shipped[first].duration)
+        self._thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
+
+    def start(self) -> None:
+        """Build the page and serve it from this session's own thread."""
+        accept_values_only(self._client)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Let the thread end; what it holds is then free."""
+        self._stopped = True
+        self._wake.set()
+
+    def _run(self) -> None:
+        with self._reporting():
+            self._build()
+            self._wait_until_warm()
+        self._wake.set()
+        while not self._stopped:
+            woken = self._wake.wait(self._playback.wait(time.monotonic()))
+            with self._reporting():
+                if woken:
+                    self._wake.clear()
+                    self._react()
+                self._animate()
+
+    def _build(self) -> None:
+        client = self._client
+        client.gui.configure_theme(show_logo=False, show_share_button=False)
+        client.gui.set_panel_label("rangenav")
+        self._dock = Dock(client.gui, self._shipped, self._name, self._wake.set)
+        narrow = self._window_width() < NARROW
+        self._charts = Charts(client, narrow=narrow)
+        self._timeline = TimelinePanel(client.gui, self._playback.duration, self._wake.set)
+        self._scene = Scene(client)
+
+    def _window_width(self) -> float:
+        """CSS pixels. viser tells the canvas in device pixels; their ratio shows in what the dock takes from it."""
+        before, patience = self._client.camera.image_width, time.monotonic() + CANVAS_PATIENCE
+        while self._client.camera.image_width == before and time.monotonic() < patience:
+            time.sleep(0.02)
+        taken = before - self._client.camera.image_width
+        return before * WIDTH / taken if taken > 0 else before
+
+    def _wait_until_warm(self) -> None:
+        while not (self._warming.done or self._stopped):
+            self._dock.verdict.progress(self._warming.fraction, self._warming.what)
+            time.sleep(PROGRESS_PERIOD)
+        self._dock.verdict.progress(1.0, "ready")
+
+    def _react(self) -> None:
+        """Take in what the visitor did, and draw if that changes the picture."""
+        with contextlib.suppress(Refused):
+            self._timeline.read(self._playback, time.monotonic())
+        with contextlib.suppress(Refused), self._dock.catching():
+            self._choose_preset()
+            settings = self._dock.read()
+            if self._picture is None or settings != self._picture.settings:
+                self._draw(compute.compute(settings))
+
+    def _choose_preset(self) -> None:
+        """Another preset picked, or a button in its tab pressed."""
+        name = self._dock.presets.read()
+        if name != self._name:
+            self._open(name)
+        for action in self._dock.presets.actions():
+            if action == "again":
+                self._open(self._name)
+            elif action == "paper":
+                self._open(PAPER)
+                self._charts.show_paper_figures()
+            elif action == "download":
+                self._download()
+
+    def _open(self, name: str) -> None:
+        self._name = name
+        self._dock.write(name, Settings(preset=self._shipped[name]))
+
+    def _download(self) -> None:
+        shown = effective(self._dock.read())
+        name = presets.file_name(self._name, shown, self._shipped[self._name])
+        self._client.send_file_download(name, presets.document(shown), save_immediately=True)
+
+    def _draw(self, picture: Picture) -> None:
+        self._picture = picture
+        self._playback.fit(picture.preset.duration)
+        with self._client.atomic():
+            self._scene.draw(picture)
+            self._charts.draw(picture)
+            self._dock.draw(picture)
+
+    def _animate(self) -> None:
+        """Move everything to the playhead."""
+        if self._picture is None:
+            return
+        now = time.monotonic()
+        self._playback.advance(now)
+        with self._client.atomic():
+            self._scene.move(self._picture, self._playback.time)
+            self._charts.cursor(self._picture, self._playback.time)
+            self._timeline.write(self._playback, now)
+
+    @contextlib.contextmanager
+    def _reporting(self) -> Iterator[None]:
+        """An error nobody foresaw: tell the visitor, keep the traceback for us, and go on."""
+        try:
+            yield
+        except Exception:
+            log.exception("session %s", self._client.client_id)
+            self._playback.playing = False
+            text = "Something went wrong on the server; what you see may be out of date. The log has the details."
+            self._client.add_notification("⚠ Internal error", text, color="red", auto_close_seconds=10)
+
+
+class Sessions:
+    """One session for each connected tab."""
+
+    def __init__(self, server: viser.ViserServer, shipped: dict[str, Preset], first: str, warming: Warming) -> None:
+        self._server, self._shipped, self._first, self._warming = server, shipped, first, warming
+        self._of: dict[int, Session] = {}
+        server.on_client_disconnect(self._leave)
+        server.on_client_connect(self._join)
+
+    def _join(self, client: viser.ClientHandle) -> None:
+        session = self._of[client.client_id] = Session(client, self._shipped, self._first, self._warming)
+        session.start()
+        if client.client_id not in self._server.get_clients():  # gone while it was being greeted
+            self._leave(client)
+
+    def _leave(self, client: viser.ClientHandle) -> None:
+        session = self._of.pop(client.client_id, None)
+        if session is not None:
+            session.stop()

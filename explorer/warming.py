@@ -1,0 +1,34 @@
+"""Compiling the kernels in the background while the page already answers."""
+
+import logging
+import threading
+
+log = logging.getLogger(__name__)
+
+
+class Warming:
+    """How far the compilation has come; sessions look at it until it is done."""
+
+    def __init__(self) -> None:
+        self.fraction, self.what = 0.0, "waiting"
+
+    @property
+    def done(self) -> bool:
+        """Whether pictures can be computed now."""
+        return self.fraction >= 1
+
+    def start(self) -> None:
+        """Begin, in a thread that does not keep the program alive."""
+        threading.Thread(target=self._run, name="warming", daemon=True).start()
+
+    def _run(self) -> None:
+        from explorer import compute  # here, so that the page answers before numpy's heavier friends are loaded
+
+        try:
+            compute.warm_up(self._progress)
+        except Exception:
+            log.exception("the kernels could not be compiled ahead; they will be when first used")
+        self.fraction = 1.0
+
+    def _progress(self, fraction: float, what: str) -> None:
+        self.fraction, self.what = min(fraction, 0.99), what  # done only when the last kernel has returned

@@ -1,0 +1,13 @@
+"""The checker of shapes and types that conftest wraps around every function: numbers of numpy count as Python's."""
+
+import numpy as np
+from beartype import BeartypeConf, FrozenDict, beartype
+
+checked = beartype(
+    conf=BeartypeConf(
+        hint_overrides=FrozenDict(
+            {bool: bool | np.bool_, int: int | np.integer, float: float | int | np.floating | np.integer}
+        )
+    )
+)
+"""Arrays are checked by jaxtyping's shapes; whether a scalar is numpy's or Python's is no error worth stopping for."""
