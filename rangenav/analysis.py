@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
+import msgspec
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
@@ -175,8 +176,6 @@ def judge(rank: int, end: Accuracy, requirement: Requirement) -> Verdict:
 
 def with_window(preset: Preset, window: float) -> Preset:
     """The preset judged over another window (s). Raises ValueError if it does not fit the duration."""
-    import msgspec
-
     requirement = msgspec.structs.replace(preset.requirement, window=window)
     return msgspec.structs.replace(preset, requirement=requirement)
 

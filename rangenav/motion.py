@@ -5,6 +5,7 @@ The apparent acceleration (specific force) is what an accelerometer feels: a = R
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -84,8 +85,7 @@ def simulate(
 ) -> Motion:
     """The truth at `rate` (Hz) for `duration` (s); initial_rotation is a rotation vector (rad): R(0) = exp([r]x)."""
     time = time_grid(duration, rate)
-    start = so3.exp(np.asarray(initial_rotation, dtype=float))
-    rotation = integrate(angular_velocity, start, time)
+    rotation = _rotations(angular_velocity, initial_rotation, duration, rate)
     acceleration = path(time, 2)
     return Motion(
         time=time,
@@ -99,6 +99,15 @@ def simulate(
         angular_acceleration=angular_velocity(time, 1),
         apparent_acceleration=apparent(rotation, acceleration, gravity=np.asarray(world.gravity)),
     )
+
+
+@lru_cache(maxsize=8)
+def _rotations(angular_velocity: Signal, initial_rotation: Vec3, duration: float, rate: float) -> Array:
+    """Attitude has nothing to do with the path: while somebody drags the path it is found here."""
+    start = so3.exp(np.asarray(initial_rotation, dtype=float))
+    rotation = integrate(angular_velocity, start, time_grid(duration, rate))
+    rotation.flags.writeable = False
+    return rotation
 
 
 def apparent(

@@ -14,7 +14,9 @@ from rangenav.motion import Motion, to_body, to_inertial
 from rangenav.observability import rows
 from rangenav.signals import Signal
 
-MAX_GRID = 4000
+MIN_GRID, MAX_GRID = 64, 4000
+UNEXCITED = 1e-12
+"""An excitation below this share of what the path's snap could give is none; refining the grid would not change that."""
 BOUND_SHARE = 0.05
 """The grid for the statement "for all t" is refined until what lies between its points costs at most this share of μ."""
 
@@ -65,7 +67,7 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[float,
 
 
 def bound_for_all_t(path: Signal, window: float) -> float | None:
-    """A lower bound of μ over every window, at every t ≥ 0; None if the path is not periodic, so no grid covers it.
+    """A lower bound (≥ 0) of μ over every window, at every t ≥ 0; None if the path has no period, so no grid covers it.
 
     λ_min is concave, and |Ẅ| ≤ 4 sup|p⁗| sup|p⁽⁵⁾|, so between grid points Δ apart it stays above
     min(λᵢ, λᵢ₊₁) − (Δ²/8) · 4 sup|p⁗| sup|p⁽⁵⁾|.
@@ -76,11 +78,11 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     if period == 0:
         return 0.0
     curvature = path.bound(4) * path.bound(5) / 2
-    estimate, _ = worst(path, np.linspace(0, period, 65), window)
-    wanted = np.sqrt(max(BOUND_SHARE * estimate, 1e-300) / curvature)
-    count = int(min(MAX_GRID, max(64, np.ceil(period / wanted))))
-    least, _ = worst(path, np.linspace(0, period, count + 1), window)
-    return least - curvature * (period / count) ** 2
+    least, count = worst(path, np.linspace(0, period, MIN_GRID + 1), window)[0], MIN_GRID
+    if least > UNEXCITED * window * path.bound(4) ** 2:
+        count = int(np.clip(period * np.sqrt(curvature / (BOUND_SHARE * least)), MIN_GRID, MAX_GRID)) + 1
+        least, _ = worst(path, np.linspace(0, period, count + 1), window)
+    return max(0.0, least - curvature * (period / count) ** 2)
 
 
 def sampled_eigenvalues(

@@ -64,12 +64,18 @@ def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], windo
 
 
 def spectra(
-    matrix: Float[Array, "w k n"], weight: Float[Array, "k"], window: float, *, time_powers: Int[Array, "n"], rounding: float
+    matrix: Float[Array, "w k n"],
+    weight: Float[Array, "k"],
+    window: float,
+    *,
+    time_powers: Int[Array, "n"],
+    rounding: float,
 ) -> Spectrum:
     """Spectra of Σ weight hᵀh. QR first: the singular values of R are those of H, and both unit systems share it."""
     R = np.linalg.qr(matrix * np.sqrt(weight)[:, None], mode="r")
     singular = np.linalg.svd(R, compute_uv=False)
-    _, scaled, right = np.linalg.svd(R * window ** -time_powers.astype(float))
+    in_units = R * window ** -time_powers.astype(float)
+    scaled = np.linalg.svd(in_units, compute_uv=False)
     tolerance = np.maximum(RANK_TOLERANCE * scaled[:, 0], rounding)
     rank = np.sum(scaled > tolerance[:, None], axis=-1)
     floor = np.maximum(RANK_TOLERANCE * singular[:, 0], rounding * max(1.0, window**2 / 2))
@@ -79,8 +85,15 @@ def spectra(
         scaled=scaled,
         rank=rank,
         tolerance=tolerance,
-        null_basis=tuple(right[i, r:].T for i, r in enumerate(rank)),
+        null_basis=_null_basis(in_units, rank),
     )
+
+
+def _null_basis(matrix: Float[Array, "w n n"], rank: Int[Array, "w"]) -> tuple[Array, ...]:
+    """The last right singular vectors of each window; only blind windows pay for vectors, twice the price of values."""
+    right, blind = np.zeros_like(matrix), rank < matrix.shape[-1]
+    right[blind] = np.linalg.svd(matrix[blind])[2]
+    return tuple(right[i, r:].T for i, r in enumerate(rank))
 
 
 def worst(spectrum: Spectrum) -> int:

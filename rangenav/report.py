@@ -1,0 +1,126 @@
+"""Analysis and record as plain JSON objects (the command line's contract): finite numbers, or null with a reason beside it."""
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from rangenav import motion, record
+from rangenav.analysis import Analysis
+from rangenav.observability import excitation
+from rangenav.observability.accuracy import Accuracy
+from rangenav.preset import Preset
+from rangenav.record import Record, Summary
+
+Json = dict[str, Any]
+
+
+def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
+    """What `rangenav analyze --json` prints."""
+    window = found.windows.window
+    p = preset
+    truth = record.simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate)
+    return {
+        "preset": name,
+        "duration": preset.duration,
+        "limits": asdict(motion.limits(truth.motion, world=preset.world)),
+        "excitation": _excitation(found, truth.motion, window),
+        "gramian": {
+            "window": window,
+            "at": found.gramian_at,
+            "eigenvalues": found.gramian.tolist(),
+            "rank": found.rank,
+            "tolerance": found.tolerance,
+            "floor": found.floor,
+        },
+        "nonlinear": {
+            "window": window,
+            "at": found.nonlinear_at,
+            "eigenvalues": found.nonlinear.tolist(),
+            "rank": found.nonlinear_rank,
+        },
+        "blind_directions": [{"vector": d.vector.tolist(), "words": d.words} for d in found.directions],
+        "accuracy": {
+            "window": window,
+            "range_sigma": preset.sensors.noise.range,
+            "range_rate": preset.sensors.range_rate,
+            "lifted": {"start": _accuracy(found.lifted_start), "end": _accuracy(found.lifted_end)},
+            "nonlinear": {"start": _accuracy(found.nonlinear_start), "end": _accuracy(found.nonlinear_end)},
+        },
+        "verdict": found.verdict,
+    }
+
+
+def simulation_report(records: list[Record], *, name: str) -> Json:
+    """What `rangenav simulate --json` prints: one run, or the medians of several seeds."""
+    preset = records[0].preset
+    summaries = [one.summary for one in records]
+
+    def median(key: str) -> float | None:
+        values = [getattr(summary, key) for summary in summaries]
+        middle = float(np.median([math.inf if value is None else value for value in values]))
+        return middle if math.isfinite(middle) else None
+
+    report: Json = {
+        "preset": name,
+        "seed": preset.seed,
+        "steps": len(records[0].estimate.time) - 1,
+        "microseconds_per_step": median("microseconds_per_step"),
+        "peak": {"position": median("peak_position")},
+        "settle": _settle(median),
+        "steady": {
+            "position_rmse": median("steady_position"),
+            "velocity_rmse": median("steady_velocity"),
+            "gravity_rmse": median("steady_gravity"),
+            "attitude_rmse_deg": median("steady_attitude_deg"),
+        },
+        "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
+    }
+    if any(_not_finite(summary) for summary in summaries):
+        report["reason"] = "null: the estimate overflowed"
+    if any(summary.diverged for summary in summaries):
+        report["note"] = "unobservable, covariance diverges"
+    if len(records) > 1:
+        report["runs"] = len(records)
+    return report
+
+
+def _excitation(found: Analysis, truth: motion.Motion, window: float) -> Json:
+    signal = excitation.chosen_signal(truth, printed_formula=True, body_axes=True)
+    printed = excitation.sampled_eigenvalues(signal, truth.time, found.windows.start, window)
+    least = int(np.argmin(printed[:, 0]))
+    report: Json = {
+        "window": window,
+        "mu": found.mu,
+        "at": found.mu_at,
+        "eigenvalues": found.excitation.tolist(),
+        "bound_for_all_t": found.bound_for_all_t,
+        "printed": {
+            "mu": float(printed[least, 0]),
+            "at": float(found.windows.start[least]),
+            "eigenvalues": printed[least].tolist(),
+        },
+    }
+    if found.bound_for_all_t is None:
+        report["bound_reason"] = "the path has no common period, so no grid covers all t"
+    return report
+
+
+def _accuracy(accuracy: Accuracy) -> Json:
+    report: Json = {key: value if math.isfinite(value) else None for key, value in asdict(accuracy).items()}
+    if None in report.values():
+        report["reason"] = "null: blind, this window does not determine it"
+    return report
+
+
+def _settle(median: Any) -> Json:
+    settle: Json = {"position_s": median("settle_position_s"), "attitude_s": median("settle_attitude_s")}
+    limits = f"{record.SETTLED_POSITION:g} m, {math.degrees(record.SETTLED_ATTITUDE):g}°"
+    if None in settle.values():
+        settle["reason"] = f"null: does not stay below {limits} to the end"
+    return settle
+
+
+def _not_finite(summary: Summary) -> bool:
+    return not all(math.isfinite(value) for value in asdict(summary).values() if value is not None)
