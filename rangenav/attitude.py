@@ -18,7 +18,7 @@ K1_RANGE = (1e-3, 1e3)
 RHO_RANGE = (1e-6, 1e3)
 
 
-class AttitudeGains(Input, kw_only=True):
+class AttitudeGains(Input, frozen=True, kw_only=True):
     """k1 scales the whole correction; rho1 weighs the magnetometer, rho2 the estimated gravity."""
 
     k1: float = 4.0

@@ -24,7 +24,7 @@ MAX_OFFSET = 1e4
 NO_PENDING = (np.nan, np.nan)
 
 
-class Gains(Input, kw_only=True):
+class Gains(Input, frozen=True, kw_only=True):
     """All gains of the cascade."""
 
     mode: Literal["constant", "noise-matched"] = "constant"
@@ -33,7 +33,7 @@ class Gains(Input, kw_only=True):
     attitude: AttitudeGains = AttitudeGains()
 
 
-class Guess(Input, kw_only=True):
+class Guess(Input, frozen=True, kw_only=True):
     """Where the observer starts: x̂(0) and R̃(0) = R(0) R̂(0)ᵀ = exp(angle [axis]x)."""
 
     state: Literal["zero", "truth", "offset"] = "zero"

@@ -1,7 +1,8 @@
 """What a person chooses is a frozen value: equal by value, hashable, finite, and readable from TOML.
 
 Inputs are `msgspec.Struct`s rather than dataclasses because only those refuse unknown keys and form tagged unions;
-they are frozen all the same (keyword-only is said by each class: msgspec does not inherit it).
+they are frozen all the same. Each class says so again, and keyword-only: type checkers do not inherit the one, nor
+msgspec the other.
 """
 
 import math

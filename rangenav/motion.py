@@ -22,7 +22,7 @@ GAUSS_OFFSET = np.sqrt(3) / 6
 """Gauss points of a step lie at (½ ± √3/6) h."""
 
 
-class World(Input, kw_only=True):
+class World(Input, frozen=True, kw_only=True):
     """What does not move: gravity, the magnetic direction and the anchor, all in the inertial frame."""
 
     gravity: Vec3 = (0.0, 0.0, 9.81)

@@ -29,7 +29,7 @@ FOLDERS = (Path(__file__).parent / "presets", Path(__file__).parent.parent / "pr
 """Inside an installed wheel, and in a source tree."""
 
 
-class Requirement(Input, kw_only=True):
+class Requirement(Input, frozen=True, kw_only=True):
     """What the motion is asked to deliver on every window."""
 
     window: float = 6.0
@@ -46,7 +46,7 @@ class Requirement(Input, kw_only=True):
         require(self.position_sigma > 0, f"position_sigma must be positive, got {self.position_sigma:g}")
 
 
-class Preset(Input, kw_only=True):
+class Preset(Input, frozen=True, kw_only=True):
     """Every input of one run."""
 
     version: Literal[1] = FORMAT_VERSION

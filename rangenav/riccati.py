@@ -18,7 +18,7 @@ P0_RANGE = (1e-3, 1e4)
 """The stated ranges of the gains, in which P keeps its sign over 10⁶ steps; v = 0 is refused by the lower end."""
 
 
-class Blocks(Input, kw_only=True):
+class Blocks(Input, frozen=True, kw_only=True):
     """One number for each block of the state: ξ1…ξ4, position, velocity, gravity."""
 
     xi: float
@@ -31,7 +31,7 @@ class Blocks(Input, kw_only=True):
         return np.repeat([self.xi, self.position, self.velocity, self.gravity], [4, 3, 3, 3])
 
 
-class RiccatiGains(Input, kw_only=True):
+class RiccatiGains(Input, frozen=True, kw_only=True):
     """q (inverse range-noise density), v (process noise density) and p0 (initial covariance) of the Riccati observer.
 
     The defaults were searched for on the paper's path (200 Hz) and its slowed form (50 and 200 Hz) with the default

@@ -18,7 +18,7 @@ MIN_RATE, MAX_RATE = 1.0, 10_000.0
 MAX_SIGMA = 1e3
 
 
-class Noise(Input, kw_only=True):
+class Noise(Input, frozen=True, kw_only=True):
     """Standard deviation per sample of each sensor's white Gaussian noise. The paper prints only mag: 0.1 (variance 1e-2)."""
 
     gyro: float = 0.01
@@ -37,7 +37,7 @@ class Noise(Input, kw_only=True):
             require(0 <= value <= MAX_SIGMA, f"noise {name} must lie between 0 and {MAX_SIGMA:g}, got {value:g}")
 
 
-class Sensors(Input, kw_only=True):
+class Sensors(Input, frozen=True, kw_only=True):
     """Rates in Hz, and the noise."""
 
     imu_rate: float = 200.0

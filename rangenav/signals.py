@@ -24,7 +24,7 @@ COMMON_PERIOD_DENOMINATOR = 1000
 """Frequencies whose ratios are fractions with a larger denominator are taken to have no common period."""
 
 
-class Tone(Input, kw_only=True):
+class Tone(Input, frozen=True, kw_only=True):
     """One sine on one axis: amplitude · sin(frequency · t + phase)."""
 
     axis: Literal["x", "y", "z"]
@@ -41,7 +41,7 @@ class Tone(Input, kw_only=True):
         require(0 < self.frequency <= MAX_FREQUENCY, f"frequency must lie in (0, 10000] rad/s, got {self.frequency:g}")
 
 
-class Multisine(Input, kw_only=True, tag="multisine", tag_field="kind"):
+class Multisine(Input, frozen=True, kw_only=True, tag="multisine", tag_field="kind"):
     """offset + drift · t + tones, with every derivative."""
 
     tones: tuple[Tone, ...] = ()

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 SMALL_ANGLE = 1e-2
-"""Below this angle (rad) a series of order 6 replaces the quotients: its first dropped term is under 1e-20."""
+"""Below this angle (rad) a series of order 6 replaces the quotients: its first dropped term is under 1e-19."""
 
 
 def hat(w: Float[Array, "*n 3"]) -> Float[Array, "*n 3 3"]:
@@ -44,14 +44,15 @@ def log(rotation: Float[Array, "*n 3 3"]) -> Float[Array, "*n 3"]:
     near_pi = theta > np.pi - 0.1
     safe = np.where((theta < SMALL_ANGLE) | near_pi, 1.0, theta)
     square = theta**2
-    factor = np.where(theta < SMALL_ANGLE, 1 + square / 6 * (1 + 7 * square / 60), safe / np.sin(safe))
+    series = 1 + square / 6 * (1 + 7 * square / 60 * (1 + 31 * square / 294))
+    factor = np.where(theta < SMALL_ANGLE, series, safe / np.sin(safe))
     return np.where(near_pi, theta * _axis_near_pi(rotation, sine_axis), factor * sine_axis)
 
 
 def angle(rotation: Float[Array, "*n 3 3"]) -> Float[Array, "*n"]:
     """The rotation angle in [0, π], accurate at both ends: atan2(|vee R|, (tr R − 1)/2)."""
     sine = np.linalg.norm(vee(rotation), axis=-1)
-    return np.arctan2(sine, (np.trace(rotation, axis1=-2, axis2=-1) - 1) / 2)
+    return np.asarray(np.arctan2(sine, (np.trace(rotation, axis1=-2, axis2=-1) - 1) / 2))
 
 
 def _axis_near_pi(rotation: Array, sine_axis: Array) -> Array:
