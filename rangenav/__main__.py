@@ -17,7 +17,6 @@ from rich.table import Table
 
 from rangenav import preset as presets
 from rangenav.inputs import require
-from rangenav.preset import Preset
 
 MAX_RUNS = 10_000
 UNITS = {
@@ -25,7 +24,12 @@ UNITS = {
     **dict.fromkeys(("position", "anchor_distance_min", "range_sigma"), "m"),
     **dict.fromkeys(("speed", "velocity"), "m/s"),
     **dict.fromkeys(("acceleration", "gravity"), "m/s²"),
-    **{"attitude_deg": "°", "jerk": "m/s³", "snap": "m/s⁴", "body_rate": "rad/s", "range_rate": "Hz", "microseconds_per_step": "µs"},
+    "attitude_deg": "°",
+    "jerk": "m/s³",
+    "snap": "m/s⁴",
+    "body_rate": "rad/s",
+    "range_rate": "Hz",
+    "microseconds_per_step": "µs",
 }
 app = tyro.extras.SubcommandApp()
 

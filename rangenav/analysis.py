@@ -104,7 +104,9 @@ class Seen:
 def analyse(preset: Preset) -> Analysis:
     """Analyse a preset over its own window."""
     sensors = preset.sensors
-    return analysis(preset.path, preset.world, preset.duration, preset.requirement, sensors.noise.range, sensors.range_rate)
+    return analysis(
+        preset.path, preset.world, preset.duration, preset.requirement, sensors.noise.range, sensors.range_rate
+    )
 
 
 @lru_cache(maxsize=CACHED)

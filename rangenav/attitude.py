@@ -35,7 +35,12 @@ class AttitudeGains(Input, frozen=True, kw_only=True):
 
 
 def correction(
-    rotation: Float[Array, "3 3"], mag: Float[Array, "3"], gravity_body: Float[Array, "3"], *, gains: AttitudeGains, world: World
+    rotation: Float[Array, "3 3"],
+    mag: Float[Array, "3"],
+    gravity_body: Float[Array, "3"],
+    *,
+    gains: AttitudeGains,
+    world: World,
 ) -> Float[Array, "3"]:
     """k1 σ (rad/s, body axes)."""
     sigma = gains.rho1 * np.cross(mag, rotation.T @ np.asarray(world.magnetic))

@@ -52,7 +52,10 @@ class Guess(Input, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         super().__post_init__()
         require(np.linalg.norm(self.attitude_axis) > 1e-9, "attitude_axis must not be the zero vector")
-        require(abs(self.attitude_angle) <= np.pi + 1e-12, f"attitude_angle must lie in [-π, π] rad, got {self.attitude_angle:g}")
+        require(
+            abs(self.attitude_angle) <= np.pi + 1e-12,
+            f"attitude_angle must lie in [-π, π] rad, got {self.attitude_angle:g}",
+        )
         for name in ("position_offset", "velocity_offset", "gravity_offset"):
             size = float(np.linalg.norm(getattr(self, name)))
             require(size <= MAX_OFFSET, f"{name} must not be longer than {MAX_OFFSET:g}, got {size:g}")

@@ -4,6 +4,7 @@ The path fixes position to snap; the angular velocity is integrated on the group
 The apparent acceleration (specific force) is what an accelerometer feels: a = Rᵀ(p̈ − g).
 """
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -39,7 +40,9 @@ class World(Input, frozen=True, kw_only=True):
         gravity = float(np.linalg.norm(self.gravity))
         require(0 < gravity < 1e3, f"gravity must have a length between 0 and 1000 m/s², got {gravity:g}")
         sine = float(np.linalg.norm(np.cross(self.magnetic, self.gravity))) / gravity
-        require(sine > COLLINEAR_SINE, "magnetic and gravity must not be collinear: attitude about them is unobservable")
+        require(
+            sine > COLLINEAR_SINE, "magnetic and gravity must not be collinear: attitude about them is unobservable"
+        )
         require(float(np.linalg.norm(self.anchor)) < 1e5, "anchor must lie within 100 km of the origin")
 
 
@@ -77,7 +80,7 @@ class Limits:
 
 def time_grid(duration: float, rate: float) -> Float[Array, "n"]:
     """Sample times 0, 1/rate, … up to duration (s)."""
-    return np.arange(round(duration * rate) + 1) / rate
+    return np.arange(math.floor(duration * rate + 1e-9) + 1) / rate
 
 
 def simulate(

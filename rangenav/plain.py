@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import attitude, model, riccati, so3
+from rangenav import attitude, riccati, so3
 from rangenav.cascade import Estimate, Setting, Start, ranges_at_imu_rate
-from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI
+from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI, Form
 from rangenav.sensors import Measurements, check
 
 
@@ -60,7 +60,8 @@ class _Observer:
         gains, sensors = setting.gains, setting.sensors
         self.matched = gains.mode == "noise-matched"
         self.symmetric = symmetric and not self.matched
-        self.gravity_norm, self.form = float(np.linalg.norm(setting.world.gravity)), setting.form
+        self.gravity_norm = float(np.linalg.norm(setting.world.gravity))
+        self.form: Form = setting.form
         self.v = np.full(STATES, riccati.V_RANGE[0]) if self.matched else gains.riccati.v.diagonal()
         self.constant_variance = sensors.range_rate / gains.riccati.q
         self.sigma = sensors.noise.range

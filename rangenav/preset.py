@@ -75,7 +75,9 @@ class Preset(Input, frozen=True, kw_only=True):
         require(len(self.story) <= MAX_STORY, f"story must have at most {MAX_STORY} characters, got {len(self.story)}")
         require_within("duration", self.duration, MIN_DURATION, MAX_DURATION, "s")
         require(0 <= self.seed < 2**53, f"seed must lie between 0 and 2^53, got {self.seed}")
-        require(float(np.linalg.norm(self.initial_rotation)) <= 2 * math.pi, "initial_rotation must be at most 2π rad long")
+        require(
+            float(np.linalg.norm(self.initial_rotation)) <= 2 * math.pi, "initial_rotation must be at most 2π rad long"
+        )
         samples = self.duration * max(self.sensors.imu_rate, self.sensors.range_rate)
         require(samples <= MAX_SAMPLES, f"duration × rate must not exceed {MAX_SAMPLES} samples, got {samples:.0f}")
         window = self.requirement.window
@@ -86,7 +88,9 @@ class Preset(Input, frozen=True, kw_only=True):
         nyquist = math.pi * self.sensors.imu_rate
         for name, signal in (("path", self.path), ("angular_velocity", self.angular_velocity)):
             fastest = signal.bandwidth
-            require(fastest < nyquist, f"{name}: {fastest:g} rad/s is faster than the IMU can sample ({nyquist:.0f} rad/s)")
+            require(
+                fastest < nyquist, f"{name}: {fastest:g} rad/s is faster than the IMU can sample ({nyquist:.0f} rad/s)"
+            )
 
 
 def loads(text: str, *, source: str) -> Preset:

@@ -22,7 +22,7 @@ from rangenav.signals import Signal
 SETTLED_POSITION = 0.3
 """m; an error counts as settled once it stays below this to the end."""
 SETTLED_ATTITUDE = math.radians(5)
-DIVERGED_STD = 1e3
+DIVERGED_STD = 1e2
 """m; with a larger 1-σ of the observer's own position the estimate says nothing: unobservable, covariance diverges."""
 CACHED = 4
 
@@ -79,15 +79,11 @@ def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Reco
     """As `run`, with another seed."""
     p = preset
     truth = simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate)
-    measurements = measured(
-        p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors, seed
-    )
+    measurements = measured(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors, seed)
     estimate, seconds = observed(truth, measurements, p.world, p.sensors, p.gains, p.guess, form)
     errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
     summary = summarise(estimate, errors, seconds)
-    return Record(
-        preset=p, truth=truth, measurements=measurements, estimate=estimate, errors=errors, summary=summary
-    )
+    return Record(preset=p, truth=truth, measurements=measurements, estimate=estimate, errors=errors, summary=summary)
 
 
 @lru_cache(maxsize=CACHED)
@@ -103,7 +99,13 @@ def simulated(
 
 @lru_cache(maxsize=CACHED)
 def measured(
-    path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, sensors: Sensors, seed: int
+    path: Signal,
+    angular_velocity: Signal,
+    world: World,
+    initial_rotation: Vec3,
+    duration: float,
+    sensors: Sensors,
+    seed: int,
 ) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
     truth = simulated(path, angular_velocity, world, initial_rotation, duration, sensors.imu_rate)
@@ -111,14 +113,18 @@ def measured(
 
 
 def observed(
-    truth: Truth, measurements: Measurements, world: World, sensors: Sensors, gains: Gains, guess: Guess, form: model.Form
+    truth: Truth,
+    measurements: Measurements,
+    world: World,
+    sensors: Sensors,
+    gains: Gains,
+    guess: Guess,
+    form: model.Form,
 ) -> tuple[Estimate, float]:
     """The estimate and the seconds it took."""
     start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=world)
     began = time.perf_counter()
-    estimate = cascade.observe(
-        measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form)
-    )
+    estimate = cascade.observe(measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form))
     return estimate, time.perf_counter() - began
 
 

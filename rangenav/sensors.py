@@ -48,7 +48,10 @@ class Sensors(Input, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_within("imu_rate", self.imu_rate, MIN_RATE, MAX_RATE, "Hz")
-        require(MIN_RATE <= self.mag_rate <= self.imu_rate, f"mag_rate must lie between 1 Hz and imu_rate, got {self.mag_rate:g}")
+        require(
+            MIN_RATE <= self.mag_rate <= self.imu_rate,
+            f"mag_rate must lie between 1 Hz and imu_rate, got {self.mag_rate:g}",
+        )
         require_within("range_rate", self.range_rate, MIN_RATE, MAX_RATE, "Hz")
 
 
@@ -79,8 +82,8 @@ def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng
     distance = np.linalg.norm(path(range_time) - np.asarray(world.anchor), axis=-1)
     return Measurements(
         time=time,
-        gyro=motion.angular_velocity + noise.gyro * gyro_rng.standard_normal(time.shape + (3,)),
-        accel=motion.apparent_acceleration + noise.accel * accel_rng.standard_normal(time.shape + (3,)),
+        gyro=motion.angular_velocity + noise.gyro * gyro_rng.standard_normal((*time.shape, 3)),
+        accel=motion.apparent_acceleration + noise.accel * accel_rng.standard_normal((*time.shape, 3)),
         mag=mag,
         range_time=range_time,
         range=distance + noise.range * range_rng.standard_normal(range_time.shape),
@@ -92,7 +95,7 @@ def check(measurements: Measurements) -> None:
     z = measurements
     require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
     for name, stamps in (("time", z.time), ("range_time", z.range_time)):
-        _refuse_first(~(np.diff(stamps) > 0), f"{name} must increase", offset=1)
+        _refuse_first(np.diff(stamps) <= 0, f"{name} must increase", offset=1)
     for name in ("gyro", "accel", "range", "time", "range_time"):
         finite = np.isfinite(getattr(z, name))
         _refuse_first(~(finite if finite.ndim == 1 else finite.all(axis=-1)), f"{name} must be finite")

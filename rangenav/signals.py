@@ -18,6 +18,9 @@ from rangenav.inputs import Input, Vec3, require, require_within
 AXES = {"x": 0, "y": 1, "z": 2}
 MAX_TONES = 64
 MAX_AMPLITUDE = 1e4
+MAX_OFFSET = 1e6
+MAX_DRIFT = 1e5
+"""Beyond these, and the amplitude above, nothing flies, and squares of squares would overflow."""
 MAX_FREQUENCY = 1e4
 """rad/s; tones beyond the IMU's Nyquist frequency are refused by the preset, which knows the rate."""
 COMMON_PERIOD_DENOMINATOR = 1000
@@ -53,6 +56,9 @@ class Multisine(Input, frozen=True, kw_only=True, tag="multisine", tag_field="ki
     def __post_init__(self) -> None:
         super().__post_init__()
         require(len(self.tones) <= MAX_TONES, f"at most {MAX_TONES} tones, got {len(self.tones)}")
+        for name, limit in (("offset", MAX_OFFSET), ("drift", MAX_DRIFT)):
+            for value in getattr(self, name):
+                require_within(name, value, -limit, limit)
 
     def __call__(self, t: Float[Array, "*n"], order: int = 0) -> Float[Array, "*n 3"]:
         """The derivative of the given order at times t (s), in the signal's unit per s**order."""

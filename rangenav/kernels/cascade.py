@@ -129,7 +129,9 @@ def read(s, state, covariance):
 
 
 @kernel
-def run(s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, innovation, first, p):
+def run(
+    s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, innovation, first, p
+):
     """Run a whole record from its range number `first` on, writing the estimate at every IMU sample."""
     count = len(range_time)
     for k in range(len(time)):

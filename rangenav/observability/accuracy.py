@@ -36,7 +36,15 @@ class Accuracy:
 
 
 def predict(
-    path: Signal, world: World, start: float, window: float, *, sigma: float, rate: float, kind: Kind, at: Literal["start", "end"]
+    path: Signal,
+    world: World,
+    start: float,
+    window: float,
+    *,
+    sigma: float,
+    rate: float,
+    kind: Kind,
+    at: Literal["start", "end"],
 ) -> Accuracy:
     """Accuracy of the state at the start or the end of one window, from all its ranges at `rate` (Hz) with noise sigma (m)."""
     tau = np.arange(int(window * rate + 1e-9) + 1) / rate
@@ -49,9 +57,14 @@ def predict(
 def end_sigmas(
     path: Signal, world: World, start: Float[Array, "w"], window: float, *, sigma: float, rate: float, kind: Kind
 ) -> Float[Array, "w 3"]:
-    """Accuracy at the end of many windows, the sum over ranges replaced by rate · ∫ (fewer nodes, same to a percent)."""
-    tau, weight = rows.quadrature(window, path.bandwidth)
-    return sigmas(path, world, start + window, tau - window, weight * (window * rate), window, sigma=sigma, kind=kind)
+    """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ and half of both ends.
+
+    The same as `predict` to two percent, with 34 nodes instead of hundreds of ranges.
+    """
+    nodes, weight = rows.quadrature(window, path.bandwidth)
+    tau = np.concatenate([[0.0], nodes, [window]])
+    count = np.concatenate([[0.5], weight * (window * rate), [0.5]])
+    return sigmas(path, world, start + window, tau - window, count, window, sigma=sigma, kind=kind)
 
 
 def sigmas(
@@ -72,7 +85,11 @@ def sigmas(
         matrix, powers, blocks = rows.lifted(path, world.gravity, reference, tau), LIFTED_TIME_POWERS, LIFTED_BLOCKS
         variance = distance2 * noise**2 + noise**4 / 2
     else:
-        matrix, powers, blocks = rows.nonlinear(path, world.anchor, reference, tau), NONLINEAR_TIME_POWERS, NONLINEAR_BLOCKS
+        matrix, powers, blocks = (
+            rows.nonlinear(path, world.anchor, reference, tau),
+            NONLINEAR_TIME_POWERS,
+            NONLINEAR_BLOCKS,
+        )
         variance = np.maximum(distance2, np.finfo(float).tiny) * noise**2
     weighted = matrix * np.sqrt(count / variance)[..., None]
     result = _block_sigmas(weighted, window ** -powers.astype(float), blocks)

@@ -57,7 +57,7 @@ def _readable_basis(span: Array) -> list[Array]:
     dimension = span.shape[1]
     if dimension == 0:
         return []
-    basis, _, _ = scipy.linalg.qr(span @ span.T, pivoting=True)
+    basis = np.asarray(scipy.linalg.qr(span @ span.T, pivoting=True)[0])
     vectors = [basis[:, k] for k in range(dimension)]
     vectors = [np.where(np.abs(v) < 1e-9, 0.0, v) for v in vectors]
     return [v if v[np.argmax(np.abs(v))] > 0 else -v for v in vectors]

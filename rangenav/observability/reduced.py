@@ -30,7 +30,8 @@ def sampled_least_eigenvalue(
     first = round(start / h)
     inside = slice(first, first + round(window / h) + 1)
     tau = time[inside] - time[first]
-    matrix = rows.carry(*(part[None, inside] for part in _r4(motion, printed_formula, printed_row, body_axes)), tau)[0]
+    snap, jerk, accel = _r4(motion, printed_formula, printed_row, body_axes)
+    matrix = rows.carry(snap[None, inside], jerk[None, inside], accel[None, inside], tau)[0]
     weight = np.full(len(tau), h / window)
     weight[[0, -1]] /= 2
     return float(np.linalg.svd(matrix * np.sqrt(weight)[:, None], compute_uv=False)[-1] ** 2)
@@ -42,9 +43,8 @@ def _r4(
     a, w = motion.apparent_acceleration, motion.angular_velocity
     rate, _ = excitation.apparent_derivatives(motion)
     factor = 3.0 if printed_row else 4.0  # −aᵀ[ω]x = (ω×a)ᵀ
-    blocks = (
-        excitation.phi_printed(motion) if printed_formula else excitation.phi(motion),
-        4 * rate + factor * np.cross(w, a),
-        6 * a,
-    )
-    return blocks if body_axes else tuple(to_inertial(motion.rotation, block) for block in blocks)  # pyright: ignore
+    snap = excitation.phi_printed(motion) if printed_formula else excitation.phi(motion)
+    jerk, accel = 4 * rate + factor * np.cross(w, a), 6 * a
+    if body_axes:
+        return snap, jerk, accel
+    return to_inertial(motion.rotation, snap), to_inertial(motion.rotation, jerk), to_inertial(motion.rotation, accel)

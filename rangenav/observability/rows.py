@@ -33,9 +33,7 @@ def quadrature(window: float, bandwidth: float) -> tuple[Float[Array, "k"], Floa
     return tau, np.tile(weights / (2 * panels), panels)
 
 
-def lifted(
-    path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]
-) -> Float[Array, "w k 13"]:
+def lifted(path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]) -> Float[Array, "w k 13"]:
     """Rows 𝒞Φ(t + τ, t) for each reference time t (s); τ may be negative (what past ranges say about now)."""
     D = _departure(path, gravity, reference, tau)
     rows = np.empty((len(reference), len(tau), 13))
@@ -46,7 +44,9 @@ def lifted(
     return rows
 
 
-def nonlinear(path: Signal, anchor: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]) -> Float[Array, "w k 9"]:
+def nonlinear(
+    path: Signal, anchor: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]
+) -> Float[Array, "w k 9"]:
     """Rows of ½d² with respect to (p, v, g) at each reference time, linearised at the true motion."""
     q = path(reference[:, None] + tau) - np.asarray(anchor)
     return np.concatenate([q, tau[:, None] * q, tau[:, None] ** 2 / 2 * q], axis=-1)

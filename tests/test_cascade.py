@@ -1,0 +1,214 @@
+"""The cascade as a whole: what converges, how far, from where, with which ranges, and that step() is observe()."""
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from rangenav import cascade, model, record
+from rangenav.cascade import Gains, Guess, Sample, Setting, Start
+from rangenav.sensors import Measurements
+from tests import scenes
+
+
+def test_derived_observer_started_at_the_truth_stays_within_a_millimetre():
+    """Paper's path, 1 kHz, 10 s, no noise: what is left is the splitting's h² error."""
+    scene = scenes.scene("paper", duration=10.0, imu_rate=1000.0, range_rate=1000.0, noise=scenes.SILENT, guess="truth")
+    assert scene.errors(scene.observe()).position.max() < 1e-3
+
+
+def test_from_nothing_it_is_within_a_centimetre_and_a_degree_after_ten_seconds():
+    """x̂(0) = 0, R̂(0) = I while R(0) = exp(π/2 [e2]x), as in the paper's scenario."""
+    scene = scenes.scene("paper", duration=10.0, imu_rate=1000.0, range_rate=1000.0, noise=scenes.SILENT)
+    np.testing.assert_allclose(scene.start.rotation, np.eye(3), atol=1e-15)
+    assert not scene.start.state.any()
+    errors = scene.errors(scene.observe())
+    assert errors.position[-1] < 0.01
+    assert np.degrees(errors.attitude[-1]) < 1.0
+
+
+@pytest.mark.parametrize(("name", "metres"), [("paper", 1.0), ("paper-slow", 10.0)])
+def test_printed_model_leaves_even_the_truth_by_metres(name: str, metres: float):
+    scene = scenes.scene(name, duration=10.0, imu_rate=1000.0, range_rate=1000.0, noise=scenes.SILENT, guess="truth")
+    errors = scene.errors(scene.observe(form="printed"))
+    assert errors.position[len(errors.position) // 2 :].min() > metres / 4
+    assert errors.position.max() > metres
+
+
+def test_peaking_is_not_instability():
+    """From x̂ = 0 the position error first grows well past its start, then converges: stable is not monotone."""
+    scene = scenes.scene("paper-slow", duration=20.0, range_rate=50.0)
+    errors = scene.errors(scene.observe())
+    assert errors.position.max() > 4 * errors.position[0]
+    assert errors.position[-1000:].max() < 0.3
+
+
+@pytest.mark.parametrize("mode", ["constant", "noise-matched"])
+@pytest.mark.parametrize(
+    ("range_rate", "mag_rate", "lost"), [(200.0, 200.0, 0.0), (200.0, 50.0, 0.4), (333.0, 57.0, 0.2)]
+)
+def test_one_sample_at_a_time_gives_the_same_numbers(mode: str, range_rate: float, mag_rate: float, lost: float):
+    scene = scenes.scene("paper-slow", duration=2.0, range_rate=range_rate, mag_rate=mag_rate)
+    rng = np.random.default_rng(5)
+    z = scenes.without_ranges(scene.measurements, rng.random(len(scene.measurements.range)) < lost)
+    setting = scene.setting(replace(Gains(), mode=mode))
+    batch = cascade.observe(z, scene.start, setting)
+    symmetric = cascade.ranges_at_imu_rate(z, setting.sensors)
+    assert symmetric == (range_rate == 200.0)
+    state = cascade.begin(sample(z, 0), scene.start, setting, symmetric=symmetric)
+    for k in range(1, len(z.time)):
+        state = cascade.step(state, sample(z, k))
+        np.testing.assert_array_equal(state.state, batch.state[k])
+        np.testing.assert_array_equal(state.rotation, batch.rotation[k])
+    np.testing.assert_array_equal(state.std, batch.std[-1])
+
+
+def sample(z: Measurements, k: int) -> Sample:
+    before = z.time[k - 1] if k > 0 else -np.inf
+    due = (z.range_time > before) & (z.range_time <= z.time[k])
+    return Sample(z.time[k], z.gyro[k], z.accel[k], z.mag[k], z.range_time[due], z.range[due])
+
+
+def test_step_leaves_the_state_it_was_given():
+    scene = scenes.scene("paper-slow", duration=1.0)
+    z = scene.measurements
+    before = cascade.begin(sample(z, 0), scene.start, scene.setting())
+    x = before.state.copy()
+    first, again = cascade.step(before, sample(z, 1)), cascade.step(before, sample(z, 1))
+    np.testing.assert_array_equal(before.state, x)
+    np.testing.assert_array_equal(first.state, again.state)
+
+
+def test_drop_outs_and_a_burst_do_not_stop_it():
+    scene = scenes.scene("paper", duration=20.0, range_rate=50.0)
+    z = scene.measurements
+    lost = np.random.default_rng(3).random(len(z.range)) < 0.3
+    lost |= (z.range_time > 12.0) & (z.range_time < 13.0)
+    estimate = cascade.observe(scenes.without_ranges(z, lost), scene.start, scene.setting())
+    assert scene.errors(estimate).position[-1000:].max() < 0.3
+
+
+def test_noise_matched_gains_do_not_bias_the_output():
+    """|mean(ξ̂1 − ξ1)| < .003 m² on the paper's path; the uncorrected ½σ² would be .005."""
+    differences = []
+    for seed in range(5):
+        scene = scenes.scene("paper", duration=20.0, seed=seed)
+        estimate = scene.observe(Gains(mode="noise-matched"))
+        differences.append((estimate.state - scene.truth.state)[2000:, 0].mean())
+    assert abs(np.mean(differences)) < 0.003
+
+
+def test_noise_matched_beats_constant_gains_in_steady_state():
+    scene = scenes.scene("paper-slow", duration=20.0)
+    steady = [
+        np.sqrt(np.mean(scene.errors(scene.observe(replace(Gains(), mode=mode))).position[2000:] ** 2))
+        for mode in ("constant", "noise-matched")
+    ]
+    assert steady[1] < min(steady[0], 0.09)
+
+
+def test_the_riccati_observer_does_not_know_the_attitude():
+    """A cascade: x̂ is the same to the last bit whatever R̂(0)."""
+    scene = scenes.scene("paper-slow", duration=2.0)
+    other = Start(state=scene.start.state, rotation=np.diag([1.0, -1.0, -1.0]))
+    first = cascade.observe(scene.measurements, scene.start, scene.setting())
+    second = cascade.observe(scene.measurements, other, scene.setting())
+    np.testing.assert_array_equal(first.state, second.state)
+    assert np.abs(first.rotation[0] - second.rotation[0]).max() > 1
+
+
+def test_two_runs_are_bit_equal():
+    scene = scenes.scene("paper-slow", duration=2.0, range_rate=77.0)
+    np.testing.assert_array_equal(scene.observe().state, scene.observe().state)
+    again = scenes.scene("paper-slow", duration=2.0, range_rate=77.0)
+    np.testing.assert_array_equal(again.measurements.range, scene.measurements.range)
+
+
+def test_the_turned_frame_stays_a_rotation_over_many_steps():
+    scene = scenes.scene("paper-slow", duration=300.0)
+    rotation = scene.observe().rotation[-1]
+    assert np.abs(rotation.T @ rotation - np.eye(3)).max() < 1e-14
+
+
+def test_guesses_mean_what_they_say():
+    scene = scenes.scene("circle", duration=2.0)
+    truth, R, world = scene.truth.state[0], scene.truth.motion.rotation[0], scene.preset.world
+    offset = Guess(state="offset", position_offset=(1.0, 2.0, 3.0), attitude_axis=(0.0, 0.0, 2.0), attitude_angle=0.5)
+    start = cascade.start(offset, state=truth, rotation=R, world=world)
+    position = R @ start.state[model.POSITION] - R @ truth[model.POSITION]
+    np.testing.assert_allclose(position, [1, 2, 3], atol=1e-12)
+    p, v, g = (start.state[block] for block in (model.POSITION, model.VELOCITY, model.GRAVITY))
+    np.testing.assert_allclose(start.state[:4], [p @ p / 2, p @ v, v @ v + p @ g, 3 * v @ g], rtol=1e-12, atol=1e-12)
+    error = R @ start.rotation.T  # R̃ = exp(angle · axis)
+    np.testing.assert_allclose(error[:2, :2], [[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]], atol=1e-14)
+    np.testing.assert_array_equal(
+        cascade.start(Guess(state="truth"), state=truth, rotation=R, world=world).state, truth
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"time": -1.0}, "time must increase"),
+        ({"gyro": np.array([np.nan, 0, 0])}, "must be finite"),
+        ({"range": np.array([np.inf]), "range_time": np.array([0.005])}, "must be finite"),
+        ({"range": np.array([1.0]), "range_time": np.array([0.1])}, "range_time must increase"),
+        ({"range": np.array([1.0]), "range_time": np.array([0.0])}, "range_time must increase"),
+    ],
+)
+def test_a_bad_sample_gets_a_sentence(change: dict, sentence: str):
+    scene = scenes.scene("paper-slow", duration=1.0)
+    z = scene.measurements
+    state = cascade.begin(sample(z, 0), scene.start, scene.setting())
+    with pytest.raises(ValueError, match=sentence):
+        cascade.step(state, sample(z, 1)._replace(**change))
+
+
+def test_a_bad_record_is_named_by_its_sample():
+    scene = scenes.scene("paper-slow", duration=1.0)
+    accel = scene.measurements.accel.copy()
+    accel[17, 1] = np.inf
+    z = scene.measurements
+    broken = Measurements(time=z.time, gyro=z.gyro, accel=accel, mag=z.mag, range_time=z.range_time, range=z.range)
+    with pytest.raises(ValueError, match=r"accel must be finite: broken at sample 17"):
+        cascade.observe(broken, scene.start, scene.setting())
+
+
+def test_estimated_position_is_seen_from_the_anchor():
+    scene = scenes.scene("circle", duration=2.0, guess="truth")
+    estimate = scene.observe()
+    world = scene.preset.world
+    exact = cascade.Estimate(
+        time=estimate.time,
+        state=scene.truth.state,
+        covariance=estimate.covariance,
+        xi_variance=estimate.xi_variance,
+        rotation=scene.truth.motion.rotation,
+        innovation=estimate.innovation,
+    )
+    np.testing.assert_allclose(exact.position(world), scene.truth.motion.position, atol=1e-12)
+
+
+def test_a_hovering_covariance_is_called_diverged():
+    """Hover is unobservable: with strong process noise the observer's own σ passes 100 m and the summary says so."""
+    scene = scenes.scene("hover", duration=120.0)
+    gains = replace(Gains(), riccati=replace(Gains().riccati, v=replace(Gains().riccati.v, velocity=100.0)))
+    estimate = scene.observe(gains)
+    assert record.summarise(estimate, scene.errors(estimate), 1.0).diverged
+    calm = scenes.scene("paper", duration=10.0)
+    assert not record.summarise(calm.observe(), calm.errors(calm.observe()), 1.0).diverged
+
+
+def test_settling_is_counted_from_the_last_time_above_the_limit():
+    time = np.arange(5.0)
+    assert record.settled(time, np.array([1, 0.1, 1, 0.1, 0.1]), 0.3) == 3.0
+    assert record.settled(time, np.array([1, 0.1, 1, 0.1, 0.4]), 0.3) is None
+    assert record.settled(time, np.array([0.1] * 5), 0.3) == 0.0
+    assert record.settled(time, np.array([0.1] * 4 + [np.nan]), 0.3) is None
+
+
+def test_setting_carries_the_model_form():
+    scene = scenes.scene("paper", duration=1.0)
+    derived = cascade.parameters(scene.setting(), symmetric=True)
+    printed = cascade.parameters(Setting(**{**vars(scene.setting()), "form": "printed"}), symmetric=True)
+    assert derived.b4 == pytest.approx(3 * 9.81**2)
+    assert printed.b4 == pytest.approx(9.81**2)
