@@ -17,7 +17,7 @@ from rangenav.attitude import AttitudeGains
 from rangenav.inputs import Input, Vec3, require
 from rangenav.kernels.layout import Arrays, Parameters
 from rangenav.motion import World, to_inertial
-from rangenav.riccati import RiccatiGains
+from rangenav.riccati import Blocks, RiccatiGains
 from rangenav.sensors import Measurements, Sensors, check
 
 MAX_OFFSET = 1e4
@@ -51,7 +51,7 @@ class Guess(Input, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(np.linalg.norm(self.attitude_axis) > 1e-9, "attitude_axis must not be the zero vector")
+        require(float(np.linalg.norm(self.attitude_axis)) > 1e-9, "attitude_axis must not be the zero vector")
         require(
             abs(self.attitude_angle) <= np.pi + 1e-12,
             f"attitude_angle must lie in [-π, π] rad, got {self.attitude_angle:g}",
@@ -184,7 +184,7 @@ def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
         magnetic=_floats(world.magnetic),
         b4=model.input_4(float(np.linalg.norm(world.gravity)), setting.form),
         variance=sensors.range_rate / gains.riccati.q,
-        v=(floor,) * 4 if matched else _floats((v.xi, v.position, v.velocity, v.gravity)),
+        v=(floor, floor, floor, floor) if matched else _densities(v),
         k1=float(gains.attitude.k1),
         rho1=float(gains.attitude.rho1),
         rho2=float(gains.attitude.rho2),
@@ -280,9 +280,13 @@ def _first_sample(z: Measurements) -> Sample:
     return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[:1], z.range[:1])
 
 
-def _floats(values: tuple) -> tuple:
+def _floats(vector: Vec3) -> Vec3:
     """Whole numbers become floats, so that the kernels meet one type only and compile once."""
-    return tuple(float(value) for value in values)
+    return float(vector[0]), float(vector[1]), float(vector[2])
+
+
+def _densities(v: Blocks) -> tuple[float, float, float, float]:
+    return float(v.xi), float(v.position), float(v.velocity), float(v.gravity)
 
 
 def _kernel() -> ModuleType:

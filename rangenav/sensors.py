@@ -95,7 +95,7 @@ def check(measurements: Measurements) -> None:
     z = measurements
     require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
     for name, stamps in (("time", z.time), ("range_time", z.range_time)):
-        _refuse_first(np.diff(stamps) <= 0, f"{name} must increase", offset=1)
+        _refuse_first(np.asarray(np.diff(stamps) <= 0), f"{name} must increase", offset=1)
     for name in ("gyro", "accel", "range", "time", "range_time"):
         finite = np.isfinite(getattr(z, name))
         _refuse_first(~(finite if finite.ndim == 1 else finite.all(axis=-1)), f"{name} must be finite")

@@ -13,7 +13,7 @@ from typing import Any
 
 import numba
 
-config = importlib.import_module("numba.core.config")
+config: Any = importlib.import_module("numba.core.config")
 SOURCES = sorted(Path(__file__).parent.glob("*.py"))
 
 
