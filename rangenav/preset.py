@@ -21,6 +21,8 @@ FORMAT_VERSION = 1
 MIN_DURATION, MAX_DURATION = 0.5, 600.0
 MAX_SAMPLES = 2_000_000
 """A ceiling on duration × rate, so that no preset asks for more memory or time than a page can give."""
+MIN_WINDOW_SAMPLES = 4
+"""Fewer samples in a window are no motion; the printed forms of the excitation are sums over them."""
 MAX_BYTES = 1_000_000
 MAX_TITLE, MAX_STORY = 80, 400
 NUMBER_ARRAY = re.compile(r"\[\n((?:    [-+.\deE]+,\n)+)\]")
@@ -82,6 +84,9 @@ class Preset(Input, frozen=True, kw_only=True):
         require(samples <= MAX_SAMPLES, f"duration × rate must not exceed {MAX_SAMPLES} samples, got {samples:.0f}")
         window = self.requirement.window
         require(window < self.duration, f"requirement.window must be shorter than the duration, got {window:g} s")
+        count = window * self.sensors.imu_rate
+        rule = f"requirement.window must be at least {MIN_WINDOW_SAMPLES} IMU samples long, got {count:g}"
+        require(count >= MIN_WINDOW_SAMPLES, rule)
         self._refuse_aliased_tones()
 
     def _refuse_aliased_tones(self) -> None:
@@ -97,8 +102,8 @@ def loads(text: str, *, source: str) -> Preset:
     """A preset from TOML text; errors start with `source`. Raises ValueError."""
     try:
         return msgspec.toml.decode(text, type=Preset)
-    except (msgspec.ValidationError, msgspec.DecodeError) as error:
-        raise ValueError(f"{source}: {error}") from None
+    except (msgspec.DecodeError, ValueError) as error:  # ValueError: an integer of thousands of digits
+        raise ValueError(f"{source}: {' '.join(str(error).split())}") from None
     except RecursionError:
         raise ValueError(f"{source}: nested too deeply") from None
 
@@ -114,8 +119,9 @@ def _encoded(preset: Preset) -> str:
 
 def load(name_or_path: str | Path) -> Preset:
     """A shipped preset by its name, or any preset by its path. Raises ValueError with one sentence."""
-    path = find(name_or_path)
+    path = Path(name_or_path)
     try:
+        path = find(name_or_path)
         if path.stat().st_size > MAX_BYTES:
             raise ValueError(f"{path.name}: larger than {MAX_BYTES} bytes, which no preset is")
         text = path.read_bytes().decode("utf-8")
@@ -135,7 +141,8 @@ def find(name_or_path: str | Path) -> Path:
     """The file behind a shipped name or a path. Raises ValueError naming the shipped presets if there is none."""
     path = Path(name_or_path)
     if path.suffix == ".toml" or path.parent != Path("."):
-        require(path.is_file(), f"{path}: no such file")
+        require(path.exists(), f"{path}: no such file")
+        require(path.is_file(), f"{path}: not a file")
         return path
     shipped = {file.stem: file for file in shipped_files()}
     require(str(name_or_path) in shipped, f"{name_or_path}: no such preset; shipped are {', '.join(shipped)}")

@@ -11,6 +11,7 @@ from numpy import ndarray as Array
 
 from rangenav import model, so3
 from rangenav.inputs import Input, require_within
+from rangenav.kernels.layout import ROUNDING
 
 Q_RANGE = (1e-3, 1e5)
 V_RANGE = (1e-6, 1e2)
@@ -75,7 +76,7 @@ def predict(
         turn[block, block] = so3.exp(gyro * h).T
     transition = turn @ phi
     P = transition @ P @ transition.T
-    return turn @ (phi @ x + integral), (P + P.T) / 2
+    return turn @ (phi @ x + integral), (P + P.T) / 2 + ROUNDING * np.diag(np.diag(P))
 
 
 def correct(

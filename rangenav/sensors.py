@@ -15,7 +15,8 @@ from rangenav.motion import Motion, World, to_body
 from rangenav.signals import Signal
 
 MIN_RATE, MAX_RATE = 1.0, 10_000.0
-MAX_SIGMA = 1e3
+MIN_SIGMA, MAX_SIGMA = 1e-9, 1e3
+"""Besides exactly none; smaller noise means nothing to any sensor, and its square would underflow."""
 
 
 class Noise(Input, frozen=True, kw_only=True):
@@ -34,7 +35,8 @@ class Noise(Input, frozen=True, kw_only=True):
         super().__post_init__()
         for name in self.__struct_fields__:
             value = getattr(self, name)
-            require(0 <= value <= MAX_SIGMA, f"noise {name} must lie between 0 and {MAX_SIGMA:g}, got {value:g}")
+            rule = f"noise {name} must be 0 or lie between {MIN_SIGMA:g} and {MAX_SIGMA:g}, got {value:g}"
+            require(value == 0 or MIN_SIGMA <= value <= MAX_SIGMA, rule)
 
 
 class Sensors(Input, frozen=True, kw_only=True):
@@ -95,11 +97,11 @@ def check(measurements: Measurements) -> None:
     z = measurements
     require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
     for name, stamps in (("time", z.time), ("range_time", z.range_time)):
-        _refuse_first(np.asarray(np.diff(stamps) <= 0), f"{name} must increase", offset=1)
+        _refuse_first(np.asarray(~(np.diff(stamps) > 0)), f"{name} must increase", offset=1)
     for name in ("gyro", "accel", "range", "time", "range_time"):
-        finite = np.isfinite(getattr(z, name))
-        _refuse_first(~(finite if finite.ndim == 1 else finite.all(axis=-1)), f"{name} must be finite")
-    _refuse_first(np.isinf(z.mag).any(axis=-1), "mag must be finite, or NaN where there is none")
+        finite = np.asarray(np.isfinite(getattr(z, name)))
+        _refuse_first(np.asarray(~finite.all(axis=tuple(range(1, finite.ndim)))), f"{name} must be finite")
+    _refuse_first(np.asarray(np.isinf(z.mag).any(axis=-1)), "mag must be finite, or NaN where there is none")
 
 
 def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:

@@ -21,8 +21,8 @@ MAX_AMPLITUDE = 1e4
 MAX_OFFSET = 1e6
 MAX_DRIFT = 1e5
 """Beyond these, and the amplitude above, nothing flies, and squares of squares would overflow."""
-MAX_FREQUENCY = 1e4
-"""rad/s; tones beyond the IMU's Nyquist frequency are refused by the preset, which knows the rate."""
+MIN_FREQUENCY, MAX_FREQUENCY = 1e-6, 1e4
+"""rad/s; slower tones would repeat after months. Tones beyond the IMU's Nyquist frequency are refused by the preset, which knows the rate."""
 COMMON_PERIOD_DENOMINATOR = 1000
 """Frequencies whose ratios are fractions with a larger denominator are taken to have no common period."""
 
@@ -41,7 +41,7 @@ class Tone(Input, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         super().__post_init__()
         require_within("amplitude", self.amplitude, -MAX_AMPLITUDE, MAX_AMPLITUDE)
-        require(0 < self.frequency <= MAX_FREQUENCY, f"frequency must lie in (0, 10000] rad/s, got {self.frequency:g}")
+        require_within("frequency", self.frequency, MIN_FREQUENCY, MAX_FREQUENCY, "rad/s")
 
 
 class Multisine(Input, frozen=True, kw_only=True, tag="multisine", tag_field="kind"):

@@ -113,7 +113,7 @@ def test_compiled_cascade_and_plain_numpy_agree(mode: str, range_rate: float, ma
     It is amplified by the first corrections, which take a variance of 1e4 down to R: 10⁶ times when R = 1/(q h), 2·10⁸
     times when noise-matched, where the first predicted distance is zero and R = ½σ⁴.
     """
-    tolerance = 1e-9 if mode == "constant" else 1e-7
+    tolerance = 1e-8 if mode == "constant" else 1e-7
     scene = scenes.scene("paper-slow", duration=6.0, range_rate=range_rate, mag_rate=mag_rate)
     setting = scene.setting(replace(Gains(), mode=mode))
     fast = observe(scene.measurements, scene.start, setting)

@@ -404,7 +404,7 @@ def test_accuracy_scales_with_the_noise_and_vanishes_without_it():
     )
 
 
-@pytest.mark.parametrize(("name", "tolerance"), [("lissajous", 0.01), ("paper-slow", 0.05)])
+@pytest.mark.parametrize(("name", "tolerance"), [("lissajous", 0.01), ("paper-slow", 0.07)])
 def test_window_accuracy_by_integral_matches_the_sum_over_ranges(name: str, tolerance: float):
     """The slowed paper path passes the anchor at 16 cm, where 1/d² has a peak narrower than the nodes."""
     p = preset.load(name)

@@ -4,6 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+ROUNDING = 1e-14
+"""Each prediction adds this share of every variance to it: as much as its own rounding may have taken. Without it an
+unobservable motion with q = 1e5, v = 1e-6, p0 = 1e4 goes indefinite (-5e-8) within 10⁶ steps, while P grows to 1e19."""
+
 
 class Parameters(NamedTuple):
     """What stays constant over a record: numbers only, since an array in here would be reference-counted at every call."""

@@ -8,11 +8,9 @@ that rows do not overlap and work on four columns at once: 50 ns for Φ P, again
 import numpy as np
 
 from rangenav.kernels.compiled import kernel
+from rangenav.kernels.layout import ROUNDING
 
 N = 13
-ROUNDING = 1e-14
-"""Each prediction adds this share of every variance to it: as much as its own rounding may have taken. Without it an
-unobservable motion with q = 1e5, v = 1e-6, p0 = 1e4 goes indefinite (-5e-8) within 10⁶ steps, while P grows to 1e19."""
 ROW1, ROW2, ROW3 = 1 * N, 2 * N, 3 * N
 PX, PY, PZ = 4 * N, 5 * N, 6 * N
 VX, VY, VZ = 7 * N, 8 * N, 9 * N

@@ -18,6 +18,8 @@ from rangenav.signals import Signal
 
 NULL_SHARE = 1e-6
 """A block whose share in every unseen direction is below this is determined although the whole state is not."""
+NEAREST = 1e-9
+"""m; at the anchor itself a range has no direction: its row is zero, and is divided by this instead of by nothing."""
 Kind = Literal["lifted", "nonlinear"]
 LIFTED_BLOCKS = (slice(4, 7), slice(7, 10), slice(10, 13))
 NONLINEAR_BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
@@ -59,7 +61,7 @@ def end_sigmas(
 ) -> Float[Array, "w 3"]:
     """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ and half of both ends.
 
-    34 nodes instead of hundreds of ranges: the same as `predict` to a percent, to five where the path passes within
+    34 nodes instead of hundreds of ranges: the same as `predict` to a percent, to seven where the path passes within
     decimetres of the anchor and 1/d² has a peak narrower than the nodes. For curves; verdicts use `predict`.
     """
     nodes, weight = rows.quadrature(window, path.bandwidth)
@@ -91,7 +93,7 @@ def sigmas(
             NONLINEAR_TIME_POWERS,
             NONLINEAR_BLOCKS,
         )
-        variance = np.maximum(distance2, np.finfo(float).tiny) * noise**2
+        variance = np.maximum(distance2, NEAREST**2) * noise**2
     weighted = matrix * np.sqrt(count / variance)[..., None]
     result = _block_sigmas(weighted, window ** -powers.astype(float), blocks)
     return result if sigma > 0 else result * 0.0
@@ -99,6 +101,8 @@ def sigmas(
 
 def _block_sigmas(weighted: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
     """Row norms of S V Σ⁻¹ over each block; NaN where the null space reaches into the block."""
+    missing = max(0, weighted.shape[-1] - weighted.shape[-2])  # fewer ranges than unknowns: rows of zeros tell nothing
+    weighted = np.pad(weighted, ((0, 0), (0, missing), (0, 0)))
     R = np.linalg.qr(weighted, mode="r") * scale
     _, singular, right = np.linalg.svd(R)
     seen = singular > RANK_TOLERANCE * singular[:, :1]
