@@ -46,7 +46,7 @@ def serve(arguments: Arguments) -> None:
     """Serve until interrupted. Raises ValueError with one sentence if host, port or preset will not do."""
     shipped = preset.shipped()
     first = _with_own(shipped, arguments.preset)
-    from explorer.access import open_server  # here, so that a wrong argument is answered at once
+    from explorer.access import close_server, open_server  # here, so that a wrong argument is answered at once
 
     server = open_server(arguments.host, arguments.port)
     from explorer.session import Sessions
@@ -60,7 +60,10 @@ def serve(arguments: Arguments) -> None:
     warming.start()
     if arguments.browser:
         threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
-    threading.Event().wait()
+    try:
+        threading.Event().wait()
+    finally:
+        close_server(server)
 
 
 def _with_own(shipped: dict[str, preset.Preset], name_or_path: str) -> str:

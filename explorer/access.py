@@ -54,6 +54,12 @@ def open_server(host: str, port: int) -> viser.ViserServer:
     return server
 
 
+def close_server(server: viser.ViserServer) -> None:
+    """Stop serving, without viser's line about it."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        server.stop()
+
+
 def accept_values_only(client: viser.ClientHandle) -> None:
     """Let this client set the values of its own controls and nothing else; say so when it sends what is no value."""
     connection = client.gui._websock_interface

@@ -77,19 +77,20 @@ class Session:
         client = self._client
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
+        canvas = client.camera.image_width
         self._dock = Dock(client.gui, self._shipped, self._name, self._wake.set)
-        narrow = self._window_width() < NARROW
+        narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow)
-        self._timeline = TimelinePanel(client.gui, self._playback.duration, self._wake.set)
+        self._timeline = TimelinePanel(client.gui, self._playback.duration, self._wake.set, narrow=narrow)
         self._scene = Scene(client)
 
-    def _window_width(self) -> float:
+    def _window_width(self, canvas: int) -> float:
         """CSS pixels. viser tells the canvas in device pixels; their ratio shows in what the dock takes from it."""
-        before, patience = self._client.camera.image_width, time.monotonic() + CANVAS_PATIENCE
-        while self._client.camera.image_width == before and time.monotonic() < patience:
+        patience = time.monotonic() + CANVAS_PATIENCE
+        while self._client.camera.image_width == canvas and time.monotonic() < patience:
             time.sleep(0.02)
-        taken = before - self._client.camera.image_width
-        return before * WIDTH / taken if taken > 0 else before
+        taken = canvas - self._client.camera.image_width
+        return canvas * WIDTH / taken if taken > 0 else canvas
 
     def _wait_until_warm(self) -> None:
         while not (self._warming.done or self._stopped):

@@ -12,7 +12,7 @@ PRINTED_VELOCITY = (-0.0125, 2.5, -4.33)
 """The initial values the paper prints (m, m/s); they belong to another path, see README "Departures"."""
 
 
-class Printed(Input, kw_only=True):
+class Printed(Input, frozen=True, kw_only=True):
     """One switch for each departure (MATH §9) that changes a computation; True follows the printed paper."""
 
     model: bool = False
@@ -29,7 +29,7 @@ class Printed(Input, kw_only=True):
     """Time constants of the attitude error twice as long as they are."""
 
 
-class Settings(Input, kw_only=True):
+class Settings(Input, frozen=True, kw_only=True):
     """Everything that decides what the page shows."""
 
     preset: Preset

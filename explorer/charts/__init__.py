@@ -10,9 +10,9 @@ from explorer.charts.catalogue import Group
 from explorer.charts.plots import Curve, Drawing, Plot
 from explorer.compute import Picture
 
-COLUMN_WIDTH = 400
-NARROW_COLUMN_WIDTH = 380
-HEIGHT, NARROW_HEIGHT = 186, 118
+NARROW_WIDTH = 360
+"""px of a single column."""
+HEIGHT, NARROW_HEIGHT = 172, 108
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
 
@@ -60,10 +60,12 @@ class Charts:
         self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None
         self._time = 0.0
-        self._columns: list[_Column] = []
         errors, *others = catalogue.GROUPS
-        for groups in [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]:
-            self._columns.append(_Column(client, groups, height=self._height, width=self._width()))
+        columns = [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]
+        # The browser puts each new column outermost, whatever viser's documentation says: so the first comes last.
+        self._columns = [_Column(client, groups, height=self._height) for groups in reversed(columns)][::-1]
+        if narrow:  # a second column always opens at viser's own width, so two columns keep that
+            self._columns[0].panel.set_width(NARROW_WIDTH)
 
     def draw(self, picture: Picture) -> None:
         """Show another picture; the cursor stays at its time."""
@@ -89,14 +91,11 @@ class Charts:
             if self._picture is not None:
                 self.draw(self._picture)
 
-    def _width(self) -> int:
-        return NARROW_COLUMN_WIDTH if self._narrow else COLUMN_WIDTH
-
 
 class _Column:
     """One dock panel, with a tab for each group."""
 
-    def __init__(self, client: ClientHandle, groups: tuple[Group, ...], *, height: int, width: int) -> None:
+    def __init__(self, client: ClientHandle, groups: tuple[Group, ...], *, height: int) -> None:
         self._client, self._groups, self._height = client, groups, height
         self.panel: PanelHandle = client.gui.add_panel()
         self._tabs: list[GuiTabHandle] = []
@@ -107,7 +106,6 @@ class _Column:
         for group in groups[1:]:
             self._add_tab(group)
         self.panel.dock_left()
-        self.panel.set_width(width)
 
     def draw(self, picture: Picture) -> None:
         for chart in self._all():
@@ -174,18 +172,16 @@ def scales(plot: Plot, axis: curves.Range, duration: float) -> dict[str, uplot.S
 
 
 def axes(plot: Plot, axis: curves.Range) -> tuple[uplot.Axis, uplot.Axis]:
-    """Axes of fixed size; a log axis gets its labels here, because uPlot's would round 1e-6 to 0."""
-    x = uplot.Axis(size=markup.AXIS_HEIGHT, gap=2)
-    if not plot.log:
-        return x, uplot.Axis(size=markup.AXIS_WIDTH, gap=2, space=28)
-    places, labels = curves.decade_ticks(axis)
-    return x, uplot.Axis(size=markup.AXIS_WIDTH, gap=2, splits=tuple(places), values=tuple(labels))
+    """Axes of fixed size; labels are made here, because uPlot's would read 1e-6 as 0 and need more room for 1e5."""
+    places, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
+    y = uplot.Axis(size=markup.AXIS_WIDTH, gap=2, splits=tuple(places), values=tuple(labels))
+    return uplot.Axis(size=markup.AXIS_HEIGHT, gap=2), y
 
 
 def said(value: float) -> str:
     """A value in a legend: a number, or why there is none."""
     if np.isinf(value):
-        return "blind" if value > 0 else "below floor"
+        return "blind" if value > 0 else "< floor"
     return curves.number(float(value))
 
 
@@ -196,8 +192,8 @@ def sentence(picture: Picture, time: float) -> str:
     distance = float(np.linalg.norm(motion.position[k] - np.asarray(picture.preset.world.anchor)))
     position, attitude = curves.number(float(errors.position[k])), curves.number(float(np.degrees(errors.attitude[k])))
     return (
-        f"<b>{time:.2f} s</b>: {curves.number(distance)} m from the anchor; "
-        f"estimate off by <b>{position} m</b> and <b>{attitude}°</b>"
+        f"<b>{time:.2f} s</b> · {curves.number(distance)} m from the anchor · "
+        f"estimate off by <b>{position} m</b>, <b>{attitude}°</b>"
     )
 
 

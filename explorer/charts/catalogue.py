@@ -3,7 +3,10 @@
 from typing import NamedTuple
 
 from explorer.charts import plots, words
-from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, Curve, Plot
+from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
+
+PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
+"""The dashes of what the paper's misprints give."""
 
 
 class Group(NamedTuple):
@@ -20,16 +23,18 @@ def _error(name: str, title: str, unit: str, draw: plots.Callable, text: words.W
     return Plot(name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, words=text)
 
 
-def _components(prefix: str, dash: tuple[float, ...], width: float) -> tuple[Curve, ...]:
+def _components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
+    """Three components and, thicker, their norm."""
     colors = (plots.VERMILLION, plots.GREEN, plots.BLUE, plots.GREY)
-    labels = (f"{prefix}x", "y", "z", "norm")
-    return tuple(Curve(label=la, color=c, dash=dash, width=width) for la, c in zip(labels, colors, strict=True))
+    labels, widths = (f"{prefix}x", "y", "z", "norm"), (1.25, 1.25, 1.25, 2.25)
+    looks = zip(labels, colors, dashes, widths, strict=True)
+    return tuple(Curve(label=label, color=color, dash=dash, width=width) for label, color, dash, width in looks)
 
 
-def _eigenvalues(prefix: str, dash: tuple[float, ...]) -> tuple[Curve, ...]:
+def _eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
     colors = (plots.VERMILLION, plots.PURPLE, plots.SKY)
-    labels = (f"{prefix}λ₁", "λ₂", "λ₃")
-    return tuple(Curve(label=la, color=c, dash=dash) for la, c in zip(labels, colors, strict=True))
+    looks = zip((f"{prefix}λ₁", "λ₂", "λ₃"), colors, dashes, strict=True)
+    return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in looks)
 
 
 def _spectrum() -> tuple[Curve, ...]:
@@ -64,7 +69,7 @@ OBSERVABILITY = Group(
             name="snap",
             title="Excitation signal φ",
             unit="m/s⁴, body axes",
-            curves=_components("", plots.SOLID, 1.25) + _components("printed ", DASHED, 1.25),
+            curves=_components("", (SOLID, DASHED, DOTTED, SOLID)) + _components("printed ", PRINTED),
             draw=plots.snap,
             words=words.SNAP,
             log=False,
@@ -74,9 +79,9 @@ OBSERVABILITY = Group(
             title="PE eigenvalues",
             unit="m²/s⁷, by window start",
             curves=(
-                *_eigenvalues("", plots.SOLID),
+                *_eigenvalues("", (SOLID, DASHED, DOTTED)),
                 Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
-                *_eigenvalues("printed ", DASHED),
+                *_eigenvalues("printed ", PRINTED[:3]),
             ),
             draw=plots.excitation,
             words=words.EXCITATION,

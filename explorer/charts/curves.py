@@ -72,6 +72,13 @@ def even_range(values: Float[Array, "..."], *, symmetric: bool) -> Range:
     return (-top, top) if symmetric else (0.0, top)
 
 
+def even_ticks(axis: Range) -> tuple[list[float], list[str]]:
+    """Both ends of a linear axis, and what halves it."""
+    low, high = axis
+    places = [low, low / 2, 0.0, high / 2, high] if low < 0 else [0.0, high / 2, high]
+    return places, [number(place) for place in places]
+
+
 def decade_ticks(axis: Range) -> tuple[list[float], list[str]]:
     """Positions and labels of at most six decades of a log axis."""
     low, high = (round(math.log10(end)) for end in axis)
@@ -92,4 +99,4 @@ def number(value: float) -> str:
     if value == 0 or 1e-3 <= abs(value) < 1e4:
         return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
     mantissa, exponent = f"{value:.2e}".split("e")
-    return f"{mantissa}e{int(exponent)}"
+    return f"{float(mantissa):g}e{int(exponent)}"

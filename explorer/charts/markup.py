@@ -11,7 +11,7 @@ from explorer.charts.plots import Curve, Plot
 
 AXIS_WIDTH, AXIS_HEIGHT = 50, 24
 """px that the plots give to their axes: fixed, so that the cursor knows where the time axis begins and ends."""
-PADDING = (8, 14, 0, 0)
+PADDING = (8, 24, 0, 0)
 """px inside a plot: top, right, bottom, left."""
 MARGIN = 10
 """px that viser leaves around a plot (its spacing "xs"), plus its border of 1 px."""
@@ -27,9 +27,9 @@ STYLE = f"""<style>
 .rn-title {{ display: flex; align-items: baseline; gap: 6px; white-space: nowrap; }}
 .rn-title b {{ font-weight: 600; }} .rn-unit {{ opacity: .65; }}
 .rn-fold {{ margin-left: auto; opacity: .65; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
-.rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 9px; font-size: 11px; font-variant-numeric: tabular-nums; }}
+.rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-size: 11px; font-variant-numeric: tabular-nums; }}
 .rn-legend span {{ white-space: nowrap; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
-.rn-v {{ font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
+.rn-v {{ display: inline-block; min-width: 43px; font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid #56B4E9; background: rgba(128,128,128,.09); }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
@@ -53,10 +53,12 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
     inside = height - PADDING[0] - AXIS_HEIGHT
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     left = f"calc({LEFT}px + var({FRACTION}, 0) * (100% - {LEFT + RIGHT}px))"
+    title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
+    equation = f'<div class="rn-equation">{plot.words.equation}</div>'
     return (
-        f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details><summary><div class="rn-title"><b>{plot.title}</b>'
-        f'<span class="rn-unit">{plot.unit}</span>{fold}</div><div class="rn-legend">{legend}</div></summary>'
-        f'<div class="rn-words"><div class="rn-equation">{plot.words.equation}</div>{plot.words.meaning}</div></details>'
+        f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details>'
+        f'<summary><div class="rn-title">{title}</div><div class="rn-legend">{legend}</div></summary>'
+        f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
         f'<div class="rn-cursor" style="left:{left}"></div><span class="rn-seconds">s</span></div></div>'
     )
@@ -65,10 +67,10 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
 def _entry(curve: Curve, name: str) -> str:
     dash = " ".join(f"{length:g}" for length in curve.dash)
     line = (
-        f'<path d="M0 5h20" stroke="{curve.color}" stroke-width="{max(curve.width, 2):g}" stroke-dasharray="{dash}"/>'
+        f'<path d="M0 5h18" stroke="{curve.color}" stroke-width="{max(curve.width, 2):g}" stroke-dasharray="{dash}"/>'
     )
     return (
-        f'<span><svg width="20" height="10">{line}</svg>{curve.label} '
+        f'<span><svg width="18" height="10">{line}</svg>{curve.label} '
         f'<b class="rn-v" style="--rn-value:var({name},\'–\');font-weight:500"></b></span>'
     )
 
@@ -76,5 +78,9 @@ def _entry(curve: Curve, name: str) -> str:
 def live(fraction: float, values: Iterable[tuple[str, str]], sentence: str) -> str:
     """The one element that changes as time moves: the cursor's place, the values in the legends, and a sentence."""
     assigned = "".join(f'{name}:"{text}";' for name, text in values)
-    said = f'<div style="padding:0 {MARGIN}px;font-size:13px">{sentence}</div>' if sentence else ""
+    said = (
+        f'<div style="padding:0 {MARGIN}px;font-size:12px;line-height:1.35;min-height:2.7em">{sentence}</div>'
+        if sentence
+        else ""
+    )
     return f"<style>:root{{{FRACTION}:{fraction:.5f};{assigned}}}</style>{said}"

@@ -16,13 +16,15 @@ from explorer.compute import Picture
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, GREY = "#E69F00", "#56B4E9", "#888888"
-"""Okabe–Ito, the ones that are seen on white and on black; each with a dash of its own within a plot."""
-SOLID: tuple[float, ...] = ()
+"""Okabe–Ito, the ones that are seen on white and on black; each and no two curves of a plot share dash and width."""
+Dash = tuple[float, ...]
+SOLID: Dash = ()
 DASHED, DOTTED, DASH_DOT = (7.0, 4.0), (2.0, 3.0), (8.0, 3.0, 2.0, 3.0)
+LONG, SPARSE, LONG_DOT = (14.0, 4.0), (3.0, 7.0), (14.0, 3.0, 2.0, 3.0)
 SMALLEST_SHARE = 0.01
 """Of an error's samples: momentary zero crossings may leave a log axis at the bottom."""
 EXCITATION_FLOOR = 1e-13
-"""Times the greatest eigenvalue: below this the excitation is rounding noise."""
+"""Times the greatest eigenvalue: what is smaller is rounding noise, and is said to be 0."""
 STATES = 13
 
 
@@ -32,7 +34,7 @@ class Curve:
 
     label: str
     color: str
-    dash: tuple[float, ...] = SOLID
+    dash: Dash = SOLID
     width: float = 1.5
     filled: bool = False
     """Tint everything below the curve."""
@@ -124,7 +126,7 @@ def excitation(picture: Picture) -> Drawing:
     printed = picture.printed_excitation if shown else np.full_like(windows.excitation, mu)
     threshold = np.full((len(windows.start), 1), mu)
     read = np.concatenate([windows.excitation, threshold, printed], axis=1)
-    read = np.where(read > EXCITATION_FLOOR * np.nanmax(read), read, -np.inf)
+    read = np.where(read > EXCITATION_FLOOR * np.nanmax(read), read, 0.0)
     axis = curves.decades(read)
     axis = (min(axis[0], curves.decades(threshold)[0] / 10), max(axis[1], mu * 10))
     axis = curves.decades(np.asarray(axis))

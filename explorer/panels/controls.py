@@ -78,7 +78,7 @@ class Dial:
         self._scale, self._digits = scale, max(0, -math.floor(math.log10(step)))
         self._slider = gui.add_slider(label, low, high, step, low, hint=hint)
         self._exact, self._shown = low / scale, low
-        _when_moved(self._slider, note)
+        when_moved(self._slider, note)
 
     def read(self) -> float:
         """The value as written, or as the visitor has moved it; not checked."""
@@ -107,13 +107,13 @@ class LogDial:
     ) -> None:
         low, high = (round(math.log10(limit), LOG_DIGITS) for limit in limits)
         self._symbol, self._zero = symbol, zero_at_left
-        marks = ((low, "0" if zero_at_left else f"{limits[0]:g}"), (high, f"{limits[1]:g}"))
+        marks = ((low, "0" if zero_at_left else short(limits[0])), (high, short(limits[1])))
         hint = f"{hint} The slider and its box hold the power of ten." + (
             " Far left: none at all." if zero_at_left else ""
         )
         self._slider = gui.add_slider(symbol, low, high, 10.0**-LOG_DIGITS, low, hint=hint, marks=marks)
         self._exact, self._shown = 0.0 if zero_at_left else limits[0], low
-        _when_moved(self._slider, note)
+        when_moved(self._slider, note)
 
     def read(self) -> float:
         """The value as written or moved; the label follows. Raises ValueError if it is no number."""
@@ -135,7 +135,7 @@ class LogDial:
         self._caption(value)
 
     def _caption(self, value: float) -> None:
-        label = f"{self._symbol} = {value:.3g}"
+        label = f"{self._symbol} = {short(value)}"
         if label != self._slider.label:  # a message to the browser only if there is news
             self._slider.label = label
 
@@ -145,7 +145,7 @@ class Number:
 
     def __init__(self, gui: viser.GuiApi, label: str, *, step: float, hint: str, note: Note) -> None:
         self._box = gui.add_number(label, 0.0, step=step, hint=hint)
-        _when_moved(self._box, note)
+        when_moved(self._box, note)
 
     def read(self) -> float:
         """The value in the box; not checked."""
@@ -162,7 +162,7 @@ class Vector:
     def __init__(self, gui: viser.GuiApi, label: str, *, step: float, hint: str, note: Note) -> None:
         self._name = label
         self._box = gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
-        _when_moved(self._box, note)
+        when_moved(self._box, note)
 
     def read(self) -> Vec3:
         """The three values. Raises ValueError if the browser sent more or fewer."""
@@ -182,7 +182,7 @@ class Choice(Generic[T]):
     def __init__(self, gui: viser.GuiApi, label: str, words: Mapping[T, str], *, hint: str, note: Note) -> None:
         self._name, self._words, self._values = label, dict(words), {text: value for value, text in words.items()}
         self._menu = gui.add_dropdown(label, tuple(words.values()), hint=hint)
-        _when_moved(self._menu, note)
+        when_moved(self._menu, note)
 
     def read(self) -> T:
         """The chosen value. Raises ValueError if the browser sent one that was not offered."""
@@ -200,7 +200,7 @@ class Switch:
 
     def __init__(self, gui: viser.GuiApi, label: str, *, hint: str, note: Note) -> None:
         self._box = gui.add_checkbox(label, False, hint=hint)
-        _when_moved(self._box, note)
+        when_moved(self._box, note)
 
     def read(self) -> bool:
         """Whether it is on."""
@@ -228,8 +228,13 @@ class Clicks:
         return [self._names.popleft() for _ in range(len(self._names))]
 
 
-def _when_moved(handle: viser.GuiInputHandle, note: Note) -> None:
-    """viser also calls back when the program assigns a value; then there is no client, and nothing to note."""
+def short(value: float) -> str:
+    """Four digits, and no more characters than they need."""
+    return f"{value:.4g}".replace("e-0", "e-").replace("e+0", "e")
+
+
+def when_moved(handle: viser.GuiInputHandle, note: Note) -> None:
+    """Note what a visitor changes; viser also calls back when the program assigns a value, then without a client."""
     handle.on_update(lambda event: note() if event.client_id is not None else None)
 
 

@@ -57,19 +57,19 @@ class _RiccatiFolder:
     """q, v and p0; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
 
     def __init__(self, gui: viser.GuiApi, note: Note) -> None:
-        with gui.add_folder("Riccati observer: q and v"):
+        with gui.add_folder("Riccati observer: q and V"):
             hint = (
                 "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
                 "Larger trusts the ranges more."
             )
             self._q = LogDial(gui, "q", Q_RANGE, hint=hint, note=note)
             why = "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
-            self._v = _blocks(gui, "v", V_RANGE, why, note)
+            self._v = _blocks(gui, "V", V_RANGE, why, note)
             self._line = gui.add_markdown("", visible=False)
             self._complaint = Complaint(gui)
-        with gui.add_folder("Initial covariance p0", expand_by_default=False):
+        with gui.add_folder("Initial covariance P₀", expand_by_default=False):
             why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
-            self._p0 = _blocks(gui, "p0", P0_RANGE, why, note)
+            self._p0 = _blocks(gui, "P₀", P0_RANGE, why, note)
             self._p0_complaint = Complaint(gui)
 
     def read(self) -> RiccatiGains:
@@ -89,7 +89,7 @@ class _RiccatiFolder:
         matched = picture.preset.gains.mode == "noise-matched"
         self._line.visible = matched
         if matched:
-            self._line.content = "q and v are not used now: noise-matched gains take theirs from the sensors' noise."
+            self._line.content = "q and V are not used now: noise-matched gains take theirs from the sensors' noise."
 
 
 class _AttitudeFolder:
@@ -130,8 +130,8 @@ def _blocks(gui: viser.GuiApi, name: str, limits: tuple[float, float], why: str,
     """One dial for each block of the 13-state."""
 
     def dial(block: str, letter: str) -> LogDial:
-        hint = f"{name} of the {block} block, in the square of its unit: {why}."
-        return LogDial(gui, f"{name} {letter}", limits, hint=hint, note=note)
+        hint = f"{name}: the {block} block, in the square of its unit: {why}."
+        return LogDial(gui, f"{name}({letter})", limits, hint=hint, note=note)
 
     return {block: dial(block, letter) for block, letter in BLOCKS.items()}
 

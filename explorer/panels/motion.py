@@ -142,7 +142,7 @@ class _ToneFolder:
     """A · sin(w t + phase) on one axis."""
 
     def __init__(self, gui: viser.GuiApi, kind: _Kind, tone: Tone, note: Note, *, expanded: bool) -> None:
-        self.axis = tone.axis
+        self._base = tone
         self._folder = gui.add_folder(tone.axis, expand_by_default=expanded)
         with self._folder:
             hint = f"A ({kind.unit}): adds A sin(w t + φ₀) to the {tone.axis} component; its fourth derivative is A w⁴."
@@ -156,7 +156,7 @@ class _ToneFolder:
     def read(self) -> Tone:
         with self._complaint.catching():
             amplitude, frequency, phase = self._amplitude.read(), self._frequency.read(), self._phase.read()
-            tone = Tone(axis=self.axis, amplitude=amplitude, frequency=frequency, phase=phase)
+            tone = msgspec.structs.replace(self._base, amplitude=amplitude, frequency=frequency, phase=phase)
         self._caption(tone)
         return tone
 
@@ -165,6 +165,10 @@ class _ToneFolder:
         self._frequency.write(tone.frequency)
         self._phase.write(tone.phase)
         self._caption(tone)
+
+    @property
+    def axis(self) -> str:
+        return self._base.axis
 
     def remove(self) -> None:
         self._folder.remove()

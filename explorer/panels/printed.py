@@ -15,7 +15,7 @@ class PrintedPanel:
     """The switches "as printed"."""
 
     def __init__(self, gui: viser.GuiApi, printed: Printed, note: Note) -> None:
-        with gui.add_folder("As printed in the paper", expand_by_default=False):
+        with gui.add_folder("As printed in the paper"):
             gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
             self._switches = {name: _Row(gui, row, note) for name, row in ROWS.items()}
         self.write(printed)

@@ -1,22 +1,25 @@
 """The timeline: play, scrub, step, speed and loop, with keys for all of them."""
 
 from collections.abc import Callable
+from typing import Literal
 
 import viser
 
-from explorer.panels.controls import Clicks, Complaint, Note
+from explorer.panels.controls import Clicks, Complaint, Note, when_moved
 from explorer.playback import STEP, Playback
 
 BUTTONS = {
-    "⏮": "home",
-    "◀": "back",
-    "▶ ❚❚": "play",
-    "▶▏": "forward",
+    "|◀": "home",
+    "◀ step": "back",
+    "▶ play / pause": "play",
+    "step ▶": "forward",
     "slower": "slower",
     "faster": "faster",
     "↻ loop": "loop",
 }
-KEYS = (
+WIDTH, NARROW_WIDTH, GAP = 700, 580, 10
+"""px: what two columns of plots, or one, leave between the docks of a usual screen; and the distance to its edges."""
+KEYS: tuple[tuple[str, Literal["space", "arrowleft", "arrowright", "home"], str], ...] = (
     ("Play or pause", "space", "play"),
     ("One step back in time", "arrowleft", "back"),
     ("One step on in time", "arrowright", "forward"),
@@ -35,20 +38,21 @@ KEEP_CAMERA_STILL = (
 class TimelinePanel:
     """The floating panel at the bottom."""
 
-    def __init__(self, gui: viser.GuiApi, duration: float, note: Note) -> None:
-        self._clicks, self._note = Clicks(note), note
-        hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
-        self._scrub = gui.add_slider("t (s)", 0.0, duration, 0.01, 0.0, hint=hint)
-        self._scrub.on_update(lambda event: self._clicks.add("scrub") if event.client_id is not None else None)
-        hint = "Keys: space plays and pauses, ← and → step, Home goes to the start. All commands: Ctrl+K."
-        buttons = gui.add_button_group("", tuple(BUTTONS), hint=hint)
-        buttons.on_click(lambda event: self._clicks.add(BUTTONS.get(event.target.value, "")))
-        self._buttons = buttons
+    def __init__(self, gui: viser.GuiApi, duration: float, note: Note, *, narrow: bool) -> None:
+        self._clicks, self._written = Clicks(note), -REDRAW
+        panel = gui.add_panel()
+        with panel.add_tab("Timeline", viser.Icon.CLOCK_PLAY):
+            hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
+            self._scrub = gui.add_slider("t (s)", 0.0, duration, 0.01, 0.0, hint=hint)
+            hint = "Keys: space plays and pauses, ← and → step, Home goes to the start. All commands: Ctrl+K."
+            self._buttons = gui.add_button_group("", tuple(BUTTONS), hint=hint)
+            self._complaint = Complaint(gui)
+            gui.add_html(KEEP_CAMERA_STILL)
+        panel.float(x=GAP, y=-GAP, width=NARROW_WIDTH if narrow else WIDTH)
+        when_moved(self._scrub, lambda: self._clicks.add("scrub"))
+        self._buttons.on_click(lambda event: self._clicks.add(BUTTONS.get(event.target.value, "")))
         for label, key, name in KEYS:
             gui.add_command(label, hotkey=key).on_trigger(self._adding(name))
-        gui.add_html(KEEP_CAMERA_STILL)
-        self._complaint = Complaint(gui)
-        self._written = -REDRAW
 
     def read(self, playback: Playback, now: float) -> None:
         """Carry out what was pressed since the last call. Raises Refused if the slider was sent no number."""

@@ -84,8 +84,8 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
         ("lifted", found.lifted_start, found.lifted_end),
         ("nonlinear", found.nonlinear_start, found.nonlinear_end),
     ):
-        text = f"{number(start.position, 'm')} at its start, <b>{number(end.position, 'm')}</b> at its end"
-        rows.append((f"σ p, {name}", text))
+        text = f"position {number(start.position, 'm')} at its start, <b>{number(end.position, 'm')}</b> at its end"
+        rows.append((f"σ {name}", text))
     return rows
 
 

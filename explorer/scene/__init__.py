@@ -1,7 +1,5 @@
 """The 3-D picture: nodes made once, assigned by draw(picture), moved by move(picture, time). Up is −g."""
 
-import time as clock
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -11,22 +9,30 @@ from viser.transforms import SO3
 from explorer.compute import Picture
 from explorer.scene import stage as stages
 from explorer.scene.arrows import Arrow
+from explorer.scene.colors import (
+    BLUE,
+    GREEN,
+    LIGHT_GREEN,
+    LIGHT_PURPLE,
+    ORANGE,
+    PALE,
+    PURPLE,
+    SKY,
+    VERMILLION,
+    linear,
+)
 from explorer.scene.stage import Stage
 from explorer.scene.vehicle import Vehicle
+from explorer.scene.view import View
 from rangenav.observability import blindness
 from rangenav.observability.blindness import Direction
 
-BLUE, VERMILLION, SKY, ORANGE = (0, 114, 178), (213, 94, 0), (86, 180, 233), (230, 159, 0)
-GREEN, LIGHT_GREEN, PURPLE, LIGHT_PURPLE = (0, 158, 115), (120, 205, 175), (204, 121, 167), (228, 178, 206)
-"""Okabe–Ito; an estimate of a vector has the lighter tint of the true one, a thinner shaft and a longer one."""
+USUAL_UP = (0.0, 0.0, -1.0)
+"""The paper's z axis points down."""
 MAX_BLIND = 6
-RESTING = 0.5
-"""s without camera movement, after which the camera may be set anew."""
-REFRAME = 1.6
-"""Factor by which the stage must grow or shrink, or radii by which it must shift, before the camera is set anew."""
-VIEW = 0.55
-"""Height of the camera's direction against its horizontal distance."""
 NO_LINE = np.zeros((1, 2, 3))
+BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
+"""A colour for each end from the start: the browser cannot turn a line of one colour into one of many."""
 
 
 class Scene:
@@ -37,11 +43,13 @@ class Scene:
         scene = client.scene
         self._time = 0.0
         self._stage: Stage | None = None
-        self._framed: Stage | None = None
+        self._view = View(client.camera)
         self._magnetic = np.zeros((0, 3))
+        scene.set_up_direction(USUAL_UP)
+        self._up = np.array(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         self._path = scene.add_line_segments("/path", NO_LINE, BLUE, thickness=3.0, thickness_units="screen")
-        self._trail = scene.add_line_segments("/trail", NO_LINE, VERMILLION, thickness=2.5, thickness_units="screen")
+        self._trail = scene.add_line_segments("/trail", NO_LINE, BLACK_ENDS, thickness=2.0, thickness_units="screen")
         self._anchor = scene.add_frame("/anchor", show_axes=False)
         self._beacon = scene.add_icosphere("/anchor/beacon", 1.0, ORANGE, subdivisions=1, flat_shading=True)
         self._mast = scene.add_line_segments("/anchor/mast", NO_LINE, ORANGE, thickness=3.0, thickness_units="screen")
@@ -50,7 +58,7 @@ class Scene:
             "/anchor/range",
             1.0,
             SKY,
-            subdivisions=4,
+            subdivisions=14,
             opacity=0.1,
             side="double",
             cast_shadow=False,
@@ -59,13 +67,13 @@ class Scene:
         self._truth = Vehicle(scene, "vehicle", BLUE, opacity=None, label_above=True)
         self._ghost = Vehicle(scene, "estimate", VERMILLION, opacity=0.4, label_above=False)
         self._ellipsoid = scene.add_icosphere(
-            "/ellipsoid", 1.0, VERMILLION, subdivisions=3, opacity=0.13, cast_shadow=False, receive_shadow=False
+            "/ellipsoid", 1.0, VERMILLION, subdivisions=10, opacity=0.13, cast_shadow=False, receive_shadow=False
         )
         self._compass = scene.add_frame("/compass", show_axes=False)
         self._gravity = Arrow(scene, "/compass/gravity", "g", GREEN)
-        self._gravity_estimate = Arrow(scene, "/compass/gravity_estimate", "ĝ", LIGHT_GREEN)
+        self._gravity_estimate = Arrow(scene, "/compass/gravity_estimate", "g est.", LIGHT_GREEN)
         self._north = Arrow(scene, "/compass/magnetic", "m", PURPLE)
-        self._north_estimate = Arrow(scene, "/compass/magnetic_estimate", "m measured", LIGHT_PURPLE)
+        self._north_estimate = Arrow(scene, "/compass/magnetic_estimate", "m est.", LIGHT_PURPLE)
         self._far = Arrow(scene, "/compass/far", "", VERMILLION)
         self._blind = [Arrow(scene, f"/blind{i}", "", ORANGE, both_ways=True) for i in range(MAX_BLIND)]
 
@@ -73,14 +81,11 @@ class Scene:
         """Show another picture, at the time shown last."""
         on = stages.stage(picture)
         self._fit(picture, on)
-        self._path.points = stages.solid(picture, on)
-        trail = stages.dashed(picture.position_estimate, on)
-        self._trail.visible = len(trail) > 0
-        if len(trail):
-            self._trail.points = trail
+        self._path.points = stages.solid(picture, on).astype(np.float32)
+        self._draw_trail(picture.position_estimate, on)
         self._magnetic = stages.last_seen(picture.measurements.mag)
         self._draw_blind(picture.analysis.directions, on)
-        self._frame_camera(on)
+        self._view.frame(on)
         self.move(picture, self._time)
 
     def move(self, picture: Picture, time: float) -> None:
@@ -136,7 +141,8 @@ class Scene:
     def _fit(self, picture: Picture, on: Stage) -> None:
         """Everything that depends on the world or on the size of the stage; unchanged values are not sent again."""
         world, unit = picture.preset.world, on.unit
-        if self._stage is None or not np.array_equal(self._stage.up, on.up):
+        if not np.allclose(self._up, on.up):
+            self._up = on.up
             self._client.scene.set_up_direction(on.up)
         self._stage = on
         self._grid.width = self._grid.height = round(16 * on.radius / on.cell) * on.cell
@@ -162,38 +168,24 @@ class Scene:
         self._gravity.point(np.asarray(world.gravity))
         self._north.point(np.asarray(world.magnetic))
 
+    def _draw_trail(self, positions: Float[Array, "n 3"], on: Stage) -> None:
+        """The estimated path, paler the earlier: it may wander far before it settles."""
+        dashes, progress = stages.dashed(positions, on)
+        self._trail.visible = len(dashes) > 0
+        if len(dashes):
+            early, late = np.array(linear(PALE)), np.array(linear(VERMILLION))
+            colors = early + progress[..., None] * (late - early)
+            self._trail.points, self._trail.colors = dashes.astype(np.float32), colors.astype(np.uint8)
+
     def _draw_blind(self, directions: tuple[Direction, ...], on: Stage) -> None:
         for i, arrow in enumerate(self._blind):
             if i >= len(directions):
                 arrow.hide()
                 continue
-            arrow.fit(length=0.7 * on.radius, radius=0.012 * on.radius)
+            arrow.fit(length=0.7 * on.radius, radius=0.006 * on.radius)
             arrow.place(on.centre)
             arrow.say(blind_label(directions[i]))
             arrow.point(directions[i].vector)
-
-    def _frame_camera(self, on: Stage) -> None:
-        """Look at path and anchor from above; later only when they are elsewhere, and never while someone drags."""
-        camera, before = self._client.camera, self._framed
-        if before is not None:
-            shift = float(np.linalg.norm(on.centre - before.centre)) / before.radius
-            alike = 1 / REFRAME < on.radius / before.radius < REFRAME and shift < REFRAME
-            if (alike and np.array_equal(on.up, before.up)) or clock.time() - camera.update_timestamp < RESTING:
-                return
-        self._framed = on
-        half = camera.fov / 2
-        narrowest = min(1.0, camera.image_width / max(camera.image_height, 1))
-        distance = 1.25 * on.radius / np.sin(np.arctan(np.tan(half) * narrowest))
-        camera.far = max(1000.0, 60 * distance)
-        camera.position = on.centre + distance * view_direction(on.up)
-        camera.look_at = on.centre
-
-
-def view_direction(up: Float[Array, "3"]) -> Float[Array, "3"]:
-    """The unit vector from the stage to the camera: above, and between two of the horizontal axes."""
-    level = np.array([1.0, 0.55, 0.3]) - np.array([1.0, 0.55, 0.3]) @ up * up
-    direction = level / np.linalg.norm(level) + VIEW * up
-    return direction / np.linalg.norm(direction)
 
 
 def blind_label(direction: Direction) -> str:

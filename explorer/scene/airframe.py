@@ -8,6 +8,9 @@ from numpy import ndarray as Array
 
 ARM, ROTOR, SIDES = 0.42, 0.24, 20
 """Half the diagonal between rotors, a rotor's radius, and the corners of its disc."""
+FACES = ("013", "032", "467", "475", "045", "051", "237", "276", "026", "064", "157", "173")
+"""Two triangles for each side of a box whose corners are numbered 4x + 2y + z."""
+BOX_FACES = np.array([[int(corner) for corner in face] for face in FACES])
 
 
 class Mesh(NamedTuple):
@@ -33,13 +36,6 @@ def rotors() -> Mesh:
     edge = np.arange(SIDES)
     fan = np.stack([np.zeros(SIDES, dtype=int), 1 + edge, 1 + (edge + 1) % SIDES], axis=1)
     return _join([(disc + centre, fan) for centre in centres])
-
-
-BOX_FACES = np.array(
-    [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
-    + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]
-)
-"""Corners are numbered 4x + 2y + z."""
 
 
 def _box(size: tuple[float, float, float]) -> Float[Array, "8 3"]:

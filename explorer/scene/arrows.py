@@ -8,11 +8,11 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import SceneApi
 
+from explorer.scene.colors import Color, linear
 from explorer.scene.stage import turn_from_x
 
-Color = tuple[int, int, int]
-ALONG_X = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]])
-BOTH_WAYS = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]])
+ALONG_X = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], dtype=np.float32)
+BOTH_WAYS = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]], dtype=np.float32)
 
 
 class Arrow:
@@ -20,7 +20,7 @@ class Arrow:
 
     def __init__(self, scene: SceneApi, name: str, text: str, color: Color, *, both_ways: bool = False) -> None:
         self._ways = BOTH_WAYS if both_ways else ALONG_X
-        self._node = scene.add_arrows(name, self._ways, color, visible=False)
+        self._node = scene.add_arrows(name, self._ways, linear(color), visible=False)
         self._label = scene.add_label(f"{name}/label", text, anchor="center-left", font_screen_scale=0.9)
         self._size = (0.0, 0.0)
 
@@ -29,7 +29,7 @@ class Arrow:
         if (length, radius) == self._size:
             return
         self._size = (length, radius)
-        self._node.points = self._ways * length
+        self._node.points = self._ways * np.float32(length)
         self._node.shaft_radius, self._node.head_radius = radius, 2.4 * radius
         self._node.head_length = min(6 * radius, 0.5 * length)
         self._label.position = (length + 2 * radius, 0.0, 0.0)

@@ -1,6 +1,6 @@
 """How large the 3-D picture is and which part of a curve fits in it; sizes follow the path. Pure functions.
 
-An unobservable estimate may be anywhere, 10¹⁷ m away or NaN. Only what lies on the stage is drawn; no number is changed.
+An unobservable estimate may be anywhere, 10¹⁷ m away or NaN: only what lies on the stage is drawn, no number changed.
 """
 
 import math
@@ -12,15 +12,17 @@ from numpy import ndarray as Array
 
 from explorer.compute import Picture
 
-REACH = 4.0
+REACH = 3.0
 """The stage ends at this many radii from its centre: curves, ellipsoids and ghosts beyond are not drawn."""
+SPHERE_SHARE = 0.8
+"""Of the largest range sphere that the camera should see."""
 SMALLEST_RADIUS = 0.01
 """m, for a path that stands on its anchor."""
-UNIT_SHARE, SMALLEST_UNIT_SHARE = 0.12, 0.035
+UNIT_SHARE, SMALLEST_UNIT_SHARE = 0.16, 0.04
 """The airframe's size against the stage; a 2 cm path 3 m away gets a small vehicle that one can fly up to."""
 SAGITTA_SHARE = 0.002
 """How far, in radii, a chord of the drawn true path may leave the curve."""
-MAX_POINTS = 1500
+MAX_POINTS, MAX_DASHES = 1500, 1500
 DASHES_PER_RADIUS = 14
 
 
@@ -38,6 +40,9 @@ class Stage:
     """The point below the centre at the height of the lowest of path and anchor."""
     cell: float
     """m between grid lines: 1, 2 or 5 times a power of ten."""
+    view_centre: Float[Array, "3"]
+    """Where the camera looks, and the radius it should take in: the stage and most of the range sphere."""
+    view_radius: float
 
     def holds(self, points: Float[Array, "n 3"]) -> Array:
         """Which points lie on the stage; NaN does not."""
@@ -64,6 +69,8 @@ def stage(picture: Picture) -> Stage:
         up=up,
         ground=centre + height * up,
         cell=round_step(radius / 4),
+        view_centre=(centre + anchor) / 2,
+        view_radius=max(radius, SPHERE_SHARE * float(np.linalg.norm(path - anchor, axis=1).max())),
     )
 
 
@@ -85,13 +92,32 @@ def solid(picture: Picture, on: Stage) -> Float[Array, "m 2 3"]:
     return np.stack([points[:-1], points[1:]], axis=1)
 
 
-def dashed(positions: Float[Array, "n 3"], on: Stage) -> Float[Array, "m 2 3"]:
-    """A curve as dashes of equal length along it; what is not on the stage is left out."""
-    points = positions[:: -(-len(positions) // MAX_POINTS)]
-    inside = on.holds(points)
-    segments = np.stack([points[:-1], points[1:]], axis=1)[inside[:-1] & inside[1:]]
-    along = np.cumsum(np.linalg.norm(segments[:, 1] - segments[:, 0], axis=1))
-    return segments[np.floor(along / (on.radius / DASHES_PER_RADIUS)) % 2 == 0]
+def dashed(positions: Float[Array, "n 3"], on: Stage) -> tuple[Float[Array, "m 2 3"], Float[Array, "m 2"]]:
+    """A curve as dashes of equal length along it, and their ends' time (0 to 1); only what is on stage."""
+    stride = -(-len(positions) // MAX_POINTS)
+    timed = np.column_stack([positions, np.linspace(0.0, 1.0, len(positions))])[::stride]
+    inside = np.flatnonzero(on.holds(timed[:, :3]))
+    runs = [run for run in np.split(timed[inside], np.flatnonzero(np.diff(inside) > 1) + 1) if len(run) > 1]
+    if not runs:
+        return np.empty((0, 2, 3)), np.empty((0, 2))
+    length = sum(_along(run)[-1] for run in runs)
+    dash = max(on.radius / DASHES_PER_RADIUS, length / MAX_DASHES)
+    cut = np.concatenate([_cut(run, dash) for run in runs])
+    return cut[..., :3], cut[..., 3]
+
+
+def _along(timed: Float[Array, "n 4"]) -> Float[Array, "n"]:
+    """Arc length from the first point."""
+    return np.cumsum(np.linalg.norm(np.diff(timed[:, :3], axis=0, prepend=timed[:1, :3]), axis=1))
+
+
+def _cut(timed: Float[Array, "n 4"], dash: float) -> Float[Array, "m 2 4"]:
+    """A polyline cut where dashes begin and end, without the parts between them."""
+    along = _along(timed)
+    places = np.union1d(along, np.arange(0.0, along[-1], dash))
+    at = np.stack([np.interp(places, along, column) for column in timed.T], axis=1)
+    kept = np.floor((places[:-1] + places[1:]) / 2 / dash) % 2 == 0
+    return np.stack([at[:-1], at[1:]], axis=1)[kept]
 
 
 def turn_from_x(direction: Float[Array, "3"]) -> tuple[float, float, float, float]:

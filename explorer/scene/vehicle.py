@@ -7,9 +7,8 @@ from viser import SceneApi
 from viser.transforms import SO3
 
 from explorer.scene import airframe
+from explorer.scene.colors import Color
 from explorer.scene.stage import Stage, turn_from_x
-
-Color = tuple[int, int, int]
 
 
 class Vehicle:

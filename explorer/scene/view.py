@@ -1,0 +1,89 @@
+"""Where the camera stands: set anew when the path is somewhere else, and never while someone moves it."""
+
+import math
+import time as clock
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+from viser import CameraHandle
+
+from explorer.scene.stage import Stage
+
+RESTING = 0.5
+"""s without camera movement, after which the camera may be set anew."""
+REFRAME, SHIFT = 1.6, 0.5
+"""Factor by which the stage must grow or shrink, or radii by which it must shift, before the camera is set anew."""
+SIDE = np.array([0.5, 1.0, 0.25])
+"""Whence the camera looks, before the part along up is taken away: across x, along which most paths are longest."""
+HEIGHT = 0.55
+"""Of the camera's direction, against its horizontal distance."""
+MARGIN = 1.2
+FAR, FAR_DISTANCES = 1000.0, 60.0
+"""m, and distances of the camera, up to which things are drawn."""
+TRIES = 3
+ARRIVED = 0.02
+"""Of the distance: a camera this near to where it was sent has arrived."""
+
+
+class Aim(NamedTuple):
+    """Where the camera was sent, and how often that may still be said again."""
+
+    position: Float[Array, "3"]
+    target: Float[Array, "3"]
+    tries: int
+
+
+class View:
+    """The camera of one visitor."""
+
+    def __init__(self, camera: CameraHandle) -> None:
+        self._camera = camera
+        self._framed: Stage | None = None
+        self._aim: Aim | None = None
+        camera.on_update(self._confirm)
+
+    def frame(self, on: Stage) -> None:
+        """Look at path and anchor from above, if they are not where the camera was set last."""
+        before = self._framed
+        if before is not None:
+            moving = clock.time() - self._camera.update_timestamp < RESTING
+            if alike(before, on) or moving:
+                return
+        self._framed = on
+        narrowest = min(1.0, self._camera.image_width / max(self._camera.image_height, 1))
+        half = math.atan(math.tan(self._camera.fov / 2) * narrowest)
+        distance = MARGIN * on.view_radius / math.sin(half)
+        self._camera.far = max(FAR, FAR_DISTANCES * distance)
+        self._send(Aim(on.view_centre + distance * direction(on.up), on.view_centre, TRIES))
+
+    def _send(self, aim: Aim) -> None:
+        self._aim = aim
+        self._camera.position = aim.position
+        self._camera.look_at = aim.target
+
+    def _confirm(self, camera: CameraHandle) -> None:
+        """The page tells its camera. It takes up a new up direction only after the camera that came along with it,
+        and is then elsewhere: say it again."""
+        aim = self._aim
+        if aim is None:
+            return
+        off = float(np.linalg.norm(np.asarray(camera.position) - aim.position))
+        self._aim = None
+        if off > ARRIVED * np.linalg.norm(aim.position - aim.target) and aim.tries > 0:
+            self._send(aim._replace(tries=aim.tries - 1))
+
+
+def alike(before: Stage, on: Stage) -> bool:
+    """Whether a camera set for one stage does for the other."""
+    ratio = on.view_radius / before.view_radius
+    shift = float(np.linalg.norm(on.view_centre - before.view_centre)) / before.view_radius
+    return 1 / REFRAME < ratio < REFRAME and shift < SHIFT and np.allclose(on.up, before.up)
+
+
+def direction(up: Float[Array, "3"]) -> Float[Array, "3"]:
+    """The unit vector from the stage to the camera."""
+    level = SIDE - SIDE @ up * up
+    raised = level / np.linalg.norm(level) + HEIGHT * up
+    return raised / np.linalg.norm(raised)

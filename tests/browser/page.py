@@ -1,0 +1,239 @@
+"""A visitor's browser, driven from Python: the one file that knows viser's undocumented page (checked against 1.1.1).
+
+A control is found by its label, a plot by the label of one of its curves, a node of the scene by its name. What is read
+is what the browser has: chart data, node poses, text on the page.
+"""
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Browser, Locator, Page, Playwright, sync_playwright
+
+CHROMIUM = next((path for path in ("/usr/bin/chromium", "/usr/bin/chromium-browser") if Path(path).exists()), None)
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-accelerated-2d-canvas",  # without it one plot drops the page to 8 frames per second
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+INPUT_PAUSE = 0.08
+"""s between inputs: viser's page sends at most one per 50 ms and panel."""
+READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
+CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
+FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
+ROW = "xpath=ancestor::div[./div[2]][1]/div[2]"
+"""From the label of a control to what stands beside it."""
+
+
+class Server:
+    """The command, as a user starts it."""
+
+    def __init__(self, *arguments: str) -> None:
+        command = [sys.executable, "-m", "explorer", "--no-browser", "--port", "0", *arguments]
+        self._began = time.monotonic()
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        assert self._process.stdout is not None
+        self.url = self._process.stdout.readline().strip()
+        self.seconds_to_answer = time.monotonic() - self._began
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return int(self.url.rstrip("/").rsplit(":", 1)[1])
+
+    def stop(self) -> str:
+        """End it as Ctrl+C would; what it has printed beside the address."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            return self._process.communicate(timeout=10)[0]
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            return self._process.communicate()[0]
+
+
+@contextmanager
+def served(*arguments: str) -> Iterator[Server]:
+    """A server for as long as it is needed."""
+    server = Server(*arguments)
+    try:
+        yield server
+    finally:
+        server.stop()
+
+
+@contextmanager
+def chromium() -> Iterator[Browser]:
+    """A headless Chromium."""
+    with sync_playwright() as playwright:
+        browser = launch(playwright)
+        yield browser
+        browser.close()
+
+
+def launch(playwright: Playwright) -> Browser:
+    """A headless Chromium of the system."""
+    return playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
+
+
+class Visitor:
+    """One tab on the page."""
+
+    def __init__(
+        self, browser: Browser, url: str, *, width: int = 1366, height: int = 768, density: float = 1
+    ) -> None:
+        self.complaints: list[str] = []
+        """Errors in the browser's console, and uncaught ones."""
+        context = browser.new_context(viewport={"width": width, "height": height}, device_scale_factor=density)
+        self.page: Page = context.new_page()
+        self.page.on(
+            "console", lambda message: self.complaints.append(message.text) if message.type == "error" else None
+        )
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.url = url
+        self.page.goto(url)
+        self.wait_until_drawn()
+
+    def wait_until_drawn(self, timeout: float = 60.0) -> None:
+        """Until the first verdict is on the page."""
+        self.page.wait_for_function(READY, timeout=timeout * 1000)
+        self.page.wait_for_function("() => document.body.innerText.includes('of 13')", timeout=timeout * 1000)
+
+    def reload(self) -> None:
+        """As with the browser's button."""
+        self.page.reload()
+        self.wait_until_drawn()
+
+    def close(self) -> None:
+        """Close the tab."""
+        self.page.context.close()
+
+    def text(self) -> str:
+        """Everything written on the page."""
+        return self.page.evaluate("() => document.body.innerText")
+
+    def wait_for_text(self, text: str, timeout: float = 10.0) -> None:
+        """Until the text is on the page."""
+        self.page.wait_for_function("text => document.body.innerText.includes(text)", arg=text, timeout=timeout * 1000)
+
+    def wait_for_no_text(self, text: str, timeout: float = 10.0) -> None:
+        """Until the text is not on the page."""
+        self.page.wait_for_function("text => !document.body.innerText.includes(text)", arg=text, timeout=timeout * 1000)
+
+    def tab(self, label: str) -> None:
+        """Bring a tab to the front."""
+        self.page.get_by_text(label, exact=True).first.click()
+        time.sleep(INPUT_PAUSE)
+
+    def folder(self, label: str) -> None:
+        """Open or close a folder."""
+        self.page.get_by_text(label, exact=True).first.click()
+        time.sleep(0.4)
+
+    def beside(self, label: str) -> Locator:
+        """The control whose label begins so."""
+        found = f"//label[normalize-space(.)='{label}' or starts-with(normalize-space(.), '{label} =')]"
+        return self.page.locator(f"xpath={found}").first.locator(ROW)
+
+    def type_number(self, label: str, text: str, box: int = 0) -> None:
+        """Type into the number box beside a label."""
+        field = self.beside(label).locator("input[type=text], input[inputmode]").nth(box)
+        field.click()
+        field.fill(text)
+        time.sleep(INPUT_PAUSE)
+
+    def number(self, label: str) -> str:
+        """What the number box beside a label shows."""
+        return self.beside(label).locator("input[type=text], input[inputmode]").first.input_value()
+
+    def nudge(self, label: str, key: str = "ArrowRight", times: int = 1) -> None:
+        """Move a slider with the keyboard."""
+        thumb = self.beside(label).get_by_role("slider")
+        for _ in range(times):
+            thumb.press(key)
+            time.sleep(INPUT_PAUSE)
+
+    def choose(self, label: str, option: str) -> None:
+        """Pick an option of a dropdown."""
+        self.beside(label).locator("input").first.click()
+        self.page.get_by_role("option", name=option, exact=False).first.click()
+        time.sleep(INPUT_PAUSE)
+
+    def press(self, label: str) -> None:
+        """Press a button."""
+        self.page.get_by_role("button", name=label, exact=False).first.click()
+        time.sleep(INPUT_PAUSE)
+
+    def chart_labels(self) -> list[list[str]]:
+        """The labels of the curves of every plot on view."""
+        return self.page.evaluate(f"() => {CHARTS}.map(chart => chart.series.map(series => series.label || ''))")
+
+    def chart_data(self, label: str) -> list[list[float | None]]:
+        """All columns of the plot that has a curve of this label."""
+        expression = f"(label) => Array.from(({FIND_CHART})(label).data, column => Array.from(column))"
+        return self.page.evaluate(expression, label)
+
+    def node_position(self, name: str) -> list[float]:
+        """Where a node of the scene is, in the scene's own frame (the page may turn the whole scene)."""
+        expression = (
+            "(name) => { const p = window.__viserMutable.nodeRefFromName[name].position; return [p.x, p.y, p.z] }"
+        )
+        return self.page.evaluate(expression, name)
+
+    def dismiss_notifications(self) -> None:
+        """Close them all; viser warns of a software renderer, which is what a test has."""
+        for button in self.page.locator(".mantine-Notification-closeButton").all():
+            button.click()
+
+    def camera_position(self) -> list[float]:
+        """Where the visitor looks from."""
+        return self.page.evaluate("() => window.__viserMutable.camera.position.toArray()")
+
+    def node_names(self) -> list[str]:
+        """The names of all nodes of the scene."""
+        return self.page.evaluate("() => Object.keys(window.__viserMutable.nodeRefFromName)")
+
+    def slider_to_plot(self, slider: str, curve: str, count: int = 30) -> list[float]:
+        """Milliseconds from a slider's event to changed data in a plot, `count` times, in the browser's own clock."""
+        thumb = self.beside(slider).get_by_role("slider").element_handle()
+        return self.page.evaluate(MEASURE, [thumb, curve, count])
+
+
+MEASURE = f"""async ([thumb, curve, count]) => {{
+    const chart = ({FIND_CHART})(curve), times = [];
+    const pause = ms => new Promise(done => setTimeout(done, ms));
+    for (let i = 0; i < count; i++) {{
+        const before = chart.data, key = i % 2 ? 'ArrowLeft' : 'ArrowRight';
+        const began = performance.now();
+        thumb.dispatchEvent(new KeyboardEvent('keydown', {{key, code: key, bubbles: true, cancelable: true}}));
+        while (chart.data === before && performance.now() - began < 5000) await pause(1);
+        times.push(performance.now() - began);
+        await pause(250);
+    }}
+    return times;
+}}"""
+
+
+def quantile(values: list[float], share: float) -> float:
+    """The value below which this share of the values lies."""
+    ordered = sorted(values)
+    return ordered[min(len(ordered) - 1, math.ceil(share * len(ordered)) - 1)]
+
+
+def why_not() -> str | None:
+    """Why the browser tests cannot run here, or None."""
+    if CHROMIUM is None:
+        return "no Chromium (apt install chromium)"
+    return "RANGENAV_NO_BROWSER is set" if os.environ.get("RANGENAV_NO_BROWSER") else None

@@ -1,0 +1,87 @@
+"""A page without a browser: a viser server nobody connects to, which remembers every message it would send."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import numpy as np
+import viser
+from viser.infra import Message
+
+
+@dataclass
+class Camera:
+    """What the page would tell of its camera."""
+
+    position: Any = (3.0, 3.0, 3.0)
+    look_at: Any = (0.0, 0.0, 0.0)
+    fov: float = 1.3
+    far: float = 1000.0
+    image_width: int = 900
+    image_height: int = 1000
+    update_timestamp: float = 0.0
+    callbacks: list[Callable[["Camera"], None]] = field(default_factory=list)
+
+    def on_update(self, callback: Callable[["Camera"], None]) -> None:
+        self.callbacks.append(callback)
+
+    def tell(self, position: Any) -> None:
+        """The page says where its camera is."""
+        self.position = position
+        for callback in self.callbacks:
+            callback(self)
+
+
+@dataclass
+class Page:
+    """Stands in for one client."""
+
+    server: viser.ViserServer
+    camera: Camera = field(default_factory=Camera)
+    messages: list[Message] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        interface = self.server.gui._websock_interface
+        send = interface.queue_message
+
+        def record(message: Message) -> None:
+            self.messages.append(message)
+            send(message)
+
+        interface.queue_message = record  # type: ignore[method-assign]
+
+    @property
+    def gui(self) -> viser.GuiApi:
+        return self.server.gui
+
+    @property
+    def scene(self) -> viser.SceneApi:
+        return self.server.scene
+
+    @property
+    def client(self) -> viser.ClientHandle:
+        return cast(viser.ClientHandle, self)
+
+    def kinds(self) -> set[str]:
+        """Names of the types of the messages so far."""
+        return {type(message).__name__ for message in self.messages}
+
+    def numbers(self) -> Iterator[float]:
+        """Every number in the messages so far."""
+        for message in self.messages:
+            yield from _numbers(vars(message))
+
+
+def _numbers(value: Any) -> Iterator[float]:
+    if isinstance(value, float | int | np.floating):
+        yield float(value)
+    elif isinstance(value, np.ndarray):
+        yield from (float(entry) for entry in value.ravel())
+    elif isinstance(value, dict):
+        for entry in value.values():
+            yield from _numbers(entry)
+    elif isinstance(value, tuple | list):
+        for entry in value:
+            yield from _numbers(entry)
+    elif hasattr(value, "__dict__"):
+        yield from _numbers(vars(value))

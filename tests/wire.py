@@ -1,0 +1,129 @@
+"""A visitor without a browser: viser's websocket messages, sent and received as they are (checked against 1.1.1).
+
+It says whatever it is told to, also what no honest page would say.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import viser
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+from websockets.typing import Origin, Subprotocol
+
+CAMERA = {
+    "type": "ViewerCameraMessage",
+    "wxyz": (1.0, 0.0, 0.0, 0.0),
+    "position": (3.0, 3.0, 3.0),
+    "fov": 1.0,
+    "near": 0.1,
+    "far": 100.0,
+    "image_height": 1080,
+    "image_width": 1920,
+    "look_at": (0.0, 0.0, 0.0),
+    "up_direction": (0.0, 0.0, 1.0),
+}
+HEADER = 8
+"""Bytes of each of the two lengths before the compressed messages."""
+NO_DOCK = 0.5
+"""s after which the server is taken to have no docks."""
+PATIENCE = 60.0
+"""s; the first picture may have to wait for a compiler."""
+
+
+class Wire:
+    """One connection, and all that the server has told it about controls."""
+
+    def __init__(self, port: int, *, origin: str | None = None) -> None:
+        self.elements: dict[str, dict[str, Any]] = {}
+        """Properties of every control that exists, by its id; "value" beside them."""
+        self.counts: dict[str, int] = {}
+        """How many messages of each type have come."""
+        self.notifications: list[str] = []
+        self.dock = 0
+        """Width (px) of the first panel that was given one."""
+        self.closed_with: int | None = None
+        """The code with which the server ended the connection."""
+        self._socket = connect(
+            f"ws://127.0.0.1:{port}/",
+            origin=Origin(origin or f"http://127.0.0.1:{port}"),
+            subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
+            max_size=None,
+        )
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
+        began = time.monotonic()
+        self.send(CAMERA)
+        self.wait_for(lambda: self.dock or time.monotonic() > began + NO_DOCK, "a dock")
+        self.send(CAMERA | {"image_width": CAMERA["image_width"] - self.dock})  # it takes its share of the canvas
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send one message, unchecked."""
+        self._socket.send(msgspec.msgpack.encode(message))
+
+    def set(self, label: str, value: Any) -> None:
+        """Set a control as the page would."""
+        self.send({"type": "GuiUpdateMessage", "uuid": self.find(label), "updates": {"value": value}})
+
+    def find(self, label: str) -> str:
+        """The id of the control whose label begins so; a slider on a log scale ends it with its value."""
+        for uuid, properties in list(self.elements.items()):
+            name = properties.get("label") or ""
+            if name == label or name.startswith(f"{label} ="):
+                return uuid
+        raise LookupError(f"no control {label!r}")
+
+    def value(self, label: str) -> Any:
+        """What the control shows."""
+        return self.elements[self.find(label)]["value"]
+
+    def text(self) -> str:
+        """All text of the page that is shown, as HTML or markdown."""
+        shown = [p for p in list(self.elements.values()) if p.get("visible", True)]
+        return "\n".join(str(p.get("content") or p.get("_markdown") or "") for p in shown)
+
+    def wait_for(self, holds: Callable[[], Any], what: str, patience: float = PATIENCE) -> None:
+        """Wait until it holds."""
+        deadline = time.monotonic() + patience
+        while not holds():
+            if time.monotonic() > deadline:
+                raise AssertionError(f"waited {patience:g} s in vain for {what}; the page says:\n{self.text()}")
+            time.sleep(0.01)
+
+    def wait_for_text(self, text: str) -> None:
+        """Wait until the page says so."""
+        self.wait_for(lambda: text in self.text(), repr(text))
+
+    def close(self) -> None:
+        """Close the tab."""
+        self._socket.close()
+        self._listener.join()
+
+    def _listen(self) -> None:
+        try:
+            for frame in self._socket:
+                assert isinstance(frame, bytes)
+                size = int.from_bytes(frame[HEADER : 2 * HEADER], "little")
+                packed = zstandard.ZstdDecompressor().decompress(frame[2 * HEADER : 2 * HEADER + size])
+                for message in msgspec.msgpack.decode(packed)["messages"]:
+                    self._take_in(message)
+        except ConnectionClosed as closed:
+            self.closed_with = closed.rcvd.code if closed.rcvd else None
+
+    def _take_in(self, message: dict[str, Any]) -> None:
+        name = message["type"]
+        self.counts[name] = self.counts.get(name, 0) + 1
+        if name == "GuiUpdateMessage" and message["uuid"] in self.elements:
+            self.elements[message["uuid"]].update(message["updates"])
+        elif name == "GuiRemoveMessage":
+            self.elements.pop(message["uuid"], None)
+        elif name == "GuiSetPanelWidthMessage":
+            self.dock = self.dock or message["width"] or 0
+        elif name == "NotificationShowMessage":
+            self.notifications.append(f"{message['props']['title']}: {message['props']['body']}")
+        elif name.startswith("Gui") and "props" in message:
+            self.elements[message["uuid"]] = message["props"] | {"value": message.get("value")}
