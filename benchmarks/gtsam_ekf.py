@@ -18,19 +18,15 @@ START_SIGMA = (0.1, 0.1, 0.1)
 """rad, m, m/s: it starts at the truth, because from x̂ = 0 it need not converge."""
 
 
-def run(
-    preset: Preset,
-    record: Measurements,
-    *,
-    rotation: np.ndarray,
-    position: np.ndarray,
-    velocity: np.ndarray,
-    use: str,
-) -> np.ndarray:
+def start(rotation: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> gtsam.NavState:
+    """A start for `run`."""
+    return gtsam.NavState(gtsam.Rot3(rotation), position, velocity)
+
+
+def run(preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str) -> np.ndarray:
     """The last position (m, inertial) after filtering the record with one of `USES`; ranges at the IMU's stamps."""
     world, noise = preset.world, preset.sensors.noise
-    start = gtsam.NavState(gtsam.Rot3(rotation), position, velocity)
-    ekf = gtsam.NavStateImuEKF(start, np.diag(np.repeat(np.square(START_SIGMA), 3)), _noise(preset))
+    ekf = gtsam.NavStateImuEKF(first, np.diag(np.repeat(np.square(START_SIGMA), 3)), _noise(preset))
     anchor, magnetic = np.asarray(world.anchor), np.asarray(world.magnetic)
     range_noise, mag_noise = np.array([[noise.range**2]]), np.eye(3) * noise.mag**2
     steps = np.diff(record.time)

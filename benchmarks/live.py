@@ -4,24 +4,21 @@ The default preset is the one the page opens on. Each set of stages is timed wit
 """
 
 import os
-import shutil
-import socket
-import subprocess
-import sys
 import tempfile
 import time
-import urllib.request
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Callable
+from unittest import mock
 
 import msgspec
 import numpy as np
-from timing import Target, report, versions
+from timing import Target, missing, report, versions
 
 from explorer.compute import compute, warm_up
 from explorer.settings import Settings
 from rangenav import preset
+
+if missing("playwright") is None:
+    from tests.browser import page
 
 DEFAULT_PRESET = "paper-slow"
 MOVES, WARM_MOVES, SLIDER_EVENTS, STARTS = 100, 5, 40, 3
@@ -29,49 +26,52 @@ STEP = 1e-3
 """Relative change of the moved value from one event to the next."""
 STAGES_P95, EVENT_MEDIAN, EVENT_P95 = 33.0, 100.0, 200.0
 """ms"""
-WARM_START, FIRST_START = 3.0, 20.0
-"""s until the page answers."""
-PATIENCE = 60.0
-BROWSER_TESTS = Path(__file__).parent.parent / "tests" / "browser"
+WARM, FIRST = "page answers, warm caches", "page answers, nothing compiled yet"
+LONGEST_START = {WARM: 3.0, FIRST: 20.0}
+"""s"""
+SLIDERS = (("Gains", "q", "error"), ("Motion", "A (m)", "error"))
+"""Tab, slider, and the curve whose plot has to change."""
 
 
 def main() -> None:
     """Measure, print."""
     warm_up(lambda share, words: None)
-    stages = {name: _milliseconds(moved) for name, moved in MOVED.items()}
-    events, notes = _slider_events()
-    warm, first = _starts()
-    rows = [_row(f"stages after {name} moved", elapsed) for name, elapsed in stages.items()]
-    rows += [_row(f"{name}, slider event to changed plot data", elapsed) for name, elapsed in events.items()]
-    rows += [_row("page answers, warm caches", 1e3 * warm), _row("page answers, nothing compiled yet", 1e3 * first)]
-    targets = [
-        Target(name=f"stages, {name} moved, p95", value=_p95(elapsed), bound=STAGES_P95, at_least=False, unit=" ms")
-        for name, elapsed in stages.items()
-    ]
-    for name, elapsed in events.items():
-        median = float(np.median(elapsed))
-        targets.append(Target(name=f"{name}, median", value=median, bound=EVENT_MEDIAN, at_least=False, unit=" ms"))
-        targets.append(Target(name=f"{name}, p95", value=_p95(elapsed), bound=EVENT_P95, at_least=False, unit=" ms"))
-    targets.append(Target(name="warm start", value=float(np.median(warm)), bound=WARM_START, at_least=False, unit=" s"))
-    targets.append(Target(name="first start", value=float(np.max(first)), bound=FIRST_START, at_least=False, unit=" s"))
+    stages = {f"stages, {name} moved": _milliseconds(moved) for name, moved in MOVED.items()}
+    reason = missing("playwright") or page.why_not()
+    events = {} if reason else _slider_events()
+    starts = {} if reason else _starts()
     report(
         "live",
         title=f"The page on {DEFAULT_PRESET}",
-        columns=("", "median ms", "p95 ms", "worst ms"),
-        rows=rows,
-        targets=targets,
-        notes=notes,
-        figures={"versions": versions("numpy", "numba", "viser")},
+        columns=("", "median", "p95", "worst"),
+        rows=[_row(name, values, " ms") for name, values in (stages | events).items()]
+        + [_row(name, values, " s") for name, values in starts.items()],
+        targets=_targets(stages, events, starts),
+        notes=[f"slider events and start-up were not measured: {reason}"] if reason else [],
+        figures={
+            "milliseconds": {name: _figures(values) for name, values in (stages | events).items()},
+            "seconds": {name: _figures(values) for name, values in starts.items()},
+            "versions": versions("numpy", "numba", "viser"),
+        },
     )
 
 
-def _row(name: str, milliseconds: np.ndarray) -> tuple[str, ...]:
-    figures = (np.median(milliseconds), _p95(milliseconds), np.max(milliseconds))
-    return name, *(f"{figure:.1f}" for figure in figures)
+def _targets(
+    stages: dict[str, np.ndarray], events: dict[str, np.ndarray], starts: dict[str, np.ndarray]
+) -> list[Target]:
+    bounds = [(f"{name}, p95", _figures(values)["p95"], STAGES_P95, " ms") for name, values in stages.items()]
+    bounds += [(f"{name}, median", _figures(values)["median"], EVENT_MEDIAN, " ms") for name, values in events.items()]
+    bounds += [(f"{name}, p95", _figures(values)["p95"], EVENT_P95, " ms") for name, values in events.items()]
+    bounds += [(name, _figures(values)["worst"], LONGEST_START[name], " s") for name, values in starts.items()]
+    return [Target(name=n, value=value, bound=most, at_least=False, unit=unit) for n, value, most, unit in bounds]
 
 
-def _p95(values: np.ndarray) -> float:
-    return float(np.percentile(values, 95))
+def _figures(values: np.ndarray) -> dict[str, float]:
+    return {"median": float(np.median(values)), "p95": float(np.percentile(values, 95)), "worst": float(np.max(values))}
+
+
+def _row(name: str, values: np.ndarray, unit: str) -> tuple[str, ...]:
+    return name, *(f"{figure:.3g}{unit}" for figure in _figures(values).values())
 
 
 def _gain(chosen: preset.Preset, factor: float) -> preset.Preset:
@@ -109,56 +109,32 @@ def _milliseconds(moved: Callable[[preset.Preset, float], preset.Preset]) -> np.
     return elapsed[WARM_MOVES:]
 
 
-def _starts() -> tuple[np.ndarray, np.ndarray]:
+def _starts() -> dict[str, np.ndarray]:
     """Seconds from starting the program to an answering page: with warm caches, and with nothing compiled."""
-    warm = np.array([_start(os.environ) for _ in range(STARTS)])
-    first = np.empty(STARTS)
-    for run in range(STARTS):
-        with tempfile.TemporaryDirectory() as folder:
-            first[run] = _start(os.environ | {"NUMBA_CACHE_DIR": folder})
-    return warm, first
+    warm = [_start() for _ in range(STARTS)]
+    first = []
+    for _ in range(STARTS):
+        with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, {"NUMBA_CACHE_DIR": folder}):
+            first.append(_start())
+    return {WARM: np.array(warm), FIRST: np.array(first)}
 
 
-def _start(environment: "os._Environ[str] | dict[str, str]") -> float:
-    begin = time.perf_counter()
-    with serving(environment) as url:
-        _wait_for_answer(url, begin)
-        return time.perf_counter() - begin
+def _start() -> float:
+    with page.served() as server:
+        return server.seconds_to_answer
 
 
-@contextmanager
-def serving(environment: "os._Environ[str] | dict[str, str]") -> Iterator[str]:
-    """The program in a process of its own on a free port; yields its URL at once, stops it at the end."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    command = [sys.executable, "-m", "explorer", "--no-browser", "--port", str(port)]
-    process = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        yield f"http://127.0.0.1:{port}"
-    finally:
-        process.terminate()
-        process.wait(timeout=10)
-
-
-def _wait_for_answer(url: str, begin: float) -> None:
-    while True:
-        try:
-            with urllib.request.urlopen(url, timeout=1) as answer:
-                answer.read()
-            return
-        except OSError:
-            if time.perf_counter() - begin > PATIENCE:
-                raise
-            time.sleep(0.01)
-
-
-def _slider_events() -> tuple[dict[str, np.ndarray], list[str]]:
-    """Milliseconds from slider events in Chromium to changed plot data, or the reason why there are none."""
-    chromium = shutil.which("chromium")
-    if chromium is None:
-        return {}, ["chromium is not installed: slider events were not measured"]
-    return {}, ["slider events: to do"]
+def _slider_events() -> dict[str, np.ndarray]:
+    """Milliseconds from slider events in Chromium to changed plot data, for one slider of each of two tabs."""
+    elapsed = {}
+    with page.served("--preset", DEFAULT_PRESET) as server, page.chromium() as browser:
+        for tab, slider, curve in SLIDERS:
+            visitor = page.Visitor(browser, server.url)
+            visitor.tab(tab)
+            times = visitor.slider_to_plot(slider, curve, WARM_MOVES + SLIDER_EVENTS)
+            elapsed[f"slider {slider}"] = np.array(times[WARM_MOVES:])
+            visitor.close()
+    return elapsed
 
 
 if __name__ == "__main__":

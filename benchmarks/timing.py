@@ -36,20 +36,21 @@ class Target:
         return f"{self.name}: {self.value:.3g}{self.unit} ({rule}: {'met' if self.met else 'MISSED'})"
 
 
-def seconds(call: Callable[[], object], runs: int) -> np.ndarray:
-    """Wall-clock time (s) of each of `runs` calls, after one that is not counted."""
-    call()
-    elapsed = np.empty(runs)
-    for run in range(runs):
-        begin = time.perf_counter()
+def alternate(calls: dict[str, tuple[Callable[[], object], int]], rounds: int) -> dict[str, float]:
+    """Median wall-clock time (s) of each named call, made as often as its number says in each of several rounds.
+
+    Taking turns lets whatever else the machine does meet all of them alike. The first call of each is not counted.
+    """
+    elapsed: dict[str, list[float]] = {name: [] for name in calls}
+    for call, _ in calls.values():
         call()
-        elapsed[run] = time.perf_counter() - begin
-    return elapsed
-
-
-def median_seconds(call: Callable[[], object], runs: int) -> float:
-    """Median of `seconds`."""
-    return float(np.median(seconds(call, runs)))
+    for _ in range(rounds):
+        for name, (call, repeats) in calls.items():
+            for _ in range(repeats):
+                begin = time.perf_counter()
+                call()
+                elapsed[name].append(time.perf_counter() - begin)
+    return {name: float(np.median(values)) for name, values in elapsed.items()}
 
 
 def missing(distribution: str) -> str | None:

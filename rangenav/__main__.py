@@ -6,6 +6,7 @@ Exit 0: done. Exit 2: bad input, one line on stderr naming file, field and rule.
 import contextlib
 import io
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any, Literal, NoReturn
@@ -14,6 +15,7 @@ import msgspec
 import tyro
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 from rangenav import preset as presets
 from rangenav.inputs import require
@@ -47,7 +49,7 @@ def list_presets(*, json: bool = False) -> None:
         return print_json({"presets": rows})
     table = Table("preset", "title", "expected")
     for name, p in shipped.items():
-        table.add_row(name, p.title, p.expect)
+        table.add_row(name, Text(p.title), p.expect)
     return Console().print(table)
 
 
@@ -95,6 +97,7 @@ def simulate(
     if seed is not None:
         chosen = msgspec.structs.replace(chosen, seed=seed)
     require(1 <= runs <= MAX_RUNS, f"--runs must lie between 1 and {MAX_RUNS}, got {runs}")
+    require(save is None or save.suffix == ".npz", f"--save must name a file that ends in .npz, got {save}")
     record.run_seed(chosen, chosen.seed, form=model)  # so that no timed run waits for the compiler
     records = [record.run_seed(chosen, chosen.seed + k, form=model) for k in range(runs)]
     if save is not None:
@@ -110,9 +113,9 @@ def print_json(report: dict[str, Any]) -> None:
 
 def print_table(title: str, report: dict[str, Any]) -> None:
     """The same report for people."""
-    table = Table(title=title, show_header=False)
+    table = Table(title=Text(title), show_header=False)
     for key, text in flattened(report):
-        table.add_row(key, text, unit(key))
+        table.add_row(key, Text(text), unit(key))  # Text: square brackets in a name or title are no markup
     Console().print(table)
 
 
@@ -158,8 +161,11 @@ def main() -> None:
     try:
         with contextlib.redirect_stderr(complaint):
             app.cli(prog="rangenav", description=__doc__)
+            sys.stdout.flush()
     except ValueError as error:
         fail(str(error))
+    except BrokenPipeError:  # whoever reads, `head` say, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
         fail(f"{error.filename}: {error.strerror}")
     except SystemExit as stop:
@@ -173,9 +179,10 @@ def usage_error(box: str) -> str:
     lines = [line.strip("│╭╰╮╯─ \n") for line in box.splitlines()]
     paragraph: list[str] = []
     for line in lines[1:]:
-        if not line and paragraph:
+        if line.strip("-"):  # a terminal without box characters draws its rules with hyphens
+            paragraph.append(line)
+        elif paragraph:
             break
-        paragraph.append(line)
     return " ".join(paragraph).strip() + " (see rangenav --help)"
 
 

@@ -35,7 +35,7 @@ class Noise(Input, frozen=True, kw_only=True):
         super().__post_init__()
         for name in self.__struct_fields__:
             value = getattr(self, name)
-            rule = f"noise {name} must be 0 or lie between {MIN_SIGMA:g} and {MAX_SIGMA:g}, got {value:g}"
+            rule = f"noise {name} must lie between {MIN_SIGMA:g} and {MAX_SIGMA:g} or be 0, got {value:g}"
             require(value == 0 or MIN_SIGMA <= value <= MAX_SIGMA, rule)
 
 

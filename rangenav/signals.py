@@ -22,7 +22,8 @@ MAX_OFFSET = 1e6
 MAX_DRIFT = 1e5
 """Beyond these, and the amplitude above, nothing flies, and squares of squares would overflow."""
 MIN_FREQUENCY, MAX_FREQUENCY = 1e-6, 1e4
-"""rad/s; slower tones would repeat after months. Tones beyond the IMU's Nyquist frequency are refused by the preset, which knows the rate."""
+"""rad/s; slower tones would repeat after months. Tones beyond the IMU's Nyquist frequency are refused by the preset,
+which knows the rate."""
 COMMON_PERIOD_DENOMINATOR = 1000
 """Frequencies whose ratios are fractions with a larger denominator are taken to have no common period."""
 

@@ -163,7 +163,7 @@ def broken(name, index, value):
     [
         ("time", 5, 0.02, "time must increase: broken at sample 5"),
         ("time", 9, 0.5, "time must increase: broken at sample 10"),
-        ("time", 7, np.nan, "time must be finite: broken at sample 7"),
+        ("time", 7, np.nan, "time must increase: broken at sample 7"),
         ("range_time", 3, 0.0, "range_time must increase: broken at sample 3"),
         ("gyro", (11, 2), np.nan, "gyro must be finite: broken at sample 11"),
         ("accel", (12, 0), np.inf, "accel must be finite: broken at sample 12"),
@@ -194,9 +194,9 @@ def test_check_accepts_a_record_without_a_magnetometer_or_ranges_but_not_one_of_
 @pytest.mark.parametrize(
     ("build", "sentence"),
     [
-        (lambda: Noise(gyro=-0.01), "noise gyro must be 0 or lie between 1e-09 and 1000, got -0.01"),
-        (lambda: Noise(range=1e4), "noise range must be 0 or lie between 1e-09 and 1000, got 10000"),
-        (lambda: Noise(range=1e-200), "noise range must be 0 or lie between 1e-09 and 1000, got 1e-200"),
+        (lambda: Noise(gyro=-0.01), "noise gyro must lie between 1e-09 and 1000 or be 0, got -0.01"),
+        (lambda: Noise(range=1e4), "noise range must lie between 1e-09 and 1000 or be 0, got 10000"),
+        (lambda: Noise(range=1e-200), "noise range must lie between 1e-09 and 1000 or be 0, got 1e-200"),
         (lambda: Noise(mag=np.nan), "mag must be a finite number, got nan"),
         (lambda: Sensors(imu_rate=0.5), "imu_rate must lie between 1 and 10000 Hz, got 0.5"),
         (lambda: Sensors(imu_rate=1e9), "imu_rate must lie between 1 and 10000 Hz, got 1e+09"),

@@ -1,0 +1,337 @@
+"""The command line as a person and a script meet it: keys, exit codes, one line of complaint, and never a traceback."""
+
+import json
+import math
+import subprocess
+import sys
+
+import msgspec
+import numpy as np
+import pytest
+
+from rangenav import __main__ as cli
+from rangenav import analysis, preset, record, report
+from rangenav.signals import Multisine
+
+SHORT = msgspec.structs.replace(preset.load("paper"), duration=8.0)
+"""The paper's path, long enough to settle on and short enough to run often."""
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """run(arguments) -> (exit code, stdout, stderr), in this process."""
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rangenav", *map(str, arguments)])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as stop:
+            code = stop.code
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return call
+
+
+@pytest.fixture
+def answer(run):
+    """answer(arguments) -> the one JSON object on stdout, after success without a word on stderr."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments, "--json")
+        assert (code, err) == (0, "")
+        assert out.endswith("}\n")
+        assert out.count("\n") == 1
+        return json.loads(out, parse_constant=pytest.fail)  # NaN and Infinity are no JSON
+
+    return call
+
+
+@pytest.fixture
+def short(tmp_path):
+    """A file with a short preset."""
+    preset.save(SHORT, tmp_path / "short.toml")
+    return tmp_path / "short.toml"
+
+
+def shape(value):
+    """Keys of nested objects, lengths of lists: what a contract fixes."""
+    if isinstance(value, dict):
+        return {key: shape(entry) for key, entry in value.items()}
+    return len(value) if isinstance(value, list) else None
+
+
+BLOCKS = dict.fromkeys(("position", "velocity", "gravity"))
+ANALYZE = {
+    "preset": None,
+    "duration": None,
+    "limits": dict.fromkeys(
+        ("speed", "acceleration", "thrust_to_weight", "body_rate", "jerk", "snap", "anchor_distance_min")
+    ),
+    "excitation": {
+        "window": None,
+        "mu": None,
+        "at": None,
+        "eigenvalues": 3,
+        "bound_for_all_t": None,
+        "printed": {"mu": None, "at": None, "eigenvalues": 3},
+    },
+    "gramian": {"window": None, "at": None, "eigenvalues": 13, "rank": None, "tolerance": None, "floor": None},
+    "nonlinear": {"window": None, "at": None, "eigenvalues": 9, "rank": None},
+    "blind_directions": 0,
+    "accuracy": {
+        "window": None,
+        "range_sigma": None,
+        "range_rate": None,
+        "lifted": {"start": BLOCKS, "end": BLOCKS},
+        "nonlinear": {"start": BLOCKS, "end": BLOCKS},
+    },
+    "verdict": None,
+}
+SIMULATE = {
+    "preset": None,
+    "seed": None,
+    "steps": None,
+    "microseconds_per_step": None,
+    "peak": {"position": None},
+    "settle": {"position_s": None, "attitude_s": None},
+    "steady": dict.fromkeys(("position_rmse", "velocity_rmse", "gravity_rmse", "attitude_rmse_deg")),
+    "final": dict.fromkeys(("position", "velocity", "gravity", "attitude_deg")),
+}
+
+
+def nulls_without_reason(value, path="$"):
+    """Places where a null stands without a reason beside it."""
+    if isinstance(value, list):
+        return [place for k, entry in enumerate(value) for place in nulls_without_reason(entry, f"{path}[{k}]")]
+    if not isinstance(value, dict):
+        return []
+    told = any("reason" in key for key in value)
+    here = [f"{path}.{key}" for key, entry in value.items() if entry is None and not told]
+    return here + [place for key, entry in value.items() for place in nulls_without_reason(entry, f"{path}.{key}")]
+
+
+def test_presets_lists_every_shipped_preset_with_title_and_expectation(answer):
+    listed = answer("presets")["presets"]
+    shipped = preset.shipped()
+    assert list(listed) == list(shipped)
+    for name, row in listed.items():
+        assert row == {"title": shipped[name].title, "story": shipped[name].story, "expect": shipped[name].expect}
+
+
+def test_analyze_answers_with_exactly_the_contracts_keys(answer):
+    assert shape(answer("analyze", "paper-slow")) == ANALYZE
+
+
+def test_simulate_answers_with_exactly_the_contracts_keys(answer, short):
+    assert shape(answer("simulate", short)) == SIMULATE
+
+
+@pytest.mark.parametrize("name", sorted(preset.shipped()))
+def test_every_shipped_preset_is_analysed_with_finite_numbers_or_a_null_with_its_reason(answer, name):
+    found = answer("analyze", name)
+    assert nulls_without_reason(found) == []
+    assert (found["gramian"]["rank"] == 13) == (preset.load(name).expect == "observable")
+    assert (found["verdict"] == "blind") == bool(found["blind_directions"])
+    for direction in found["blind_directions"]:
+        assert math.hypot(*direction["vector"]) == pytest.approx(1)
+        assert direction["words"]
+
+
+def test_a_path_without_a_common_period_says_why_there_is_no_bound_for_all_t(answer, tmp_path):
+    tones = tuple(
+        msgspec.structs.replace(tone, frequency=w)
+        for tone, w in zip(SHORT.path.tones, (2.0, 3.1415926, 2.7182818), strict=True)
+    )
+    preset.save(msgspec.structs.replace(SHORT, path=Multisine(tones=tones)), tmp_path / "free.toml")
+    found = answer("analyze", tmp_path / "free.toml")
+    assert found["excitation"]["bound_for_all_t"] is None
+    assert "no common period" in found["excitation"]["bound_reason"]
+    assert nulls_without_reason(found) == []
+
+
+def test_a_run_that_never_settles_says_so_beside_the_null(answer):
+    found = answer("simulate", "hover")
+    assert found["settle"]["position_s"] is None
+    assert nulls_without_reason(found) == []
+
+
+def test_the_numbers_are_those_of_the_library(answer):
+    p = preset.load("lissajous")
+    library = analysis.analyse(p)
+    found = answer("analyze", "lissajous")
+    assert found == json.loads(json.dumps(report.analysis_report(p, library, name="lissajous")))
+    assert found["gramian"]["eigenvalues"] == sorted(found["gramian"]["eigenvalues"])
+    assert found["excitation"]["mu"] == pytest.approx(library.mu)
+    assert found["verdict"] == library.verdict == "observable"
+
+
+def test_window_overrides_the_presets_own(answer):
+    own, longer = answer("analyze", "soft"), answer("analyze", "soft", "--window", "15")
+    for part in ("excitation", "gramian", "nonlinear", "accuracy"):
+        assert (own[part]["window"], longer[part]["window"]) == (12.0, 15.0)
+    # a longer window contains a shorter one: the integral can only grow
+    assert longer["excitation"]["mu"] > own["excitation"]["mu"]
+    assert longer["excitation"]["mu"] == pytest.approx(
+        analysis.analyse(analysis.with_window(preset.load("soft"), 15.0)).mu
+    )
+
+
+def test_a_seed_gives_the_same_run_again_and_another_seed_another(answer, short):
+    first, again, other = (answer("simulate", short, "--seed", seed) for seed in (3, 3, 4))
+    for one in (first, again, other):
+        assert one.pop("microseconds_per_step") > 0  # a clock's reading, the only thing that may differ
+    assert first == again
+    assert (first["seed"], other["seed"]) == (3, 4)
+    assert first["steady"] != other["steady"]
+
+
+def test_without_a_seed_the_presets_own_is_used(answer, short):
+    own, given = answer("simulate", short), answer("simulate", short, "--seed", SHORT.seed)
+    assert own["steady"] == given["steady"]
+    assert own["steps"] == 8.0 * 200.0
+
+
+def test_several_runs_are_told_by_their_medians(answer, short):
+    single = [answer("simulate", short, "--seed", seed) for seed in (5, 6, 7)]
+    together = answer("simulate", short, "--seed", "5", "--runs", "3")
+    assert together["runs"] == 3
+    for part in ("peak", "steady", "final", "settle"):
+        for key, value in together[part].items():
+            assert value == pytest.approx(sorted(one[part][key] for one in single)[1])
+
+
+def test_the_printed_model_is_metres_off_where_the_derived_one_is_centimetres(answer, short):
+    derived, printed = (answer("simulate", short, "--model", form)["steady"] for form in ("derived", "printed"))
+    assert derived["position_rmse"] < 0.2
+    assert printed["position_rmse"] > 1.0
+
+
+def test_save_writes_every_array_of_the_run(answer, short, tmp_path):
+    found = answer("simulate", short, "--save", tmp_path / "run.npz")
+    n, m = 1601, 1601  # 8 s at 200 Hz, and a range with every sample
+    expected = {
+        "time": (n,),
+        **dict.fromkeys(("position", "velocity", "acceleration", "jerk", "snap", "angular_velocity"), (n, 3)),
+        "rotation": (n, 3, 3),
+        **dict.fromkeys(("gyro", "accel", "mag"), (n, 3)),
+        "range": (m,),
+        "range_time": (m,),
+        "state": (n, 13),
+        "std": (n, 13),
+        "rotation_estimate": (n, 3, 3),
+        "phi": (n, 3),
+        "phi_printed": (n, 3),
+    }
+    with np.load(tmp_path / "run.npz", allow_pickle=False) as saved:
+        assert {name: saved[name].shape for name in saved.files} == expected
+        run = record.run(SHORT)
+        np.testing.assert_array_equal(saved["state"], run.estimate.state)
+        np.testing.assert_array_equal(saved["range"], run.measurements.range)
+        np.testing.assert_array_equal(saved["snap"], run.truth.motion.snap)
+        # φ = Rᵀp⁗
+        np.testing.assert_allclose(np.einsum("nij,nj->ni", saved["rotation"], saved["phi"]), saved["snap"], atol=1e-9)
+        body_error = saved["state"][-1, 4:7] - saved["rotation"][-1].T @ saved["position"][-1]
+    assert np.linalg.norm(body_error) == pytest.approx(found["final"]["position"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["presets"], ["paper-slow", "observable", "unobservable"]),
+        (["analyze", "hover"], ["Hover: blind", "gramian.rank", "5", "nothing excites x"]),
+        (["analyze", "paper"], ["observable", "excitation.mu", "m²/s⁷"]),
+        (["simulate", "line"], ["steady.position_rmse", "settle.position_s", "–"]),
+    ],
+)
+def test_without_json_a_table_is_printed_for_people(run, arguments, words):
+    code, out, err = run(*arguments)
+    assert (code, err) == (0, "")
+    for word in words:
+        assert word in out
+
+
+def test_brackets_in_a_title_are_text_and_no_markup(run, tmp_path):
+    title = "[/bold] 100% [red]eight"
+    preset.save(msgspec.structs.replace(SHORT, title=title), tmp_path / "odd.toml")
+    for command in ("analyze", "simulate"):
+        code, out, err = run(command, tmp_path / "odd.toml")
+        assert (code, err) == (0, "")
+        assert title in out
+
+
+BAD = [
+    ([], "see rangenav --help"),
+    (["fly"], "fly"),
+    (["analyze"], "Missing"),
+    (["analyze", "paper", "twice"], "twice"),
+    (["analyze", "papper"], "papper: no such preset; shipped are circle"),
+    (["analyze", "none.toml"], "none.toml: no such file"),
+    (["analyze", "."], "no such preset"),
+    (["analyze", "broken.toml"], "broken.toml: Expected `float`, got `str` - at `$.duration`"),
+    (["simulate", "binary.toml"], "binary.toml: not UTF-8 text"),
+    (["analyze", "paper", "--window"], "--window"),
+    (["analyze", "paper", "--window", "wide"], "--window"),
+    (["analyze", "paper", "--window", "nan"], "window must be a finite number, got nan"),
+    (["analyze", "paper", "--window", "0"], "window must lie between 0.05 and 600 s, got 0"),
+    (["analyze", "paper", "--window", "20"], "window must be shorter than the duration, got 20 s"),
+    (["analyze", "paper", "--widow", "3"], "--widow"),
+    (["simulate", "paper", "--seed", "-1"], "seed must lie between 0 and 2^53, got -1"),
+    (["simulate", "paper", "--seed", "x"], "--seed"),
+    (["simulate", "paper", "--runs", "0"], "--runs must lie between 1 and 10000, got 0"),
+    (["simulate", "paper", "--model", "both"], "both"),
+    (["simulate", "paper", "--save", "run.txt"], "--save must name a file that ends in .npz, got run.txt"),
+    (["simulate", "paper", "--save", "nowhere/run.npz"], "nowhere/run.npz: No such file or directory"),
+]
+
+
+@pytest.mark.parametrize("json_flag", [[], ["--json"]], ids=["table", "json"])
+@pytest.mark.parametrize(("arguments", "words"), BAD, ids=[" ".join(arguments) or "nothing" for arguments, _ in BAD])
+def test_bad_input_is_answered_by_one_line_on_stderr_and_exit_2(
+    run, tmp_path, monkeypatch, arguments, words, json_flag
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "broken.toml").write_text(preset.dumps(SHORT).replace("duration = 8.0", 'duration = "long"'))
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
+    code, out, err = run(*arguments, *json_flag)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert err.count("\n") == 1
+    assert err.endswith("\n")
+    assert "Traceback" not in err
+    assert not set("│╭╮╰╯─") & set(err)
+    assert "---" not in err  # no frame, in either drawing
+
+
+def test_help_says_what_there_is(run):
+    code, out, _ = run("--help")
+    assert code == 0
+    for command in ("presets", "analyze", "simulate"):
+        assert command in out
+
+
+def subprocess_run(*arguments, cwd):
+    command = [sys.executable, "-W", "error", "-m", "rangenav", *map(str, arguments)]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_as_a_process_it_prints_one_object_and_nothing_else(tmp_path):
+    done = subprocess_run("analyze", "lissajous", "--json", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["gramian"]["rank"] == 13
+
+
+def test_as_a_process_it_refuses_a_bad_file_in_one_line(tmp_path):
+    (tmp_path / "bad.toml").write_text(preset.dumps(SHORT).replace("k1 = 4.0", "k1 = inf"))
+    done = subprocess_run("simulate", "bad.toml", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "bad.toml: k1 must be a finite number, got inf - at `$.gains.attitude`\n"
+
+
+def test_a_reader_that_leaves_early_is_no_error(tmp_path):
+    command = f"{sys.executable} -m rangenav presets --json | true"
+    done = subprocess.run(
+        ["bash", "-o", "pipefail", "-c", command], cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
