@@ -33,6 +33,7 @@ def main() -> None:
         theirs = _pybounds(paper)
         calls[PEER], spectra[PEER] = (theirs, 1), theirs()
         apart = _disagreement(paper, start, spectra[PEER])
+        notes.append("most of a pybounds call is compiling, which every call repeats; see pybounds_windows.py")
         notes.append(f"largest eigenvalues, summed over the same samples: at most {apart:.1e} apart (relative)")
     seconds = alternate(calls, ROUNDS)
     negative = {name: int(np.sum(values < 0)) for name, values in spectra.items()}

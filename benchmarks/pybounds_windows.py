@@ -3,7 +3,8 @@
 As its documentation shows it: a `JaxSimulator` from f(x, u) and h(x, u) (Runge–Kutta 4, each input held over a sample;
 given here is the one at its middle), a `JaxSlidingEmpiricalObservabilityMatrix` along the trajectory, and a
 `SlidingFisherObservability` on its windows. Every call compiles anew, because the class makes a new jitted function
-each time; that is part of what a call costs.
+each time; that is part of what a call costs, in fact most of it: its Jacobians, once compiled, take some 12 ms, but no
+public name gives them.
 """
 
 import warnings

@@ -22,7 +22,7 @@ from rangenav.analysis import WINDOWS, Analysis, analyse
 from rangenav.cascade import Gains, Guess
 from rangenav.inputs import Vec3
 from rangenav.model import Form
-from rangenav.motion import World
+from rangenav.motion import Limits, Motion, World
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
 from rangenav.record import Summary
@@ -39,8 +39,8 @@ class Picture:
     settings: Settings
     preset: Preset
     """The preset as computed: time scale and printed initial values applied."""
-    motion: motion.Motion
-    limits: motion.Limits
+    motion: Motion
+    limits: Limits
     phi: Float[Array, "n 3"]
     """Rᵀp⁗ (m/s⁴), body axes."""
     phi_printed: Float[Array, "n 3"]
@@ -123,7 +123,7 @@ def _phi(
 @lru_cache(maxsize=CACHED)
 def _limits(
     path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, rate: float
-) -> motion.Limits:
+) -> Limits:
     truth = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate)
     return motion.limits(truth.motion, world=world)
 

@@ -4,7 +4,7 @@ viser thread   a control was moved: wake.set()                 nothing else, eve
 session loop   wake.wait(); wake.clear()                       clear BEFORE reading, so that no change is lost
                settings = dock.read()
                picture  = compute(settings)                    stages cached by their own inputs
-               with client.atomic(): draw(picture)
+               with client.atomic(): draw(picture)             plots and verdict as one, then the scene
 playback       the same loop wakes at the frame rate and moves the scene and the cursors; it computes nothing
 """
 
@@ -35,6 +35,8 @@ NARROW = 1600
 CANVAS_PATIENCE = 1.5
 """s to wait for the browser to tell its width; a headless or hidden one may never do."""
 PROGRESS_PERIOD = 0.1
+HEAD_START = 0.003
+"""s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
 PAPER = "paper"
 
 log = logging.getLogger(__name__)
@@ -135,9 +137,13 @@ class Session:
         self._picture = picture
         self._playback.fit(picture.preset.duration)
         with self._client.atomic():
-            self._scene.draw(picture)
             self._charts.draw(picture)
+            self._charts.cursor(picture, self._playback.time)
             self._dock.draw(picture)
+        self._client.flush()
+        time.sleep(HEAD_START)
+        with self._client.atomic():
+            self._scene.draw(picture)
 
     def _animate(self) -> None:
         """Move everything to the playhead."""

@@ -170,7 +170,7 @@ def analysis(
 
 
 def judge(rank: int, end: Accuracy, requirement: Requirement) -> Verdict:
-    """blind: rank below 13; weak: full rank, but the predicted position error exceeds the requirement; else observable."""
+    """blind: rank below 13; weak: full rank, but the predicted error exceeds the requirement; else observable."""
     if rank < 13:
         return "blind"
     return "observable" if end.position <= requirement.position_sigma else "weak"

@@ -1,7 +1,8 @@
 """The cascaded observer (paper, fig. 2): the Riccati observer's gravity estimate feeds the complementary filter.
 
 `observe()` runs a whole record, `step()` takes one IMU sample at a time (on a vehicle, in a loop); both call the same
-kernel and give the same numbers; `plain.observe()` is the same scheme in numpy. The estimate is exponentially stable, which is not monotone: from x̂ = 0 the position error first peaks.
+kernel and give the same numbers; `plain.observe()` is the same scheme in numpy. Exponentially
+stable is not monotone: from x̂ = 0 the position error first peaks.
 """
 
 from dataclasses import dataclass
@@ -28,7 +29,7 @@ class Gains(Input, frozen=True, kw_only=True):
     """All gains of the cascade."""
 
     mode: Literal["constant", "noise-matched"] = "constant"
-    """noise-matched takes q and v from the sensors' noise at the current estimate; the paper's theorem assumes constant."""
+    """noise-matched takes q and v from the sensors' noise at the estimate; the theorem assumes constant ones."""
     riccati: RiccatiGains = RiccatiGains()
     attitude: AttitudeGains = AttitudeGains()
 
@@ -106,7 +107,7 @@ class Estimate:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Errors:
-    """Norms of the errors over time: the Riccati observer's in body axes (paper, fig. 3), the attitude angle (fig. 4)."""
+    """Norms of the errors over time: the Riccati observer's in body axes (paper, fig. 3), the attitude's (fig. 4)."""
 
     position: Float[Array, "n"]
     velocity: Float[Array, "n"]

@@ -1,4 +1,4 @@
-"""Analysis and record as plain JSON objects (the command line's contract): finite numbers, or null with a reason beside it."""
+"""Analysis and record as the JSON objects of the command line: finite numbers, or null with a reason beside it."""
 
 import math
 from dataclasses import asdict

@@ -36,7 +36,8 @@ class RiccatiGains(Input, frozen=True, kw_only=True):
     """q (inverse range-noise density), v (process noise density) and p0 (initial covariance) of the Riccati observer.
 
     The defaults were searched for on the paper's path (200 Hz) and its slowed form (50 and 200 Hz) with the default
-    noise: .035 m steady on the first, .13 m and .085 m on the second, and 1 mm at 10 s without noise. The paper prints none.
+    noise: .035 m steady on the first, .13 m and .085 m on the second, and 1 mm at 10 s without noise.
+    The paper prints none.
     """
 
     q: float = 5e3

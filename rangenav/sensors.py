@@ -20,7 +20,7 @@ MIN_SIGMA, MAX_SIGMA = 1e-9, 1e3
 
 
 class Noise(Input, frozen=True, kw_only=True):
-    """Standard deviation per sample of each sensor's white Gaussian noise. The paper prints only mag: 0.1 (variance 1e-2)."""
+    """Standard deviation per sample of each sensor's white Gaussian noise; the paper prints only mag, variance 1e-2."""
 
     gyro: float = 0.01
     """rad/s"""
@@ -93,7 +93,7 @@ def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng
 
 
 def check(measurements: Measurements) -> None:
-    """Raise ValueError naming the first sample that breaks a rule: stamps increase, numbers are finite (mag may be NaN)."""
+    """Raise ValueError at the first sample whose stamp does not increase or that is not finite (mag may be NaN)."""
     z = measurements
     require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
     for name, stamps in (("time", z.time), ("range_time", z.range_time)):

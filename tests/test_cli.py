@@ -11,6 +11,7 @@ import pytest
 
 from rangenav import __main__ as cli
 from rangenav import analysis, preset, record, report
+from rangenav.observability import excitation
 from rangenav.signals import Multisine
 
 SHORT = msgspec.structs.replace(preset.load("paper"), duration=8.0)
@@ -165,6 +166,19 @@ def test_the_numbers_are_those_of_the_library(answer):
     assert found["gramian"]["eigenvalues"] == sorted(found["gramian"]["eigenvalues"])
     assert found["excitation"]["mu"] == pytest.approx(library.mu)
     assert found["verdict"] == library.verdict == "observable"
+
+
+def test_the_printed_excitation_is_reported_at_its_own_worst_window(answer):
+    p = preset.load("hover")
+    truth = record.run(p).truth.motion
+    signal = excitation.chosen_signal(truth, printed_formula=True, body_axes=True)
+    printed = answer("analyze", "hover")["excitation"]["printed"]
+    there = excitation.sampled_eigenvalues(signal, truth.time, np.array([printed["at"]]), 6.0)[0]
+    np.testing.assert_allclose(printed["eigenvalues"], there, rtol=1e-9)
+    assert printed["mu"] == printed["eigenvalues"][0]
+    everywhere = excitation.sampled_eigenvalues(signal, truth.time, np.linspace(0, 14, 57), 6.0)
+    # between 101 starts the curve may dip a little lower than on them
+    assert printed["mu"] <= 1.01 * everywhere[:, 0].min()
 
 
 def test_window_overrides_the_presets_own(answer):

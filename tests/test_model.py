@@ -32,7 +32,7 @@ def vector_symbols(letter):
 
 
 def sympy_rates():
-    """ẋ of the lifted state from ṗ = v, v̇ = g + a_I alone, by the chain rule, as a function of (p, v, g, a) in one frame."""
+    """ẋ(p, v, g, a) of the lifted state from ṗ = v, v̇ = g + a_I alone, by the chain rule, all in one frame."""
     p, v, g, a = (vector_symbols(letter) for letter in "pvga")
     xi = sympy.Matrix([p.dot(p) / 2, p.dot(v), v.dot(v) + p.dot(g), 3 * v.dot(g)])
     xi_rate = xi.jacobian(p) * v + xi.jacobian(v) * (g + a)

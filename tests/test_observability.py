@@ -198,7 +198,7 @@ def test_a_three_dimensional_cubic_snap_excites_everything_and_is_blind(gravity:
 
 
 def test_nonlinear_rows_are_the_gradient_of_half_squared_range():
-    """Against finite differences of ½|p + τv + ½τ²(g + …)|²: a change of (p, v, g) at t moves p(t+τ) by δp + τδv + ½τ²δg."""
+    """Against finite differences of ½|p + τv + ½τ²(g + …)|²: a change at t moves p(t+τ) by δp + τδv + ½τ²δg."""
     p = preset.load("lissajous")
     tau, start, anchor, step = np.array([0.0, 0.7, 2.0]), 0.4, np.asarray(p.world.anchor), 1e-6
     found = rows.nonlinear(p.path, p.world.anchor, np.array([start]), tau)[0]

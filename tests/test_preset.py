@@ -93,9 +93,12 @@ presets = st.builds(
 
 
 def refusal(text, source="eight.toml"):
-    with pytest.raises(ValueError) as refused:
+    """What is said about a text that is no preset; None if it is one."""
+    try:
         preset.loads(text, source=source)
-    return str(refused.value)
+    except ValueError as error:
+        return str(error)
+    return None
 
 
 def edited(old, new):
@@ -115,7 +118,7 @@ def test_the_shipped_presets_are_those_of_the_readme():
     expected = (
         "circle helix hover line lissajous paper paper-implied paper-slow soft tilted-circle vertical-circle wiggle"
     )
-    assert NAMES == sorted(expected.split())
+    assert sorted(expected.split()) == NAMES
 
 
 @settings(max_examples=200)
@@ -284,6 +287,7 @@ REFUSALS = [
 @pytest.mark.parametrize(("text", "rule", "place"), REFUSALS)
 def test_a_bad_preset_is_refused_in_one_sentence_that_names_file_rule_and_field(text, rule, place):
     sentence = refusal(text)
+    assert sentence is not None
     assert sentence.startswith("eight.toml: ")
     assert rule in sentence
     assert sentence.endswith(f" - at `{place}`") if place else " - at " not in sentence
@@ -294,11 +298,8 @@ def test_a_bad_preset_is_refused_in_one_sentence_that_names_file_rule_and_field(
 @settings(max_examples=200)
 @given(st.text())
 def test_no_text_whatever_raises_anything_but_a_sentence(text):
-    try:
-        preset.loads(text, source="x.toml")
-    except ValueError as error:
-        assert str(error).startswith("x.toml: ")
-        assert "\n" not in str(error)
+    sentence = refusal(text)
+    assert sentence is None or (sentence.startswith("eight.toml: ") and "\n" not in sentence)
 
 
 FRAGMENTS = [
@@ -335,11 +336,8 @@ def test_a_shipped_file_damaged_anywhere_is_read_or_refused_in_one_sentence(name
     for where, length, replacement in damages:
         start = int(where * len(text))
         text = text[:start] + replacement + text[start + length :]
-    try:
-        assert isinstance(preset.loads(text, source="x.toml"), Preset)
-    except ValueError as error:
-        assert str(error).startswith("x.toml: ")
-        assert "\n" not in str(error)
+    sentence = refusal(text)
+    assert sentence is None or (sentence.startswith("eight.toml: ") and "\n" not in sentence)
 
 
 @pytest.mark.parametrize(
@@ -382,9 +380,9 @@ def test_a_file_one_may_not_read_is_refused_by_its_name(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ["papper", "", "PAPER", "paper\x00", "circle "])
 def test_an_unknown_name_is_answered_with_the_shipped_ones(name):
-    with pytest.raises(ValueError) as refused:
+    sentence = f"{name}: no such preset; shipped are circle, helix, hover, "
+    with pytest.raises(ValueError, match="^" + re.escape(sentence)):
         preset.load(name)
-    assert str(refused.value).startswith(f"{name}: no such preset; shipped are circle, helix, hover, ")
 
 
 @pytest.mark.parametrize("name", NAMES)

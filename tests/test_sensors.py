@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 
 from rangenav import motion, preset, sensors
 from rangenav.sensors import Measurements, Noise, Sensors
+from tests.sentences import exactly
 
-P = preset.load("paper-slow")
+SLOW = preset.load("paper-slow")
+P = msgspec.structs.replace(SLOW, world=msgspec.structs.replace(SLOW.world, anchor=(0.3, -0.2, 1.5)))
 SILENT = Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0)
 VECTORS = ("gyro", "accel", "mag")
 ONE_IN_A_MILLION = 1e-6
@@ -173,14 +175,13 @@ def broken(name, index, value):
     ],
 )
 def test_check_names_the_first_bad_sample(name, index, value, sentence):
-    with pytest.raises(ValueError) as refusal:
+    with pytest.raises(ValueError, match=exactly(sentence)):
         sensors.check(broken(name, index, value))
-    assert str(refusal.value) == sentence
 
 
 def test_check_names_the_first_of_several_bad_samples():
     z = broken("gyro", (slice(40, 60), 1), np.nan)
-    with pytest.raises(ValueError, match="sample 40$"):
+    with pytest.raises(ValueError, match=r"sample 40$"):
         sensors.check(z)
 
 
@@ -206,6 +207,5 @@ def test_check_accepts_a_record_without_a_magnetometer_or_ranges_but_not_one_of_
     ],
 )
 def test_sensors_that_cannot_be_are_refused_in_one_sentence(build, sentence):
-    with pytest.raises(ValueError) as refusal:
+    with pytest.raises(ValueError, match=exactly(sentence)):
         build()
-    assert str(refusal.value) == sentence

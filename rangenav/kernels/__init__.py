@@ -1,1 +1,1 @@
-"""Compiled scalar loops, one file per kernel: the only place that imports numba. Tests hold each against plain numpy."""
+"""Compiled scalar loops, one file per kernel: the only place that imports numba. Tests hold each against numpy."""

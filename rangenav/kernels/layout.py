@@ -10,7 +10,7 @@ unobservable motion with q = 1e5, v = 1e-6, p0 = 1e4 goes indefinite (-5e-8) wit
 
 
 class Parameters(NamedTuple):
-    """What stays constant over a record: numbers only, since an array in here would be reference-counted at every call."""
+    """What stays constant over a record: numbers only, since an array would be reference-counted at every call."""
 
     gravity: tuple[float, float, float]
     magnetic: tuple[float, float, float]

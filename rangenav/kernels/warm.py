@@ -25,17 +25,19 @@ def _stages() -> list[tuple[str, Callable[[], object]]]:
         rho1=1.0, rho2=1.0, symmetric=True, matched=False, range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
     )  # fmt: skip
     s = Arrays(
-        x=state, P=np.eye(13).ravel(), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(), accel=vector.copy(),
+        x=state, P=np.eye(13).ravel(), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(),
+        accel=vector.copy(),
         mag=vector.copy(), pending=np.full(2, np.nan),
     )  # fmt: skip
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
+    r, pairs = rotation.load(matrix), np.empty((2, 2))
     return [
-        ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), rotation.load(matrix)))),
-        ("attitude filter", lambda: attitude.step(rotation.load(matrix), vector, vector, vector, vector, vector, vector, 1e-3, p)),
+        ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), r))),
+        ("attitude filter", lambda: attitude.step(r, vector, vector, vector, vector, vector, vector, 1e-3, p)),
         ("Riccati prediction", lambda: riccati.predict_covariance(s.P, 0.0, 0.0, 9.8, 1e-3)),
         ("Riccati correction", lambda: riccati.correct(s.x, s.P, 1.0, 1.0)),
         ("first sample", lambda: cascade.begin(s, 1.0, p)),
-        ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, np.empty((2, 2)), p)),
+        ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, pairs, p)),
         ("reading the estimate", lambda: cascade.read(s, np.empty(13), np.empty((3, 3, 3)))),
         (
             "whole record",

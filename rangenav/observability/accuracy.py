@@ -48,7 +48,7 @@ def predict(
     kind: Kind,
     at: Literal["start", "end"],
 ) -> Accuracy:
-    """Accuracy of the state at the start or the end of one window, from all its ranges at `rate` (Hz) with noise sigma (m)."""
+    """Accuracy at the start or the end of one window, from all its ranges at `rate` (Hz) with noise sigma (m)."""
     tau = np.arange(int(window * rate + 1e-9) + 1) / rate
     if at == "end":
         start, tau = start + window, tau - window

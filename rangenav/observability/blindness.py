@@ -1,4 +1,4 @@
-"""Blind directions in words: what no range in a window can tell, from the null space of all 13 coordinates and of the snap."""
+"""Blind directions in words: what no range in a window can tell, from the null spaces of Gramian and snap."""
 
 from dataclasses import dataclass
 
@@ -32,7 +32,7 @@ class Direction:
 def directions(
     null_basis: Float[Array, "13 k"], excitation: Float[Array, "3"], axes: Float[Array, "3 3"]
 ) -> tuple[Direction, ...]:
-    """Directions unseen by a window: null_basis of its Gramian, eigenvalues (ascending) and axes (columns) of its excitation."""
+    """Directions unseen by a window: null_basis of its Gramian, excitation eigenvalues (ascending), axes (columns)."""
     spans = {"snap": axes[:, excitation <= UNEXCITED * max(excitation[-1], np.finfo(float).tiny)]}
     for name, block in BLOCKS.items():
         left, size, _ = np.linalg.svd(null_basis[block])

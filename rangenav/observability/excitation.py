@@ -16,9 +16,9 @@ from rangenav.signals import Signal
 
 MIN_GRID, MAX_GRID = 64, 4000
 UNEXCITED = 1e-12
-"""An excitation below this share of what the path's snap could give is none; refining the grid would not change that."""
+"""An excitation below this share of what the path's snap could give is none; a finer grid would not change that."""
 BOUND_SHARE = 0.05
-"""The grid for the statement "for all t" is refined until what lies between its points costs at most this share of μ."""
+"""The grid for the statement "for all t" is refined until what lies between its points costs this share of μ."""
 
 
 def phi(motion: Motion) -> Float[Array, "n 3"]:

@@ -18,7 +18,7 @@ from rangenav.signals import Signal, bent
 
 PANEL_NODES = 32
 PANEL_TURN = 36.0
-"""rad of the fastest tone that one panel of 32 Gauss nodes integrates to rounding (squares included: exact to k = 63)."""
+"""rad of the fastest tone that one panel of 32 Gauss nodes integrates to rounding (squares too: exact to k = 63)."""
 MAX_NODES = 4096
 """Nodes in one window; more would ask for more memory than a live page may use."""
 

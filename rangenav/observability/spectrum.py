@@ -15,7 +15,7 @@ from rangenav.observability import rows
 from rangenav.signals import Signal, bent
 
 RANK_TOLERANCE = 1e-13
-"""Singular values below this times the largest are rounding: rows carry 1e-16 relative errors, times some tens of rows."""
+"""Singular values below this times the largest are rounding: rows carry 1e-16 relative errors, some tens of them."""
 ROUNDING = 64 * np.finfo(float).eps
 """Absolute error of a row per metre of path amplitude, when D is a small difference of large positions."""
 LIFTED_TIME_POWERS = np.array([0, 1, 2, 3, 0, 0, 0, 1, 1, 1, 2, 2, 2])
@@ -55,7 +55,7 @@ def nonlinear_spectra(path: Signal, anchor: Vec3, start: Float[Array, "w"], wind
 
 
 def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float, *, rate: float) -> Spectrum:
-    """As `window_spectra`, but with the sum over samples at `rate` (Hz) that a logged record has (trapezoidal weights)."""
+    """As `window_spectra`, but with the sum over samples at `rate` (Hz) that a log has (trapezoidal weights)."""
     count = round(window * rate)
     weight = np.full(count + 1, 1.0 / count)
     weight[[0, -1]] /= 2

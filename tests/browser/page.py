@@ -31,6 +31,8 @@ FLAGS = [
 ]
 INPUT_PAUSE = 0.08
 """s between inputs: viser's page sends at most one per 50 ms and panel."""
+PATIENCE = 60.0
+"""s: a busy machine that renders in software may need seconds for a frame."""
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
@@ -91,9 +93,7 @@ def launch(playwright: Playwright) -> Browser:
 class Visitor:
     """One tab on the page."""
 
-    def __init__(
-        self, browser: Browser, url: str, *, width: int = 1366, height: int = 768, density: float = 1
-    ) -> None:
+    def __init__(self, browser: Browser, url: str, *, width: int = 1366, height: int = 768, density: float = 1) -> None:
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
         context = browser.new_context(viewport={"width": width, "height": height}, device_scale_factor=density)
@@ -106,7 +106,7 @@ class Visitor:
         self.page.goto(url)
         self.wait_until_drawn()
 
-    def wait_until_drawn(self, timeout: float = 60.0) -> None:
+    def wait_until_drawn(self, timeout: float = PATIENCE) -> None:
         """Until the first verdict is on the page."""
         self.page.wait_for_function(READY, timeout=timeout * 1000)
         self.page.wait_for_function("() => document.body.innerText.includes('of 13')", timeout=timeout * 1000)
@@ -124,11 +124,11 @@ class Visitor:
         """Everything written on the page."""
         return self.page.evaluate("() => document.body.innerText")
 
-    def wait_for_text(self, text: str, timeout: float = 10.0) -> None:
+    def wait_for_text(self, text: str, timeout: float = PATIENCE) -> None:
         """Until the text is on the page."""
         self.page.wait_for_function("text => document.body.innerText.includes(text)", arg=text, timeout=timeout * 1000)
 
-    def wait_for_no_text(self, text: str, timeout: float = 10.0) -> None:
+    def wait_for_no_text(self, text: str, timeout: float = PATIENCE) -> None:
         """Until the text is not on the page."""
         self.page.wait_for_function("text => !document.body.innerText.includes(text)", arg=text, timeout=timeout * 1000)
 
