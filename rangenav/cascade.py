@@ -5,6 +5,7 @@ kernel and give the same numbers; `plain.observe()` is the same scheme in numpy.
 stable is not monotone: from x̂ = 0 the position error first peaks.
 """
 
+import math
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Literal, NamedTuple
@@ -52,13 +53,15 @@ class Guess(Input, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(float(np.linalg.norm(self.attitude_axis)) > 1e-9, "attitude_axis must not be the zero vector")
+        length = math.hypot(*self.attitude_axis)  # unlike numpy's norm it does not overflow
+        require(length > 1e-9, "attitude_axis must not be the zero vector")
+        require(length < 1e9, f"attitude_axis must be shorter than 1e9, got {length:g}")
         require(
             abs(self.attitude_angle) <= np.pi + 1e-12,
             f"attitude_angle must lie in [-π, π] rad, got {self.attitude_angle:g}",
         )
         for name in ("position_offset", "velocity_offset", "gravity_offset"):
-            size = float(np.linalg.norm(getattr(self, name)))
+            size = math.hypot(*getattr(self, name))
             require(size <= MAX_OFFSET, f"{name} must not be longer than {MAX_OFFSET:g}, got {size:g}")
 
 

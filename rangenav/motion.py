@@ -35,15 +35,15 @@ class World(Input, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        length = float(np.linalg.norm(self.magnetic))
+        length = math.hypot(*self.magnetic)  # unlike numpy's norm it does not overflow
         require(abs(length - 1) < UNIT_TOLERANCE, f"magnetic must be a unit vector, got length {length:g}")
-        gravity = float(np.linalg.norm(self.gravity))
+        gravity = math.hypot(*self.gravity)
         require(0 < gravity < 1e3, f"gravity must have a length between 0 and 1000 m/s², got {gravity:g}")
         sine = float(np.linalg.norm(np.cross(self.magnetic, self.gravity))) / gravity
         require(
             sine > COLLINEAR_SINE, "magnetic and gravity must not be collinear: attitude about them is unobservable"
         )
-        require(float(np.linalg.norm(self.anchor)) < 1e5, "anchor must lie within 100 km of the origin")
+        require(math.hypot(*self.anchor) < 1e5, "anchor must lie within 100 km of the origin")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

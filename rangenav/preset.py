@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Literal
 
 import msgspec
-import numpy as np
 
 from rangenav.cascade import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
@@ -77,9 +76,7 @@ class Preset(Input, frozen=True, kw_only=True):
         require(len(self.story) <= MAX_STORY, f"story must have at most {MAX_STORY} characters, got {len(self.story)}")
         require_within("duration", self.duration, MIN_DURATION, MAX_DURATION, "s")
         require(0 <= self.seed < 2**53, f"seed must lie between 0 and 2^53, got {self.seed}")
-        require(
-            float(np.linalg.norm(self.initial_rotation)) <= 2 * math.pi, "initial_rotation must be at most 2π rad long"
-        )
+        require(math.hypot(*self.initial_rotation) <= 2 * math.pi, "initial_rotation must be at most 2π rad long")
         samples = self.duration * max(self.sensors.imu_rate, self.sensors.range_rate)
         require(samples <= MAX_SAMPLES, f"duration × rate must not exceed {MAX_SAMPLES} samples, got {samples:.0f}")
         window = self.requirement.window

@@ -103,10 +103,11 @@ class LogDial:
         *,
         hint: str,
         note: Note,
+        unit: str = "",
         zero_at_left: bool = False,
     ) -> None:
         low, high = (round(math.log10(limit), LOG_DIGITS) for limit in limits)
-        self._symbol, self._zero = symbol, zero_at_left
+        self._symbol, self._unit, self._zero = symbol, unit, zero_at_left
         marks = ((low, "0" if zero_at_left else short(limits[0])), (high, short(limits[1])))
         hint = f"{hint} The slider and its box hold the power of ten." + (
             " Far left: none at all." if zero_at_left else ""
@@ -135,7 +136,7 @@ class LogDial:
         self._caption(value)
 
     def _caption(self, value: float) -> None:
-        label = f"{self._symbol} = {short(value)}"
+        label = f"{self._symbol} = {short(value)} {self._unit}".rstrip()
         if label != self._slider.label:  # a message to the browser only if there is news
             self._slider.label = label
 
@@ -222,6 +223,11 @@ class Clicks:
         """Called from viser's threads."""
         self._names.append(name)
         self._note()
+
+    @property
+    def waiting(self) -> bool:
+        """Whether there is something to take."""
+        return bool(self._names)
 
     def take(self) -> list[str]:
         """All names so far, oldest first."""

@@ -98,7 +98,7 @@ class _AttitudeFolder:
     def __init__(self, gui: viser.GuiApi, note: Note) -> None:
         with gui.add_folder("Attitude filter"):
             hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
-            self._k1 = LogDial(gui, "k1", K1_LIMITS, hint=hint, note=note)
+            self._k1 = LogDial(gui, "k1", K1_LIMITS, hint=hint, note=note, unit="1/s")
             hint = "ρ1 (no unit): weight of the magnetometer, whose vector has length 1 (paper, eq. 9)."
             self._rho1 = LogDial(gui, "ρ1", RHO1_LIMITS, hint=hint, note=note)
             hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."

@@ -55,6 +55,7 @@ class PresetsPanel:
 
     def _button(self, gui: viser.GuiApi, label: str, action: Action, hint: str) -> None:
         gui.add_button(label, hint=hint).on_click(lambda _: self._clicks.add(action))
+        gui.add_command(label).on_trigger(lambda _: self._clicks.add(action))
 
 
 def document(shown: Preset) -> bytes:

@@ -66,16 +66,14 @@ class _NoiseFolder:
 
     def __init__(self, gui: viser.GuiApi, note: Note) -> None:
         def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
-            hint = (
-                f"{symbol} ({unit}): standard deviation of white noise on each sample of the {what} (paper, eq. 2–3)."
-            )
-            return LogDial(gui, f"{symbol} ({unit})", limits, hint=hint, note=note, zero_at_left=True)
+            hint = f"{symbol} ({unit or 1}): deviation of white noise per sample of the {what} (paper, eq. 2–3)."
+            return LogDial(gui, symbol, limits, hint=hint, note=note, unit=unit, zero_at_left=True)
 
         with gui.add_folder("Noise"):
             self._range = dial("σ range", "m", (1e-3, 10.0), "range")
             self._gyro = dial("σ gyro", "rad/s", (1e-4, 1.0), "gyro")
             self._accel = dial("σ accel", "m/s²", (1e-3, 10.0), "accelerometer")
-            self._mag = dial("σ mag", "1", (1e-3, 1.0), "magnetometer, a unit vector; the paper prints σ² = 0.01")
+            self._mag = dial("σ mag", "", (1e-3, 1.0), "magnetometer, a unit vector; the paper prints σ² = 0.01")
             self._complaint = Complaint(gui)
 
     def read(self) -> Noise:

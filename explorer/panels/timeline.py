@@ -19,12 +19,15 @@ BUTTONS = {
 }
 WIDTH, NARROW_WIDTH, GAP = 700, 580, 10
 """px: what two columns of plots, or one, leave between the docks of a usual screen; and the distance to its edges."""
-KEYS: tuple[tuple[str, Literal["space", "arrowleft", "arrowright", "home"], str], ...] = (
-    ("Play or pause", "space", "play"),
-    ("One step back in time", "arrowleft", "back"),
-    ("One step on in time", "arrowright", "forward"),
-    ("Back to the start", "home", "home"),
-)
+KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] | None]] = {
+    "play": ("Play or pause", "space"),
+    "back": ("One step back in time", "arrowleft"),
+    "forward": ("One step on in time", "arrowright"),
+    "home": ("Back to the start", "home"),
+    "slower": ("Play slower", None),
+    "faster": ("Play faster", None),
+    "loop": ("Loop, or stop at the end", None),
+}
 REDRAW = 0.1
 """s: how often the slider follows while playing; the scene moves at every frame."""
 KEEP_CAMERA_STILL = (
@@ -39,7 +42,7 @@ class TimelinePanel:
     """The floating panel at the bottom."""
 
     def __init__(self, gui: viser.GuiApi, duration: float, note: Note, *, narrow: bool) -> None:
-        self._clicks, self._written = Clicks(note), -REDRAW
+        self._clicks, self._shown, self._written = Clicks(note), 0.0, -REDRAW
         panel = gui.add_panel()
         with panel.add_tab("Timeline", viser.Icon.CLOCK_PLAY):
             hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
@@ -51,7 +54,7 @@ class TimelinePanel:
         panel.float(x=GAP, y=-GAP, width=NARROW_WIDTH if narrow else WIDTH)
         when_moved(self._scrub, lambda: self._clicks.add("scrub"))
         self._buttons.on_click(lambda event: self._clicks.add(BUTTONS.get(event.target.value, "")))
-        for label, key, name in KEYS:
+        for name, (label, key) in KEYS.items():
             gui.add_command(label, hotkey=key).on_trigger(self._adding(name))
 
     def read(self, playback: Playback, now: float) -> None:
@@ -64,16 +67,26 @@ class TimelinePanel:
         """Show where the playhead is."""
         if self._scrub.max != playback.duration:
             self._scrub.max = playback.duration
-        if not playback.playing or now - self._written >= REDRAW:
-            self._scrub.value, self._written = round(playback.time, 2), now
+        self._follow(round(playback.time, 2), now, playing=playback.playing)
         state = "▶ playing" if playback.playing else "❚❚ paused"
         label = f"{state} ×{playback.speed:g}{' ↻' if playback.loop else ''}"
         if label != self._buttons.label:
             self._buttons.label = label
 
+    def _follow(self, time: float, now: float, *, playing: bool) -> None:
+        """Move the slider, but never over what the visitor has set it to in the meantime."""
+        if time == self._shown or self._clicks.waiting or (playing and now - self._written < REDRAW):
+            return
+        self._scrub.value = self._shown = time
+        self._written = now
+
+    def _scrubbed(self, playback: Playback) -> None:
+        self._shown = self._scrub.value
+        playback.seek(self._shown)
+
     def _carry_out(self, name: str, playback: Playback, now: float) -> None:
         actions: dict[str, Callable[[], None]] = {
-            "scrub": lambda: playback.seek(self._scrub.value),
+            "scrub": lambda: self._scrubbed(playback),
             "home": lambda: playback.seek(0.0),
             "back": lambda: playback.seek(playback.time - STEP),
             "forward": lambda: playback.seek(playback.time + STEP),

@@ -85,7 +85,8 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
         ("nonlinear", found.nonlinear_start, found.nonlinear_end),
     ):
         text = f"position {number(start.position, 'm')} at its start, <b>{number(end.position, 'm')}</b> at its end"
-        rows.append((f"σ {name}", text))
+        undetermined = math.isnan(start.position) and math.isnan(end.position)
+        rows.append((f"σ {name}", "position not determined" if undetermined else text))
     return rows
 
 

@@ -14,7 +14,8 @@ from rangenav.motion import Motion, to_body, to_inertial
 from rangenav.observability import rows
 from rangenav.signals import Signal
 
-MIN_GRID, MAX_GRID = 64, 4000
+MIN_GRID, MAX_EVALUATIONS = 64, 150_000
+"""Windows on which the bound for all t looks at least, and snaps it may evaluate at most: 30 ms."""
 UNEXCITED = 1e-12
 """An excitation below this share of what the path's snap could give is none; a finer grid would not change that."""
 BOUND_SHARE = 0.05
@@ -80,7 +81,8 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     curvature = path.bound(4) * path.bound(5) / 2
     least, count = worst(path, np.linspace(0, period, MIN_GRID + 1), window)[0], MIN_GRID
     if least > UNEXCITED * window * path.bound(4) ** 2:
-        count = int(np.clip(period * np.sqrt(curvature / (BOUND_SHARE * least)), MIN_GRID, MAX_GRID)) + 1
+        most = max(MIN_GRID, MAX_EVALUATIONS // len(rows.quadrature(window, path.bandwidth)[0]))
+        count = int(np.clip(period * np.sqrt(curvature / (BOUND_SHARE * least)), MIN_GRID, most)) + 1
         least, _ = worst(path, np.linspace(0, period, count + 1), window)
     return max(0.0, least - curvature * (period / count) ** 2)
 

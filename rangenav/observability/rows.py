@@ -13,13 +13,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import Vec3, require
+from rangenav.inputs import Vec3
 from rangenav.signals import Signal, bent
 
 PANEL_NODES = 32
 PANEL_TURN = 36.0
 """rad of the fastest tone that one panel of 32 Gauss nodes integrates to rounding (squares too: exact to k = 63)."""
-MAX_NODES = 4096
+MAX_NODES = 1024
 """Nodes in one window; more would ask for more memory than a live page may use."""
 
 
@@ -27,7 +27,11 @@ MAX_NODES = 4096
 def quadrature(window: float, bandwidth: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
     """Nodes τ in [0, window] and weights that sum to one: composite Gauss–Legendre, fine enough for the bandwidth."""
     panels = max(1, int(np.ceil(bandwidth * window / PANEL_TURN)))
-    require(panels * PANEL_NODES <= MAX_NODES, f"a window of {window:g} s is too long for tones of {bandwidth:g} rad/s")
+    if panels * PANEL_NODES > MAX_NODES:
+        longest = MAX_NODES // PANEL_NODES * PANEL_TURN / bandwidth
+        raise ValueError(
+            f"requirement.window must be at most {longest:.3g} s for tones of {bandwidth:g} rad/s, got {window:g} s"
+        )
     nodes, weights = np.polynomial.legendre.leggauss(PANEL_NODES)
     tau = (np.arange(panels)[:, None] + (nodes + 1) / 2).ravel() * (window / panels)
     return tau, np.tile(weights / (2 * panels), panels)

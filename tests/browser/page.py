@@ -169,6 +169,7 @@ class Visitor:
         """Pick an option of a dropdown."""
         self.beside(label).locator("input").first.click()
         self.page.get_by_role("option", name=option, exact=False).first.click()
+        self.page.evaluate("() => document.activeElement.blur()")  # a dropdown keeps the focus, and with it the keys
         time.sleep(INPUT_PAUSE)
 
     def press(self, label: str) -> None:
