@@ -30,6 +30,8 @@ from rangenav.observability.blindness import Direction
 USUAL_UP = (0.0, 0.0, -1.0)
 """The paper's z axis points down."""
 MAX_BLIND = 6
+UNSEEN = 1e-4
+"""m: the size of what waits for the first picture, while kernels compile; at its own size it would fill the view."""
 NO_LINE = np.zeros((1, 2, 3))
 BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
 """A colour for each end from the start: the browser cannot turn a line of one colour into one of many."""
@@ -51,7 +53,9 @@ class Scene:
         self._path = scene.add_line_segments("/path", NO_LINE, BLUE, thickness=3.0, thickness_units="screen")
         self._trail = scene.add_line_segments("/trail", NO_LINE, BLACK_ENDS, thickness=2.0, thickness_units="screen")
         self._anchor = scene.add_frame("/anchor", show_axes=False)
-        self._beacon = scene.add_icosphere("/anchor/beacon", 1.0, ORANGE, subdivisions=1, flat_shading=True)
+        self._beacon = scene.add_icosphere(
+            "/anchor/beacon", 1.0, ORANGE, subdivisions=1, flat_shading=True, scale=UNSEEN
+        )
         self._mast = scene.add_line_segments("/anchor/mast", NO_LINE, ORANGE, thickness=3.0, thickness_units="screen")
         scene.add_label("/anchor/label", "anchor", anchor="bottom-center", font_screen_scale=0.9)
         self._sphere = scene.add_icosphere(
@@ -60,6 +64,7 @@ class Scene:
             SKY,
             subdivisions=14,
             opacity=0.1,
+            scale=UNSEEN,
             material="toon3",  # without a graphics card: 33 frames a second; standard material on both sides gives 2
             cast_shadow=False,
             receive_shadow=False,
