@@ -129,9 +129,9 @@ class Session:
         self._dock.write(name, Settings(preset=self._shipped[name]))
 
     def _download(self) -> None:
-        shown = effective(self._dock.read())
-        name = presets.file_name(self._name, shown, self._shipped[self._name])
-        self._client.send_file_download(name, presets.document(shown), save_immediately=True)
+        settings = self._dock.read()
+        name = presets.file_name(self._name, effective(settings), self._shipped[self._name])
+        self._client.send_file_download(name, presets.document(settings), save_immediately=True)
 
     def _draw(self, picture: Picture) -> None:
         self._picture = picture

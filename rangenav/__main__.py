@@ -66,7 +66,7 @@ def analyze(preset: tyro.conf.Positional[str], *, window: float | None = None, j
 
     chosen = presets.load(preset)
     if window is not None:
-        chosen = analysis.with_window(chosen, window)
+        chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
     found = report.analysis_report(chosen, analysis.analyse(chosen), name=preset)
     return print_json(found) if json else print_table(f"{chosen.title}: {found['verdict']}", found)
 
@@ -99,10 +99,11 @@ def simulate(
     require(1 <= runs <= MAX_RUNS, f"--runs must lie between 1 and {MAX_RUNS}, got {runs}")
     require(save is None or save.suffix == ".npz", f"--save must name a file that ends in .npz, got {save}")
     record.run_seed(chosen, chosen.seed, form=model)  # so that no timed run waits for the compiler
-    records = [record.run_seed(chosen, chosen.seed + k, form=model) for k in range(runs)]
+    first = record.run_seed(chosen, chosen.seed, form=model)
+    others = [record.run_seed(chosen, chosen.seed + k, form=model).summary for k in range(1, runs)]
     if save is not None:
-        record.save(records[0], save)
-    found = report.simulation_report(records, name=preset)
+        record.save(first, save)
+    found = report.simulation_report(first, others, name=preset)
     return print_json(found) if json else print_table(f"{chosen.title}, {model} model", found)
 
 
@@ -128,24 +129,25 @@ def unit(key: str) -> str:
 
 
 def flattened(report: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]:
-    """Rows of a nested report: dotted key, readable value."""
+    """Rows of a nested report: dotted key, readable value; numbers below their group's floor say so."""
     rows: list[tuple[str, str]] = []
+    floor = report.get("floor", 0.0)
     for key, value in report.items():
         if isinstance(value, dict):
             rows += flattened(value, f"{prefix}{key}.")
         elif isinstance(value, list) and value and isinstance(value[0], dict):
             rows += [(f"{prefix}{key}", str(entry["words"])) for entry in value]
         else:
-            rows.append((prefix + key, readable(value)))
+            rows.append((prefix + key, readable(value, floor if key in ("mu", "eigenvalues") else 0.0)))
     return rows
 
 
-def readable(value: Any) -> str:
-    """A number to four figures, a list of them with spaces, null as a dash."""
+def readable(value: Any, floor: float = 0.0) -> str:
+    """A number to four figures, a list of them with spaces, null as a dash, rounding noise as what it is."""
     if isinstance(value, list):
-        return "  ".join(readable(entry) for entry in value) or "none"
+        return "  ".join(readable(entry, floor) for entry in value) or "none"
     if isinstance(value, float):
-        return f"{value:.4g}"
+        return "< floor" if value < floor else f"{value:.4g}"
     return "–" if value is None else str(value)
 
 

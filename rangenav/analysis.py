@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
+from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import accuracy, blindness, excitation, reduced, spectrum
 from rangenav.observability.accuracy import Accuracy
@@ -64,6 +65,8 @@ class Analysis:
     """s, where that window starts."""
     excitation: Float[Array, "3"]
     """All three eigenvalues there."""
+    mu_floor: float
+    """Excitation eigenvalues below it are rounding."""
     bound_for_all_t: float | None
     """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period."""
     gramian_at: float
@@ -77,12 +80,15 @@ class Analysis:
     nonlinear: Float[Array, "9"]
     nonlinear_rank: int
     directions: tuple[Direction, ...]
+    accuracy_at: float
+    """s, where the window with the largest lifted position error at its end starts; a blind one counts as largest."""
     lifted_start: Accuracy
     lifted_end: Accuracy
     nonlinear_start: Accuracy
     nonlinear_end: Accuracy
     reduced_min: float
     """The least eigenvalue of the reduced pair (Proposition 1) on the worst window."""
+    reduced_floor: float
     verdict: Verdict
 
 
@@ -99,6 +105,7 @@ class Seen:
     bound_for_all_t: float | None
     directions: tuple[Direction, ...]
     reduced_min: float
+    reduced_floor: float
 
 
 def analyse(preset: Preset) -> Analysis:
@@ -117,6 +124,7 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
     k = spectrum.worst(gramians)
     mu, mu_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
+    reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
     return Seen(
         start=start,
         spectrum=gramians,
@@ -126,7 +134,8 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
         mu_at=mu_at,
         bound_for_all_t=excitation.bound_for_all_t(path, window),
         directions=blindness.directions(gramians.null_basis[k], values, axes),
-        reduced_min=reduced.least_eigenvalue(path, gravity, float(start[k]), window),
+        reduced_min=reduced_min,
+        reduced_floor=reduced_floor,
     )
 
 
@@ -139,19 +148,21 @@ def analysis(
     lifted = seen(path, world.gravity, duration, window)
     local = spectrum.nonlinear_spectra(path, world.anchor, lifted.start, window)
     k, j = lifted.worst, spectrum.worst(local)
-    at = float(lifted.start[k])
+    windows = _windows(path, world, lifted, local, window, range_sigma, range_rate)
+    at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
 
     def predicted(kind: accuracy.Kind, moment: Literal["start", "end"]) -> Accuracy:
         return accuracy.predict(path, world, at, window, sigma=range_sigma, rate=range_rate, kind=kind, at=moment)
 
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
     return Analysis(
-        windows=_windows(path, world, lifted, local, window, range_sigma, range_rate),
+        windows=windows,
         mu=lifted.mu,
         mu_at=lifted.mu_at,
         excitation=excitation.eigenvalues(path, np.array([lifted.mu_at]), window)[0],
+        mu_floor=excitation.floor(path, window),
         bound_for_all_t=lifted.bound_for_all_t,
-        gramian_at=at,
+        gramian_at=float(lifted.start[k]),
         gramian=lifted.spectrum.eigenvalues[k],
         floor=float(lifted.spectrum.floor[k]),
         rank=rank,
@@ -160,26 +171,31 @@ def analysis(
         nonlinear=local.eigenvalues[j],
         nonlinear_rank=int(local.rank[j]),
         directions=lifted.directions,
+        accuracy_at=at,
         lifted_start=predicted("lifted", "start"),
         lifted_end=lifted_end,
         nonlinear_start=predicted("nonlinear", "start"),
         nonlinear_end=predicted("nonlinear", "end"),
         reduced_min=lifted.reduced_min,
+        reduced_floor=lifted.reduced_floor,
         verdict=judge(rank, lifted_end, requirement),
     )
 
 
 def judge(rank: int, end: Accuracy, requirement: Requirement) -> Verdict:
     """blind: rank below 13; weak: full rank, but the predicted error exceeds the requirement; else observable."""
-    if rank < 13:
+    if rank < STATES:
         return "blind"
     return "observable" if end.position <= requirement.position_sigma else "weak"
 
 
-def with_window(preset: Preset, window: float) -> Preset:
-    """The preset judged over another window (s). Raises ValueError if it does not fit the duration."""
-    requirement = msgspec.structs.replace(preset.requirement, window=window)
-    return msgspec.structs.replace(preset, requirement=requirement)
+def with_window(preset: Preset, window: float, *, source: str) -> Preset:
+    """The preset judged over another window (s). Raises ValueError, starting with `source`, if it does not fit."""
+    try:
+        requirement = msgspec.structs.replace(preset.requirement, window=window)
+        return msgspec.structs.replace(preset, requirement=requirement)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
 
 
 def _windows(

@@ -94,7 +94,7 @@ class Estimate:
     xi_variance: Float[Array, "n 4"]
     rotation: Float[Array, "n 3 3"]
     innovation: Float[Array, "m 2"]
-    """y − ŷ (m²) and its variance by P (m⁴), one row for each range; NaN for a range before the first step."""
+    """y − ŷ (m²) and its variance P₁₁ + R (m⁴), one row for each range; NaN for a range before the first step."""
 
     @property
     def std(self) -> Float[Array, "n 13"]:
@@ -275,13 +275,15 @@ def _check(time: float, sample: Sample) -> None:
     require(sample.time > time, f"time must increase: {sample.time:g} after {time:g}")
     finite = np.isfinite(sample.gyro).all() and np.isfinite(sample.accel).all() and np.isfinite(sample.range).all()
     require(bool(finite), f"gyro, accel and range must be finite, at time {sample.time:g}")
+    require(not np.isinf(sample.mag).any(), f"mag must be finite, or NaN where there is none, at time {sample.time:g}")
     stamps = np.concatenate([[time], sample.range_time])
     ordered = bool(np.all(np.diff(stamps) > 0)) and stamps[-1] <= sample.time
     require(ordered, f"range_time must increase and lie after the last sample and not after time {sample.time:g}")
 
 
 def _first_sample(z: Measurements) -> Sample:
-    return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[:1], z.range[:1])
+    due = z.range_time == z.time[0]
+    return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[due], z.range[due])
 
 
 def _floats(vector: Vec3) -> Vec3:

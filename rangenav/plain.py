@@ -39,7 +39,7 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
             if observer.symmetric and fraction == 1.0:
                 variance *= 2
                 pending = (y, variance)
-            innovation[j] = y - x[0], P[0, 0] + variance
+            innovation[j] = y - x[0], P[0, 0] + observer.variance(x)
             x, P = riccati.correct(x, P, y, variance)
             j += 1
         if reached < 1.0:

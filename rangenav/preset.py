@@ -13,6 +13,7 @@ import msgspec
 from rangenav.cascade import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
+from rangenav.observability import rows
 from rangenav.sensors import Sensors
 from rangenav.signals import Signal
 
@@ -85,6 +86,7 @@ class Preset(Input, frozen=True, kw_only=True):
         rule = f"requirement.window must be at least {MIN_WINDOW_SAMPLES} IMU samples long, got {count:g}"
         require(count >= MIN_WINDOW_SAMPLES, rule)
         self._refuse_aliased_tones()
+        rows.quadrature(window, self.path.bandwidth)  # refuses a window that would be too much work
 
     def _refuse_aliased_tones(self) -> None:
         nyquist = math.pi * self.sensors.imu_rate

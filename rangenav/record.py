@@ -68,6 +68,7 @@ class Record:
     estimate: Estimate
     errors: Errors
     summary: Summary
+    form: model.Form
 
 
 def run(preset: Preset, *, form: model.Form = "derived") -> Record:
@@ -83,7 +84,9 @@ def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Reco
     estimate, seconds = observed(truth, measurements, p.world, p.sensors, p.gains, p.guess, form)
     errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
     summary = summarise(estimate, errors, seconds)
-    return Record(preset=p, truth=truth, measurements=measurements, estimate=estimate, errors=errors, summary=summary)
+    return Record(
+        preset=p, truth=truth, measurements=measurements, estimate=estimate, errors=errors, summary=summary, form=form
+    )
 
 
 @lru_cache(maxsize=CACHED)
@@ -173,6 +176,7 @@ def save(record: Record, path: str | Path) -> None:
         "state": estimate.state,
         "std": estimate.std,
         "rotation_estimate": estimate.rotation,
+        "model": record.form,
         "phi": excitation.phi(truth),
         "phi_printed": excitation.phi_printed(truth),
     }

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rangenav import motion, record
-from rangenav.analysis import Analysis
+from rangenav.analysis import Analysis, analyse
 from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
@@ -43,6 +43,7 @@ def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
         "blind_directions": [{"vector": d.vector.tolist(), "words": d.words} for d in found.directions],
         "accuracy": {
             "window": window,
+            "at": found.accuracy_at,
             "range_sigma": preset.sensors.noise.range,
             "range_rate": preset.sensors.range_rate,
             "lifted": {"start": _accuracy(found.lifted_start), "end": _accuracy(found.lifted_end)},
@@ -52,10 +53,10 @@ def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
     }
 
 
-def simulation_report(records: list[Record], *, name: str) -> Json:
+def simulation_report(first: Record, others: list[Summary], *, name: str) -> Json:
     """What `rangenav simulate --json` prints: one run, or the medians of several seeds."""
-    preset = records[0].preset
-    summaries = [one.summary for one in records]
+    preset = first.preset
+    summaries = [first.summary, *others]
 
     def median(key: str) -> float | None:
         values = [getattr(summary, key) for summary in summaries]
@@ -65,7 +66,8 @@ def simulation_report(records: list[Record], *, name: str) -> Json:
     report: Json = {
         "preset": name,
         "seed": preset.seed,
-        "steps": len(records[0].estimate.time) - 1,
+        "model": first.form,
+        "steps": len(first.estimate.time) - 1,
         "microseconds_per_step": median("microseconds_per_step"),
         "peak": {"position": median("peak_position")},
         "settle": _settle(median),
@@ -81,8 +83,10 @@ def simulation_report(records: list[Record], *, name: str) -> Json:
         report["reason"] = "null: the estimate overflowed"
     if any(summary.diverged for summary in summaries):
         report["note"] = "unobservable, covariance diverges"
-    if len(records) > 1:
-        report["runs"] = len(records)
+    elif analyse(preset).verdict == "blind":
+        report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
+    if others:
+        report["runs"] = len(summaries)
     return report
 
 
@@ -95,6 +99,7 @@ def _excitation(found: Analysis, truth: motion.Motion, window: float) -> Json:
         "mu": found.mu,
         "at": found.mu_at,
         "eigenvalues": found.excitation.tolist(),
+        "floor": found.mu_floor,
         "bound_for_all_t": found.bound_for_all_t,
         "printed": {
             "mu": float(printed[least, 0]),

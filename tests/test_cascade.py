@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from rangenav import cascade, model, record
+from rangenav import cascade, model, plain, record
 from rangenav.cascade import Gains, Guess, Sample, Setting, Start
 from rangenav.sensors import Measurements
 from tests import scenes
@@ -150,6 +150,7 @@ def test_guesses_mean_what_they_say():
     [
         ({"time": -1.0}, "time must increase"),
         ({"gyro": np.array([np.nan, 0, 0])}, "must be finite"),
+        ({"mag": np.array([np.inf, 0, 0])}, "mag must be finite"),
         ({"range": np.array([np.inf]), "range_time": np.array([0.005])}, "must be finite"),
         ({"range": np.array([1.0]), "range_time": np.array([0.1])}, "range_time must increase"),
         ({"range": np.array([1.0]), "range_time": np.array([0.0])}, "range_time must increase"),
@@ -161,6 +162,42 @@ def test_a_bad_sample_gets_a_sentence(change: dict, sentence: str):
     state = cascade.begin(sample(z, 0), scene.start, scene.setting())
     with pytest.raises(ValueError, match=sentence):
         cascade.step(state, sample(z, 1)._replace(**change))
+
+
+def test_a_partly_missing_magnetometer_sample_counts_as_missing():
+    scene = scenes.scene("paper-slow", duration=1.0)
+    z = scene.measurements
+    estimates = []
+    for hole in (slice(None), slice(1, 2)):
+        mag = z.mag.copy()
+        mag[50, hole] = np.nan
+        holed = Measurements(time=z.time, gyro=z.gyro, accel=z.accel, mag=mag, range_time=z.range_time, range=z.range)
+        estimates.append(cascade.observe(holed, scene.start, scene.setting()).rotation)
+    assert np.isfinite(estimates[1]).all()
+    np.testing.assert_array_equal(estimates[0], estimates[1])
+
+
+def test_ranges_older_than_the_imu_record_are_left_out_and_one_at_its_start_is_used():
+    scene = scenes.scene("paper-slow", duration=2.0, range_rate=50.0)
+    z = scene.measurements
+    late = Measurements(
+        time=z.time[8:], gyro=z.gyro[8:], accel=z.accel[8:], mag=z.mag[8:], range_time=z.range_time, range=z.range
+    )
+    cut = scenes.without_ranges(late, z.range_time < z.time[8])
+    whole, exact = (cascade.observe(record_, scene.start, scene.setting()).state for record_ in (late, cut))
+    np.testing.assert_array_equal(whole, exact)
+    witness = plain.observe(late, scene.start, scene.setting()).state
+    np.testing.assert_allclose(whole, witness, atol=1e-8 * np.abs(witness).max())
+
+
+@pytest.mark.parametrize("range_rate", [199.0, 200.0])
+def test_normalised_innovations_of_matched_noise_have_variance_one_at_any_rate(range_rate: float):
+    """Their variance is P₁₁ + R also where a correction is halved: in the symmetric scheme nothing else changes."""
+    scene = scenes.scene("paper-slow", duration=40.0, range_rate=range_rate)
+    matched = scene.observe(Gains(mode="noise-matched")).innovation[len(scene.measurements.range) // 2 :]
+    assert np.mean(matched[:, 0] ** 2 / matched[:, 1]) == pytest.approx(1.0, abs=0.15)
+    constant = scene.observe().innovation[len(scene.measurements.range) // 2 :]
+    assert constant[:, 1].mean() == pytest.approx(range_rate / 5e3, rel=0.3)  # R = 1/(q T), and a little of P
 
 
 def test_a_bad_record_is_named_by_its_sample():

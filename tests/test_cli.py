@@ -75,6 +75,7 @@ ANALYZE = {
         "mu": None,
         "at": None,
         "eigenvalues": 3,
+        "floor": None,
         "bound_for_all_t": None,
         "printed": {"mu": None, "at": None, "eigenvalues": 3},
     },
@@ -83,6 +84,7 @@ ANALYZE = {
     "blind_directions": 0,
     "accuracy": {
         "window": None,
+        "at": None,
         "range_sigma": None,
         "range_rate": None,
         "lifted": {"start": BLOCKS, "end": BLOCKS},
@@ -93,6 +95,7 @@ ANALYZE = {
 SIMULATE = {
     "preset": None,
     "seed": None,
+    "model": None,
     "steps": None,
     "microseconds_per_step": None,
     "peak": {"position": None},
@@ -188,7 +191,7 @@ def test_window_overrides_the_presets_own(answer):
     # a longer window contains a shorter one: the integral can only grow
     assert longer["excitation"]["mu"] > own["excitation"]["mu"]
     assert longer["excitation"]["mu"] == pytest.approx(
-        analysis.analyse(analysis.with_window(preset.load("soft"), 15.0)).mu
+        analysis.analyse(analysis.with_window(preset.load("soft"), 15.0, source="soft")).mu
     )
 
 
@@ -237,9 +240,11 @@ def test_save_writes_every_array_of_the_run(answer, short, tmp_path):
         "rotation_estimate": (n, 3, 3),
         "phi": (n, 3),
         "phi_printed": (n, 3),
+        "model": (),
     }
     with np.load(tmp_path / "run.npz", allow_pickle=False) as saved:
         assert {name: saved[name].shape for name in saved.files} == expected
+        assert saved["model"] == found["model"] == "derived"
         run = record.run(SHORT)
         np.testing.assert_array_equal(saved["state"], run.estimate.state)
         np.testing.assert_array_equal(saved["range"], run.measurements.range)

@@ -14,7 +14,12 @@ from rangenav.kernels import riccati as kernel
 from rangenav.kernels import rotation as rot
 from tests import scenes
 
-CORNERS = list(itertools.product(riccati.Q_RANGE, riccati.V_RANGE, riccati.P0_RANGE, (True, False)))
+CORNERS = [
+    (q, (v,) * 4, np.full(13, p0), symmetric)
+    for q, v, p0, symmetric in itertools.product(riccati.Q_RANGE, riccati.V_RANGE, riccati.P0_RANGE, (True, False))
+]
+MIXED = 4
+"""Further corners in which each block has an end of its own range, drawn for each preset."""
 STEPS, CHECKS = 1_000_000, 50
 IMU_RATE = 200.0
 
@@ -44,17 +49,30 @@ def test_covariance_stays_positive_over_a_million_steps_at_every_corner(name: st
     p = preset.load(name)
     time = (np.arange(4000) + 0.5) / IMU_RATE
     accel = p.path(time, 2) - np.asarray(p.world.gravity)
-    for q, v, p0, symmetric in CORNERS:
+    for q, v, p0, symmetric in CORNERS + mixed_corners(name):
         rate = IMU_RATE if symmetric else IMU_RATE / 4
-        P, out = (np.eye(13) * p0).ravel(), np.empty((CHECKS, 169))
-        covariances(P, accel, rate / q, (v,) * 4, 1 / IMU_RATE, symmetric, STEPS, STEPS // CHECKS, out)
+        P, out = np.diag(p0).ravel(), np.empty((CHECKS, 169))
+        covariances(P, accel, rate / q, v, 1 / IMU_RATE, symmetric, STEPS, STEPS // CHECKS, out)
         matrices = out.reshape(-1, 13, 13)
         assert np.isfinite(matrices).all()
         np.testing.assert_array_equal(matrices, np.swapaxes(matrices, -1, -2))
         std = np.sqrt(np.diagonal(matrices, axis1=-2, axis2=-1))
         correlation = matrices / (std[:, :, None] * std[:, None, :])
         least = np.linalg.eigvalsh(correlation)[:, 0].min()
-        assert least >= -1e-9, f"q={q:g}, v={v:g}, p0={p0:g}, symmetric={symmetric}: {least}"
+        assert least >= -1e-9, f"q={q:g}, v={v}, p0={p0}, symmetric={symmetric}: {least}"
+
+
+def mixed_corners(name: str) -> list[tuple]:
+    rng = np.random.default_rng(sum(name.encode()))
+    return [
+        (
+            float(rng.choice(riccati.Q_RANGE)),
+            tuple(float(v) for v in rng.choice(riccati.V_RANGE, 4)),
+            np.repeat(rng.choice(riccati.P0_RANGE, 4), [4, 3, 3, 3]),
+            bool(rng.integers(2)),
+        )
+        for _ in range(MIXED)
+    ]
 
 
 def test_prediction_is_the_matrix_product_it_stands_for():

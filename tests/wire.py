@@ -31,7 +31,7 @@ HEADER = 8
 """Bytes of each of the two lengths before the compressed messages."""
 NO_DOCK = 0.5
 """s after which the server is taken to have no docks."""
-PATIENCE = 60.0
+PATIENCE = 30.0
 """s; the first picture may have to wait for a compiler."""
 
 

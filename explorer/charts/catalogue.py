@@ -26,14 +26,14 @@ def _error(name: str, title: str, unit: str, draw: plots.Callable, text: words.W
 def _components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
     """Three components and, thicker, their norm."""
     colors = (plots.VERMILLION, plots.GREEN, plots.BLUE, plots.GREY)
-    labels, widths = (f"{prefix}x", "y", "z", "norm"), (1.25, 1.25, 1.25, 2.25)
-    looks = zip(labels, colors, dashes, widths, strict=True)
+    labels = tuple(prefix + name for name in ("x", "y", "z", "norm"))
+    looks = zip(labels, colors, dashes, (1.25, 1.25, 1.25, 2.25), strict=True)
     return tuple(Curve(label=label, color=color, dash=dash, width=width) for label, color, dash, width in looks)
 
 
 def _eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
     colors = (plots.VERMILLION, plots.PURPLE, plots.SKY)
-    looks = zip((f"{prefix}λ₁", "λ₂", "λ₃"), colors, dashes, strict=True)
+    looks = zip((f"{prefix}λ₁", f"{prefix}λ₂", f"{prefix}λ₃"), colors, dashes, strict=True)
     return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in looks)
 
 

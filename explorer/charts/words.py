@@ -45,10 +45,11 @@ GRAMIAN = Words(
 PREDICTED = Words(
     "σ² = tr [ (Σ hᵀh / (d²σ<sub>d</sub>² + ½σ<sub>d</sub>⁴))⁻¹ ]<sub>position</sub>",
     "The best 1-σ position error at the end of the window that starts at t, from its ranges alone and perfect IMU:"
-    " for the lifted linear model, and for the nonlinear range (Cramér–Rao). A blind window has none.",
+    " for the lifted linear model, and for the nonlinear range (Cramér–Rao). A blind window has none. The observer"
+    " also remembers the ranges before the window, so it may do better.",
 )
 INNOVATION = Words(
-    "(y − ŷ) / √(𝒞P𝒞ᵀ + Q⁻¹), &nbsp; y = ½d²",
+    "(y − ŷ) / √(𝒞P𝒞ᵀ + R<sub>d</sub>), &nbsp; y = ½d², &nbsp; R<sub>d</sub> = 1/(Q T) or the matched one",
     "What each range adds, in units of the σ that P expects. With noise-matched gains it should mostly stay within ±2.",
 )
 DISTANCE = Words("d = |p − p<sub>anchor</sub>|", "The only position measurement there is: true, and as measured.")

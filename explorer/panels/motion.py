@@ -100,7 +100,7 @@ class MotionPanel:
 
     def draw(self, time_scale: float) -> None:
         """Say what the time scale does to μ."""
-        line = f"μ ∝ s⁻⁷ over one period: × {time_scale**-7:.3g}"
+        line = f"μ ∝ s⁻⁷ over one period: × {time_scale**-7:.3g}; over a fixed δ about s⁻⁸: × {time_scale**-8:.3g}"
         if line != self._scale_line.content:
             self._scale_line.content = line
 

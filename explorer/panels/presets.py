@@ -7,9 +7,13 @@ from typing import Literal
 import viser
 
 from explorer.panels.controls import Choice, Clicks, Note
+from explorer.settings import Settings, effective
 from rangenav import analysis, preset
 from rangenav.preset import Preset
 
+PRINTED_START = (
+    "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
+)
 Action = Literal["again", "paper", "download"]
 
 
@@ -58,11 +62,12 @@ class PresetsPanel:
         gui.add_command(label).on_trigger(lambda _: self._clicks.add(action))
 
 
-def document(shown: Preset) -> bytes:
+def document(settings: Settings) -> bytes:
     """A preset as a TOML file; the verdict in its first lines is computed from the text that follows them."""
-    text = preset.dumps(shown)
+    text = preset.dumps(effective(settings))
     read_back = preset.loads(text, source="this file")
-    return (verdict_comments(read_back) + "\n" + text).encode()
+    start = PRINTED_START if settings.printed.initial_values else ""
+    return (verdict_comments(read_back) + start + "\n" + text).encode()
 
 
 def verdict_comments(shown: Preset) -> str:
@@ -70,7 +75,7 @@ def verdict_comments(shown: Preset) -> str:
     found, needed = analysis.analyse(shown), shown.requirement
     met = "met" if found.mu >= needed.mu else "NOT met"
     lines = [
-        f"verdict: {found.verdict}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9)",
+        f"verdict: {found.verdict}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); required mu {met}",
         f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
         f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
         f"predicted 1-sigma position at the end of the worst window: {_metres(found.lifted_end.position)} lifted, "

@@ -10,6 +10,11 @@ from explorer.compute import Picture
 from explorer.panels.controls import Note, Switch
 from explorer.settings import Printed
 
+UNDESIRED = (
+    "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
+    "The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
+)
+
 
 class PrintedPanel:
     """The switches "as printed"."""
@@ -18,6 +23,7 @@ class PrintedPanel:
         with gui.add_folder("As printed in the paper"):
             gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
             self._switches = {name: _Row(gui, row, note) for name, row in ROWS.items()}
+            gui.add_markdown(UNDESIRED)
         self.write(printed)
 
     def read(self) -> Printed:
@@ -71,18 +77,25 @@ def _body_axes(picture: Picture) -> str:
 
 def _printed_mu(picture: Picture, on: bool) -> str:
     mu, needed = picture.analysis.mu, picture.preset.requirement.mu
+    derived = _above(mu, picture.analysis.mu_floor)
     if not on:
-        return f"Off: μ = {mu:.3g} m²/s⁷."
+        return f"Off: μ = {derived} m²/s⁷."
     printed = float(np.min(picture.printed_excitation))
     false = " — a false certificate" if printed >= needed > mu else ""
-    return f"On: μ reads {printed:.3g} m²/s⁷ where the derived one is {mu:.3g}{false}."
+    return f"On: μ reads {printed:.3g} m²/s⁷ where the derived one is {derived}{false}."
 
 
 def _reduced_row(picture: Picture) -> str:
-    derived = picture.analysis.reduced_min
+    derived = _above(picture.analysis.reduced_min, picture.analysis.reduced_floor)
     if not picture.settings.printed.reduced_row:
-        return f"Off: the reduced pair's least eigenvalue is {derived:.3g}."
-    return f"On: the reduced pair's least eigenvalue reads {picture.reduced_min:.3g}; the derived one is {derived:.3g}."
+        return f"Off: the reduced pair's least eigenvalue is {derived} (SI)."
+    return (
+        f"On: the reduced pair's least eigenvalue reads {picture.reduced_min:.3g}; the derived one is {derived} (SI)."
+    )
+
+
+def _above(value: float, floor: float) -> str:
+    return f"{value:.3g}" if value >= floor else "0 (below the noise floor)"
 
 
 def _initial_values(picture: Picture) -> str:

@@ -38,6 +38,8 @@ class VerdictPanel:
     def draw(self, picture: Picture) -> None:
         """Show the verdict on a picture."""
         shape, colour, word, meaning = WORDS[picture.analysis.verdict]
+        if picture.analysis.mu < picture.preset.requirement.mu:
+            meaning += "; <b>✕ the required μ is not met</b>"
         head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{_chips(picture)}</div>'
         table = "".join(ROW.format(name, text) for name, text in _rows(picture))
         self._block.content = (
@@ -78,8 +80,9 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
         rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.words)}" for direction in found.directions)))
     met = "✓" if found.mu >= needed.mu else "✕"
     where = f"over δ = {needed.window:g} s from {found.mu_at:.3g} s"
-    rows.append(("μ (PE)", f"{met} <b>{number(found.mu)}</b> m²/s⁷ {where}; needs {needed.mu:g}"))
-    rows.append(("least λ(W)", _least(float(found.gramian[0]), found.floor)))
+    mu = f"<b>{number(found.mu)}</b> m²/s⁷" if found.mu >= found.mu_floor else "<b>0</b> (below the noise floor)"
+    rows.append(("μ (PE)", f"{met} {mu} {where}; needs {needed.mu:g}"))
+    rows.append(("least λ(W), SI", _least(float(found.gramian[0]), found.floor)))
     for name, start, end in (
         ("lifted", found.lifted_start, found.lifted_end),
         ("nonlinear", found.nonlinear_start, found.nonlinear_end),
@@ -100,6 +103,9 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
     s = picture.summary
     if s.diverged:
         return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing")]
+    if picture.analysis.verdict == "blind":
+        words = f"position {number(s.steady_position, 'm')}, attitude {number(s.steady_attitude_deg)}°"
+        return [("this run", f"steady error {words}: along what cannot be told it is this start's luck, no accuracy")]
     settled = f"position {_since(s.settle_position_s, '0.3 m')}; attitude {_since(s.settle_attitude_s, '5°')}"
     steady = (
         f"<b>{number(s.steady_position, 'm')}</b>, {number(s.steady_velocity, 'm/s')}, "
@@ -110,7 +116,7 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
 
 
 def _since(seconds: float | None, limit: str) -> str:
-    return f"✕ never below {limit}" if seconds is None else f"✓ below {limit} from {seconds:.3g} s"
+    return f"✕ does not stay below {limit} to the end" if seconds is None else f"✓ below {limit} from {seconds:.3g} s"
 
 
 def _vehicle(picture: Picture) -> str:

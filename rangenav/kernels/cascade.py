@@ -93,13 +93,14 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
         if p.symmetric and at_sample:
             variance *= 2
             s.pending[0], s.pending[1] = y, variance
-        innovation[j, 0], innovation[j, 1] = riccati.correct(x, P, y, variance)
+        innovation[j, 0], total = riccati.correct(x, P, y, variance)
+        innovation[j, 1] = total - variance / 2 if p.symmetric and at_sample else total  # of the whole correction
     if reached < 1.0:
         turned = propagate(x, P, turned, s.gyro, gyro1, s.accel, accel1, reached, 1.0, interval, p)
     turned = rot.orthonormal(turned)
     rot.store(turned, s.turned)
     mag0, new_mag = (s.mag[0], s.mag[1], s.mag[2]), (mag1[0], mag1[1], mag1[2])
-    if np.isnan(mag1[0]):  # no new sample: the last one, carried along by the gyro
+    if np.isnan(mag1[0] + mag1[1] + mag1[2]):  # no new sample: the last one, carried along by the gyro
         mx, my, mz = rot.apply(old, mag0[0], mag0[1], mag0[2])
         new_mag = rot.apply_inverse(turned, mx, my, mz)
     gravity1 = rot.apply_inverse(turned, x[10], x[11], x[12])

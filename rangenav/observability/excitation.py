@@ -60,6 +60,11 @@ def _singular(path: Signal, start: Array, window: float) -> tuple[Array, Array]:
     return singular[:, ::-1] ** 2, right
 
 
+def floor(path: Signal, window: float) -> float:
+    """Eigenvalues below this (m²/s⁷) are rounding: none of the path's snap lies along their direction."""
+    return UNEXCITED * window * path.bound(4) ** 2
+
+
 def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[float, float]:
     """The least excitation μ over the windows, and the start time of the window that has it."""
     least = eigenvalues(path, start, window)[:, 0]
@@ -80,7 +85,7 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
         return 0.0
     curvature = path.bound(4) * path.bound(5) / 2
     least, count = worst(path, np.linspace(0, period, MIN_GRID + 1), window)[0], MIN_GRID
-    if least > UNEXCITED * window * path.bound(4) ** 2:
+    if least > floor(path, window):
         most = max(MIN_GRID, MAX_EVALUATIONS // len(rows.quadrature(window, path.bandwidth)[0]))
         count = int(np.clip(period * np.sqrt(curvature / (BOUND_SHARE * least)), MIN_GRID, most)) + 1
         least, _ = worst(path, np.linspace(0, period, count + 1), window)

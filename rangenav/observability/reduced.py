@@ -11,14 +11,16 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.motion import Motion, to_inertial
 from rangenav.observability import excitation, rows
+from rangenav.observability.spectrum import RANK_TOLERANCE
 from rangenav.signals import Signal
 
 
-def least_eigenvalue(path: Signal, gravity: Vec3, start: float, window: float) -> float:
-    """The least eigenvalue of the reduced pair's Gramian (1/δ)∫ over one window, SI."""
+def least_eigenvalue(path: Signal, gravity: Vec3, start: float, window: float) -> tuple[float, float]:
+    """The least eigenvalue of the reduced pair's Gramian (1/δ)∫ over one window, SI, and the floor of rounding."""
     tau, weight = rows.quadrature(window, path.bandwidth)
     matrix = rows.reduced(path, gravity, np.array([start]), tau)[0] * np.sqrt(weight)[:, None]
-    return float(np.linalg.svd(matrix, compute_uv=False)[-1] ** 2)
+    singular = np.linalg.svd(matrix, compute_uv=False)
+    return float(singular[-1] ** 2), float((RANK_TOLERANCE * singular[0]) ** 2)
 
 
 def sampled_least_eigenvalue(
