@@ -209,3 +209,14 @@ def test_ellipsoid_gives_the_covariance_back_and_refuses_what_is_none() -> None:
 def test_last_seen_fills_the_gaps_of_a_slow_magnetometer() -> None:
     samples = np.array([[1.0, 0, 0], [np.nan] * 3, [np.nan] * 3, [0, 1.0, 0]])
     assert stage.last_seen(samples) == pytest.approx(samples[[0, 0, 0, 3]])
+
+
+def test_the_estimated_path_is_left_out_where_it_is_astray_and_kept_elsewhere():
+    seen = picture("paper-slow")
+    on = stage.stage(seen)
+    kept = stage.not_astray(seen, on)
+    error = np.linalg.norm(seen.position_estimate - seen.motion.position, axis=1)
+    gone = np.isnan(kept).any(axis=1)
+    np.testing.assert_array_equal(gone, error >= stage.ASTRAY * on.radius)
+    assert 0 < gone.sum() < len(gone)
+    np.testing.assert_array_equal(kept[~gone], seen.position_estimate[~gone])

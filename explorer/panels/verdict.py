@@ -82,7 +82,7 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     where = f"over δ = {needed.window:g} s from {found.mu_at:.3g} s"
     mu = f"<b>{number(found.mu)}</b> m²/s⁷" if found.mu >= found.mu_floor else "<b>0</b> (below the noise floor)"
     rows.append(("μ (PE)", f"{met} {mu} {where}; needs {needed.mu:g}"))
-    rows.append(("least λ(W), SI", _least(float(found.gramian[0]), found.floor)))
+    rows.append(("least λ(W)", _least(float(found.gramian[0]), found.floor)))
     for name, start, end in (
         ("lifted", found.lifted_start, found.lifted_end),
         ("nonlinear", found.nonlinear_start, found.nonlinear_end),
@@ -96,7 +96,7 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
 def _least(eigenvalue: float, floor: float) -> str:
     if eigenvalue < floor:
         return f"below the noise floor {number(floor)} of double precision: no number"
-    return f"{number(eigenvalue)} (noise floor {number(floor)})"
+    return f"{number(eigenvalue)} SI (noise floor {number(floor)})"
 
 
 def _observer_rows(picture: Picture) -> list[tuple[str, str]]:

@@ -94,7 +94,7 @@ class Scene:
         on = stages.stage(picture)
         self._fit(picture, on)
         self._path.points = stages.solid(picture, on).astype(np.float32)
-        self._draw_trail(picture.position_estimate, on)
+        self._draw_trail(stages.not_astray(picture, on), on)
         self._magnetic = stages.last_seen(picture.measurements.mag)
         self._draw_blind(picture.analysis.directions, on)
         self._view.frame(on)

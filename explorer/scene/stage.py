@@ -14,8 +14,9 @@ from explorer.compute import Picture
 
 REACH = 3.0
 """The stage ends at this many radii from its centre: curves, ellipsoids and ghosts beyond are not drawn."""
-TRAIL_REACH = 1.5
-"""The estimated path is drawn this far only: while it peaks it would cover everything else with stray dashes."""
+ASTRAY = 0.6
+"""The estimated path is left out where it is more radii than this from the truth: while it peaks it would cover
+everything with stray dashes. The ghost shows it all the same, and the error plots."""
 SPHERE_SHARE = 0.8
 """Of the largest range sphere that the camera should see."""
 SMALLEST_RADIUS = 0.01
@@ -46,10 +47,10 @@ class Stage:
     """Where the camera looks, and the radius it should take in: the stage and most of the range sphere."""
     view_radius: float
 
-    def holds(self, points: Float[Array, "n 3"], reach: float = REACH) -> Array:
+    def holds(self, points: Float[Array, "n 3"]) -> Array:
         """Which points lie on the stage; NaN does not."""
         with np.errstate(over="ignore", invalid="ignore"):
-            return np.linalg.norm(points - self.centre, axis=-1) < reach * self.radius
+            return np.linalg.norm(points - self.centre, axis=-1) < REACH * self.radius
 
 
 def stage(picture: Picture) -> Stage:
@@ -94,11 +95,18 @@ def solid(picture: Picture, on: Stage) -> Float[Array, "m 2 3"]:
     return np.stack([points[:-1], points[1:]], axis=1)
 
 
+def not_astray(picture: Picture, on: Stage) -> Float[Array, "n 3"]:
+    """The estimated path, NaN where it is too far from the truth to be drawn as a curve."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        astray = ~(np.linalg.norm(picture.position_estimate - picture.motion.position, axis=-1) < ASTRAY * on.radius)
+    return np.where(astray[:, None], np.nan, picture.position_estimate)
+
+
 def dashed(positions: Float[Array, "n 3"], on: Stage) -> tuple[Float[Array, "m 2 3"], Float[Array, "m 2"]]:
-    """A curve as dashes of equal length along it, and their ends' time (0 to 1); only near the stage's middle."""
+    """A curve as dashes of equal length along it, and their ends' time (0 to 1); only what is on stage."""
     stride = -(-len(positions) // MAX_POINTS)
     timed = np.column_stack([positions, np.linspace(0.0, 1.0, len(positions))])[::stride]
-    inside = np.flatnonzero(on.holds(timed[:, :3], TRAIL_REACH))
+    inside = np.flatnonzero(on.holds(timed[:, :3]))
     runs = [run for run in np.split(timed[inside], np.flatnonzero(np.diff(inside) > 1) + 1) if len(run) > 1]
     if not runs:
         return np.empty((0, 2, 3)), np.empty((0, 2))
