@@ -27,7 +27,7 @@ from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
 from rangenav.record import Summary
 from rangenav.sensors import Measurements, Sensors
-from rangenav.signals import Signal
+from rangenav.signals import Signal, Turning
 
 CACHED = 4
 
@@ -108,13 +108,13 @@ def warm_up(progress: Callable[[float, str], None]) -> None:
     warm.compile_all(progress)
 
 
-def _motion_inputs(p: Preset) -> tuple[Signal, Signal, World, Vec3, float, float]:
+def _motion_inputs(p: Preset) -> tuple[Signal, Turning, World, Vec3, float, float]:
     return p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate
 
 
 @lru_cache(maxsize=CACHED)
 def _phi(
-    path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, rate: float
+    path: Signal, angular_velocity: Turning, world: World, initial_rotation: Vec3, duration: float, rate: float
 ) -> tuple[Array, Array]:
     truth = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate)
     return excitation.phi(truth.motion), excitation.phi_printed(truth.motion)
@@ -122,7 +122,7 @@ def _phi(
 
 @lru_cache(maxsize=CACHED)
 def _limits(
-    path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, rate: float
+    path: Signal, angular_velocity: Turning, world: World, initial_rotation: Vec3, duration: float, rate: float
 ) -> Limits:
     truth = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate)
     return motion.limits(truth.motion, world=world)
@@ -131,7 +131,7 @@ def _limits(
 @lru_cache(maxsize=CACHED)
 def _printed_excitation(
     path: Signal,
-    angular_velocity: Signal,
+    angular_velocity: Turning,
     world: World,
     initial_rotation: Vec3,
     duration: float,
@@ -149,7 +149,7 @@ def _printed_excitation(
 @lru_cache(maxsize=CACHED)
 def _observed(
     path: Signal,
-    angular_velocity: Signal,
+    angular_velocity: Turning,
     world: World,
     initial_rotation: Vec3,
     duration: float,

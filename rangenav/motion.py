@@ -1,6 +1,7 @@
 """The truth on a time grid (paper, eq. 1): ṗ = v, v̇ = g + R a, Ṙ = R [ω]x.
 
-The path fixes position to snap; the angular velocity is integrated on the group, so R stays a rotation.
+The path fixes position to snap; the angular velocity is integrated on the group, so R stays a rotation, unless the body
+is flown: then its attitude follows from the path as well.
 The apparent acceleration (specific force) is what an accelerometer feels: a = Rᵀ(p̈ − g).
 """
 
@@ -14,7 +15,8 @@ from numpy import ndarray as Array
 
 from rangenav import so3
 from rangenav.inputs import Input, Vec3, require
-from rangenav.signals import Signal
+from rangenav.signals import Flown, Signal, Turning, flown
+from rangenav.signals.flown import Attitude
 
 COLLINEAR_SINE = 1e-3
 """m and g count as collinear below this sine of their angle (0.06°): the attitude about them is then not observable."""
@@ -84,11 +86,17 @@ def time_grid(duration: float, rate: float) -> Float[Array, "n"]:
 
 
 def simulate(
-    path: Signal, angular_velocity: Signal, *, world: World, initial_rotation: Vec3, duration: float, rate: float
+    path: Signal, angular_velocity: Turning, *, world: World, initial_rotation: Vec3, duration: float, rate: float
 ) -> Motion:
-    """The truth at `rate` (Hz) for `duration` (s); initial_rotation is a rotation vector (rad): R(0) = exp([r]x)."""
+    """The truth at `rate` (Hz) for `duration` (s); initial_rotation is a rotation vector (rad): R(0) = exp([r]x).
+
+    Flown, the path alone decides the attitude, and initial_rotation is not asked. Raises ValueError where it has none.
+    """
     time = time_grid(duration, rate)
-    rotation = _rotations(angular_velocity, initial_rotation, duration, rate)
+    if isinstance(angular_velocity, Flown):
+        body = flown.attitude(angular_velocity, path, world.gravity, time)
+    else:
+        body = _turning(angular_velocity, initial_rotation, duration, rate)
     acceleration = path(time, 2)
     return Motion(
         time=time,
@@ -97,20 +105,25 @@ def simulate(
         acceleration=acceleration,
         jerk=path(time, 3),
         snap=path(time, 4),
-        rotation=rotation,
-        angular_velocity=angular_velocity(time, 0),
-        angular_acceleration=angular_velocity(time, 1),
-        apparent_acceleration=apparent(rotation, acceleration, gravity=np.asarray(world.gravity)),
+        rotation=body.rotation,
+        angular_velocity=body.angular_velocity,
+        angular_acceleration=body.angular_acceleration,
+        apparent_acceleration=apparent(body.rotation, acceleration, gravity=np.asarray(world.gravity)),
     )
 
 
 @lru_cache(maxsize=8)
-def _rotations(angular_velocity: Signal, initial_rotation: Vec3, duration: float, rate: float) -> Array:
+def _turning(angular_velocity: Signal, initial_rotation: Vec3, duration: float, rate: float) -> Attitude:
     """Attitude has nothing to do with the path: while somebody drags the path it is found here."""
-    start = so3.exp(np.asarray(initial_rotation, dtype=float))
-    rotation = integrate(angular_velocity, start, time_grid(duration, rate))
-    rotation.flags.writeable = False
-    return rotation
+    time, start = time_grid(duration, rate), so3.exp(np.asarray(initial_rotation, dtype=float))
+    body = Attitude(
+        rotation=integrate(angular_velocity, start, time),
+        angular_velocity=angular_velocity(time, 0),
+        angular_acceleration=angular_velocity(time, 1),
+    )
+    for array in (body.rotation, body.angular_velocity, body.angular_acceleration):
+        array.flags.writeable = False
+    return body
 
 
 def apparent(

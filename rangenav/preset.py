@@ -9,13 +9,15 @@ from pathlib import Path
 from typing import Literal
 
 import msgspec
+import numpy as np
 
 from rangenav.cascade import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import rows
 from rangenav.sensors import Sensors
-from rangenav.signals import Signal
+from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_wild
+from rangenav.vehicle import FREE, Vehicle
 
 FORMAT_VERSION = 1
 MIN_DURATION, MAX_DURATION = 0.5, 600.0
@@ -23,6 +25,8 @@ MAX_SAMPLES = 2_000_000
 """A ceiling on duration × rate, so that no preset asks for more memory or time than a page can give."""
 MIN_WINDOW_SAMPLES = 4
 """Fewer samples in a window are no motion; the printed forms of the excitation are sums over them."""
+PATH_DERIVATIVES, TURNING_DERIVATIVES = 4, 1
+"""Up to snap, and up to angular acceleration."""
 MAX_BYTES = 1_000_000
 MAX_TITLE, MAX_STORY = 80, 400
 NUMBER_ARRAY = re.compile(r"\[\n((?:    [-+.\deE]+,\n)+)\]")
@@ -63,13 +67,15 @@ class Preset(Input, frozen=True, kw_only=True):
     """R(0) as a rotation vector (rad)."""
     path: Signal
     """m, inertial frame."""
-    angular_velocity: Signal
-    """rad/s, body frame."""
+    angular_velocity: Turning
+    """rad/s, body frame; or flown, and then the path decides the attitude and initial_rotation is not asked."""
     world: World = World()
     sensors: Sensors = Sensors()
     gains: Gains = Gains()
     guess: Guess = Guess()
     requirement: Requirement = Requirement()
+    vehicle: Vehicle = FREE
+    """Whose limits the motion is held against."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -85,13 +91,23 @@ class Preset(Input, frozen=True, kw_only=True):
         count = window * self.sensors.imu_rate
         rule = f"requirement.window must be at least {MIN_WINDOW_SAMPLES} IMU samples long, got {count:g}"
         require(count >= MIN_WINDOW_SAMPLES, rule)
-        self._refuse_aliased_tones()
-        rows.quadrature(window, self.path.bandwidth)  # refuses a window that would be too much work
+        self._refuse_unsuitable_signals()
+        last = self.duration - window
+        rows.nodes(self.path, np.array([last]), window)  # refuses a window that would be too much work
 
-    def _refuse_aliased_tones(self) -> None:
+    def _refuse_unsuitable_signals(self) -> None:
         nyquist = math.pi * self.sensors.imu_rate
-        for name, signal in (("path", self.path), ("angular_velocity", self.angular_velocity)):
-            fastest = signal.bandwidth
+        for name, signal, highest in (
+            ("path", self.path, PATH_DERIVATIVES),
+            ("angular_velocity", self.angular_velocity, TURNING_DERIVATIVES),
+        ):
+            if isinstance(signal, Flown):
+                continue
+            try:
+                refuse_wild(signal, duration=self.duration, rate=self.sensors.imu_rate, highest=highest)
+            except ValueError as error:
+                raise ValueError(f"{name}: {error}") from None
+            fastest = bandwidth_until(signal, self.duration)
             require(
                 fastest < nyquist, f"{name}: {fastest:g} rad/s is faster than the IMU can sample ({nyquist:.0f} rad/s)"
             )
@@ -113,7 +129,11 @@ def dumps(preset: Preset) -> str:
 
 
 def _encoded(preset: Preset) -> str:
-    return msgspec.toml.encode(preset).decode()
+    """A free vehicle is left out, so that files from before there were vehicles are written as they were."""
+    table = msgspec.to_builtins(preset)
+    if preset.vehicle == FREE:
+        del table["vehicle"]
+    return msgspec.toml.encode(table).decode()
 
 
 def load(name_or_path: str | Path) -> Preset:

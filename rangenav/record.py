@@ -17,7 +17,7 @@ from rangenav.motion import Motion, World
 from rangenav.observability import excitation
 from rangenav.preset import Preset
 from rangenav.sensors import Measurements, Sensors, measure
-from rangenav.signals import Signal
+from rangenav.signals import Signal, Turning
 
 SETTLED_POSITION = 0.3
 """m; an error counts as settled once it stays below this to the end."""
@@ -91,7 +91,7 @@ def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Reco
 
 @lru_cache(maxsize=CACHED)
 def simulated(
-    path: Signal, angular_velocity: Signal, world: World, initial_rotation: Vec3, duration: float, rate: float
+    path: Signal, angular_velocity: Turning, world: World, initial_rotation: Vec3, duration: float, rate: float
 ) -> Truth:
     """The truth on the IMU's clock."""
     moved = motion.simulate(
@@ -103,7 +103,7 @@ def simulated(
 @lru_cache(maxsize=CACHED)
 def measured(
     path: Signal,
-    angular_velocity: Signal,
+    angular_velocity: Turning,
     world: World,
     initial_rotation: Vec3,
     duration: float,

@@ -108,7 +108,7 @@ def _excitation(found: Analysis, truth: motion.Motion, window: float) -> Json:
         },
     }
     if found.bound_for_all_t is None:
-        report["bound_reason"] = "the path has no common period, so no grid covers all t"
+        report["bound_reason"] = "no common period, so no grid covers all t, or no known bound of snap and its rate"
     return report
 
 

@@ -64,7 +64,7 @@ def end_sigmas(
     34 nodes instead of hundreds of ranges: the same as `predict` to a percent, to seven where the path passes within
     decimetres of the anchor and 1/d² has a peak narrower than the nodes. For curves; verdicts use `predict`.
     """
-    nodes, weight = rows.quadrature(window, path.bandwidth)
+    nodes, weight = rows.nodes(path, start, window)
     tau = np.concatenate([[0.0], nodes, [window]])
     count = np.concatenate([[0.5], weight * (window * rate), [0.5]])
     return sigmas(path, world, start + window, tau - window, count, window, sigma=sigma, kind=kind)

@@ -17,7 +17,7 @@ from rangenav.signals import Signal
 
 def least_eigenvalue(path: Signal, gravity: Vec3, start: float, window: float) -> tuple[float, float]:
     """The least eigenvalue of the reduced pair's Gramian (1/δ)∫ over one window, SI, and the floor of rounding."""
-    tau, weight = rows.quadrature(window, path.bandwidth)
+    tau, weight = rows.nodes(path, np.array([start]), window)
     matrix = rows.reduced(path, gravity, np.array([start]), tau)[0] * np.sqrt(weight)[:, None]
     singular = np.linalg.svd(matrix, compute_uv=False)
     return float(singular[-1] ** 2), float((RANK_TOLERANCE * singular[0]) ** 2)

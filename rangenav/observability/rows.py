@@ -14,7 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.signals import Signal, bent
+from rangenav.signals import Signal, bandwidth_until, bent
 
 PANEL_NODES = 32
 PANEL_TURN = 36.0
@@ -35,6 +35,11 @@ def quadrature(window: float, bandwidth: float) -> tuple[Float[Array, "k"], Floa
     nodes, weights = np.polynomial.legendre.leggauss(PANEL_NODES)
     tau = (np.arange(panels)[:, None] + (nodes + 1) / 2).ravel() * (window / panels)
     return tau, np.tile(weights / (2 * panels), panels)
+
+
+def nodes(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
+    """The quadrature for windows of a path: fine enough for what is present until the last of them ends."""
+    return quadrature(window, bandwidth_until(path, float(np.max(start)) + window))
 
 
 def lifted(path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]) -> Float[Array, "w k 13"]:

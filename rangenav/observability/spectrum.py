@@ -4,6 +4,7 @@ W = (1/δ)∫ hᵀh ds = HᵀH with H the quadrature-weighted rows, so λ = σ(H
 eigenvalue below 1e-17 λ_max and returns negative ones; λ_min on the paper's own path is 5e-26 for δ = 0.25 s.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,16 +43,16 @@ class Spectrum:
 
 def window_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
     """Spectra of the 13-state lifted Gramian on windows [t, t + δ]. They depend on path and gravity only."""
-    tau, weight = rows.quadrature(window, path.bandwidth)
+    tau, weight = rows.nodes(path, start, window)
     lifted = rows.lifted(path, gravity, start, tau)
-    return spectra(lifted, weight, window, time_powers=LIFTED_TIME_POWERS, rounding=_rounding(bent(path), window))
+    return spectra(lifted, weight, window, time_powers=LIFTED_TIME_POWERS, rounding=_rounding(path, start, window))
 
 
 def nonlinear_spectra(path: Signal, anchor: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
     """Spectra of the 9-state Gramian of ½d², linearised at the true motion; they depend on where the anchor is."""
-    tau, weight = rows.quadrature(window, path.bandwidth)
+    tau, weight = rows.nodes(path, start, window)
     local = rows.nonlinear(path, anchor, start, tau)
-    return spectra(local, weight, window, time_powers=NONLINEAR_TIME_POWERS, rounding=_rounding(bent(path), window))
+    return spectra(local, weight, window, time_powers=NONLINEAR_TIME_POWERS, rounding=_rounding(path, start, window))
 
 
 def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float, *, rate: float) -> Spectrum:
@@ -60,7 +61,7 @@ def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], windo
     weight = np.full(count + 1, 1.0 / count)
     weight[[0, -1]] /= 2
     lifted = rows.lifted(path, gravity, start, np.arange(count + 1) / rate)
-    return spectra(lifted, weight, window, time_powers=LIFTED_TIME_POWERS, rounding=_rounding(bent(path), window))
+    return spectra(lifted, weight, window, time_powers=LIFTED_TIME_POWERS, rounding=_rounding(path, start, window))
 
 
 def spectra(
@@ -102,6 +103,14 @@ def worst(spectrum: Spectrum) -> int:
     return int(np.lexsort((last, spectrum.rank))[0])
 
 
-def _rounding(path: Signal, window: float) -> float:
-    """The rows' absolute rounding error: positions of size |p| and velocities times δ are subtracted in D."""
-    return ROUNDING * (path.bound(0) + window * path.bound(1))
+def _rounding(path: Signal, start: Float[Array, "w"], window: float) -> float:
+    """The rows' absolute rounding error: positions of size |p| and velocities times δ are subtracted in D.
+
+    A path that no bound is known of, because it drifts or jumps, is as large as it is seen to be.
+    """
+    path = bent(path)
+    sizes = [path.bound(order) for order in (0, 1)]
+    if not math.isfinite(sum(sizes)):
+        time = np.append(start, start[-1] + window)
+        sizes = [float(np.linalg.norm(path(time, order), axis=-1).max()) for order in (0, 1)]
+    return ROUNDING * (sizes[0] + window * sizes[1])

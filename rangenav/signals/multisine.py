@@ -1,14 +1,13 @@
-"""Signals in R³ whose every derivative comes from one formula: `signal(t, order)`.
+"""A Multisine: offset + drift t + Σ A sin(w t + phase) on each axis.
 
-A Multisine is offset + drift t + Σ A sin(w t + phase) on each axis; its derivative of order k is
-Σ A wᵏ sin(w t + phase + k π/2), so snap is as exact as position.
+Its k-th derivative is Σ A wᵏ sin(w t + phase + k π/2): one formula, so snap is as exact as position.
 """
 
 import math
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Literal
 
-import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -94,37 +93,16 @@ class Multisine(Input, frozen=True, kw_only=True, tag="multisine", tag_field="ki
 
         Drift is left out: what depends on second and higher derivatives repeats all the same.
         """
-        frequencies = [tone.frequency for tone in self.tones if tone.amplitude != 0]
-        if not frequencies:
-            return 0.0
-        first = frequencies[0]
-        ratios = [Fraction(w / first).limit_denominator(COMMON_PERIOD_DENOMINATOR) for w in frequencies]
-        if any(abs(float(r) - w / first) > 1e-12 * float(w / first) for r, w in zip(ratios, frequencies, strict=True)):
-            return None
-        divisor = Fraction(math.gcd(*(r.numerator for r in ratios)), math.lcm(*(r.denominator for r in ratios)))
-        return 2 * math.pi / (first * float(divisor))
+        return common_period([tone.frequency for tone in self.tones if tone.amplitude != 0])
 
 
-Signal = Multisine
-"""The families of signals; a union that grows as families are added."""
-
-
-def slowed(signal: Multisine, factor: float) -> Multisine:
-    """The same geometry run `factor` times slower: s(t / factor). Its snap falls by factor⁻⁴, μ over a period by ⁻⁷."""
-    require(math.isfinite(factor) and factor > 0, f"the time scale must be a positive number, got {factor}")
-    tones = tuple(msgspec.structs.replace(tone, frequency=tone.frequency / factor) for tone in signal.tones)
-    x, y, z = signal.drift
-    return msgspec.structs.replace(signal, tones=tones, drift=(x / factor, y / factor, z / factor))
-
-
-def started_at(signal: Multisine, *, position: Vec3, velocity: Vec3) -> Multisine:
-    """The signal shifted and drifting so that it has the given value and rate at t = 0; higher derivatives are kept."""
-    zero = np.zeros(())
-    offset = np.asarray(signal.offset) + np.asarray(position) - signal(zero)
-    drift = np.asarray(signal.drift) + np.asarray(velocity) - signal(zero, 1)
-    return msgspec.structs.replace(signal, offset=tuple(offset.tolist()), drift=tuple(drift.tolist()))
-
-
-def bent(signal: Multisine) -> Multisine:
-    """The signal without offset and drift: what is left is all that second and higher derivatives know of it."""
-    return msgspec.structs.replace(signal, offset=(0.0, 0.0, 0.0), drift=(0.0, 0.0, 0.0))
+def common_period(frequencies: Sequence[float]) -> float | None:
+    """The shortest time (s) in which each frequency (rad/s) makes whole turns; 0 without any, None if there is none."""
+    if not frequencies:
+        return 0.0
+    first = frequencies[0]
+    ratios = [Fraction(w / first).limit_denominator(COMMON_PERIOD_DENOMINATOR) for w in frequencies]
+    if any(abs(float(r) - w / first) > 1e-12 * float(w / first) for r, w in zip(ratios, frequencies, strict=True)):
+        return None
+    divisor = Fraction(math.gcd(*(r.numerator for r in ratios)), math.lcm(*(r.denominator for r in ratios)))
+    return 2 * math.pi / (first * float(divisor))

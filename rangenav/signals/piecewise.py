@@ -1,0 +1,113 @@
+"""Piecewise polynomials in local time: evaluation at any order, jumps between pieces, and bounds that are no samples.
+
+At a knot the piece that begins there is meant, at the very end the last one: derivatives are one-sided. A piece lies
+inside the hull of its Bernstein coefficients, so their largest norm bounds it at every t.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+from scipy.special import comb
+
+JUMP_ORDERS = range(5)
+"""C⁰ to C⁴: position to snap."""
+JUMP_ROUNDING = 1e-9
+"""Relative to what the pieces reach; smaller jumps are the rounding of a fit, larger ones are in the data."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pieces:
+    """m polynomials Σ c_j (t − knot)ʲ, one after the other."""
+
+    knots: Float[Array, "k"]
+    """s, m + 1 of them, increasing."""
+    tables: tuple[Float[Array, "d m 3"], ...]
+    """Ascending coefficients of each derivative: tables[order][j, piece]."""
+    repeats: bool
+    """Begin anew after the end; else stand still before the first knot and after the last."""
+
+    @property
+    def duration(self) -> float:
+        """From the first knot to the last (s)."""
+        return float(self.knots[-1] - self.knots[0])
+
+
+def pieces(knots: Float[Array, "k"], coefficients: Float[Array, "d m 3"], *, repeats: bool) -> Pieces:
+    """Pieces from the ascending coefficients of the signal itself."""
+    tables = [np.ascontiguousarray(coefficients)]
+    while len(tables[-1]) > 1:
+        tables.append(tables[-1][1:] * np.arange(1, len(tables[-1]))[:, None, None])
+    return Pieces(knots=knots, tables=tuple(tables), repeats=repeats)
+
+
+def evaluate(found: Pieces, t: Float[Array, "*n"], order: int) -> Float[Array, "*n 3"]:
+    """The derivative of the given order at times t (s)."""
+    t = np.asarray(t, dtype=float)
+    if order >= len(found.tables):
+        return np.zeros((*t.shape, 3))
+    flat = t.ravel()
+    first, last = found.knots[0], found.knots[-1]
+    time = first + np.mod(flat - first, last - first) if found.repeats else np.clip(flat, first, last)
+    piece = np.clip(np.searchsorted(found.knots, time, side="right") - 1, 0, len(found.knots) - 2)
+    local = (time - found.knots[piece])[:, None]
+    table = found.tables[order]
+    value = table[-1].take(piece, axis=0)
+    for coefficient in table[-2::-1]:
+        value *= local
+        value += coefficient.take(piece, axis=0)
+    if order > 0 and not found.repeats:
+        value[(flat < first) | (flat > last)] = 0.0
+    return value.reshape(*t.shape, 3)
+
+
+def jumps(found: Pieces, orders: range = JUMP_ORDERS) -> Float[Array, "k o 3"]:
+    """The derivatives after each knot minus those before; at the ends the signal stops, or begins anew."""
+    length = np.diff(found.knots)
+    every = np.zeros((len(found.knots), len(orders), 3))
+    for column, order in enumerate(orders):
+        if order >= len(found.tables):
+            break
+        table = found.tables[order]
+        before, after = _horner(table, length), table[0]
+        steps = every[:, column]
+        steps[1:-1] = after[1:] - before[:-1]
+        if found.repeats:
+            steps[0] = steps[-1] = after[0] - before[-1]
+        elif order == 0:  # standing still at either end keeps the position and ends the derivatives
+            steps[0] = steps[-1] = 0.0
+        else:
+            steps[0], steps[-1] = after[0], -before[-1]
+    return every
+
+
+def bound(found: Pieces, order: int) -> float:
+    """A bound on the derivative's norm at every t; infinite if a lower one jumps, as no number bounds its rate."""
+    lower = range(min(order, len(found.tables)))
+    largest = np.linalg.norm(jumps(found, lower), axis=-1).max(axis=0)
+    if any(size > JUMP_ROUNDING * hull(found, k) for k, size in zip(lower, largest, strict=True)):
+        return math.inf
+    return hull(found, order) if order < len(found.tables) else 0.0
+
+
+def hull(found: Pieces, order: int) -> float:
+    """The largest norm of any Bernstein coefficient of the derivative."""
+    return float(np.linalg.norm(bernstein(found.tables[order], np.diff(found.knots)), axis=-1).max() * (1 + 1e-12))
+
+
+def bernstein(table: Float[Array, "d m 3"], length: Float[Array, "m"]) -> Float[Array, "d m 3"]:
+    """Bernstein coefficients of each piece on its own stretch: b_i = Σ_{j≤i} C(i,j)/C(n,j) c_j hʲ."""
+    degree = len(table) - 1
+    i, j = np.meshgrid(np.arange(degree + 1), np.arange(degree + 1), indexing="ij")
+    weights = np.where(j <= i, comb(i, j) / comb(degree, j), 0.0)
+    scaled = table * (length[None, :] ** np.arange(degree + 1)[:, None])[..., None]
+    return np.einsum("ij,jmk->imk", weights, scaled)
+
+
+def _horner(table: Array, local: Array) -> Array:
+    value = table[-1]
+    for coefficient in table[-2::-1]:
+        value = value * local[:, None] + coefficient
+    return value

@@ -1,0 +1,150 @@
+"""Polynomials: pieces of degree 7 with their durations, as uav_trajectories files and the Crazyflie hold them.
+
+Each piece has eight ascending coefficients in its own local time for x, y, z and yaw. Files need not be smooth: where a
+derivative jumps, `jumps` tells by how much, and `complaints` names the jumps that no vehicle could follow.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.inputs import Input, require, require_within
+from rangenav.signals import piecewise, waypoints
+from rangenav.signals.piecewise import Pieces
+from rangenav.signals.waypoints import MinimumSnap
+
+MAX_PIECES = 2000
+MIN_DURATION, MAX_DURATION = 1e-3, 1e4
+MAX_COEFFICIENT = 1e15
+MAX_REACH = 1e7
+TURNS_PER_PIECE = 2.0
+"""Half-waves of the fastest motion that a piece of degree 7 is given for quadrature."""
+COMPLAINTS = {0: ("position", 1e-3, "m"), 1: ("velocity", 1e-2, "m/s")}
+"""Jumps from these sizes on are named; files print six decimals, which is a thousand times finer."""
+CACHED = 16
+Coefficients = tuple[float, float, float, float, float, float, float, float]
+ZERO: Coefficients = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+class Piece(Input, frozen=True, kw_only=True):
+    """One polynomial of degree 7 per axis; coefficient j belongs to (t − start)ʲ."""
+
+    duration: float
+    """s"""
+    x: Coefficients = ZERO
+    """In the signal's unit per sʲ, as y and z."""
+    y: Coefficients = ZERO
+    z: Coefficients = ZERO
+    yaw: Coefficients = ZERO
+    """rad per sʲ; kept for the file, it is no part of the signal."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_within("duration", self.duration, MIN_DURATION, MAX_DURATION, "s")
+        for axis in ("x", "y", "z", "yaw"):
+            for value in getattr(self, axis):
+                require_within(axis, value, -MAX_COEFFICIENT, MAX_COEFFICIENT)
+
+
+class Polynomials(Input, frozen=True, kw_only=True, tag="polynomials", tag_field="kind", cache_hash=True):
+    """Pieces one after the other from t = 0."""
+
+    pieces: tuple[Piece, ...]
+    ends: Literal["hold", "repeat"] = "hold"
+    """After the last piece the signal holds where it is, or begins anew."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        count = len(self.pieces)
+        require(1 <= count <= MAX_PIECES, f"1 to {MAX_PIECES} pieces make a path, got {count}")
+        total = math.fsum(piece.duration for piece in self.pieces)
+        require(total <= MAX_DURATION, f"the pieces must last {MAX_DURATION:g} s at most, got {total:g} s")
+        reach = piecewise.hull(_pieces(self), 0)
+        require(reach <= MAX_REACH, f"the pieces may reach out to {reach:.2g}, which is beyond {MAX_REACH:g}")
+
+    def __call__(self, t: Float[Array, "*n"], order: int = 0) -> Float[Array, "*n 3"]:
+        """The derivative of the given order at times t (s): at a knot that of the piece which begins there."""
+        return piecewise.evaluate(_pieces(self), t, order)
+
+    @property
+    def bandwidth(self) -> float:
+        """What the shortest piece may turn (rad/s)."""
+        return TURNS_PER_PIECE * math.pi / min(piece.duration for piece in self.pieces)
+
+    def bound(self, order: int) -> float:
+        """A bound on |signal(t, order)| for every t, from Bernstein coefficients; infinite if a lower one jumps."""
+        return _bound(self, order)
+
+    @property
+    def period(self) -> float | None:
+        """The total duration (s) if the signal repeats, else None."""
+        return _pieces(self).duration if self.ends == "repeat" else None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Jumps:
+    """How far the derivatives jump at each knot, the first and the last included."""
+
+    time: Float[Array, "k"]
+    """s"""
+    step: Float[Array, "k 5 3"]
+    """Of position to snap, after minus before: m, m/s … m/s⁴ for a path."""
+
+
+def jumps(signal: Polynomials) -> Jumps:
+    """The jumps C⁰ to C⁴. At the ends the signal stands still before and after, or meets its own beginning."""
+    found = _pieces(signal)
+    return Jumps(time=found.knots, step=piecewise.jumps(found))
+
+
+def complaints(signal: Polynomials) -> tuple[str, ...]:
+    """A sentence for each knot where position or velocity jumps: what the file says there cannot be flown."""
+    found = jumps(signal)
+    sentences = []
+    for k, time in enumerate(found.time):
+        for order, (name, least, unit) in COMPLAINTS.items():
+            steps = np.abs(found.step[k, order])
+            if steps.max() >= least:
+                axis = "xyz"[int(np.argmax(steps))]
+                sentences.append(f"{name} jumps by {steps.max():.2g} {unit} along {axis} at t = {time:.2f} s")
+                break
+    return tuple(sentences)
+
+
+def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
+    """The same curve as polynomials; before a first waypoint later than t = 0 it stands still."""
+    found = waypoints.pieces(curve)
+    late = float(found.knots[0])
+    require(late == 0 or not found.repeats, f"to repeat as pieces a curve must begin at t = 0, not at {late:g} s")
+    made = [_piece(length, table) for length, table in zip(np.diff(found.knots), _by_piece(found), strict=True)]
+    if late > 0:
+        standing = np.zeros((8, 3))
+        standing[0] = found.tables[0][0, 0]
+        made.insert(0, _piece(late, standing))
+    return Polynomials(pieces=tuple(made), ends="repeat" if found.repeats else "hold")
+
+
+def _by_piece(found: Pieces) -> Float[Array, "m 8 3"]:
+    return found.tables[0].transpose(1, 0, 2)
+
+
+def _piece(duration: float, table: Float[Array, "8 3"]) -> Piece:
+    x, y, z = (tuple(column.tolist()) for column in table.T)
+    return Piece(duration=float(duration), x=x, y=y, z=z)
+
+
+@lru_cache(maxsize=CACHED)
+def _pieces(signal: Polynomials) -> Pieces:
+    table = np.array([[piece.x, piece.y, piece.z] for piece in signal.pieces])  # (m, 3, 8)
+    knots = np.concatenate([[0.0], np.cumsum([piece.duration for piece in signal.pieces])])
+    return piecewise.pieces(knots, table.transpose(2, 0, 1), repeats=signal.ends == "repeat")
+
+
+@lru_cache(maxsize=4 * CACHED)
+def _bound(signal: Polynomials, order: int) -> float:
+    return piecewise.bound(_pieces(signal), order)
