@@ -30,7 +30,7 @@ def operations(signal: Signal) -> int:
 
 @lru_cache(maxsize=CACHED)
 def refuse_wild(signal: Signal, *, duration: float, rate: float, highest: int) -> None:
-    """Raise ValueError naming axis and time if a formula or a derivative up to the highest order is not finite in the flight."""
+    """Raise ValueError naming axis and time where a formula or a derivative, up to the highest, is not finite."""
     count = operations(signal)
     if count == 0:
         return
@@ -38,5 +38,5 @@ def refuse_wild(signal: Signal, *, duration: float, rate: float, highest: int) -
     rule = f"a formula of {count} operations over {samples:.0f} samples is too much work: shorten one of them"
     require(count * samples <= MAX_WORK, rule)
     time = np.linspace(0, duration, min(CHECK_SAMPLES, int(samples) + 1))
-    for order in range(highest, -1, -1):
+    for order in range(highest + 1):
         signal(time, order)

@@ -1,7 +1,8 @@
-"""Edits of a whole signal: slowed, started elsewhere, moved, scaled, turned, mirrored, centred; pure functions signal -> signal.
+"""Edits of a whole signal: slowed, started elsewhere, moved, scaled, turned, mirrored, centred.
 
-Each family stays what it is: a rotated Multisine is a Multisine, a mirrored path of waypoints keeps its waypoints, and a
-formula keeps its text. Only a start with another velocity makes a Sum of what has no drift of its own.
+Pure functions signal -> signal. Each family stays what it is: a rotated Multisine is a Multisine, a mirrored path of
+waypoints keeps its waypoints, and a formula keeps its text. Only a start with another velocity makes a Sum of what has
+no drift of its own.
 """
 
 import cmath

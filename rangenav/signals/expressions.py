@@ -1,7 +1,7 @@
 """Text of one formula -> a small tree, by a whitelist: nothing that was typed is ever run.
 
-First every character must belong to a number, a known name or an operator, in an order that makes sense, so mistakes are
-found at their column; only then Python's own parser settles precedence, and its tree is translated node by node.
+First every character must belong to a number, a known name or an operator, in an order that makes sense, so mistakes
+are found at their column; only then Python's own parser settles precedence, and its tree is translated node by node.
 Length, depth and size are bounded before any work starts.
 """
 
@@ -118,7 +118,7 @@ def _check_words(text: str) -> None:
         if depth < 0 or depth > MAX_PARENTHESES:
             raise _at(column, "this ) closes nothing" if depth < 0 else "parentheses are nested too deeply")
         function = word if word in series.FUNCTIONS or word == "pow" else ""
-        wanted = bool(function) or not (opens and word != "(") and word != ")"
+        wanted = bool(function) or (kind == "sign" and word != ")")
     if wanted:
         raise _at(end + 1, "the formula is empty" if end == 0 else "t, a number or a function is missing at the end")
     if depth:
@@ -168,6 +168,8 @@ class _Translation:
             case ast.BinOp(left=left, op=operator, right=right) if type(operator) in OPERATORS:
                 sides = self.node(left, depth=depth + 1), self.node(right, depth=depth + 1)
                 operation = OPERATORS[type(operator)]
+                if operation == "/" and sides[1].is_number and sides[1].value == 0:
+                    raise _at(right.col_offset, "this divides by zero")
                 return (
                     _power(sides[0], sides[1], column) if operation == "**" else _folded(Node(operation, sides), column)
                 )

@@ -92,8 +92,10 @@ class Formula(Input, frozen=True, kw_only=True, tag="formula", tag_field="kind",
         wild = ~(np.abs(value) <= limit)
         if wild.any():
             what = "value" if order == 0 else f"derivative of order {order}"
-            at = float(t[np.argmax(wild)])
-            raise ValueError(f"{axis}: {shortened(getattr(self, axis))} has no {what} below {limit:g} at t = {at:g} s")
+            k, text = int(np.argmax(wild)), shortened(getattr(self, axis))
+            finite = math.isfinite(value[k])
+            said = f"the {what} of {text} exceeds {limit:g}" if finite else f"{text} has no finite {what}"
+            raise ValueError(f"{axis}: {said} at t = {t[k]:g} s")
         return value
 
     @property

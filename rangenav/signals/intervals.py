@@ -68,7 +68,7 @@ class Interval:
 def _interval(value: Any) -> Interval:
     if isinstance(value, Interval):
         return value
-    point = np.asarray(value, dtype=float)
+    point = np.atleast_1d(np.asarray(value, dtype=float))
     return Interval(point, point)
 
 

@@ -24,7 +24,7 @@ class Pieces:
 
     knots: Float[Array, "k"]
     """s, m + 1 of them, increasing."""
-    tables: tuple[Float[Array, "d m 3"], ...]
+    tables: tuple[Float[Array, "_ m 3"], ...]
     """Ascending coefficients of each derivative: tables[order][j, piece]."""
     repeats: bool
     """Begin anew after the end; else stand still before the first knot and after the last."""

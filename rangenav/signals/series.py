@@ -19,13 +19,13 @@ Function: TypeAlias = Callable[[Series, int], Series]
 
 
 def constant(value: float) -> Series:
-    """A number."""
-    return (value,)
+    """A number; numpy's, because Python's raise where those become infinite and are found later, with their time."""
+    return (np.float64(value),)
 
 
 def variable(t: Any) -> Series:
     """t itself: t + h."""
-    return (t, 1.0)
+    return (t, np.float64(1.0))
 
 
 def add(a: Series, b: Series) -> Series:
@@ -74,12 +74,13 @@ def integer_power(a: Series, exponent: int, order: int) -> Series:
 
 def real_power(a: Series, exponent: float, order: int) -> Series:
     """aᵖ for a > 0: k a₀ w_k = Σ (p j − (k − j)) a_j w_{k−j}."""
-    power = [elementary("pow", a[0], exponent)]
+    base = a[0]
+    power = [elementary("pow", base, exponent)]
     for k in range(1, order + 1 if len(a) > 1 else 1):
         total: Any = 0.0
         for j in range(1, min(k, len(a) - 1) + 1):
             total = total + (exponent * j - (k - j)) * (a[j] * power[k - j])
-        power.append(total / (k * a[0]))
+        power.append(total / (k * base))
     return tuple(power)
 
 

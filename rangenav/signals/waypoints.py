@@ -3,7 +3,8 @@
 Among all curves through timed points the one of least ∫|p⁽ᵐ⁾|² is the spline of degree 2m − 1: one banded solve, exact.
 Waypoints (degree 9) start and end at rest with no snap, so they can hold still there and stay C⁴; minimum-snap curves
 (degree 7) are what flight planners make, start and end at rest, and their snap jumps there. With a period both close.
-python-control's flatsys was tried and is not used: see `benchmarks` in the tests for the figures.
+python-control's flatsys is not used: it plans between two complete states, snap included, and knows no points to pass
+at given times. Chained through 12 points whose derivatives were already known it took 45 ms, the spline 0.4 ms.
 """
 
 import math
@@ -165,18 +166,21 @@ def _pieces(curve: Timed) -> Pieces:
 
 
 def fitted(time: Float[Array, "n"], value: Float[Array, "n 3"], *, degree: int, closed: bool) -> Pieces:
-    """The spline of odd degree through (time, value): closed, or at rest up to derivative (degree − 1)/2 at its ends."""
+    """The spline of odd degree through (time, value): closed, or at rest up to derivative (degree − 1)/2."""
     scale = (time[-1] - time[0]) / (len(time) - 1)
     s = (time - time[0]) / scale  # unit gaps: the same condition number whatever the seconds
     rest = [(order, np.zeros(3)) for order in range(1, (degree + 1) // 2)]
     try:
-        spline = make_interp_spline(s, value, k=degree, bc_type="periodic" if closed else (rest, rest))
+        spline = make_interp_spline(s, value - value[0], k=degree, bc_type="periodic" if closed else (rest, rest))
     except (ValueError, np.linalg.LinAlgError):
         raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven") from None
     coefficients = np.stack([spline(s[:-1], nu=j) / (math.factorial(j) * scale**j) for j in range(degree + 1)])
+    coefficients[0] += value[0]  # left out of the fit: a far-off place costs no digits, and standing still is exact
     found = piecewise.pieces(time, coefficients, repeats=closed)
     spread = float(np.ptp(value, axis=0).max())
-    miss = max(float(np.abs(spline(s) - value).max()), float(np.abs(piecewise.jumps(found, range(1))).max()))
+    miss = max(
+        float(np.abs(spline(s) - (value - value[0])).max()), float(np.abs(piecewise.jumps(found, range(1))).max())
+    )
     if not miss <= MISS * spread + 1e-12 * float(np.abs(value).max()):
         raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven")
     return found

@@ -1,0 +1,287 @@
+"""Fuzzing: `python -m tests.fuzz --seconds 60 --target formula` throws strings at the library until the time is up.
+
+A target is an ordinary function: a random generator in, nothing out; it fails by raising. What the library refuses, it
+refuses with a ValueError of one line. Every case has a deadline, warnings are errors, and nothing may ever be run by
+Python's exec or eval. A failing case is printed with its seed: `--seed N --cases 1` runs it alone.
+"""
+
+import argparse
+import random
+import sys
+import time
+import warnings
+from collections.abc import Callable
+
+import msgspec
+import numpy as np
+
+from rangenav import motion, preset
+from rangenav.preset import Preset
+from rangenav.signals import Flown, Formula, bandwidth_until, expressions, series
+from tests.families import EXAMPLES
+
+DEADLINE = 1.0
+"""s; a case that takes longer hangs, as far as somebody typing is concerned."""
+LEAST_CASES = {"formula": 100_000, "preset": 10_000}
+"""What a run of 60 s is expected to reach."""
+GRID = np.linspace(0, 10, 48)
+WORDS = [
+    *expressions.NAMES,
+    *expressions.KINKED,
+    "lambda",
+    "import",
+    "__import__",
+    "exec",
+    "eval",
+    "t.real",
+    "if",
+    "for",
+]
+SIGNS = [
+    "+",
+    "-",
+    "*",
+    "/",
+    "**",
+    "(",
+    ")",
+    ",",
+    ".",
+    "^",
+    "=",
+    " ",
+    "//",
+    "%",
+    "@",
+    "[",
+    "]",
+    "{",
+    "'",
+    '"',
+    "\\",
+    "\n",
+    ";",
+    ":=",
+]
+NUMBERS = [
+    "0",
+    "1",
+    "2",
+    "3.5",
+    "1e-9",
+    "1e9",
+    "1e308",
+    "9" * 40,
+    "0x1f",
+    "1_0",
+    "2j",
+    ".5",
+    "5.",
+    "1e",
+    "-7",
+    "64",
+    "65",
+]
+DAMAGES = [
+    "nan",
+    "-inf",
+    "1e999",
+    "9" * 30,
+    "[",
+    "]",
+    "{",
+    '"',
+    "=",
+    "\n",
+    "true",
+    "[path]",
+    "[[path.points]]",
+    "1979-05-27",
+]
+DAMAGES += [
+    'kind = "sum"',
+    'kind = "flown"',
+    'kind = "formula"\nx = "1/t"',
+    "time = 1.0",
+    "period = 3.0",
+    "-1",
+    "0",
+    "1e6",
+    "\x00",
+]
+MAX_SIMULATED = 3000
+"""Samples; presets that were accepted and are not longer are flown as well."""
+
+
+class ExecutionError(Exception):
+    """Something asked Python to run text."""
+
+
+def formula(random: random.Random) -> None:
+    """Text of any kind as a formula: refused in one line, or evaluated, bounded and found finite."""
+    text = _formula_text(random)
+    try:
+        signal = Formula(x=text)
+        value = signal(GRID, random.randrange(6))
+    except ValueError as error:
+        _check_sentence(str(error), "x: ")
+        return
+    assert np.isfinite(value).all(), text
+    if random.random() < 0.05:
+        order = random.randrange(6)
+        try:
+            largest = float(np.abs(signal(GRID, order)[:, 0]).max())
+        except ValueError:
+            return
+        assert largest <= signal.bound(order) * (1 + 1e-12) or largest < 1e-290, text
+        assert signal.period is None or signal.period >= 0
+        assert bandwidth_until(signal, 10.0) >= 0
+
+
+def damaged_preset(random: random.Random) -> None:
+    """A preset's file with a few places damaged: refused in one line, or read, written alike and flown."""
+    text = random.choice(_texts())
+    for _ in range(random.randint(1, 3)):
+        start = random.randrange(len(text))
+        text = text[:start] + _damage(random) + text[start + random.choice((0, 0, 1, 2, 5, 30)) :]
+    try:
+        p = preset.loads(text, source="x.toml")
+    except ValueError as error:
+        _check_sentence(str(error), "x.toml: ")
+        return
+    assert preset.loads(preset.dumps(p), source="x.toml") == p
+    if p.duration * p.sensors.imu_rate <= MAX_SIMULATED and random.random() < 0.2:
+        _fly(p)
+
+
+def _fly(p: Preset) -> None:
+    try:
+        moved = motion.simulate(
+            p.path,
+            p.angular_velocity,
+            world=p.world,
+            initial_rotation=p.initial_rotation,
+            duration=p.duration,
+            rate=p.sensors.imu_rate,
+        )
+    except ValueError as error:
+        _check_sentence(str(error), "")
+        return
+    assert np.isfinite(moved.snap).all()
+    assert np.isfinite(moved.rotation).all()
+
+
+def _check_sentence(said: str, start: str) -> None:
+    assert said.startswith(start), said
+    assert "\n" not in said, said
+    assert len(said) < 400, said
+
+
+def _formula_text(random: random.Random) -> str:
+    kind = random.random()
+    if kind < 0.35:
+        return _grown(random, random.randint(0, 5))
+    if kind < 0.65:
+        text = _grown(random, random.randint(1, 4))
+        for _ in range(random.randint(1, 3)):
+            start = random.randint(0, len(text))
+            text = text[:start] + random.choice((*SIGNS, *NUMBERS, *WORDS)) + text[start + random.choice((0, 1, 2)) :]
+        return text
+    if kind < 0.9:
+        return "".join(random.choice((*SIGNS, *NUMBERS, *WORDS)) for _ in range(random.randint(0, 25)))
+    if kind < 0.95:
+        return "".join(chr(random.randrange(1, 0x2FFF)) for _ in range(random.randint(0, 30)))
+    return random.choice(("(", "-", "sin(", "t**", "t+", "9", "1/", "+t")) * random.randint(1, 3000)
+
+
+def _grown(random: random.Random, depth: int) -> str:
+    """A formula that follows the grammar."""
+    if depth == 0:
+        return random.choice(("t", "t", "pi", "e", str(random.randint(0, 9)), f"{random.uniform(0, 20):.3g}"))
+    inner = _grown(random, depth - 1)
+    kind = random.random()
+    if kind < 0.35:
+        return f"{random.choice([*series.FUNCTIONS])}({inner})"
+    if kind < 0.45:
+        return f"({inner})**{random.choice(('2', '3', '-1', '0.5', '-2', '7', '1.5', 't'))}"
+    if kind < 0.5:
+        return f"-({inner})"
+    return f"({inner}) {random.choice('+-*/')} ({_grown(random, random.randrange(depth))})"
+
+
+def _damage(random: random.Random) -> str:
+    kind = random.random()
+    if kind < 0.5:
+        return random.choice(DAMAGES)
+    if kind < 0.8:
+        return repr(
+            random.choice((random.uniform(-1e3, 1e3), random.randint(-5, 2000), 10 ** random.uniform(-300, 300)))
+        )
+    return "".join(chr(random.randrange(1, 0x300)) for _ in range(random.randint(0, 4)))
+
+
+_TEXTS: list[str] = []
+
+
+def _texts() -> list[str]:
+    """Every shipped preset, and every family of signals in one; short flights, so that they can be flown."""
+    if not _TEXTS:
+        soft = preset.load("soft")
+        _TEXTS.extend(preset.dumps(p) for p in preset.shipped().values())
+        requirement = msgspec.structs.replace(soft.requirement, window=4.0)
+        for signal in EXAMPLES.values():
+            p = msgspec.structs.replace(soft, path=signal, duration=10.0, requirement=requirement)
+            _TEXTS.append(preset.dumps(p))
+            _TEXTS.append(preset.dumps(msgspec.structs.replace(p, angular_velocity=Flown(yaw="sin(t)"))))
+    return _TEXTS
+
+
+TARGETS: dict[str, Callable[[random.Random], None]] = {"formula": formula, "preset": damaged_preset}
+
+
+def run(target: str, *, seconds: float, cases: int | None = None, seed: int = 0) -> int:
+    """Run a target until the time is up or the cases are done; returns how many were run. Raises what a case raised."""
+    sys.addaudithook(_refuse_execution)
+    _texts()
+    began, count = time.perf_counter(), 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        while time.perf_counter() - began < seconds and count != cases:
+            started = time.thread_time()
+            _watch["on"] = True
+            try:
+                TARGETS[target](random.Random(seed + count))
+            except BaseException:
+                print(f"{target}: case --seed {seed + count} --cases 1 failed", file=sys.stderr)
+                raise
+            finally:
+                _watch["on"] = False
+            took = time.thread_time() - started
+            assert took < DEADLINE, f"{target}: case --seed {seed + count} took {took:.2f} s"
+            count += 1
+    return count
+
+
+_watch = {"on": False}
+
+
+def _refuse_execution(event: str, arguments: tuple[object, ...]) -> None:
+    if _watch["on"] and event == "exec":
+        raise ExecutionError(f"Python was asked to run {arguments!r}")
+
+
+def main() -> None:
+    """Parse the command line, run one target, say how far it came."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--target", choices=sorted(TARGETS), required=True)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    parser.add_argument("--cases", type=int, default=None)
+    parser.add_argument("--seed", type=int, default=0)
+    chosen = parser.parse_args()
+    began = time.perf_counter()
+    count = run(chosen.target, seconds=chosen.seconds, cases=chosen.cases, seed=chosen.seed)
+    print(f"{chosen.target}: {count} cases in {time.perf_counter() - began:.1f} s, none failed")
+
+
+if __name__ == "__main__":
+    main()

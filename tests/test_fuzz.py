@@ -1,0 +1,20 @@
+"""The fuzzing targets run, a little of each; `python -m tests.fuzz` runs them for as long as asked."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.fuzz import TARGETS
+
+SOURCE = Path(__file__).parent.parent
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_thousand_cases_of_every_target_are_survived(target):
+    """In its own process: it listens for anything that Python is asked to run, which test runners do all the time."""
+    command = [sys.executable, "-m", "tests.fuzz", "--target", target, "--cases", "1000", "--seconds", "300"]
+    finished = subprocess.run(command, cwd=SOURCE, capture_output=True, text=True, timeout=300, check=False)
+    assert finished.returncode == 0, finished.stderr
+    assert "1000 cases" in finished.stdout
