@@ -16,7 +16,7 @@ from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import rows
 from rangenav.sensors import Sensors
-from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_wild
+from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
 
 FORMAT_VERSION = 1
@@ -25,6 +25,8 @@ MAX_SAMPLES = 2_000_000
 """A ceiling on duration × rate, so that no preset asks for more memory or time than a page can give."""
 MIN_WINDOW_SAMPLES = 4
 """Fewer samples in a window are no motion; the printed forms of the excitation are sums over them."""
+WINDOWS = 600
+"""About as many windows of a path are looked at in an analysis, each at all its quadrature nodes."""
 PATH_DERIVATIVES, TURNING_DERIVATIVES = 4, 1
 """Up to snap, and up to angular acceleration."""
 MAX_BYTES = 1_000_000
@@ -96,21 +98,31 @@ class Preset(Input, frozen=True, kw_only=True):
         rows.nodes(self.path, np.array([last]), window)  # refuses a window that would be too much work
 
     def _refuse_unsuitable_signals(self) -> None:
-        nyquist = math.pi * self.sensors.imu_rate
-        for name, signal, highest in (
-            ("path", self.path, PATH_DERIVATIVES),
-            ("angular_velocity", self.angular_velocity, TURNING_DERIVATIVES),
-        ):
-            if isinstance(signal, Flown):
-                continue
-            try:
-                refuse_wild(signal, duration=self.duration, rate=self.sensors.imu_rate, highest=highest)
-            except ValueError as error:
-                raise ValueError(f"{name}: {error}") from None
-            fastest = bandwidth_until(signal, self.duration)
-            require(
-                fastest < nyquist, f"{name}: {fastest:g} rad/s is faster than the IMU can sample ({nyquist:.0f} rad/s)"
-            )
+        try:
+            self._refuse_unsuitable(self.path, PATH_DERIVATIVES)
+        except ValueError as error:
+            raise ValueError(f"path: {error}") from None
+        try:
+            self._refuse_unsuitable_turning()
+        except ValueError as error:
+            raise ValueError(f"angular_velocity: {error}") from None
+
+    def _refuse_unsuitable(self, signal: Signal, highest: int) -> None:
+        """Too much work, not finite, or too fast for the IMU."""
+        rate, window = self.sensors.imu_rate, self.requirement.window
+        refuse_work(signal, moments=self.duration * rate)
+        refuse_wild(signal, duration=self.duration, rate=rate, highest=highest)
+        fastest = bandwidth_until(signal, self.duration)
+        rule = f"{fastest:g} rad/s is faster than the IMU can sample ({math.pi * rate:.0f} rad/s)"
+        require(fastest < math.pi * rate, rule)
+        refuse_work(signal, moments=self.duration * rate + WINDOWS * rows.count(window, fastest))
+
+    def _refuse_unsuitable_turning(self) -> None:
+        turning, rate = self.angular_velocity, self.sensors.imu_rate
+        if isinstance(turning, Flown):
+            refuse_fallen(turning, self.path, gravity=self.world.gravity, duration=self.duration, rate=rate)
+        else:
+            self._refuse_unsuitable(turning, TURNING_DERIVATIVES)
 
 
 def loads(text: str, *, source: str) -> Preset:

@@ -123,7 +123,7 @@ def test_the_jump_in_a_file_shipped_with_crazyswarm2_is_named():
     path = polynomial_file("cs2_multi_traj0.csv")
     assert len(path.pieces) == 32
     first, *rest = polynomials.complaints(path)
-    assert first.startswith("position jumps by 0.29 m along y at t = 0.96 s")
+    assert first.startswith("position jumps by 0.29 m along x at t = 0.96 s")
     assert len(rest) == 2
 
 

@@ -7,6 +7,7 @@ In axes fixed in inertia, with τ = s − t and D = p(s) − p(t) − τ v(t) �
 A window is observable exactly when the 13 functions {1, τ, τ², τ³, Dᵢ, τDᵢ, τ²Dᵢ} are linearly independent on it.
 """
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -23,10 +24,15 @@ MAX_NODES = 1024
 """Nodes in one window; more would ask for more memory than a live page may use."""
 
 
+def count(window: float, bandwidth: float) -> int:
+    """How many nodes a window takes."""
+    return PANEL_NODES * max(1, math.ceil(bandwidth * window / PANEL_TURN))
+
+
 @lru_cache(maxsize=64)
 def quadrature(window: float, bandwidth: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
     """Nodes τ in [0, window] and weights that sum to one: composite Gauss–Legendre, fine enough for the bandwidth."""
-    panels = max(1, int(np.ceil(bandwidth * window / PANEL_TURN)))
+    panels = count(window, bandwidth) // PANEL_NODES
     if panels * PANEL_NODES > MAX_NODES:
         longest = MAX_NODES // PANEL_NODES * PANEL_TURN / bandwidth
         raise ValueError(

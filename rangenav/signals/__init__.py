@@ -8,7 +8,7 @@ A signal is a value (frozen, hashable, a tagged table in a file) that the librar
     bent(signal)         the signal without its straight part
 """
 
-from rangenav.signals.checks import operations, refuse_wild
+from rangenav.signals.checks import operations, refuse_fallen, refuse_wild, refuse_work
 from rangenav.signals.edits import (
     bent,
     centred,
@@ -53,7 +53,9 @@ __all__ = [
     "mirrored",
     "moved",
     "operations",
+    "refuse_fallen",
     "refuse_wild",
+    "refuse_work",
     "rotated",
     "scaled",
     "slowed",

@@ -3,15 +3,18 @@
 from functools import lru_cache
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
 
-from rangenav.inputs import require
+from rangenav.inputs import Vec3, require
 from rangenav.signals import expressions
 from rangenav.signals.families import Signal, Sum
+from rangenav.signals.flown import Flown, attitude
 from rangenav.signals.formula import Formula
 from rangenav.signals.multisine import AXES
 
-MAX_WORK = 2e7
-"""Operations × samples of a formula over a flight; about a second on a small machine."""
+MAX_WORK = 5e7
+"""Operations of a formula × moments at which it is evaluated; a second on a small machine, at 20 ns each."""
 CHECK_SAMPLES = 4001
 """Times at which derivatives are looked at before a run; every evaluation looks again at its own."""
 CACHED = 64
@@ -28,15 +31,28 @@ def operations(signal: Signal) -> int:
             return 0
 
 
+def refuse_work(signal: Signal, *, moments: float) -> None:
+    """Raise ValueError, before anything is evaluated, if the signal's formulas are too long for so many moments."""
+    count = operations(signal)
+    rule = f"a formula of {count} operations at {moments:.0f} moments is too much work: shorten it, flight or window"
+    require(count * moments <= MAX_WORK, rule)
+
+
 @lru_cache(maxsize=CACHED)
 def refuse_wild(signal: Signal, *, duration: float, rate: float, highest: int) -> None:
     """Raise ValueError naming axis and time where a formula or a derivative, up to the highest, is not finite."""
-    count = operations(signal)
-    if count == 0:
+    if operations(signal) == 0:
         return
-    samples = duration * rate
-    rule = f"a formula of {count} operations over {samples:.0f} samples is too much work: shorten one of them"
-    require(count * samples <= MAX_WORK, rule)
-    time = np.linspace(0, duration, min(CHECK_SAMPLES, int(samples) + 1))
+    time = _moments(duration, rate)
     for order in range(highest + 1):
         signal(time, order)
+
+
+@lru_cache(maxsize=CACHED)
+def refuse_fallen(flown: Flown, path: Signal, *, gravity: Vec3, duration: float, rate: float) -> None:
+    """Raise ValueError naming the time if flying the path has no attitude somewhere."""
+    attitude(flown, path, gravity, _moments(duration, rate))
+
+
+def _moments(duration: float, rate: float) -> Float[Array, "n"]:
+    return np.linspace(0, duration, min(CHECK_SAMPLES, int(duration * rate) + 1))

@@ -31,6 +31,8 @@ BANDWIDTH_ORDERS = range(5, 11)
 BANDWIDTH_TIMES = 512
 BOUND_BOXES = 128
 """Stretches of a period over which intervals are taken; on a whole turn at once they would be far too wide."""
+MAX_BOUNDED = 120
+"""Operations on one axis; intervals for more would take longer than somebody who is typing waits."""
 CACHED = 64
 
 
@@ -171,6 +173,8 @@ def _bandwidth(text: str, time: float) -> float:
 @lru_cache(maxsize=CACHED)
 def _bound(text: str, order: int) -> float:
     node = expressions.parse(text)
+    if expressions.size(node) > MAX_BOUNDED:
+        return math.inf
     repeats = frequencies(node)
     period = common_period(sorted(repeats)) if repeats is not None else None
     if period and order > 1:  # below order 2 a straight line may be added to what repeats
