@@ -160,7 +160,7 @@ def analysis(
         mu=lifted.mu,
         mu_at=lifted.mu_at,
         excitation=excitation.eigenvalues(path, np.array([lifted.mu_at]), window)[0],
-        mu_floor=excitation.floor(path, window),
+        mu_floor=excitation.floor(lifted.excitation),
         bound_for_all_t=lifted.bound_for_all_t,
         gramian_at=float(lifted.start[k]),
         gramian=lifted.spectrum.eigenvalues[k],

@@ -1,13 +1,14 @@
 """The Motion tab: every tone of path and angular velocity, the time scale and the window δ."""
 
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import msgspec
 import viser
 
 from explorer.panels.controls import Complaint, Dial, LogDial, Note, Vector
 from explorer.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Settings
-from rangenav.signals import Signal, Tone
+from rangenav.signals import Multisine, Signal, Tone, Turning
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,12 +43,17 @@ TURN = _Kind(
 )
 
 
+S = TypeVar("S", bound=Turning)
+NO_TONES = "No tones: nothing to move here."
+NO_SLIDERS = "This one has no tones: it is used as its preset says, and has no sliders here."
+
+
 @dataclass(frozen=True, kw_only=True)
 class Chosen:
     """What this tab decides."""
 
     path: Signal
-    angular_velocity: Signal
+    angular_velocity: Turning
     time_scale: float
     window: float
 
@@ -105,37 +111,44 @@ class MotionPanel:
             self._scale_line.content = line
 
 
-class _SignalFolder:
-    """The tones of one signal; rebuilt when a preset with other tones is written."""
+class _SignalFolder(Generic[S]):
+    """The tones of one signal; rebuilt when a preset with others is written. Other families are only shown."""
 
-    def __init__(self, gui: viser.GuiApi, kind: _Kind, signal: Signal, note: Note) -> None:
+    def __init__(self, gui: viser.GuiApi, kind: _Kind, signal: S, note: Note) -> None:
         self._gui, self._kind, self._note = gui, kind, note
         self._folder = gui.add_folder(kind.label, expand_by_default=kind.expanded)
         with self._folder:
-            self._none = gui.add_markdown("No tones: nothing to move here.", visible=False)
+            self._none = gui.add_markdown("", visible=False)
         self._tones: list[_ToneFolder] = []
         self._build(signal)
 
-    def read(self) -> Signal:
+    def read(self) -> S:
         tones = tuple(tone.read() for tone in self._tones)
+        if not isinstance(self._written, Multisine):
+            return self._written
         return msgspec.structs.replace(self._written, tones=tones)
 
-    def write(self, signal: Signal) -> None:
-        if [tone.axis for tone in signal.tones] != [tone.axis for tone in self._tones]:
+    def write(self, signal: S) -> None:
+        if [tone.axis for tone in _tones(signal)] != [tone.axis for tone in self._tones]:
             self._build(signal)
         self._written = signal
-        for folder, tone in zip(self._tones, signal.tones, strict=True):
+        self._none.content = NO_TONES if isinstance(signal, Multisine) else NO_SLIDERS
+        for folder, tone in zip(self._tones, _tones(signal), strict=True):
             folder.write(tone)
 
-    def _build(self, signal: Signal) -> None:
+    def _build(self, signal: S) -> None:
         for tone in self._tones:
             tone.remove()
         with self._folder:
             self._tones = [
                 _ToneFolder(self._gui, self._kind, tone, self._note, expanded=i < self._kind.open_tones)
-                for i, tone in enumerate(signal.tones)
+                for i, tone in enumerate(_tones(signal))
             ]
         self._written, self._none.visible = signal, not self._tones
+
+
+def _tones(signal: Turning) -> tuple[Tone, ...]:
+    return signal.tones if isinstance(signal, Multisine) else ()
 
 
 class _ToneFolder:
@@ -191,9 +204,12 @@ class _Offsets:
             self._complaint = Complaint(gui)
 
     def read(self, signal: Signal) -> Signal:
+        if not isinstance(signal, Multisine):
+            return signal
         with self._complaint.catching():
             return msgspec.structs.replace(signal, offset=self._offset.read(), drift=self._drift.read())
 
     def write(self, signal: Signal) -> None:
-        self._offset.write(signal.offset)
-        self._drift.write(signal.drift)
+        if isinstance(signal, Multisine):
+            self._offset.write(signal.offset)
+            self._drift.write(signal.drift)

@@ -62,9 +62,9 @@ def _singular(path: Signal, start: Array, window: float) -> tuple[Array, Array]:
     return singular[:, ::-1] ** 2, right
 
 
-def floor(path: Signal, window: float) -> float:
-    """Eigenvalues below this (m²/s⁷) are rounding: none of the path's snap lies along their direction."""
-    return UNEXCITED * window * path.bound(4) ** 2
+def floor(values: Float[Array, "w 3"]) -> float:
+    """Of the excitation's eigenvalues (m²/s⁷) those below this are rounding: no snap lies along their direction."""
+    return UNEXCITED * float(values.max())
 
 
 def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[float, float]:
@@ -92,7 +92,7 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
         return None
     least, count = worst(path, np.linspace(0, period, MIN_GRID + 1), window)[0], MIN_GRID
     evaluations = CELL_NODES * CELLS_PER_RADIAN * path.bandwidth * (period + window)
-    if least > floor(path, window) and evaluations <= MAX_EVALUATIONS:
+    if least > UNEXCITED * window * path.bound(4) ** 2 and evaluations <= MAX_EVALUATIONS:
         count = int(np.clip(period * np.sqrt(curvature / (BOUND_SHARE * least)), MIN_GRID, MAX_GRID)) + 1
         least = min(least, _least_on_grid(path, window, period, count))
     return max(0.0, least - curvature * (period / count) ** 2)
