@@ -20,14 +20,12 @@ from explorer.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record
 from rangenav.analysis import WINDOWS, Analysis, analyse
 from rangenav.cascade import Gains, Guess
-from rangenav.inputs import Vec3
 from rangenav.model import Form
-from rangenav.motion import Limits, Motion, World
+from rangenav.motion import Limits, Motion
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
-from rangenav.record import Summary
+from rangenav.record import Course, Outcome, Summary, course_of
 from rangenav.sensors import Measurements, Sensors
-from rangenav.signals import Signal, Turning
 
 CACHED = 4
 
@@ -62,42 +60,32 @@ class Picture:
     """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class _Run:
-    """The estimate stage: what depends on gains and guess."""
-
-    estimate: cascade.Estimate
-    errors: cascade.Errors
-    position: Float[Array, "n 3"]
-    summary: Summary
-
-
 def compute(settings: Settings) -> Picture:
     """The picture of the settings. Raises ValueError with one sentence if they cannot be computed."""
     p, printed = effective(settings), settings.printed
-    truth = record.simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate)
-    phi, phi_printed = _phi(*_motion_inputs(p))
-    found = analyse(p)
-    form: Form = "printed" if printed.model else "derived"
-    run = _observed(*_motion_inputs(p), p.sensors, p.seed, p.gains, p.guess, form)
+    course, found = course_of(p), analyse(p)
+    phi, phi_printed = _phi(course)
+    outcome, position = _observed(
+        course, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
+    )
     return Picture(
         settings=settings,
         preset=p,
-        motion=truth.motion,
-        limits=_limits(*_motion_inputs(p)),
+        motion=record.simulated(course).motion,
+        limits=_limits(course),
         phi=phi,
         phi_printed=phi_printed,
         analysis=found,
-        printed_excitation=_printed_excitation(*_motion_inputs(p), p.requirement.window, printed),
-        measurements=record.measured(*_motion_inputs(p)[:-1], p.sensors, p.seed),
-        estimate=run.estimate,
-        errors=run.errors,
-        position_estimate=run.position,
-        summary=run.summary,
+        printed_excitation=_printed_excitation(course, p.requirement.window, printed),
+        measurements=record.measured(course, p.sensors, p.seed),
+        estimate=outcome.estimate,
+        errors=outcome.errors,
+        position_estimate=position,
+        summary=outcome.summary,
         attitude_time_constants=attitude.time_constants(
             p.gains.attitude, p.world, "printed" if printed.attitude_rate else "derived"
         ),
-        reduced_min=_reduced(p, found, printed),
+        reduced_min=_reduced(course, p.requirement.window, found, printed),
     )
 
 
@@ -108,73 +96,43 @@ def warm_up(progress: Callable[[float, str], None]) -> None:
     warm.compile_all(progress)
 
 
-def _motion_inputs(p: Preset) -> tuple[Signal, Turning, World, Vec3, float, float]:
-    return p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate
+@lru_cache(maxsize=CACHED)
+def _phi(course: Course) -> tuple[Array, Array]:
+    moved = record.simulated(course).motion
+    return excitation.phi(moved), excitation.phi_printed(moved)
 
 
 @lru_cache(maxsize=CACHED)
-def _phi(
-    path: Signal, angular_velocity: Turning, world: World, initial_rotation: Vec3, duration: float, rate: float
-) -> tuple[Array, Array]:
-    truth = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate)
-    return excitation.phi(truth.motion), excitation.phi_printed(truth.motion)
+def _limits(course: Course) -> Limits:
+    return motion.limits(record.simulated(course).motion, world=course.world)
 
 
 @lru_cache(maxsize=CACHED)
-def _limits(
-    path: Signal, angular_velocity: Turning, world: World, initial_rotation: Vec3, duration: float, rate: float
-) -> Limits:
-    truth = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate)
-    return motion.limits(truth.motion, world=world)
-
-
-@lru_cache(maxsize=CACHED)
-def _printed_excitation(
-    path: Signal,
-    angular_velocity: Turning,
-    world: World,
-    initial_rotation: Vec3,
-    duration: float,
-    rate: float,
-    window: float,
-    printed: Printed,
-) -> Array:
+def _printed_excitation(course: Course, window: float, printed: Printed) -> Array:
     """Excitation under the switches; with none of them on, the derived one from the same samples."""
-    moved = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate).motion
+    moved = record.simulated(course).motion
     signal = excitation.chosen_signal(moved, printed_formula=printed.excitation, body_axes=printed.body_axes)
-    start = np.linspace(0, duration - window, WINDOWS)
+    start = np.linspace(0, course.duration - window, WINDOWS)
     return excitation.sampled_eigenvalues(signal, moved.time, start, window)
 
 
 @lru_cache(maxsize=CACHED)
 def _observed(
-    path: Signal,
-    angular_velocity: Turning,
-    world: World,
-    initial_rotation: Vec3,
-    duration: float,
-    rate: float,
-    sensors: Sensors,
-    seed: int,
-    gains: Gains,
-    guess: Guess,
-    form: Form,
-) -> _Run:
-    truth = record.simulated(path, angular_velocity, world, initial_rotation, duration, rate)
-    z = record.measured(path, angular_velocity, world, initial_rotation, duration, sensors, seed)
-    estimate, seconds = record.observed(truth, z, world, sensors, gains, guess, form)
-    errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    summary = record.summarise(estimate, errors, seconds)
-    return _Run(estimate=estimate, errors=errors, position=estimate.position(world), summary=summary)
+    course: Course, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: Form
+) -> tuple[Outcome, Array]:
+    """The estimate stage, and the estimated path in inertial axes."""
+    truth, z = record.simulated(course), record.measured(course, sensors, seed)
+    outcome = record.observed(truth, z, course.world, sensors, gains, guess, form)
+    return outcome, outcome.estimate.position(course.world)
 
 
-def _reduced(p: Preset, found: Analysis, printed: Printed) -> float:
+def _reduced(course: Course, window: float, found: Analysis, printed: Printed) -> float:
     if not (printed.excitation or printed.reduced_row or printed.body_axes):
         return found.reduced_min
     return reduced.sampled_least_eigenvalue(
-        record.simulated(*_motion_inputs(p)).motion,
+        record.simulated(course).motion,
         found.gramian_at,
-        p.requirement.window,
+        window,
         printed_formula=printed.excitation,
         printed_row=printed.reduced_row,
         body_axes=printed.body_axes,

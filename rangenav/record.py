@@ -12,7 +12,7 @@ from numpy import ndarray as Array
 
 from rangenav import cascade, model, motion
 from rangenav.cascade import Errors, Estimate, Gains, Guess, Setting
-from rangenav.inputs import Vec3
+from rangenav.inputs import Input, Vec3
 from rangenav.motion import Motion, World
 from rangenav.observability import excitation
 from rangenav.preset import Preset
@@ -25,6 +25,20 @@ SETTLED_ATTITUDE = math.radians(5)
 DIVERGED_STD = 1e2
 """m; with a larger 1-σ of the observer's own position the estimate says nothing: unobservable, covariance diverges."""
 CACHED = 4
+
+
+class Course(Input, frozen=True, kw_only=True):
+    """What decides the truth: the part of a preset that neither noise nor observers know."""
+
+    path: Signal
+    angular_velocity: Turning
+    world: World
+    initial_rotation: Vec3
+    """rad"""
+    duration: float
+    """s"""
+    rate: float
+    """Hz, the IMU's."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,6 +73,15 @@ class Summary:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class Outcome:
+    """What the observers made of one record."""
+
+    estimate: Estimate
+    errors: Errors
+    summary: Summary
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Record:
     """Everything one run produced."""
 
@@ -78,41 +101,51 @@ def run(preset: Preset, *, form: model.Form = "derived") -> Record:
 
 def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Record:
     """As `run`, with another seed."""
-    p = preset
-    truth = simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate)
-    measurements = measured(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors, seed)
-    estimate, seconds = observed(truth, measurements, p.world, p.sensors, p.gains, p.guess, form)
-    errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    summary = summarise(estimate, errors, seconds)
+    p, course = preset, course_of(preset)
+    truth, measurements = simulated(course), measured(course, p.sensors, seed)
+    outcome = observed(truth, measurements, p.world, p.sensors, p.gains, p.guess, form)
     return Record(
-        preset=p, truth=truth, measurements=measurements, estimate=estimate, errors=errors, summary=summary, form=form
+        preset=p,
+        truth=truth,
+        measurements=measurements,
+        estimate=outcome.estimate,
+        errors=outcome.errors,
+        summary=outcome.summary,
+        form=form,
+    )
+
+
+def course_of(preset: Preset) -> Course:
+    """What of a preset decides its truth."""
+    return Course(
+        path=preset.path,
+        angular_velocity=preset.angular_velocity,
+        world=preset.world,
+        initial_rotation=preset.initial_rotation,
+        duration=preset.duration,
+        rate=preset.sensors.imu_rate,
     )
 
 
 @lru_cache(maxsize=CACHED)
-def simulated(
-    path: Signal, angular_velocity: Turning, world: World, initial_rotation: Vec3, duration: float, rate: float
-) -> Truth:
+def simulated(course: Course) -> Truth:
     """The truth on the IMU's clock."""
     moved = motion.simulate(
-        path, angular_velocity, world=world, initial_rotation=initial_rotation, duration=duration, rate=rate
+        course.path,
+        course.angular_velocity,
+        world=course.world,
+        initial_rotation=course.initial_rotation,
+        duration=course.duration,
+        rate=course.rate,
     )
-    return Truth(motion=moved, state=model.true_state(moved, world=world))
+    return Truth(motion=moved, state=model.true_state(moved, world=course.world))
 
 
 @lru_cache(maxsize=CACHED)
-def measured(
-    path: Signal,
-    angular_velocity: Turning,
-    world: World,
-    initial_rotation: Vec3,
-    duration: float,
-    sensors: Sensors,
-    seed: int,
-) -> Measurements:
+def measured(course: Course, sensors: Sensors, seed: int) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
-    truth = simulated(path, angular_velocity, world, initial_rotation, duration, sensors.imu_rate)
-    return measure(truth.motion, path=path, world=world, sensors=sensors, rng=np.random.default_rng(seed))
+    rng = np.random.default_rng(seed)
+    return measure(simulated(course).motion, path=course.path, world=course.world, sensors=sensors, rng=rng)
 
 
 def observed(
@@ -123,12 +156,14 @@ def observed(
     gains: Gains,
     guess: Guess,
     form: model.Form,
-) -> tuple[Estimate, float]:
-    """The estimate and the seconds it took."""
+) -> Outcome:
+    """What the observers make of a record, and how long that took; never cached, so the time is true."""
     start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=world)
     began = time.perf_counter()
     estimate = cascade.observe(measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form))
-    return estimate, time.perf_counter() - began
+    seconds = time.perf_counter() - began
+    errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    return Outcome(estimate=estimate, errors=errors, summary=summarise(estimate, errors, seconds))
 
 
 def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:

@@ -19,8 +19,7 @@ Json = dict[str, Any]
 def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
     """What `rangenav analyze --json` prints."""
     window = found.windows.window
-    p = preset
-    truth = record.simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, p.duration, p.sensors.imu_rate)
+    truth = record.simulated(record.course_of(preset))
     return {
         "preset": name,
         "duration": preset.duration,

@@ -59,8 +59,7 @@ def scene(
         guess=replace(p.guess, state=guess),
         requirement=replace(p.requirement, window=window),
     )
-    truth = record.simulated(p.path, p.angular_velocity, p.world, p.initial_rotation, duration, imu_rate)
-    z = record.measured(p.path, p.angular_velocity, p.world, p.initial_rotation, duration, sensors, seed)
+    truth, z = record.simulated(record.course_of(p)), record.measured(record.course_of(p), sensors, seed)
     start = cascade.start(p.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=p.world)
     return Scene(preset=p, truth=truth, measurements=z, start=start)
 

@@ -156,7 +156,10 @@ def acosh(u: Series, order: int) -> Series:
 
 def atanh(u: Series, order: int) -> Series:
     """Inverse hyperbolic tangent: g = 1/(1 − u²)."""
-    rest = lambda o: add(constant(1.0), negative(multiply(u, u, o)))  # noqa: E731
+
+    def rest(o: int) -> Series:
+        return add(constant(1.0), negative(multiply(u, u, o)))
+
     return _integral("atanh", u, order, lambda o: divide(constant(1.0), rest(o), o))
 
 
