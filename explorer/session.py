@@ -20,9 +20,10 @@ from explorer import compute
 from explorer.access import accept_values_only
 from explorer.charts import Charts
 from explorer.compute import Picture
+from explorer.history import History
 from explorer.panels import presets
-from explorer.panels.controls import Refused
-from explorer.panels.dock import WIDTH, Dock
+from explorer.panels.dock import WIDTH, Dock, Requests
+from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.timeline import TimelinePanel
 from explorer.playback import Playback
 from explorer.scene import Scene
@@ -46,9 +47,11 @@ class Session:
     """Made when a tab connects, stopped when it leaves."""
 
     def __init__(self, client: viser.ClientHandle, shipped: dict[str, Preset], first: str, warming: Warming) -> None:
-        self._client, self._shipped, self._name, self._warming = client, shipped, first, warming
+        self._client, self._shipped, self._first, self._warming = client, shipped, first, warming
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
+        self._refused = False
+        self._history = History()
         self._playback = Playback(shipped[first].duration)
         self._thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
 
@@ -80,10 +83,14 @@ class Session:
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self._dock = Dock(client.gui, self._shipped, self._name, self._wake.set)
+        self._sheet = Sheet(client.gui, self._wake.set)
+        requests = Requests(
+            undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
+        )
+        self._dock = Dock(self._sheet, self._shipped, self._first, requests)
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow)
-        self._timeline = TimelinePanel(client.gui, self._playback.duration, self._wake.set, narrow=narrow)
+        self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client)
 
     def _window_width(self, canvas: int) -> float:
@@ -102,35 +109,51 @@ class Session:
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
-        with contextlib.suppress(Refused):
-            self._timeline.read(self._playback, time.monotonic())
+        self._refused = not self._took_in()
+        self._sheet.refresh()
+
+    def _took_in(self) -> bool:
+        """Whether what is chosen now could be shown; if not, the visitor has been told why."""
         with contextlib.suppress(Refused), self._dock.catching():
-            self._choose_preset()
+            self._sheet.carry_out()
+            if self._dock.chosen_preset != self._dock.origin:
+                self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
+                self._history.note(settings, time.monotonic(), apart=self._apart(settings))
+            return True
+        return False
 
-    def _choose_preset(self) -> None:
-        """Another preset picked, or a button in its tab pressed."""
-        name = self._dock.presets.read()
-        if name != self._name:
-            self._open(name)
-        for action in self._dock.presets.actions():
-            if action == "again":
-                self._open(self._name)
-            elif action == "paper":
-                self._open(PAPER)
-                self._charts.show_paper_figures()
-            elif action == "download":
-                self._download()
+    def _apart(self, settings: Settings) -> bool:
+        """Whether this is a step of its own: another preset always is."""
+        before = self._history.now
+        return before is None or before.origin != settings.origin
 
     def _open(self, name: str) -> None:
-        self._name = name
-        self._dock.write(name, Settings(preset=self._shipped[name]))
+        self._dock.write(Settings(origin=name, preset=self._shipped[name]))
+
+    def _again(self) -> None:
+        self._open(self._dock.origin)
+
+    def _paper(self) -> None:
+        self._open(PAPER)
+        self._charts.show_paper_figures()
+
+    def _undo(self) -> None:
+        """One step back; what cannot be shown is itself a step."""
+        before = self._history.now if self._refused else self._history.undo()
+        if before is not None:
+            self._dock.write(before)
+
+    def _redo(self) -> None:
+        after = self._history.redo()
+        if after is not None:
+            self._dock.write(after)
 
     def _download(self) -> None:
         settings = self._dock.read()
-        name = presets.file_name(self._name, effective(settings), self._shipped[self._name])
+        name = presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin])
         self._client.send_file_download(name, presets.document(settings), save_immediately=True)
 
     def _draw(self, picture: Picture) -> None:
@@ -154,7 +177,7 @@ class Session:
         with self._client.atomic():
             self._scene.move(self._picture, self._playback.time)
             self._charts.cursor(self._picture, self._playback.time)
-            self._timeline.write(self._playback, now)
+            self._timeline.write(now)
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:

@@ -12,9 +12,10 @@ import viser
 from explorer import compute
 from explorer.access import open_server
 from explorer.panels import presets, verdict
-from explorer.panels.controls import Complaint, Dial, LogDial
-from explorer.panels.dock import Dock
+from explorer.panels.controls import Dial, LogDial
+from explorer.panels.dock import Dock, Requests
 from explorer.panels.printed import ROWS
+from explorer.panels.sheet import Complaint, Section, Sheet
 from explorer.settings import Printed, Settings, effective
 from rangenav import analysis, preset
 from tests.wire import Wire
@@ -39,7 +40,13 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    return Dock(client.gui, SHIPPED, "paper-slow", _nothing)
+    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing)
+    return Dock(Sheet(client.gui, _nothing), SHIPPED, "paper-slow", requests)
+
+
+@pytest.fixture(scope="module")
+def section(client: viser.ClientHandle) -> Section:
+    return Section(Sheet(client.gui, _nothing))
 
 
 def _computed(name: str, **printed: bool) -> compute.Picture:
@@ -49,8 +56,8 @@ def _computed(name: str, **printed: bool) -> compute.Picture:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_preset_is_read_back_as_it_was_written(dock: Dock, name: str):
     """Shown numbers are rounded, those behind them are not: the page computes what the command line does."""
-    settings = Settings(preset=SHIPPED[name])
-    dock.write(name, settings)
+    settings = Settings(origin=name, preset=SHIPPED[name])
+    dock.write(settings)
     assert dock.read() == settings
 
 
@@ -72,31 +79,33 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
         ),
         seed=2**52 + 1,
     )
-    settings = Settings(preset=changed, time_scale=1 / 3, printed=Printed(model=True, body_axes=True))
-    dock.write("lissajous", settings)
+    settings = Settings(
+        origin="lissajous", preset=changed, time_scale=1 / 3, printed=Printed(model=True, body_axes=True)
+    )
+    dock.write(settings)
     assert dock.read() == settings
 
 
-def test_a_slider_is_widened_for_what_it_must_show(client: viser.ClientHandle):
-    dial = Dial(client.gui, "w", (0.0, 1.0), step=0.01, hint="", note=_nothing)
-    dial.write(math.pi)
+def test_a_slider_is_widened_for_what_it_must_show(section: Section):
+    dial = Dial(section, "w", (0.0, 1.0), step=0.01, hint="")
+    dial.show(math.pi)
     assert dial.read() == math.pi
     assert dial._slider.max > math.pi
-    dial.write(-2.0)
+    dial.show(-2.0)
     assert dial._slider.min < -2.0
 
 
-def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(client: viser.ClientHandle):
-    dial = Dial(client.gui, "°", (-180.0, 180.0), step=0.1, hint="", note=_nothing, scale=math.degrees(1))
-    dial.write(math.pi / 2)
+def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: Section):
+    dial = Dial(section, "°", (-180.0, 180.0), step=0.1, hint="", scale=math.degrees(1))
+    dial.show(math.pi / 2)
     assert dial._slider.value == 90.0
     assert dial.read() == math.pi / 2
     dial._slider.value = 45.0
     assert dial.read() == pytest.approx(math.pi / 4, rel=1e-15)
 
 
-def test_a_log_dial_holds_zero_at_its_left_end(client: viser.ClientHandle):
-    dial = LogDial(client.gui, "σ", (1e-3, 10.0), hint="", note=_nothing, zero_at_left=True)
+def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
+    dial = LogDial(section, "σ", (1e-3, 10.0), hint="", zero_at_left=True)
     assert dial.read() == 0.0
     dial._slider.value = -1.0
     assert dial.read() == pytest.approx(0.1, rel=1e-15)

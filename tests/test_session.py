@@ -61,7 +61,7 @@ def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
     before = _drawn(visitor)
     visitor.set("q", 0.0)
     visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
-    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 1", "the label")
+    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 1 •", "the label")
 
 
 @pytest.mark.parametrize(
@@ -120,10 +120,10 @@ def test_a_sentence_is_shown_as_text_and_not_as_html(visitor: Wire):
 def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
     for step in range(60):
         visitor.set("q", 1.0 + step / 30)
-    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1", "the last value")
+    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •", "the last value")
     _settled(visitor)
     assert visitor.counts["GuiUplotMessage"] <= 12  # plots are made once, however many changes come
-    assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1"
+    assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •"
 
 
 def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):

@@ -31,6 +31,8 @@ HEADER = 8
 """Bytes of each of the two lengths before the compressed messages."""
 NO_DOCK = 0.5
 """s after which the server is taken to have no docks."""
+CHANGED = " •"
+"""Ends the label of a control that differs from its preset."""
 PATIENCE = 30.0
 """s; the first picture may have to wait for a compiler."""
 
@@ -72,7 +74,7 @@ class Wire:
     def find(self, label: str) -> str:
         """The id of the control whose label begins so; a slider on a log scale ends it with its value."""
         for uuid, properties in list(self.elements.items()):
-            name = properties.get("label") or ""
+            name = (properties.get("label") or "").removesuffix(CHANGED)
             if name == label or name.startswith(f"{label} ="):
                 return uuid
         raise LookupError(f"no control {label!r}")

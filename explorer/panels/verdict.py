@@ -6,7 +6,7 @@ import math
 import viser
 
 from explorer.compute import Picture
-from explorer.panels.controls import Complaint
+from explorer.panels.sheet import Complaint
 
 WORDS = {
     "observable": ("●", "#00785a", "OBSERVABLE", "full rank, and the predicted error meets the requirement"),

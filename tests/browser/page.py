@@ -144,7 +144,8 @@ class Visitor:
 
     def beside(self, label: str) -> Locator:
         """The control whose label begins so."""
-        found = f"//label[normalize-space(.)='{label}' or starts-with(normalize-space(.), '{label} =')]"
+        marked = f"normalize-space(.)='{label}' or normalize-space(.)='{label} •'"
+        found = f"//label[{marked} or starts-with(normalize-space(.), '{label} =')]"
         return self.page.locator(f"xpath={found}").first.locator(ROW)
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:
