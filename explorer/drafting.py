@@ -151,7 +151,7 @@ def _passed(signal: Family, duration: float) -> tuple[Waypoint, ...]:
     """Twelve points over the period, the first not repeated, or over the flight."""
     time = np.linspace(0, duration, POINTS) if not signal.period else np.arange(POINTS) * (signal.period / POINTS)
     time = np.round(time, DECIMALS)
-    return tuple(Waypoint(time=float(t), value=_rounded(signal(t))) for t in time)
+    return tuple(Waypoint(time=float(t), value=_rounded(value)) for t, value in zip(time, signal(time), strict=True))
 
 
 def _rounded(value: Float[Array, "3"]) -> tuple[float, float, float]:

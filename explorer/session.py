@@ -115,20 +115,16 @@ class Session:
     def _took_in(self) -> bool:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
         with contextlib.suppress(Refused), self._dock.catching():
-            self._sheet.carry_out()
+            pressed = self._sheet.carry_out()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
-                self._history.note(settings, time.monotonic(), apart=self._apart(settings))
+                chosen = self._history.now is not None and self._history.now.origin != settings.origin
+                self._history.note(settings, time.monotonic(), apart=pressed or chosen)
             return True
         return False
-
-    def _apart(self, settings: Settings) -> bool:
-        """Whether this is a step of its own: another preset always is."""
-        before = self._history.now
-        return before is None or before.origin != settings.origin
 
     def _open(self, name: str) -> None:
         self._dock.write(Settings(origin=name, preset=self._shipped[name]))

@@ -46,6 +46,8 @@ class Wire:
         self.counts: dict[str, int] = {}
         """How many messages of each type have come."""
         self.notifications: list[str] = []
+        self.commands: dict[str, str] = {}
+        """Ids of the palette's commands, by their labels."""
         self.dock = 0
         """Width (px) of the first panel that was given one."""
         self.closed_with: int | None = None
@@ -70,6 +72,21 @@ class Wire:
     def set(self, label: str, value: Any) -> None:
         """Set a control as the page would."""
         self.send({"type": "GuiUpdateMessage", "uuid": self.find(label), "updates": {"value": value}})
+
+    def press(self, label: str, option: str | None = None) -> None:
+        """Press a button, or the first row's button of this name that is shown."""
+        if option is None:
+            self.set(label, True)
+            return
+        for uuid, p in list(self.elements.items()):
+            if p.get("label") == label and option in (p.get("options") or ()) and p.get("visible", True):
+                self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": option}})
+                return
+        raise LookupError(f"no button {option!r} in a row {label!r}")
+
+    def command(self, label: str) -> None:
+        """Trigger a command of the palette."""
+        self.send({"type": "CommandTriggerMessage", "uuid": self.commands[label]})
 
     def find(self, label: str) -> str:
         """The id of the control whose label begins so; a slider on a log scale ends it with its value."""
@@ -123,6 +140,8 @@ class Wire:
             self.elements[message["uuid"]].update(message["updates"])
         elif name == "GuiRemoveMessage":
             self.elements.pop(message["uuid"], None)
+        elif name == "RegisterCommandMessage":
+            self.commands[message["props"]["label"]] = message["uuid"]
         elif name == "GuiSetPanelWidthMessage":
             self.dock = self.dock or message["width"] or 0
         elif name == "NotificationShowMessage":

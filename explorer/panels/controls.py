@@ -65,6 +65,7 @@ class Control(ABC, Generic[T]):
         """Back to what the preset says."""
         if self._base is not None and self._value() != self._base:
             self.show(self._base)
+            self._seen = self._value()
 
     def _value(self) -> T | None:
         try:
@@ -255,7 +256,7 @@ class Text(Control[str]):
         """What was typed. Raises ValueError if it is too long to look at."""
         text = self._box.value
         if len(text) > self._longest:
-            raise ValueError(f"{self.name}: at most {self._longest} characters, got {len(text)}")
+            raise ValueError(f"{self.name.removesuffix(' =')}: at most {self._longest} characters, got {len(text)}")
         return text
 
     def show(self, value: str) -> None:

@@ -105,6 +105,7 @@ class Dock:
         try:
             yield
         except Refused as refusal:
+            self.motion.clear()
             self._refuse(refusal.__cause__)
             raise
         except ValueError as error:

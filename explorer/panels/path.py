@@ -59,7 +59,7 @@ class PathPanel:
         if not wiggled:
             return base
         wiggle = cast(Family, self._wiggle.read(duration))
-        with self.section.catching():
+        with self._switches.catching():
             return self._straight.read(Sum(base=base, wiggle=wiggle))
 
     def write(self, path: Signal, base: Signal, drafts: Drafts) -> None:

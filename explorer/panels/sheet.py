@@ -8,7 +8,7 @@ import html
 import re
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any, Protocol
 
@@ -39,8 +39,8 @@ class Refused(Exception):  # noqa: N818  (not an error of the program: the visit
 class Complaint:
     """A place for one sentence under the controls that caused it."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
-        self._line = gui.add_html("", visible=False, order=COMPLAINTS)
+    def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
+        self._line = gui.add_html("", visible=False, order=order)
 
     def say(self, sentence: str, *, text: str = "") -> None:
         """Show the sentence, marked by a sign as well as a colour; with a text, point at the column it names."""
@@ -73,7 +73,7 @@ class Section:
         self._folder = self.gui.add_folder(label, expand_by_default=expanded)
         self._controls: list[Resettable] = []
         with self._folder:
-            self.complaint = Complaint(self.gui)
+            self.complaint = Complaint(self.gui, order=COMPLAINTS)
             self._row = self.gui.add_button_group("reset", ("",), visible=False, order=RESETS, hint=RESET_HINT)
         self._offered: tuple[str, ...] = ()
         self._row.on_click(lambda event: sheet.do(partial(self._reset, event.target.value)))
@@ -151,13 +151,14 @@ class Sheet:
         self._actions.append(action)
         self.note()
 
-    def carry_out(self) -> None:
-        """Do what was asked for since the last call, oldest first. A refusal has been said where it belongs."""
-        for _ in range(len(self._actions)):
-            try:
+    def carry_out(self) -> bool:
+        """Do what was asked for since the last call, oldest first: whether there was anything. A refusal has been said
+        where it belongs."""
+        count = len(self._actions)
+        for _ in range(count):
+            with suppress(Refused):
                 self._actions.popleft()()
-            except Refused:
-                continue
+        return count > 0
 
     def refresh(self) -> None:
         """Bring marks and reset rows up to date."""

@@ -7,6 +7,7 @@ import viser
 
 from explorer.compute import Picture
 from explorer.panels.sheet import Complaint
+from rangenav.vehicle import FREE
 
 WORDS = {
     "observable": ("●", "#00785a", "OBSERVABLE", "full rank, and the predicted error meets the requirement"),
@@ -120,6 +121,22 @@ def _since(seconds: float | None, limit: str) -> str:
 
 
 def _vehicle(picture: Picture) -> str:
+    return "<br>".join([*_flyable(picture), _demands(picture)])
+
+
+def _flyable(picture: Picture) -> list[str]:
+    """Whether the chosen vehicle can, and what stops it; nothing is forbidden to a free one."""
+    chosen = picture.preset.vehicle
+    name = html.escape(chosen.name)
+    if chosen == FREE:
+        return []
+    if not picture.breaks:
+        return [f'<b style="color:{WORDS["observable"][1]}">✓ flyable</b> by {name}']
+    head = f'<b style="color:{WORDS["blind"][1]}">✕ not flyable</b> by {name}'
+    return [head, *(f"✕ {html.escape(one.words)}" for one in picture.breaks)]
+
+
+def _demands(picture: Picture) -> str:
     limits = picture.limits
     thrust = f"<b>{limits.thrust_to_weight:.3g} times the weight</b> in thrust"
     rate = f"{number(limits.speed, 'm/s')}, {number(math.degrees(limits.body_rate))}°/s"

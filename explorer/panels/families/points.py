@@ -33,7 +33,7 @@ class PointsEditor(Generic[F]):
             hint = "Whether the curve ends at its last point, at rest, or closes smoothly and repeats."
             self._ends = Choice(section, "ends", {False: OPEN, True: CLOSED}, hint=hint)
             hint = "s from the first point until it is reached again; used by a closed curve."
-            self._period = Number(section, "period (s)", step=0.1, hint=hint)
+            self._period = Number(section, "period (s)", step=0.01, hint=hint)
             hint = f"One point per line: t x y z, in s and {place.unit}; times must increase. Paste a whole path here."
             self._text = Text(section, "points: t x y z", hint=hint, longest=LONGEST, lines=True)
         self._one = one = Section(sheet)
@@ -41,9 +41,9 @@ class PointsEditor(Generic[F]):
             hint = "The point that the boxes below move; dragging one in the scene chooses it."
             self._chosen = Choice(one, "point", {0: "1"}, hint=hint)
             hint = "s: after the point before and before the next."
-            self._time = Number(one, "its time (s)", step=0.05, hint=hint)
+            self._time = Number(one, "its time (s)", step=0.01, hint=hint)
             hint = f"{place.unit}: where the curve is at that time."
-            self._value = Vector(one, f"its place ({place.unit})", step=0.01, hint=hint)
+            self._value = Vector(one, f"its place ({place.unit})", step=0.001, hint=hint)
             hint = "A point between this one and the next, where the curve passes already; or none where this one is."
             actions = {"+ after it": self._insert, "− delete it": self._delete}
             sheet.buttons("", actions, hint=hint)
