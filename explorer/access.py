@@ -23,7 +23,7 @@ CHECKED_AGAINST = "1.1.1"
 NAMES = ("127.0.0.1", "localhost")
 ADDRESS = "127.0.0.1"
 MAX_MESSAGE = 2**24
-"""Bytes of one message from a browser; viser allows 50 MB. The largest honest one is a text box's: somebody who pastes ten
+"""Bytes of one message from a browser; viser allows 50 MB. The largest honest one is a text box's: who pastes ten
 megabytes into it should be told so, and not lose the connection."""
 UNUSED_MESSAGES = (
     _messages.FileTransferStartUpload,

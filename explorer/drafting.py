@@ -144,7 +144,10 @@ def polynomials(signal: Family, duration: float) -> Polynomials:
     """A minimum-snap curve piece by piece, or such a curve through points where the signal passes."""
     if isinstance(signal, Polynomials):
         return signal
-    return from_minimum_snap(minimum_snap(signal, duration))
+    curve = minimum_snap(signal, duration)
+    if curve.period is not None and curve.points[0].time > 0:  # pieces that repeat begin at t = 0
+        curve = MinimumSnap(points=_passed(curve, duration), period=curve.period)
+    return from_minimum_snap(curve)
 
 
 def _passed(signal: Family, duration: float) -> tuple[Waypoint, ...]:
