@@ -200,6 +200,17 @@ def test_an_antenna_in_the_imu_has_the_range_of_the_paper():
     np.testing.assert_array_equal(found, np.linalg.norm(SLOW.path(time) - np.array(SLOW.world.anchor), axis=-1))
 
 
+def test_many_ranges_are_the_same_as_few_at_a_time():
+    moved, arm = flight(TUMBLING, rate=50.0), (0.1, 0.2, 0.3)
+    time = np.linspace(0, 5, 2 * antenna.AT_ONCE + 5)
+
+    def found(at):
+        return sensors.distance(moved, at, path=SLOW.path, world=SLOW.world, lever_arm=arm)
+
+    np.testing.assert_allclose(found(time)[::7], found(time[::7]), rtol=1e-14)
+    assert len(found(time[:0])) == 0
+
+
 @given(st.floats(0, 0.99), st.floats(0, 30), st.floats(0, 30))
 def test_a_record_with_losses_is_in_order_and_passes_its_check(lost, start, length):
     z = measured(duration=8.0, rate=33.3, dropout_probability=lost, burst_start=start, burst_length=length)
