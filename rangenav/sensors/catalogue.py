@@ -38,8 +38,8 @@ UWB_GOOD = SensorSet(
 UWB_NLOS = SensorSet(
     name="UWB behind obstacles",
     words="That radio behind walls and people: ranges 15 cm long, a tenth of them longer by half a metre, some lost.",
-    # Gaussian in sight and Gaussian plus exponential out of sight: Bellusci et al. 2008, "Modeling distance and
-    # bandwidth dependency of TOA-based UWB ranging error"; the sizes are ours
+    # in sight Gaussian, out of sight Gaussian and exponential: "Modeling distance and bandwidth dependency of TOA-based
+    # UWB ranging error" (TU Delft); the sizes are ours
     sensors=Sensors(
         range_rate=100.0,
         noise=Noise(range=0.1),
@@ -74,14 +74,14 @@ CRAZYFLIE = SensorSet(
         mag_rate=50.0,  # the 2.1 carries none: an added one, with the paper's noise
         range_rate=50.0,  # ours: some 400 messages a second among 8 anchors
         noise=Noise(
-            gyro=0.014 * DEGREE,  # BST-BMI088-DS001: 0.014 °/s/√Hz
-            accel=175 * MICRO_G,  # the same: 175 µg/√Hz
+            gyro=0.014 * DEGREE,  # Bosch: 0.014 °/s/√Hz
+            accel=175 * MICRO_G,  # Bosch: 175 µg/√Hz
             range=0.1,  # the DWM1000's ±10 cm; the firmware's own filter assumes 0.25 m
             imu_unit="density",
         ),
         unmodelled=Unmodelled(
             gyro_bias=(0.0005, 0.0005, -0.0005),  # ours: the firmware averages it away before take-off
-            accel_bias=(0.03, 0.02, -0.03),  # ours: 5 mg; the sheet allows ±20 mg
+            accel_bias=(0.03, 0.02, -0.03),  # ours: 5 mg
             dropout_probability=0.15,  # bitcraze.io on TDoA 3: about 15% of packets collide at 400 a second
         ),
     ),
