@@ -37,7 +37,7 @@ UWB_GOOD = SensorSet(
 )
 UWB_NLOS = SensorSet(
     name="UWB behind obstacles",
-    words="That radio behind walls and people: ranges 15 cm long, a tenth of them longer by half a metre, some lost.",
+    words="That radio behind walls and people: ranges 15 cm too long, a tenth by half a metre more, some lost.",
     # in sight Gaussian, out of sight Gaussian and exponential: "Modeling distance and bandwidth dependency of TOA-based
     # UWB ranging error" (TU Delft); the sizes are ours
     sensors=Sensors(
