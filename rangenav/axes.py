@@ -10,6 +10,7 @@ import numpy as np
 from rangenav.inputs import Vec3
 from rangenav.motion import World
 from rangenav.preset import Preset
+from rangenav.sensors import Sensors
 from rangenav.signals import Flown, Signal, Turning, mapped
 
 FLIP = np.diag([1.0, -1.0, -1.0])
@@ -29,6 +30,7 @@ def flipped(preset: Preset) -> Preset:
             magnetic=flipped_vector(preset.world.magnetic),
             anchor=flipped_vector(preset.world.anchor),
         ),
+        sensors=_flipped_sensors(preset.sensors),
         guess=msgspec.structs.replace(
             guess,
             position_offset=flipped_vector(guess.position_offset),
@@ -37,6 +39,13 @@ def flipped(preset: Preset) -> Preset:
             attitude_axis=flipped_vector(guess.attitude_axis),
         ),
     )
+
+
+def _flipped_sensors(sensors: Sensors) -> Sensors:
+    """Biases and the lever arm are vectors in body axes."""
+    known = sensors.unmodelled
+    turned = {name: flipped_vector(getattr(known, name)) for name in ("gyro_bias", "accel_bias", "lever_arm")}
+    return msgspec.structs.replace(sensors, unmodelled=msgspec.structs.replace(known, **turned))
 
 
 def flipped_vector(vector: Vec3) -> Vec3:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rangenav import analysis, axes, preset, record
-from rangenav.sensors import Noise
+from rangenav.sensors import Noise, Unmodelled
 from rangenav.signals import Flown
 from tests.families import EXAMPLES
 
@@ -33,6 +33,8 @@ def test_nothing_that_can_be_measured_changes():
     """Without noise the sensors' body components turn with the body axes; ranges and errors stay what they are."""
     p = SHIPPED["paper-slow"]
     quiet = msgspec.structs.replace(p.sensors, noise=Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0))
+    known = Unmodelled(gyro_bias=(0.01, 0.02, -0.03), accel_bias=(0.1, 0.2, 0.3), lever_arm=(0.1, -0.2, 0.3))
+    quiet = msgspec.structs.replace(quiet, unmodelled=known)
     p = msgspec.structs.replace(p, sensors=quiet, initial_rotation=(0.3, -0.2, 0.9), duration=8.0)
     here, there = record.run(p), record.run(axes.flipped(p))
     assert np.allclose(there.measurements.range, here.measurements.range, rtol=1e-12)

@@ -81,6 +81,17 @@ def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
         ("mag (Hz)", 900.0, "mag_rate must lie between 1 Hz and imu_rate"),
         ("σ range", 200.0, "noise range must lie between"),
         ("σ gyro", math.nan, "log10 of σ gyro must be a number"),
+        ("sensor set", "gold", "sensor set must be one of: paper, "),
+        ("gyro bias (rad/s)", [math.nan, 0.0, 0.0], "gyro_bias must be a finite number"),
+        ("gyro bias (rad/s)", [0.0], "gyro bias (rad/s) must have three components, got 1"),
+        ("accel bias (m/s²)", [1e30, 0.0, 0.0], "accel_bias must not be longer than 100 m/s²"),
+        ("range bias (m)", 1e9, "range_bias must lie between -1000 and 1000 m"),
+        ("outliers (%)", 100.0, "outlier_probability must lie between 0 and 1, 1 excluded, got 1"),
+        ("outlier size (m)", -1.0, "outlier_size must lie between"),
+        ("drop-outs (%)", math.nan, "dropout_probability must be a finite number"),
+        ("silent from (s)", -1.0, "burst_start must lie between 0"),
+        ("silent for (s)", math.inf, "burst_length must be a finite number"),
+        ("lever arm (m)", [0.0, 0.0, 1e6], "lever_arm must not be longer than 100 m"),
         ("noise seed", -1.0, "seed must lie between"),
         ("noise seed", 0.5, "seed must be a whole number"),
         ("noise seed", math.nan, "seed must be a whole number"),
@@ -109,6 +120,25 @@ def test_nonsense_gets_a_sentence_and_the_last_picture_stays(visitor: Wire, labe
     assert _drawn(visitor) == before
     visitor.set(label, good)
     visitor.wait_for(lambda: NOT_SHOWN not in visitor.text(), "the complaint to go")
+
+
+def test_a_sensor_set_is_loaded_and_what_the_paper_does_not_model_is_told(visitor: Wire):
+    before = _drawn(visitor)
+    visitor.set("sensor set", "UWB behind obstacles")
+    visitor.wait_for_text("the paper&#x27;s observer has no gate")
+    visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
+    assert visitor.value("range (Hz)") == 100.0
+    visitor.set("outliers (%)", 0.0)
+    visitor.wait_for(lambda: visitor.value("sensor set") == "as set below", "the set to be no longer that one")
+    visitor.wait_for(lambda: "has no gate" not in visitor.text(), "the sentence to go")
+
+
+def test_a_flight_whose_ranges_are_all_lost_is_drawn(visitor: Wire):
+    visitor.set("silent for (s)", 1000.0)
+    visitor.wait_for_text("covariance diverges")
+    visitor.set("t (s)", 3.0)
+    _settled(visitor)
+    assert not visitor.notifications
 
 
 def test_a_sentence_is_shown_as_text_and_not_as_html(visitor: Wire):

@@ -105,7 +105,7 @@ class Dock:
         try:
             yield
         except Refused as refusal:
-            self.motion.clear()
+            self._clear()
             self._refuse(refusal.__cause__)
             raise
         except ValueError as error:
@@ -114,7 +114,7 @@ class Dock:
             self._refuse(error)
             raise Refused from error
         self.verdict.complaint.clear()
-        self.motion.clear()
+        self._clear()
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
@@ -180,6 +180,10 @@ class Dock:
             angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
         )
         self.write(msgspec.structs.replace(settings, preset=axes.flipped(settings.preset), drafts=flipped))
+
+    def _clear(self) -> None:
+        self.motion.clear()
+        self.sensors.clear()
 
     def _refuse(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")

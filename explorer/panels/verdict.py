@@ -7,6 +7,7 @@ import viser
 
 from explorer.compute import Picture
 from explorer.panels.sheet import Complaint
+from rangenav import sensors
 from rangenav.vehicle import FREE
 
 WORDS = {
@@ -68,7 +69,11 @@ def _chips(picture: Picture) -> str:
 
 
 def _rows(picture: Picture) -> list[tuple[str, str]]:
-    return [*_observability_rows(picture), *_observer_rows(picture), ("vehicle", _vehicle(picture))]
+    rows = [*_observability_rows(picture), *_observer_rows(picture)]
+    beyond = sensors.words(picture.preset.sensors)
+    if beyond:
+        rows.append(("sensors", "<br>".join(f"▲ {html.escape(sentence)}" for sentence in beyond)))
+    return [*rows, ("vehicle", _vehicle(picture))]
 
 
 def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
