@@ -81,8 +81,8 @@ class SensorsPanel:
         """Show sensors."""
         for dial in RATES:
             getattr(self, f"_{dial}").write(getattr(chosen.sensors, dial), getattr(base.sensors, dial))
-        self._noise.write(chosen.sensors.noise, base.sensors.noise)
-        self._unmodelled.write(chosen.sensors.unmodelled, base.sensors.unmodelled)
+        for name, folder in (("noise", self._noise), ("unmodelled", self._unmodelled)):
+            folder.write(getattr(chosen.sensors, name), getattr(base.sensors, name))
         self._set.write(_set_of(chosen.sensors), _set_of(base.sensors))
         self._name(chosen.sensors)
         self._unmodelled.tell(words(chosen.sensors))
