@@ -20,7 +20,7 @@ import numpy as np
 from viser import SceneApi, SceneClickEvent, SceneNodeDragEvent, SceneNodePointerEvent, TransformControlsEvent
 
 from explorer.scene.colors import BLUE, ORANGE
-from explorer.scene.stage import Stage
+from explorer.scene.stage import UNSEEN, Stage
 from rangenav.inputs import Vec3
 
 MAX_WAYPOINTS = 60
@@ -35,8 +35,6 @@ WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.24, 0.34, 1.8
 ONE_CLICK = 0.3
 """s within which a click on a handle and one on the scene are the same click: viser tells both, in any order."""
 OTHERS = f"{MAX_WAYPOINTS} (drag the first {MAX_WAYPOINTS}, the others by numbers)"
-UNSEEN = 1e-4
-"""m: the size of what waits for the first picture."""
 
 Kind = Literal["anchor", "waypoint"]
 Told = Coroutine[Any, Any, None]
