@@ -42,7 +42,7 @@ class Picture:
     motion: Motion
     limits: Limits
     breaks: tuple[Break, ...]
-    """The limits of the chosen vehicle that the motion breaks, the most broken one first."""
+    """The limits of the preset's vehicle that the motion breaks, the one broken for longest first."""
     phi: Float[Array, "n 3"]
     """Rᵀp⁗ (m/s⁴), body axes."""
     phi_printed: Float[Array, "n 3"]
@@ -113,8 +113,8 @@ def _limits(course: Course) -> Limits:
 
 
 @lru_cache(maxsize=CACHED)
-def _breaks(course: Course, chosen: Vehicle) -> tuple[Break, ...]:
-    return vehicle.broken(record.simulated(course).motion, chosen, world=course.world)
+def _breaks(course: Course, limited: Vehicle) -> tuple[Break, ...]:
+    return vehicle.broken(record.simulated(course).motion, limited, world=course.world)
 
 
 @lru_cache(maxsize=CACHED)

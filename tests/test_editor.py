@@ -15,9 +15,12 @@ from explorer.settings import Settings
 from explorer.warming import Warming
 from rangenav import preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
+from tests.house import house
 from tests.wire import Wire
 
 NOT_SHOWN = "Not shown"
+PRESS = 0.05
+"""s: presses of buttons go through a pool of threads, and may be overtaken."""
 LONGEST_ANSWER = 1.0
 """s that bad input may take to be told, beyond what the machine needs for a good picture."""
 
@@ -27,6 +30,7 @@ class Editing:
 
     def __init__(self, tab: Wire, session: Session) -> None:
         self.tab, self.session = tab, session
+        self._moment = 0.0
 
     @property
     def settings(self) -> Settings:
@@ -51,10 +55,11 @@ class Editing:
         self.settle()
 
     def settle(self) -> None:
-        """Until the server has said nothing new for a while."""
-        before = None
-        while before != (before := sum(self.tab.counts.values())):
-            time.sleep(0.25)
+        """Until the session has taken in all that was sent: it shows a moment only after what came before."""
+        time.sleep(PRESS)
+        self._moment = round((self._moment + 0.01) % 9.0, 2)
+        self.tab.set("t (s)", self._moment)
+        self.tab.wait_for_text(f"<b>{self._moment:.2f} s</b>")
 
     def refusals(self) -> list[str]:
         """The sentences shown beside controls and in the verdict, without their HTML."""
@@ -65,7 +70,7 @@ class Editing:
 @pytest.fixture(scope="module")
 def sessions() -> Iterator[tuple[int, Sessions]]:
     server, warming = open_server("127.0.0.1", 0), Warming()
-    made = Sessions(server, preset.shipped(), "paper-slow", warming)
+    made = Sessions(server, house(server, warming))
     warming.start()
     yield server.get_port(), made
     server.stop()

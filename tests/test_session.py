@@ -12,6 +12,7 @@ from explorer.playback import FRAME_RATE, Playback
 from explorer.session import Sessions
 from explorer.warming import Warming
 from rangenav import preset
+from tests.house import house
 from tests.wire import Wire
 
 NOT_SHOWN = "Not shown"
@@ -20,7 +21,7 @@ NOT_SHOWN = "Not shown"
 @pytest.fixture(scope="module")
 def port() -> Iterator[int]:
     server, warming = open_server("127.0.0.1", 0), Warming()
-    Sessions(server, preset.shipped(), "paper-slow", warming)
+    Sessions(server, house(server, warming))
     warming.start()
     yield server.get_port()
     server.stop()

@@ -21,7 +21,7 @@ from explorer.settings import Drafts, Settings
 from rangenav import axes
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
-from rangenav.signals import Family, Signal, Waypoint
+from rangenav.signals import Family, Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
@@ -149,8 +149,8 @@ class Dock:
         return self._written.origin
 
     @property
-    def points(self) -> tuple[Waypoint, ...]:
-        """The waypoints that can be dragged."""
+    def points(self) -> tuple[Vec3, ...]:
+        """Where the waypoints are that can be dragged."""
         return self.motion.path.points
 
     def move_waypoint(self, index: int, position: Vec3) -> None:

@@ -15,7 +15,7 @@ from explorer.panels.signal import SignalEditor
 from explorer.settings import Drafts
 from rangenav import signals, so3
 from rangenav.inputs import Vec3, require
-from rangenav.signals import Family, Multisine, Signal, Sum, Tone, Waypoint
+from rangenav.signals import Family, Multisine, Signal, Sum, Tone
 
 PATH = Place(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), step=0.01, open_tones=1)
 WIGGLE = Place(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), step=0.01, open_tones=0)
@@ -93,13 +93,17 @@ class PathPanel:
         self._straight.put(path)
 
     @property
-    def points(self) -> tuple[Waypoint, ...]:
-        """The waypoints of the base, if it has any."""
-        return self._base.points
+    def points(self) -> tuple[Vec3, ...]:
+        """Where the waypoints of the base are, if it has any: with a sum's offset, without its wiggle."""
+        return tuple(_plus(point.value, self._offset, 1) for point in self._base.points)
 
     def move(self, index: int, value: Vec3) -> None:
         """Put a waypoint of the base elsewhere."""
-        self._base.move(index, value)
+        self._base.move(index, _plus(value, self._offset, -1))
+
+    @property
+    def _offset(self) -> Vec3:
+        return self._straight.offset if self._wiggled.read() else NONE
 
     def _show_wiggle(self, visible: bool) -> None:
         self._wiggle.show(visible)
@@ -125,6 +129,10 @@ class _Straight:
         origin = base if isinstance(base, Sum) else None
         self._offset.write(shown.offset if shown else NONE, origin.offset if origin else NONE)
         self._drift.write(shown.drift if shown else NONE, origin.drift if origin else NONE)
+
+    @property
+    def offset(self) -> Vec3:
+        return self._offset.read()
 
     def put(self, path: Signal) -> None:
         if isinstance(path, Sum):
@@ -177,6 +185,10 @@ class WholePath:
 
     def _centred(self, path: Signal, anchor: Vec3) -> Signal:
         return signals.centred(path, anchor, duration=self._duration)
+
+
+def _plus(place: Vec3, offset: Vec3, sign: int) -> Vec3:
+    return place[0] + sign * offset[0], place[1] + sign * offset[1], place[2] + sign * offset[2]
 
 
 def _parts(path: Signal) -> tuple[Family, Family | None]:
