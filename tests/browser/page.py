@@ -159,6 +159,17 @@ class Visitor:
         field.fill(text)
         time.sleep(INPUT_PAUSE)
 
+    def type_text(self, label: str, text: str) -> None:
+        """Put a text into the box beside a label."""
+        field = self.beside(label).locator("input, textarea").first
+        field.click()
+        field.fill(text)
+        time.sleep(INPUT_PAUSE)
+
+    def typed(self, label: str) -> str:
+        """What the text box beside a label holds."""
+        return self.beside(label).locator("input, textarea").first.input_value()
+
     def number(self, label: str) -> str:
         """What the number box beside a label shows."""
         return self.beside(label).locator("input[type=text], input[inputmode]").first.input_value()
