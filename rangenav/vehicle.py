@@ -159,7 +159,7 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
     asked = demands(motion, world=world)
     found = []
     for limit in WORDS:
-        allowed = _allowed(vehicle, limit)
+        allowed = bound(vehicle, limit)
         if allowed is None:
             continue
         quantity = getattr(asked, limit.removesuffix("_min").removesuffix("_max"))
@@ -171,20 +171,22 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
     return tuple(sorted(found, key=lambda one: -float(np.mean(one.where))))
 
 
+def bound(vehicle: Vehicle, limit: str) -> float | None:
+    """What the vehicle allows of a limited quantity, in its SI unit: of thrust what is left with the margin kept; None
+    is unlimited."""
+    value = getattr(vehicle, limit)
+    return value / (1 + THRUST_MARGIN) if limit == "thrust_to_weight" and value is not None else value
+
+
 def margins(motion: Motion, vehicle: Vehicle, *, world: World) -> dict[str, float]:
     """For each limit the vehicle has, how many times over it is used: above 1 it is broken."""
     asked = demands(motion, world=world)
     found = {}
     for field in fields(asked):
-        allowed = _allowed(vehicle, field.name) if field.name in WORDS else None
+        allowed = bound(vehicle, field.name) if field.name in WORDS else None
         if allowed is not None:
             found[field.name] = float(getattr(asked, field.name).max()) / allowed
     return found
-
-
-def _allowed(vehicle: Vehicle, limit: str) -> float | None:
-    value = getattr(vehicle, limit)
-    return value / (1 + THRUST_MARGIN) if limit == "thrust_to_weight" and value is not None else value
 
 
 def _break(limit: str, allowed: float, reached: float, at: float, where: Array) -> Break:
