@@ -101,8 +101,9 @@ class Seen:
     spectrum: spectrum.Spectrum
     excitation: Float[Array, "w 3"]
     worst: int
-    mu: float
-    mu_at: float
+    """The window that sees least, by its Gramian."""
+    least: Float[Array, "3"]
+    least_at: float
     bound_for_all_t: float | None
     directions: tuple[Direction, ...]
     reduced_min: float
@@ -129,7 +130,7 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
     visit = visited(path, duration, window)
     start, gramians = visit.start, spectrum.lifted_spectra(visit, gravity)
     k = spectrum.worst(gramians)
-    mu, mu_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
+    least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
     reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
     return Seen(
@@ -137,8 +138,8 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
         spectrum=gramians,
         excitation=excitation.eigenvalues(path, start, window),
         worst=k,
-        mu=mu,
-        mu_at=mu_at,
+        least=least,
+        least_at=least_at,
         bound_for_all_t=excitation.bound_for_all_t(path, window),
         directions=blindness.directions(spectrum.null_basis(gramians, k), values, axes),
         reduced_min=reduced_min,
@@ -166,9 +167,9 @@ def analysis(
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
     return Analysis(
         windows=windows,
-        mu=lifted.mu,
-        mu_at=lifted.mu_at,
-        excitation=excitation.eigenvalues(path, np.array([lifted.mu_at]), window)[0],
+        mu=float(lifted.least[0]),
+        mu_at=lifted.least_at,
+        excitation=lifted.least,
         mu_floor=excitation.floor(lifted.excitation),
         bound_for_all_t=lifted.bound_for_all_t,
         gramian_at=float(lifted.start[k]),

@@ -115,13 +115,13 @@ def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
     R = (np.pad(R, ((0, 0), (0, missing), (0, 0))) if missing > 0 else R) * scale
     size = np.linalg.norm(R, axis=(1, 2))
     regular = np.abs(np.diagonal(R, axis1=1, axis2=2)).min(axis=1) > RANK_TOLERANCE * size
-    inverse = np.zeros_like(R)
-    with np.errstate(over="ignore", invalid="ignore"):
-        inverse[regular] = np.linalg.inv(R[regular])
-        regular &= np.linalg.norm(inverse, axis=(1, 2)) * RANK_TOLERANCE * size < 1
     result = np.empty((len(R), len(blocks)))
-    for j, block in enumerate(blocks):
-        result[regular, j] = np.linalg.norm(inverse[regular, block] * scale[block, None], axis=(1, 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        inverse = np.linalg.inv(R[regular])
+        seen = np.linalg.norm(inverse, axis=(1, 2)) * RANK_TOLERANCE * size[regular] < 1
+        variance = np.einsum("wij,wij->wi", inverse, inverse) * scale**2
+    result[regular] = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in blocks], axis=1))
+    regular[regular] = seen
     if not regular.all():
         result[~regular] = _seen_sigmas(R[~regular], scale, blocks)
     return result

@@ -73,8 +73,8 @@ def floor(values: Float[Array, "w 3"]) -> float:
     return UNEXCITED * float(values.max())
 
 
-def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[float, float]:
-    """The least excitation μ over the windows, and the start time of the window that has it.
+def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "3"], float]:
+    """The eigenvalues (ascending, the first is μ) of the least excited window, and when it starts (s).
 
     Besides the windows given, those between the first and the last of them that start or end at a knot of the path.
     """
@@ -85,9 +85,9 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[float,
             least, rounding = found
             lowest = int(np.sum(least <= least.min() + rounding))  # sums cannot tell these apart
             start = every[np.argsort(least, kind="stable")[: min(lowest, len(start))]]
-    least = eigenvalues(path, start, window)[:, 0]
-    k = int(np.argmin(least))
-    return float(least[k]), float(start[k])
+    values = eigenvalues(path, start, window)
+    k = int(np.argmin(values[:, 0]))
+    return values[k], float(start[k])
 
 
 def bound_for_all_t(path: Signal, window: float) -> float | None:

@@ -21,7 +21,7 @@ PANEL_TURN = 36.0
 """rad of the fastest tone that one panel of 32 Gauss nodes integrates to rounding (squares too: exact to k = 63)."""
 NODES_PER_RADIAN, MIXED_NODES = 0.6, 6
 """What a panel of polynomials takes more if tones are added to them; beside polynomials of degree 9 held to 1e-12."""
-MAX_NODES, MAX_PIECE_NODES = 1024, 4096
+MAX_NODES, MAX_PIECE_NODES = 1024, 6144
 """Nodes in one window, of tones and of pieces; more would ask for more memory than a live page may use."""
 MAX_KNOTS = 200_000
 """Knots of one path until its last window ends; they are listed before anything else is known."""

@@ -6,6 +6,7 @@ inside the hull of its Bernstein coefficients, so their largest norm bounds it a
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -147,10 +148,14 @@ def hull(found: Pieces, order: int) -> float:
 def bernstein(table: Float[Array, "d m 3"], length: Float[Array, "m"]) -> Float[Array, "d m 3"]:
     """Bernstein coefficients of each piece on its own stretch: b_i = Σ_{j≤i} C(i,j)/C(n,j) c_j hʲ."""
     degree = len(table) - 1
-    i, j = np.meshgrid(np.arange(degree + 1), np.arange(degree + 1), indexing="ij")
-    weights = np.where(j <= i, comb(i, j) / comb(degree, j), 0.0)
     scaled = table * (length[None, :] ** np.arange(degree + 1)[:, None])[..., None]
-    return np.einsum("ij,jmk->imk", weights, scaled)
+    return np.einsum("ij,jmk->imk", _bernstein_weights(degree), scaled)
+
+
+@lru_cache
+def _bernstein_weights(degree: int) -> Float[Array, "d d"]:
+    i, j = np.meshgrid(np.arange(degree + 1), np.arange(degree + 1), indexing="ij")
+    return np.where(j <= i, comb(i, j) / comb(degree, j), 0.0)
 
 
 def _horner(table: Array, local: Array) -> Array:
