@@ -79,7 +79,8 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[
     Besides the windows given, those between the first and the last of them that start or end at a knot of the path.
     """
     if knots.has_pieces(path):
-        every = np.union1d(start, _events(path, float(start.min()), float(start.max()), window))
+        events = _events(path, float(start.min()), float(start.max()), window)
+        every = start if events is None else np.union1d(start, events)
         found = _summed(path, every, window)
         if found is not None:
             least, rounding = found
@@ -95,9 +96,9 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
 
     None if the path has no period, so that no grid covers it, or if nothing bounds its snap and the rate of that.
 
-    λ_min is concave, and |Ẅ| ≤ 4 sup|p⁗| sup|p⁽⁵⁾| unless the window starts or ends at a knot. Such windows are points
-    of the grid, so between neighbours Δ apart λ_min stays above min(λᵢ, λᵢ₊₁) − (Δ²/8) · 4 sup|p⁗| sup|p⁽⁵⁾|.
-    The snap itself may jump at knots; what it comes from must not.
+    λ_min is concave, and |Ẅ| ≤ 2 Σ sup|p⁗| sup|p⁽⁵⁾| over the pieces in which the window starts and ends, unless it
+    does so at a knot. Such windows are points of the grid, so between neighbours Δ apart λ_min stays above
+    min(λᵢ, λᵢ₊₁) − (Δ²/8) sup|Ẅ|. The snap itself may jump at knots; what it comes from must not.
     """
     period = path.period
     if period is None:
@@ -105,17 +106,14 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     if period == 0:
         return 0.0
     events = _events(path, 0.0, period, window)
-    snap = knots.bound_between(path, 4)
-    rate = knots.bound_between(path, 5) if len(events) else path.bound(5)
-    curvature = snap * rate / 2
-    if not np.isfinite(curvature + path.bound(4)):
+    if events is None or not math.isfinite(path.bound(4)):
         return None
     time = np.union1d(np.linspace(0, period, MIN_GRID + 1), events)
     found = _summed(path, time, window)
     least, rounding = found or (eigenvalues(path, time, window)[:, 0], 0.0)
     for _ in range(BOUND_ROUNDS):
-        more = _between(time, least, curvature)
-        if found is None or least.min() <= UNEXCITED * window * snap**2 or len(more) == 0:
+        more = _between(time, least, _slack(path, time, window))
+        if found is None or least.min() <= UNEXCITED * window * path.bound(4) ** 2 or len(more) == 0:
             break
         found = _summed(path, more, window)
         if found is None:
@@ -123,29 +121,37 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
         order = np.argsort(np.append(time, more))
         time, least = np.append(time, more)[order], np.append(least, found[0])[order]
         rounding = max(rounding, found[1])
-    between = np.minimum(least[1:], least[:-1]) - curvature * np.diff(time) ** 2
-    return max(0.0, float(between.min()) - rounding)
+    between = np.minimum(least[1:], least[:-1]) - _slack(path, time, window)
+    lowest = float(between.min()) - rounding
+    return max(0.0, lowest) if math.isfinite(lowest) else None
 
 
-def _between(time: Array, least: Array, curvature: float) -> Array:
+def _slack(path: Signal, time: Array, window: float) -> Array:
+    """(Δ²/8) sup|Ẅ| between neighbouring times (s); no window between them starts or ends at a knot."""
+    middle = (time[1:] + time[:-1]) / 2
+    ends = (middle, middle + window)
+    bend = sum(knots.bounds_between(path, 4, end) * knots.bounds_between(path, 5, end) for end in ends)
+    return np.diff(time) ** 2 / 4 * bend
+
+
+def _between(time: Array, least: Array, slack: Array) -> Array:
     """Times at which the grid has to be finer: as many between two of its points as their λ_min asks for."""
-    gap, low = np.diff(time), np.minimum(least[1:], least[:-1])
+    low = np.minimum(least[1:], least[:-1])
     aim, spare = (1 - BOUND_SHARE) * least.min(), BOUND_SHARE * least.min()
-    loose = low - curvature * gap**2 < aim
-    if spare <= 0 or not loose.any():
+    loose = low - slack < aim
+    if spare <= 0 or not loose.any() or not np.isfinite(slack).all():
         return np.zeros(0)
-    first, gap, low = time[:-1][loose], gap[loose], low[loose]
-    parts = np.maximum(2, np.ceil(gap * np.sqrt(curvature / np.maximum(low - aim, spare))))
+    parts = np.maximum(2, np.ceil(np.sqrt(slack[loose] / np.maximum(low[loose] - aim, spare))))
     parts = np.floor(parts * min(1.0, max(0, MAX_GRID - len(time)) / parts.sum())).astype(int)
     added = np.maximum(parts - 1, 0)
     number = np.arange(added.sum()) - np.repeat(np.cumsum(added) - added, added) + 1
-    return np.repeat(first, added) + number * np.repeat(gap / np.maximum(parts, 1), added)
+    return np.repeat(time[:-1][loose], added) + number * np.repeat(np.diff(time)[loose] / np.maximum(parts, 1), added)
 
 
-def _events(path: Signal, first: float, last: float, window: float) -> Array:
-    """Starts, strictly between two times, of windows that start or end at a knot."""
+def _events(path: Signal, first: float, last: float, window: float) -> Array | None:
+    """Starts, strictly between two times, of windows that start or end at a knot; None if they are too many."""
     if knots.most(path, last - first + window) > MAX_KNOTS:
-        return np.zeros(0)
+        return None
     return np.union1d(knots.knots(path, first, last), knots.knots(path, first + window, last + window) - window)
 
 
@@ -173,21 +179,7 @@ def _summed(path: Signal, start: Array, window: float) -> tuple[Array, float] | 
     total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(snap.transpose(0, 2, 1) @ snap, axis=0)])
     windows = total[np.searchsorted(edges, stop)] - total[np.searchsorted(edges, start)]
     rounding = len(edges) * np.finfo(float).eps * float(np.trace(total[-1]))
-    return _least(windows), rounding
-
-
-def _least(W: Float[Array, "w 3 3"]) -> Float[Array, "w"]:
-    """The least eigenvalue of symmetric 3 × 3 matrices, by the cosines of Cardano's formula.
-
-    As exact as `eigvalsh` against the largest one, all that a difference of sums has, and twenty times as fast.
-    """
-    mean = np.trace(W, axis1=1, axis2=2) / 3
-    x, y, z = (W[:, k, k] - mean for k in range(3))
-    a, b, c = W[:, 1, 2], W[:, 0, 2], W[:, 0, 1]
-    size = np.sqrt((x * x + y * y + z * z + 2 * (a * a + b * b + c * c)) / 6)
-    determinant = x * (y * z - a * a) - c * (c * z - a * b) + b * (c * a - y * b)
-    cosine = np.divide(determinant, 2 * size**3, out=np.zeros_like(size), where=size > 0)
-    return mean + 2 * size * np.cos((np.arccos(np.clip(cosine, -1, 1)) + 2 * math.pi) / 3)
+    return np.linalg.eigvalsh(windows)[:, 0], rounding
 
 
 def sampled_eigenvalues(

@@ -51,9 +51,13 @@ def bandwidth_besides(signal: Signal, time: float) -> float:
     return max((bandwidth_until(part, time) for part in _parts(signal) if _pieces(part) is None), default=0.0)
 
 
-def bound_between(signal: Signal, order: int) -> float:
-    """A bound on a derivative's norm (order 2 or more) between knots, at every t; lower ones may jump at the knots."""
-    return sum(_bound_between(part, order) for part in _parts(signal))
+def bounds_between(signal: Signal, order: int, time: Float[Array, "n"]) -> Float[Array, "n"]:
+    """Bounds on a derivative's norm (order 2 or more) from each time (s) to the knots before and after it."""
+    found = np.zeros(len(time))
+    for part in _parts(signal):
+        made = _pieces(part)
+        found += part.bound(order) if made is None else piecewise.hulls(made, order, time)
+    return found
 
 
 def _parts(signal: Signal) -> Iterator[Family]:
@@ -68,10 +72,3 @@ def _pieces(part: Family) -> Pieces | None:
             return polynomials.pieces(part)
         case _:
             return None
-
-
-def _bound_between(part: Family, order: int) -> float:
-    found = _pieces(part)
-    if found is None:
-        return part.bound(order)
-    return piecewise.hull(found, order) if order < len(found.tables) else 0.0

@@ -142,7 +142,22 @@ def bound(found: Pieces, order: int) -> float:
 
 def hull(found: Pieces, order: int) -> float:
     """The largest norm of any Bernstein coefficient of the derivative."""
-    return float(np.linalg.norm(bernstein(found.tables[order], np.diff(found.knots)), axis=-1).max() * (1 + 1e-12))
+    return float(_hull_of_each(found, order).max())
+
+
+def hulls(found: Pieces, order: int, t: Float[Array, "n"]) -> Float[Array, "n"]:
+    """The same for the piece that each time (s) lies in alone; 0 where the signal stands still."""
+    if order >= len(found.tables):
+        return np.zeros(len(t))
+    sizes = _hull_of_each(found, order)[_place(found, t)[0]]
+    if order > 0 and not found.repeats:
+        sizes[(t < found.knots[0]) | (t > found.knots[-1])] = 0.0
+    return sizes
+
+
+def _hull_of_each(found: Pieces, order: int) -> Float[Array, "m"]:
+    corners = bernstein(found.tables[order], np.diff(found.knots))
+    return np.linalg.norm(corners, axis=-1).max(axis=0) * (1 + 1e-12)
 
 
 def bernstein(table: Float[Array, "d m 3"], length: Float[Array, "m"]) -> Float[Array, "d m 3"]:
