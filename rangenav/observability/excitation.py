@@ -9,6 +9,7 @@ are looked at besides the grid's.
 """
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -19,7 +20,7 @@ from rangenav.observability import quadrature
 from rangenav.signals import Signal, knots
 
 MIN_GRID, MAX_GRID, MAX_EVALUATIONS = 64, 4000, 150_000
-"""Windows that the bound for all t looks at, at least and at most; snaps evaluated for one set of windows (30 ms)."""
+"""Windows that the bound for all t looks at, at least and at most, and snaps it may evaluate for its sums: 30 ms."""
 MAX_KNOTS = 2000
 """Knots at which windows start or end besides a grid; with more, a window has hundreds of them and one is nothing."""
 UNEXCITED = 1e-12
@@ -79,12 +80,13 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[
     Besides the windows given, those between the first and the last of them that start or end at a knot of the path.
     """
     if knots.has_pieces(path):
-        events = _events(path, float(start.min()), float(start.max()), window)
-        every = start if events is None else np.union1d(start, events)
-        found = _summed(path, every, window)
-        if found is not None:
-            least, rounding = found
-            lowest = int(np.sum(least <= least.min() + rounding))  # sums cannot tell these apart
+        first, last = float(start.min()), float(start.max())
+        sums = _running(path, first, last + window)
+        if sums is not None:
+            events = _events(path, first, last, window)
+            every = start if events is None else np.union1d(start, events)
+            least = _least(path, sums, every, window)
+            lowest = int(np.sum(least <= least.min() + sums.rounding))  # sums cannot tell these apart
             start = every[np.argsort(least, kind="stable")[: min(lowest, len(start))]]
     values = eigenvalues(path, start, window)
     k = int(np.argmin(values[:, 0]))
@@ -109,18 +111,18 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     if events is None or not math.isfinite(path.bound(4)):
         return None
     time = np.union1d(np.linspace(0, period, MIN_GRID + 1), events)
-    found = _summed(path, time, window)
-    least, rounding = found or (eigenvalues(path, time, window)[:, 0], 0.0)
+    sums = _running(path, 0.0, period + window)
+    if sums is None:
+        least, rounding = eigenvalues(path, time, window)[:, 0], 0.0
+    else:
+        least, rounding = _least(path, sums, time, window), sums.rounding
     for _ in range(BOUND_ROUNDS):
         more = _between(time, least, _slack(path, time, window))
-        if found is None or least.min() <= UNEXCITED * window * path.bound(4) ** 2 or len(more) == 0:
-            break
-        found = _summed(path, more, window)
-        if found is None:
+        if sums is None or len(more) == 0 or least.min() <= UNEXCITED * window * path.bound(4) ** 2:
             break
         order = np.argsort(np.append(time, more))
-        time, least = np.append(time, more)[order], np.append(least, found[0])[order]
-        rounding = max(rounding, found[1])
+        least = np.append(least, _least(path, sums, more, window))[order]
+        time = np.append(time, more)[order]
     between = np.minimum(least[1:], least[:-1]) - _slack(path, time, window)
     lowest = float(between.min()) - rounding
     return max(0.0, lowest) if math.isfinite(lowest) else None
@@ -155,31 +157,46 @@ def _events(path: Signal, first: float, last: float, window: float) -> Array | N
     return np.union1d(knots.knots(path, first, last), knots.knots(path, first + window, last + window) - window)
 
 
-def _summed(path: Signal, start: Array, window: float) -> tuple[Array, float] | None:
-    """The least eigenvalue of each window, and its rounding, from sums over cells; None if those are too many.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Sums:
+    """∫p⁗p⁗ᵀ from the first edge to each, over cells between them that a few nodes integrate."""
 
-    Cells lie between all the windows' ends and all knots. Neighbouring windows share nearly all of them, so thousands
-    cost one pass over the path. A difference of sums has the rounding of the whole sum; spectra shown never come from
-    here.
+    edges: Float[Array, "c"]
+    total: Float[Array, "c 3 3"]
+    nodes: int
+    rounding: float
+    """Of the difference of two sums; what is shown never comes from here."""
+
+
+def _running(path: Signal, first: float, last: float) -> _Sums | None:
+    """Sums over the stretch between two times (s), cut at all knots; None if they are too much work.
+
+    Windows share nearly all of it, so thousands of them cost one pass over the path and two cells each.
     """
-    first, last = float(start.min()), float(start.max()) + window
-    bandwidth = knots.bandwidth_besides(path, last)
-    if not math.isfinite(bandwidth):
+    bandwidth, count = knots.bandwidth_besides(path, last), max(CELL_NODES, knots.degree(path) - 3)
+    cells = 1 + CELLS_PER_RADIAN * bandwidth * (last - first)
+    if not count * (cells + knots.most(path, last - first)) <= MAX_EVALUATIONS:
         return None
-    count = max(CELL_NODES, knots.degree(path) - 3)
-    even = math.ceil(CELLS_PER_RADIAN * bandwidth * (last - first)) + 1
-    if count * (even + 2 * len(start) + knots.most(path, last - first)) > MAX_EVALUATIONS:
-        return None
-    stop = start + window
-    parts = (start, stop, knots.knots(path, first, last), np.linspace(first, last, even + 1))
-    edges = np.unique(np.concatenate(parts))
+    edges = np.union1d(np.linspace(first, last, math.ceil(cells) + 1), knots.knots(path, first, last))
+    total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(_cell(path, edges[:-1], edges[1:], count), axis=0)])
+    rounding = (len(edges) + count) * np.finfo(float).eps * float(np.trace(total[-1]))
+    return _Sums(edges=edges, total=total, nodes=count, rounding=rounding)
+
+
+def _least(path: Signal, sums: _Sums, start: Array, window: float) -> Array:
+    """The least eigenvalue of each window: what has been summed up to its end, less what up to its start."""
+    both = np.concatenate([start, start + window])
+    cell = np.clip(np.searchsorted(sums.edges, both, side="right") - 1, 0, len(sums.edges) - 1)
+    until = sums.total[cell] + _cell(path, sums.edges[cell], both, sums.nodes)
+    return np.linalg.eigvalsh(until[len(start) :] - until[: len(start)])[:, 0]
+
+
+def _cell(path: Signal, first: Array, last: Array, count: int) -> Array:
+    """∫p⁗p⁗ᵀ over short stretches, by one panel each."""
     x, weight = quadrature.legendre(count)
-    length = np.diff(edges)[:, None]
-    snap = path(edges[:-1, None] + length * x, 4) * np.sqrt(length * weight)[..., None]
-    total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(snap.transpose(0, 2, 1) @ snap, axis=0)])
-    windows = total[np.searchsorted(edges, stop)] - total[np.searchsorted(edges, start)]
-    rounding = len(edges) * np.finfo(float).eps * float(np.trace(total[-1]))
-    return np.linalg.eigvalsh(windows)[:, 0], rounding
+    length = (last - first)[:, None]
+    snap = path(first[:, None] + length * x, 4) * np.sqrt(np.maximum(length, 0) * weight)[..., None]
+    return snap.transpose(0, 2, 1) @ snap
 
 
 def sampled_eigenvalues(
