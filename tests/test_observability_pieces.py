@@ -206,11 +206,20 @@ durations = st.lists(st.floats(0.05, 2.0), min_size=1, max_size=12)
 
 
 @settings(max_examples=60)
-@given(durations, st.booleans(), st.floats(0.1, 6.0), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
-def test_no_window_has_more_nodes_than_were_counted_beforehand(lengths, repeats, window, shares):
+@given(
+    durations,
+    st.booleans(),
+    st.sampled_from([0.0, 3.0, 100.0]),
+    st.floats(0.1, 6.0),
+    st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20),
+)
+def test_no_window_has_more_nodes_than_were_counted_beforehand(lengths, repeats, frequency, window, shares):
     x = (0.0, 1.0, 0.5, 0.2, 0.1, 0.1, 0.1, 0.1)
     pieces = tuple(Piece(duration=length, x=x) for length in lengths)
     curve, until = Polynomials(pieces=pieces, ends="repeat" if repeats else "hold"), window + 5.0
+    if frequency:
+        tone = Tone(axis="z", amplitude=0.1, frequency=frequency)
+        curve = Sum(base=curve, wiggle=Multisine(tones=(tone,)))
     start = np.array([share * 5.0 for share in shares])
     count = quadrature.count(curve, window, until)
     assert quadrature.nodes(curve, start, window)[0].shape[1] <= count
