@@ -28,7 +28,7 @@ MAX_WAYPOINTS = 60
 EVERYWHERE = (-grips.MAX_REACH, grips.MAX_REACH)
 STEPS = 1000
 """A place is rounded to the power of ten below a thousandth of the stage's radius: finer than a pixel, and readable."""
-WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.24, 0.34, 1.8
+WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.18, 0.34, 1.8
 """Radii of the handles and length of the gizmo's arrows, in units of the stage. The anchor's encloses the beacon."""
 ONE_CLICK = 0.3
 """s within which a click on a handle and one on the scene are the same click: viser tells both, in any order."""
