@@ -40,7 +40,13 @@ def export(
     from rangenav.formats import requirement
 
     found = exported(
-        presets.load(preset), to, output, name=preset, attitude=attitude, uncertified=uncertified, gate=requirement.unmet
+        presets.load(preset),
+        to,
+        output,
+        name=preset,
+        attitude=attitude,
+        uncertified=uncertified,
+        gate=requirement.unmet,
     )
     return print_json(found) if json else print_table(f"{preset} as {to}", found)
 

@@ -1,14 +1,15 @@
-"""Exchange formats, one file each: `read` understands a file and asks before it assumes, `export` writes a preset's run.
+"""Exchange formats, one file each: `read` understands a file and asks before it assumes, `export` writes a run.
 
-    read     reference, polynomial, tum, euroc: paths     log, mat, euroc: recorded flights
-    write    preset, reference, polynomial, bag, mcap, tum, euroc, mat, npz, csv, log     never: bezier, qgc
+read     reference, polynomial, tum, euroc: paths     log, mat, euroc: recorded flights
+write    preset, reference, polynomial, bag, mcap, tum, euroc, mat, npz, csv, log     never: bezier, qgc
 """
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from rangenav.formats import text
-from rangenav.formats.imported import Flight, Imported, Question, settled
+from rangenav.formats.flights import Flight
+from rangenav.formats.imported import Imported, Question, settled
 from rangenav.formats.refused import REFUSED
 from rangenav.formats.written import Written, marked
 from rangenav.inputs import require
@@ -19,7 +20,19 @@ WRITTEN = ("preset", "reference", "polynomial", "bag", "mcap", "tum", "euroc", "
 SUFFIXES = {".mat": "mat", ".txt": "tum", ".tum": "tum"}
 MAX_MAT = 256_000_000
 
-__all__ = ["READ", "REFUSED", "WRITTEN", "Flight", "Imported", "Question", "Written", "export", "marked", "read", "settled"]
+__all__ = [
+    "READ",
+    "REFUSED",
+    "WRITTEN",
+    "Flight",
+    "Imported",
+    "Question",
+    "Written",
+    "export",
+    "marked",
+    "read",
+    "settled",
+]
 
 
 def read(
@@ -39,9 +52,7 @@ def read(
     return parse(data, format, source=path.name, confirm=answers, knots=knots)
 
 
-def parse(
-    data: bytes, format: str, *, source: str, confirm: Mapping[str, str], knots: float | None = None
-) -> Imported:
+def parse(data: bytes, format: str, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> Imported:
     """The same for bytes that have been read already."""
     from rangenav.formats import log, mat, polynomial, reference, tum
 
@@ -78,7 +89,9 @@ def _writer(format: str, attitude: str) -> Callable[[Preset, Path], Written]:
 
     writers: dict[str, Callable[[Preset, Path], Written]] = {
         "preset": as_preset,
-        "reference": lambda preset, path: reference.write(preset, path, attitude="preset" if attitude == "preset" else "flown"),
+        "reference": lambda preset, path: reference.write(
+            preset, path, attitude="preset" if attitude == "preset" else "flown"
+        ),
         "polynomial": polynomial.write,
         "bag": ros.write_bag,
         "mcap": ros.write_mcap,

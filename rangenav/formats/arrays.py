@@ -1,4 +1,4 @@
-"""Lossless arrays of a run, in the preset's own frame: NPZ, MATLAB .mat (v5, a struct), and a plain CSV of t, p, v, a."""
+"""Lossless arrays of a run, in the preset's own frame: NPZ, MATLAB .mat (v5, a struct), and plain CSV of t, p, v, a."""
 
 import io
 import tempfile
@@ -14,7 +14,9 @@ from rangenav.preset import Preset
 
 FIELDS = ("time", "position", "velocity", "acceleration", "jerk", "snap", "rotation", "angular_velocity")
 MEASURED = ("gyro", "accel", "mag", "range_time", "range")
-UNITS = "s, m, rad, m/s², unit magnetic vector; gyro, accel, mag, angular_velocity in body axes; rotation body to inertial"
+UNITS = (
+    "s, m, rad, m/s², unit magnetic vector; gyro, accel, mag, angular_velocity in body axes; rotation body to inertial"
+)
 NAME = "rangenav"
 """Of the struct in a .mat file."""
 

@@ -1,6 +1,7 @@
 """EuRoC folders: mav0/imu0, mav0/state_groundtruth_estimate0, and beside them mag0 and uwb0 for field and ranges.
 
-    truth  #timestamp [ns], p (m), q wxyz, v (m/s), b_w, b_a: 17 columns, body to a z-up world     imu0  ns, w (rad/s), a (m/s²)
+    truth  #timestamp [ns], p (m), q wxyz, v (m/s), b_w, b_a: 17 columns, body to a z-up world
+    imu0   #timestamp [ns], w (rad/s), a (m/s²)
 mag0 and uwb0 are no part of EuRoC: `ns, m_x, m_y, m_z` (unit vector) and `ns, range [m]`. Stamps begin at one second.
 """
 
@@ -165,10 +166,15 @@ def _onto(time: Array, table: Table, names: tuple[str, ...]) -> Array:
     """Rows of another sensor on the IMU's stamps; NaN where it has none within half an IMU step."""
     stamps, values = _seconds(table), _columns(table, names)
     found = np.full((len(time), len(names)), np.nan)
-    if len(time) < 2:
+    steps = np.diff(time)
+    if not np.isfinite(steps).any():
         return found
-    half = max(float(np.nanmedian(np.diff(time))) / 2, 0.0)
-    k = np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1) if len(stamps) > 1 else np.zeros(len(time), dtype=int)
+    half = max(float(np.nanmedian(steps)) / 2, 0.0)
+    k = (
+        np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1)
+        if len(stamps) > 1
+        else np.zeros(len(time), dtype=int)
+    )
     if len(stamps) > 1:
         k = np.where(np.abs(stamps[k - 1] - time) <= np.abs(stamps[k] - time), k - 1, k)
     near = np.abs(stamps[k] - time) <= half

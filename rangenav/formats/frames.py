@@ -1,7 +1,7 @@
 """Changes of frame that undo themselves: z-down ↔ z-up (x, −y, −z), NED ↔ ENU (y, x, −z), FRD ↔ FLU diag(1, −1, −1).
 
-Each is a half turn, F = Fᵀ = F⁻¹, det F = 1. An inertial change acts on p, v, a and from the left on R, a body change on
-what the body feels and from the right: R' = F R and R' = R F. Quaternions are wxyz, body to inertial, with w ≥ 0.
+Each is a half turn, F = Fᵀ = F⁻¹, det F = 1. An inertial change acts on p, v, a and from the left on R, a body change
+on what the body feels and from the right: R' = F R and R' = R F. Quaternions are wxyz, body to inertial, with w ≥ 0.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Pieces of degree 7 through position, velocity, acceleration and jerk at their knots: C³, with what that costs.
 
 On the unit interval c_j = d_j/j! for j < 4, and the upper four solve Σ_j j!/(j − k)! c_j = what the right end still
-lacks of its k-th derivative. With knots h apart the position is off by h⁸ p⁽⁸⁾/(2⁸ 8!): a quarter of the fastest turn is
+lacks of its k-th derivative. With knots h apart the position is off by h⁸ p⁽⁸⁾/(2⁸ 8!): a third of the fastest turn is
 good to a tenth of a millimetre on a one-metre path; rounding ε of the data becomes 840 ε/h⁴ in the snap.
 """
 

@@ -6,17 +6,16 @@ data suggest and why, and `settled` raises until each is answered.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
+from rangenav.formats.flights import Flight, Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
 from rangenav.signals import Signal
 
-Frame = Literal["z-up", "z-down"]
 GRAVITY = 9.81
 """m/s², where a format says which way is down but not how strong."""
 GAP = 1.75
@@ -42,35 +41,6 @@ class Question:
         """The question as one clause, with the flag that answers it."""
         answer = f"{self.flag} {self.suggestion or '|'.join(self.options)}"
         return f"{self.asks}? {self.evidence}: {answer}"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Flight:
-    """A recorded flight in SI units, as a logger left it; what it lacks is None."""
-
-    time: Float[Array, "n"]
-    """s from the first sample, increasing."""
-    gyro: Float[Array, "n 3"]
-    """rad/s, body."""
-    accel: Float[Array, "n 3"]
-    """m/s², body: apparent acceleration."""
-    mag: Float[Array, "n 3"] | None
-    """Body; NaN between samples. Unit length over the record's median, whatever unit it was in."""
-    range_time: Float[Array, "m"]
-    """s"""
-    range: Float[Array, "m"]
-    """m"""
-    rotation: Float[Array, "n 3 3"] | None = None
-    """Truth, body to inertial; NaN where unknown."""
-    position: Float[Array, "n 3"] | None = None
-    """Truth (m, inertial); NaN where unknown."""
-    moving: Bool[Array, "n"] | None = None
-    """Samples that the file marks as movement."""
-    frame: Frame = "z-up"
-    gravity: Vec3 | None = None
-    """m/s², inertial, if the file says."""
-    magnetic: Vec3 | None = None
-    anchor: Vec3 | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,8 +1,8 @@
 """Sampled positions as a path: a C⁸ curve through knots, each the value of a parabola fitted to the samples around it.
 
-Poses printed to tenths of a millimetre a hundred times a second do not hold their own fourth derivative (rounding ε
-becomes 16 ε/h⁴ = 80 000 m/s⁴), so the snap of such a path is the knots' and not the flight's: excitation is never judged
-from it. What it is good for is its shape, with the largest distance from the file's positions said.
+Poses printed to tenths of a millimetre a hundred times a second do not hold their own fourth derivative (a step of ε
+becomes up to 16 ε/h⁴ = 160 000 m/s⁴), so the snap of such a path is the knots' and not the flight's: excitation is
+never judged from it. What it is good for is its shape, with the largest distance from the file's positions said.
 """
 
 from dataclasses import dataclass
@@ -44,9 +44,7 @@ class Knotted:
         return f"path through knots every {self.spacing:g} s, {near}"
 
 
-def knotted(
-    time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str
-) -> Knotted:
+def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> Knotted:
     """The curve through knots `spacing` apart (s), or as far apart as it can be to stay within a centimetre.
 
     It starts and ends at rest, as every such curve does: a record that begins in flight is met less well there.
@@ -73,7 +71,9 @@ def _knotted(time: Array, position: Array, spacing: float, source: str) -> Knott
     require_within("spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
     length = float(time[-1] - time[0])
     count = int(length / spacing) + 1
-    rule = f"{source}: {length:.3g} s make {count} knots {spacing:g} s apart, {LEAST_KNOTS} to {MAX_POINTS} are possible"
+    rule = (
+        f"{source}: {length:.3g} s make {count} knots {spacing:g} s apart, {LEAST_KNOTS} to {MAX_POINTS} are possible"
+    )
     require(LEAST_KNOTS <= count <= MAX_POINTS, rule)
     at = time[0] + np.linspace(0, length, count)
     points = []
@@ -92,8 +92,8 @@ def unjudged(time: Float[Array, "n"], position: Float[Array, "n 3"]) -> str:
     quantum, step = _quantum(position), float(np.median(np.diff(time)))
     noise = SNAP_OF_NOISE * quantum / step**4
     return (
-        f"positions in steps of {quantum:.1g} m every {1e3 * step:.3g} ms leave some {noise:.1g} m/s⁴ of rounding in the "
-        "snap: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
+        f"positions in steps of {quantum:.1g} m every {1e3 * step:.3g} ms leave some {noise:.1g} m/s⁴ of rounding in "
+        "the snap: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
     )
 
 

@@ -1,9 +1,9 @@
 """Logs as CSV: t, gyro, accel, mag, range and, if there is one, the truth; columns by name, units in brackets.
 
-    t [s],gyro_x [rad/s],…,accel_x [m/s2],…,mag_x [1],…,range [m],p_x [m],…,q_w,…        empty where a sensor gave nothing
+    t [s],gyro_x [rad/s],…,accel_x [m/s2],…,mag_x [1],…,range [m],p_x [m],…,q_w,…     empty where a sensor gave nothing
 Names of other loggers are understood (`Gyroscope X (deg/s)`, `acc_x`, `w_RS_S_x [rad s^-1]`, `#timestamp [ns]`).
-Written: a run's measurements and truth in its own frame, with gravity, field and anchor in comments, so nothing is asked
-when it is read again.
+Written: a run's measurements and truth in its own frame, with gravity, field and anchor in comments, so nothing is
+asked when it is read again.
 """
 
 import re
@@ -15,7 +15,8 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.formats import frames, recorded, text, units
-from rangenav.formats.imported import Frame, Imported
+from rangenav.formats.flights import Frame
+from rangenav.formats.imported import Imported
 from rangenav.formats.recorded import Raw
 from rangenav.formats.runs import quaternions, run_of
 from rangenav.formats.text import Table
@@ -32,7 +33,16 @@ NAMES = {
     "position": re.compile(r"(?:opt_|truth_|gt_)?(?:p|pos|position|p_rs_r)_?([xyz])"),
     "quaternion": re.compile(r"(?:opt_|truth_|gt_)?(?:q|quat|quaternion|orientation|q_rs)_?([wxyz])"),
 }
-SUFFIXES = {"dps": "deg/s", "rads": "rad/s", "ms2": "m/s2", "mps2": "m/s2", "ut": "uT", "ns": "ns", "us": "us", "ms": "ms"}
+SUFFIXES = {
+    "dps": "deg/s",
+    "rads": "rad/s",
+    "ms2": "m/s2",
+    "mps2": "m/s2",
+    "ut": "uT",
+    "ns": "ns",
+    "us": "us",
+    "ms": "ms",
+}
 """Units that some loggers hang onto a name: gyro_x_dps, t_ms."""
 WORLD = re.compile(r"(gravity|magnetic|anchor)\s*=\s*(\S+)\s+(\S+)\s+(\S+)")
 FRAME = re.compile(r"frame\s*=\s*(z-up|z-down)")
@@ -134,7 +144,9 @@ def _state(stated: dict[str, str], kind: str, unit: str | None, source: str) -> 
     known = units.UNITS[kind]
     rule = f"{source}: {unit[:20]!r} is no unit of {units.WORDS[kind]}; known are {', '.join(known)}"
     require(unit in known, rule)
-    require(stated.get(kind, unit) == unit, f"{source}: {units.WORDS[kind]} has columns in {stated.get(kind)} and {unit}")
+    require(
+        stated.get(kind, unit) == unit, f"{source}: {units.WORDS[kind]} has columns in {stated.get(kind)} and {unit}"
+    )
     stated[kind] = unit
 
 

@@ -1,6 +1,6 @@
 """Numeric arrays out of a MATLAB v5 file, bounded: sizes are checked before anything is unpacked or allocated.
 
-A file is a 128-byte header and elements (type, size, data); a matrix element holds flags, dimensions, a name and numbers.
+A file is a 128-byte header and elements (type, size, data); a matrix element holds flags, sizes, a name and numbers.
 Compressed elements are unpacked up to a limit. Structs, cells, text and complex numbers are passed over. scipy's reader
 does more and is the tests' witness, but damaged files can make it ask for any amount of memory.
 """
@@ -26,7 +26,7 @@ COMPLEX = 0x08
 
 
 def arrays(data: bytes, *, source: str) -> dict[str, Array]:
-    """Every real numeric variable by its name, as floats. Raises ValueError for what is no such file or is cut short."""
+    """Every real numeric variable by its name, as floats. Raises ValueError for what is damaged or cut short."""
     require(len(data) > HEADER, f"{source}: too short for a .mat file")
     marker = data[126:128]
     require(marker in (b"IM", b"MI"), f"{source}: not a MATLAB v5 file (v7.3 is HDF5: save it with -v7 instead)")
@@ -85,7 +85,9 @@ def _matrix(body: memoryview, order: str, source: str) -> tuple[str, Array | Non
     for size in dimensions:
         product *= size
     require(product * dtype.itemsize == len(numbers), f"{shown} has {len(numbers)} bytes for {product} numbers")
-    values = np.frombuffer(numbers, dtype=dtype).astype(float)
+    with np.errstate(invalid="ignore"):  # damaged bytes may be signalling NaNs; they become plain ones
+        values = np.frombuffer(numbers, dtype=dtype).astype(float)
+    values[np.isnan(values)] = np.nan
     return name, values.reshape(dimensions, order="F")
 
 

@@ -100,7 +100,9 @@ def write(preset: Preset, path: Path) -> Written:
     change = f"{fit.mu / fit.mu_path - 1:+.2%}" if fit.mu_path > 0 else "none"
     notes = [f"{len(rows)} pieces, {1e3 * fit.distance:.2g} mm from the path at most, μ changed by {change}"]
     if course.duration < preset.duration:
-        notes.append(f"the first {course.duration:.4g} s of {preset.duration:.4g} s: {MAX_SEGMENTS} pieces hold no more")
+        notes.append(
+            f"the first {course.duration:.4g} s of {preset.duration:.4g} s: {MAX_SEGMENTS} pieces hold no more"
+        )
     figures = {"pieces": len(rows), "fit_error": fit.distance, "mu": fit.mu, "mu_path": fit.mu_path}
     return Written(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures=figures)
 
@@ -153,7 +155,11 @@ def _hermite(course: Ramped, preset: Preset, ramp_pieces: int, left: int, step: 
     middle = max(1, min(left, int(np.ceil((end - begin) / step - 1e-9)) if np.isfinite(step) else 1))
     parts = [np.linspace(begin, end, middle + 1)]
     if course.ramp:
-        parts = [np.linspace(0, begin, ramp_pieces + 1)[:-1], parts[0], np.linspace(end, course.end, ramp_pieces + 1)[1:]]
+        parts = [
+            np.linspace(0, begin, ramp_pieces + 1)[:-1],
+            parts[0],
+            np.linspace(end, course.end, ramp_pieces + 1)[1:],
+        ]
     knots = np.concatenate(parts)
     derivatives = np.stack([course(knots, order) for order in range(4)], axis=1)
     turn = np.stack(ramped.yaw(preset.angular_velocity, course, knots), axis=1)

@@ -1,4 +1,4 @@
-"""A preset from an imported path: flown where it can be, judged over six seconds, with what the file did not say named."""
+"""A preset from an imported path: flown where it can be, and judged over windows of six seconds."""
 
 from pathlib import Path
 

@@ -1,6 +1,6 @@
 """A path that a vehicle can enter and leave: from hover and back, along itself, by running its own time up and down.
 
-    p(σ(t)),   σ' = 35u⁴ − 84u⁵ + 70u⁶ − 20u⁷,  u = t/ramp:  0 → 1 with no slope, curvature or third derivative at either end
+    p(σ(t)),   σ' = 35u⁴ − 84u⁵ + 70u⁶ − 20u⁷,  u = t/ramp:  0 → 1 with three derivatives zero at either end
 so position to snap start and end at rest and pass smoothly into the steady part, where σ' = 1. No place is visited that
 the path itself does not visit. A ramp of r seconds covers the path's first r/2: the file lasts r longer than the path,
 and between its ramps lie the path's own seconds from r/2 to T − r/2. Only there the excitation is the path's.
@@ -122,7 +122,10 @@ def attitude(course: Ramped, turning: object, gravity: Vec3, t: Float[Array, "n"
 def _tilt(course: Ramped, gravity: Vec3, t: Array) -> Attitude:
     """Steady flight from the path itself, ramps from fine pieces of degree 7 (they hold still before and after)."""
     first, last = course.steady
-    parts = [(t < first, 0.0, _pieces(course, 0.0, first)), (t > last, last, _pieces(course, last, course.end))]
+    parts: list[tuple[Array, float, Signal | None]] = [
+        (t < first, 0.0, _pieces(course, 0.0, first)),
+        (t > last, last, _pieces(course, last, course.end)),
+    ]
     parts.append((~(t < first) & ~(t > last), course.ramp / 2, course.path))
     found = Attitude(
         rotation=np.empty((len(t), 3, 3)),

@@ -8,7 +8,8 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.formats import units
-from rangenav.formats.imported import Flight, Frame, Imported, Question, answer, lines, repeated, spacing
+from rangenav.formats.flights import Flight, Frame
+from rangenav.formats.imported import Imported, Question, answer, lines, repeated, spacing
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
 
@@ -161,7 +162,9 @@ def _frame(raw: Raw, kept: Array, confirm: Mapping[str, str], questions: list[Qu
     down = axis == 2 and rest[2] < 0
     at = f"at first the accelerometer reads ({rest[0]:.3g}, {rest[1]:.3g}, {rest[2]:.3g})"
     suggestion = "z-up" if up else "z-down" if down else None
-    evidence = f"{at}, so the body's z points {'up' if up else 'down'}" if suggestion else f"{at}, which points along no z"
+    evidence = (
+        f"{at}, so the body's z points {'up' if up else 'down'}" if suggestion else f"{at}, which points along no z"
+    )
     asks = "which way does the world's z point"
     questions.append(
         Question(key="frame", flag="--frame", asks=asks, options=FRAMES, suggestion=suggestion, evidence=evidence)
@@ -206,5 +209,9 @@ def _flight(
 
 def _rows(table: Table, kept: Array) -> Table:
     return Table(
-        source=table.source, names=table.names, comments=table.comments, values=table.values[kept], lines=table.lines[kept]
+        source=table.source,
+        names=table.names,
+        comments=table.comments,
+        values=table.values[kept],
+        lines=table.lines[kept],
     )

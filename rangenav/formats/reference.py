@@ -1,6 +1,7 @@
-"""Reference CSV (Agilicious and RPG planners; GTSAM's DiscreteScenario reads it too): a sampled trajectory by column name.
+"""Reference CSV (Agilicious and RPG planners; GTSAM's DiscreteScenario reads it too): a trajectory by column name.
 
-    t, p_*, q_wxyz, v_*, w_*, a_lin_*, a_rot_*, jerk_*, snap_*, and a_* for GTSAM; z-up, q body → world, w body, a without g
+    t, p_*, q_wxyz, v_*, w_*, a_lin_*, a_rot_*, jerk_*, snap_*, and a_* for GTSAM
+z-up, q body → world, w body, a without g.
 Columns are found by their names, whatever their order. Read: pieces of degree 7 through position to jerk, on the knots
 that agree best with the snap columns. Columns of nothing but zeros are taken as missing and said to be; without jerk
 there is no excitation to be judged. Motor thrusts (u_*) need a mass that no preset has, and are not written.
@@ -35,8 +36,8 @@ STRIDES = (1, 2, 4, 8, 16, 32, 64, 128)
 """Samples per piece that are tried: close knots turn printed digits into snap, distant ones miss the motion."""
 LEAST_ROWS = 3
 UNJUDGED = (
-    "without acceleration and jerk the snap would be the fourth difference of sampled positions, which is mostly not the "
-    "motion's: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
+    "without acceleration and jerk the snap would be the fourth difference of sampled positions, which is mostly not "
+    "the motion's: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
 )
 LARGEST = 1e6
 """SI; no trajectory has more of position or any derivative."""
@@ -87,7 +88,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> Imported:
 def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Written:
     """Write the ramped path at 100 Hz. A tumbling body cannot be flown: by default the attitude is what flying takes.
 
-    Raises ValueError where that has no answer (a free fall); `attitude="preset"` writes the preset's own, without ramps.
+    Raises ValueError where that has no answer (a free fall); `attitude="preset"` writes the preset's own, unramped.
     """
     turned = upright(preset)
     window = turned.requirement.window

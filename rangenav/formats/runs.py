@@ -8,7 +8,7 @@ from numpy import ndarray as Array
 
 from rangenav import record
 from rangenav.formats import frames
-from rangenav.formats.imported import Frame
+from rangenav.formats.flights import Frame
 from rangenav.formats.upright import flip, frame_of
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
@@ -48,7 +48,11 @@ class Run:
 def run_of(preset: Preset) -> Run:
     """The preset's run, in its own frame and with its own seed."""
     course = record.course_of(preset)
-    truth, z, world = record.simulated(course).motion, record.measured(course, preset.sensors, preset.seed), preset.world
+    truth, z, world = (
+        record.simulated(course).motion,
+        record.measured(course, preset.sensors, preset.seed),
+        preset.world,
+    )
     try:
         frame = frame_of(preset)
     except ValueError:

@@ -20,6 +20,8 @@ MAX_LINE = 8_192
 """Characters; the widest format has 33 columns."""
 MAX_ROWS = 1_000_000
 MAX_COLUMNS = 200
+LARGEST = 1e20
+"""Nanoseconds since 1970 are 2e18; nothing that is measured is more, and squares of this still are numbers."""
 SHOWN = 24
 """Characters of a wrong entry that a message repeats."""
 
@@ -105,7 +107,7 @@ def columns(found: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:
 
 def refuse_missing(values: Float[Array, "n c"], found: Table, what: str) -> None:
     """Raise ValueError naming the first line where a number that cannot be done without is missing."""
-    missing = np.isnan(values).any(axis=-1)
+    missing = np.asarray(np.isnan(values).any(axis=-1))
     if missing.any():
         line = int(found.lines[int(np.argmax(missing))])
         raise ValueError(f"{found.source}, line {line}: {what} is missing or not a number ({_count(missing)} in all)")
@@ -141,9 +143,9 @@ def _numbers(line: str, separator: str | None, names: tuple[str, ...], place: st
         numbers = [float(part) if part else np.nan for part in parts]
     except ValueError:
         return [_number(part.strip(), name, place) for part, name in zip(parts, names, strict=True)]
-    if any(abs(number) == np.inf for number in numbers):
-        k = next(k for k, number in enumerate(numbers) if abs(number) == np.inf)
-        raise ValueError(f"{place}: {names[k][:SHOWN]} must be finite, got {parts[k].strip()[:SHOWN]!r}")
+    for number, part, name in zip(numbers, parts, names, strict=True):
+        if abs(number) > LARGEST:
+            raise ValueError(_too_large(part, name, place))
     return numbers
 
 
@@ -157,5 +159,9 @@ def _number(part: str, name: str, place: str) -> float:
         mangled = "; spreadsheets mangle stamps into times of day" if ":" in part or "/" in part else ""
         said = f"{place}: {name[:SHOWN]} must be a number, got {part[:SHOWN]!r}{mangled}"
         raise ValueError(said) from None
-    require(abs(value) != np.inf, f"{place}: {name[:SHOWN]} must be finite, got {part[:SHOWN]!r}")
+    require(not abs(value) > LARGEST, _too_large(part, name, place))
     return value
+
+
+def _too_large(part: str, name: str, place: str) -> str:
+    return f"{place}: {name[:SHOWN]} must not exceed {LARGEST:g}, got {part.strip()[:SHOWN]!r}"

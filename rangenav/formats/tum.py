@@ -1,4 +1,4 @@
-"""TUM trajectories: `t x y z qx qy qz qw`, seconds, blanks between, # for comments. Which way z points is not in the file.
+"""TUM trajectories: `t x y z qx qy qz qw`, seconds, blanks between, # for comments. Which way z points is not said.
 
 Read: positions only, as a curve through knots (see `knotted`); written: the true poses of a run, z-up, relative time.
 """
@@ -22,9 +22,7 @@ LARGEST = 1e5
 """m"""
 
 
-def parse(
-    data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None
-) -> Imported:
+def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> Imported:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source, separator=None, names=NAMES)
     text.refuse_missing(table.values, table, "a number")

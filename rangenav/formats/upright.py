@@ -7,11 +7,12 @@ From a z-down world (the paper's) both the inertial frame and the body are turne
 import msgspec
 import numpy as np
 
+from rangenav.formats.flights import Frame
 from rangenav.formats.frames import FRD_FLU, Z_UP_Z_DOWN
-from rangenav.formats.imported import Frame
 from rangenav.inputs import Vec3, require
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Polynomials, Signal, mapped
+from rangenav.signals.polynomials import Coefficients
 
 ALONG = 1e-9
 """Share of gravity that may lie beside z."""
@@ -34,14 +35,12 @@ def upright(preset: Preset) -> Preset:
         world, gravity=flip(world.gravity), magnetic=flip(world.magnetic), anchor=flip(world.anchor)
     )
     turning = preset.angular_velocity
-    if isinstance(turning, Flown):
-        turning = Flown(yaw=f"-({turning.yaw})")
-    else:
-        turning = mapped(turning, FRD_FLU, np.zeros(3))
+    flown = isinstance(turning, Flown)
+    turned = Flown(yaw=f"-({turning.yaw})") if flown else mapped(turning, FRD_FLU, np.zeros(3))
     return msgspec.structs.replace(
         preset,
         path=_path(preset.path),
-        angular_velocity=turning,
+        angular_velocity=turned,
         world=flipped,
         initial_rotation=flip(preset.initial_rotation),
     )
@@ -61,5 +60,6 @@ def _path(path: Signal) -> Signal:
     return turned
 
 
-def _negative(yaw: tuple) -> tuple:
-    return tuple(-value for value in yaw)
+def _negative(yaw: Coefficients) -> Coefficients:
+    a, b, c, d, e, f, g, h = (-value for value in yaw)
+    return a, b, c, d, e, f, g, h

@@ -1,4 +1,4 @@
-"""What was written, and how: never half a file, never over a folder, and marked where a preset missed its requirement."""
+"""What was written, and how: never half a file, never over a folder, and marked where a requirement was missed."""
 
 import os
 import tempfile
