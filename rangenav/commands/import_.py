@@ -45,8 +45,8 @@ def import_(
     confirm = {} if frame is None else {"frame": frame}
     found = formats.read(path, from_, confirm=confirm, knots=knots)
     made = as_preset(found, duration=duration, anchor=anchor)
-    presets.save(made, output)
     report = _report(found, made, output)
+    presets.save(made, output)
     return print_json(report) if json else print_table(f"{found.source}: {report['verdict']}", report)
 
 

@@ -72,7 +72,7 @@ def with_ranges(flight: Flight, anchor: Vec3, *, sigma: float, seed: int, rate: 
 
 def between(flight: Flight, begin: float, end: float) -> Flight:
     """The part of a record from begin to end (s); its own stamps are kept."""
-    inside: Bool[Array, "n"] = (flight.time >= begin) & (flight.time <= end)
+    inside = (flight.time >= begin) & (flight.time <= end)
     require(int(inside.sum()) >= 2, f"no samples between {begin:g} s and {end:g} s")
     ranged = (flight.range_time >= begin) & (flight.range_time <= end)
     optional = {

@@ -42,6 +42,7 @@ SUFFIXES = {
     "ns": "ns",
     "us": "us",
     "ms": "ms",
+    "s": "s",
 }
 """Units that some loggers hang onto a name: gyro_x_dps, t_ms."""
 WORLD = re.compile(r"(gravity|magnetic|anchor)\s*=\s*(\S+)\s+(\S+)\s+(\S+)")

@@ -32,6 +32,8 @@ POSITION = ("p_x", "p_y", "p_z")
 DERIVATIVES = tuple(tuple(f"{name}_{axis}" for axis in "xyz") for name in ("v", "a_lin", "jerk", "snap"))
 WORDS = ("velocity", "acceleration", "jerk", "snap")
 QUATERNION = ("q_w", "q_x", "q_y", "q_z")
+AS_GOOD, CLOSE = 1.5, 1e-3
+"""Pieces are as good as the best if their error is no more than this many times larger, or this share of the snap."""
 STRIDES = (1, 2, 4, 8, 16, 32, 64, 128)
 """Samples per piece that are tried: close knots turn printed digits into snap, distant ones miss the motion."""
 LEAST_ROWS = 3
@@ -168,8 +170,8 @@ def _path(
 def fitted(
     time: Float[Array, "n"], derivatives: Float[Array, "n 4 3"], snap: Float[Array, "n 3"] | None, *, source: str
 ) -> Fit:
-    """Pieces through every so many rows: as many as agree best with the snap, or without one with the jerk."""
-    best: tuple[float, Fit] | None = None
+    """Pieces through every so many rows: the longest that agree with the snap (else the jerk) as well as any do."""
+    found: list[tuple[float, Fit]] = []
     target, order = (derivatives[:, 3], 3) if snap is None else (snap, 4)
     size = float(np.sqrt(np.mean(target**2)))
     for stride in STRIDES:
@@ -183,8 +185,8 @@ def fitted(
         error = float(np.sqrt(np.mean((path(time, order) - target)[1:-1] ** 2)))
         distance = float(np.linalg.norm(path(time) - derivatives[:, 0], axis=-1).max())
         relative = error / size if snap is not None and size > 0 else None
-        if best is None or error < best[0]:
-            best = error, Fit(path=path, distance=distance, snap=relative, stride=stride)
-    if best is None:
+        found.append((error, Fit(path=path, distance=distance, snap=relative, stride=stride)))
+    if not found:
         raise ValueError(f"{source}: no pieces can be put through these rows: their stamps are too close or too uneven")
-    return best[1]
+    allowed = max(AS_GOOD * min(error for error, _ in found), CLOSE * size)
+    return next(fit for error, fit in reversed(found) if error <= allowed)
