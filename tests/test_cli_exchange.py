@@ -127,7 +127,8 @@ def test_an_import_that_leaves_something_open_asks_and_writes_nothing(answer, co
     assert not (tmp_path / "y.toml").exists()
     found = answer(*asked, "--frame", "z-up", "--anchor", "1", "2", "3")
     assert (found["verdict"], found["fit_error"] > 0) == ("not judged", True)
-    assert "cannot be judged" in found["verdict_reason"]
+    assert (found["excitation"], found["rank"]) == (None, None)
+    assert "cannot be judged" in found["reason"]
     assert preset.load(tmp_path / "y.toml").world.anchor == (1.0, 2.0, 3.0)
 
 
@@ -181,7 +182,7 @@ def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
     ("arguments", "said"),
     [
         (("--synthetic-ranges", "0.05"), "--synthetic-ranges needs --anchor X Y Z"),
-        (("--synthetic-ranges", "-1", "--anchor", "0", "0", "0"), "must lie between 1 mm and 100 m, got -1"),
+        (("--synthetic-ranges", "-1", "--anchor", "0", "0", "0"), "must lie between 0.001 m and 100 m, got -1"),
         (("--range-sigma", "0"), "--range-sigma must be positive, got 0"),
         (("--window", "99"), "the window must be shorter than the record's 20 s"),
         (("--window", "nan"), "the window must be shorter"),

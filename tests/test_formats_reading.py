@@ -138,6 +138,14 @@ def test_repeated_stamps_gaps_and_missing_numbers_are_told_by_line_and_dropped_o
     assert any(re.startswith("3 gaps, the longest 0.11 s") and "line" in re for re in kept.findings), kept.findings
 
 
+def test_stamps_that_a_spreadsheet_has_rounded_are_beyond_mending():
+    t, gyro, accel, mag = spun(60)
+    mangled = [float(f"{1.3e12 + 10 * k:.6E}") for k in range(60)]
+    names = ["t [ms]", *STATED[1:]]
+    with pytest.raises(ValueError, match=r"x\.csv: 98% of the stamps repeat or go back: rounded, as spreadsheets do"):
+        read(csv(names, mangled, gyro, accel, mag), frame="z-up", time="ms", lines="drop")
+
+
 def test_a_range_may_have_a_row_of_its_own():
     t, gyro, accel, mag = spun(30)
     table = np.column_stack([t, gyro, accel, mag, np.full(30, np.nan)])

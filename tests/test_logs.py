@@ -200,7 +200,7 @@ def test_a_still_start_tells_gravity_field_and_noise_in_the_frame_of_the_truth(f
     assert found.accel_noise == pytest.approx(0.02, rel=0.1)
     np.testing.assert_allclose(found.gyro_bias, [0.004, -0.003, 0.002], atol=3e-4)
     assert found.aligned
-    assert "gravity 9.81" in found.words
+    assert "s are still and give gravity 9.8" in found.words
     assert "in the frame of the file's attitude" in found.words
 
 
@@ -221,10 +221,10 @@ def test_the_world_is_asked_for_and_not_assumed():
     world, questions, _ = still.world_of(flight, anchor=(1.0, 0.0, 0.0))
     assert world is None
     assert [(q.key, q.suggestion) for q in questions] == [("world", "still")]
-    assert "s are still and give gravity 9.81" in questions[0].evidence
+    assert "s are still and give gravity 9.8" in questions[0].evidence
     world, questions, told = still.world_of(flight, anchor=(1.0, 0.0, 0.0), confirmed=True)
     assert (questions, world.anchor) == ((), (1.0, 0.0, 0.0))
-    assert "are still and give gravity 9.81" in told
+    assert "are still and give gravity 9.8" in told
     given = ((0.0, 0.0, -9.8), (1.0, 0.0, 0.0))
     assert still.world_of(flight, anchor=(0.0, 0.0, 0.0), given=given)[0].gravity == given[0]
 

@@ -75,5 +75,5 @@ def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
     if found.fit_error is None:
         report["fit_error_reason"] = "null: the path is the file's own"
     if found.unjudged is not None:
-        report |= {"verdict": "not judged", "verdict_reason": found.unjudged}
+        report |= {"excitation": None, "rank": None, "verdict": "not judged", "reason": f"null: {found.unjudged}"}
     return report

@@ -14,6 +14,8 @@ Given = Annotated[Vec3 | None, tyro.conf.arg(metavar="X Y Z")]
 SUFFIXES = {".mat": "mat", ".csv": "log"}
 TAIL = 4
 """The steady errors are of the last quarter, as in `rangenav simulate`."""
+SYNTHETIC = (1e-3, 1e2)
+"""m of noise on ranges that are made up."""
 EARTH = 1e-3
 """A direction shorter than this is no direction."""
 
@@ -79,37 +81,20 @@ def log(
     flight = formats.settled(found).flight
     if flight is None:
         raise ValueError(f"{found.source}: holds a path and no recorded flight: see `rangenav import`")
+    if synthetic_ranges is not None:
+        flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
+    require(range_sigma > 0, f"--range-sigma must be positive, got {range_sigma:g}")
     place = anchor or flight.anchor
     around, questions, told = still.world_of(
         flight, anchor=place or (0.0, 0.0, 0.0), given=given, confirmed=world == "still"
     )
-    if synthetic_ranges is not None:
-        require(anchor is not None, "--synthetic-ranges needs --anchor X Y Z")
-        require(
-            1e-3 <= synthetic_ranges <= 1e2,
-            f"--synthetic-ranges must lie between 1 mm and 100 m, got {synthetic_ranges:g}",
-        )
-        flight = flights.with_ranges(flight, place or (0.0, 0.0, 0.0), sigma=synthetic_ranges, seed=seed)
-        range_sigma = synthetic_ranges
-    require(range_sigma > 0, f"--range-sigma must be positive, got {range_sigma:g}")
     if len(flight.range):
-        questions = (*questions, *(() if place is not None else (_where(),)))
-        formats.settled(found, also=questions)
+        formats.settled(found, also=(*questions, *(() if place is not None else (_where(),))))
     noise = _noise(flight)
     if begin is not None or end is not None:
         flight = flights.between(flight, begin if begin is not None else 0.0, end if end is not None else math.inf)
     seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
-    report: dict[str, Any] = {
-        "file": found.source,
-        "format": found.format,
-        "rows": found.rows,
-        "rate": found.rate,
-        "duration": float(flight.time[-1] - flight.time[0]),
-        "frame": found.frame,
-        "findings": [*found.findings, *([told] if told else [])],
-        "informative": _informative(seen),
-        "verdict": seen.verdict,
-    }
+    report = _understood(found, flight, told) | {"informative": _informative(seen), "verdict": seen.verdict}
     if len(flight.range) and around is not None:
         observed = logs.observe(flight, around, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(around, name)) for name in ("gravity", "magnetic", "anchor")}
@@ -117,6 +102,29 @@ def log(
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     return print_json(report) if json else print_table(f"{found.source}: {seen.words}", report)
+
+
+def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> Any:
+    from rangenav.formats import flights
+
+    if anchor is None:
+        raise ValueError("--synthetic-ranges needs --anchor X Y Z")
+    low, high = SYNTHETIC
+    require(low <= sigma <= high, f"--synthetic-ranges must lie between {low:g} m and {high:g} m, got {sigma:g}")
+    return flights.with_ranges(flight, anchor, sigma=sigma, seed=seed)
+
+
+def _understood(found: Any, flight: Any, told: str) -> dict[str, Any]:
+    """What the file was understood to be."""
+    return {
+        "file": found.source,
+        "format": found.format,
+        "rows": found.rows,
+        "rate": found.rate,
+        "duration": float(flight.time[-1] - flight.time[0]),
+        "frame": found.frame,
+        "findings": [*found.findings, *([told] if told else [])],
+    }
 
 
 def _given(world: str | None, gravity: Vec3 | None, magnetic: Vec3 | None) -> tuple[Vec3, Vec3] | None:

@@ -51,20 +51,21 @@ def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: 
     """
     if spacing is not None:
         return _knotted(time, position, spacing, source)
-    best = None
-    for wide in SPACINGS:
-        if wide < SPACINGS[0] and int((time[-1] - time[0]) / wide) + 1 > MAX_POINTS:
-            break
+    length = float(time[-1] - time[0])
+    tried = [wide for wide in SPACINGS if length / wide < MAX_POINTS - 1] or [length / (MAX_POINTS - 2)]
+    found: list[Knotted] = []
+    refusal = None
+    for wide in tried:
         try:
-            found = _knotted(time, position, wide, source)
-        except ValueError:
-            if best is None and wide == SPACINGS[-1]:
-                raise
+            found.append(_knotted(time, position, wide, source))
+        except ValueError as error:  # too few samples for knots as close as this, or too short for knots as wide
+            refusal = error
             continue
-        if found.largest <= CLOSE:
-            return found
-        best = found if best is None or found.largest < best.largest else best
-    return best if best is not None else _knotted(time, position, SPACINGS[0], source)
+        if found[-1].largest <= CLOSE:
+            break
+    if not found and refusal is not None:
+        raise refusal
+    return min(found, key=lambda one: one.largest)
 
 
 def _knotted(time: Array, position: Array, spacing: float, source: str) -> Knotted:

@@ -16,6 +16,8 @@ from rangenav.inputs import Vec3, require
 FRAMES = ("z-up", "z-down")
 DROP = ("drop",)
 LEAST_ROWS = 8
+ROUNDED = 0.2
+"""A share of repeated stamps above which they are no slip of a logger, and dropping lines would mend nothing."""
 LARGEST = 1e9
 """In whatever unit; stamps may be larger."""
 REST = 3.0
@@ -92,6 +94,9 @@ def _kept(
     missing = ~(imu.all(axis=-1) & stamped) & ~between
     again = np.zeros_like(missing)
     again[~missing] = repeated(raw.time[~missing])
+    share = float(again.mean())
+    rule = f"{raw.table.source}: {share:.0%} of the stamps repeat or go back: rounded, as spreadsheets do, or no clock"
+    require(share <= ROUNDED, rule)
     said = []
     if missing.any():
         said.append(f"numbers are missing on {lines(raw.table.lines[missing])}")
