@@ -139,7 +139,7 @@ def test_repeated_stamps_gaps_and_missing_numbers_are_told_by_line_and_dropped_o
 
 
 def test_stamps_that_a_spreadsheet_has_rounded_are_beyond_mending():
-    t, gyro, accel, mag = spun(60)
+    _, gyro, accel, mag = spun(60)
     mangled = [float(f"{1.3e12 + 10 * k:.6E}") for k in range(60)]
     names = ["t [ms]", *STATED[1:]]
     with pytest.raises(ValueError, match=r"x\.csv: 98% of the stamps repeat or go back: rounded, as spreadsheets do"):

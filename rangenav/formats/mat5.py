@@ -74,6 +74,7 @@ def _matrix(body: memoryview, order: str, source: str) -> tuple[str, Array | Non
     dimensions = np.frombuffer(raw[: len(raw) // 4 * 4], dtype=order + "i4").astype(int).tolist()
     _, letters, at = _part(body, at, order, source)
     name = bytes(letters).decode("ascii", errors="replace")[:63]
+    require(name == "" or name.isidentifier(), f"{source}: a variable's name is damaged")
     if flag & 0xFF not in NUMERIC_CLASSES or flag >> 8 & COMPLEX:
         return name, None
     kind, numbers, _ = _part(body, at, order, source)

@@ -127,7 +127,7 @@ def _header(line: str, separator: str | None, place: str) -> tuple[str, ...]:
     names = tuple(_split(line, separator))
     require(len(names) <= MAX_COLUMNS, f"{place}: more than {MAX_COLUMNS} columns")
     for k, name in enumerate(names):
-        require(name != "", f"{place}: column {k + 1} has no name")
+        require(name != "" and name.isprintable(), f"{place}: column {k + 1} has no name that can be read")
         require(name not in names[:k], f"{place}: two columns are named {name[:SHOWN]!r}")
     return names
 
