@@ -374,7 +374,7 @@ def _damaged(random: random.Random, data: bytes, *, text: bool) -> bytes:
         elif text:
             data = b"\n".join(_edited(random, data.split(b"\n")))
         else:
-            start = random.randrange(len(data) // 8) * 8
+            start = random.randrange(max(1, len(data) // 8)) * 8
             data = data[:start] + struct.pack("<d", _number(random)) + data[start + 8 :]
     return data
 
