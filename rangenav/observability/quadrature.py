@@ -74,10 +74,14 @@ def nodes(
 def _composite(window: float, bandwidth: float) -> tuple[Array, Array]:
     """The same panels in every window."""
     _refuse_tones(window, bandwidth)
-    panels = _panels(window, bandwidth)
+    tau, weight = composite(window, _panels(window, bandwidth))
+    return tau[None], weight[None]
+
+
+def composite(window: float, panels: int) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
+    """Nodes (s, from the window's start) and weights, which add up to 1, of so many equal panels in a window (s)."""
     x, weight = legendre(PANEL_NODES)
-    tau = (np.arange(panels)[:, None] + x).reshape(1, -1) * (window / panels)
-    return tau, np.tile(weight / panels, panels)[None]
+    return (np.arange(panels)[:, None] + x).ravel() * (window / panels), np.tile(weight / panels, panels)
 
 
 def _fullest(path: Signal, window: float, until: float) -> tuple[int, int]:
