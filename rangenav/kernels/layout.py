@@ -49,3 +49,19 @@ class Arrays(NamedTuple):
     """The last one measured, carried along by the gyro between samples."""
     pending: np.ndarray
     """(y, variance) of a correction due at the start of the next interval; NaN if none."""
+
+
+class Strapdown(NamedTuple):
+    """What the nine-state estimators know beforehand: the world, and the sensors' noise."""
+
+    gravity: tuple[float, float, float]
+    across1: tuple[float, float, float]
+    across2: tuple[float, float, float]
+    """Unit vectors with across1 × across2 = m."""
+    range_variance: float
+    """m²"""
+    mag_variance: float
+    accel_density: float
+    """(m/s²)²/Hz"""
+    gyro_density: float
+    """(rad/s)²/Hz"""
