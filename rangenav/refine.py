@@ -7,7 +7,8 @@ filters the errors about the last trajectory forward and comes back by the modif
 Gauss–Newton converges from near by only, and near is what the cascade gives from any start: its last estimate starts
 the extended Kalman filter on the record run backwards, and where that has been the first pass is linearised.
 Rejected: carrying the cascade's last estimate back by the gyro and accelerometer alone. It drifts by metres: 16
-passes instead of 7 over 20 s of the paper's path, and after 60 s one record in ten converges instead of all.
+passes instead of 7 over 20 s of the paper's path, and of 60 s one record in ten converges instead of all.
+Where even the nonlinear problem has two solutions (a circle and its mirror image) the fit cannot tell them apart.
 """
 
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from numpy import ndarray as Array
 from rangenav import strapdown
 from rangenav.baselines import filtered
 from rangenav.cascade import Estimate, Setting
+from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Strapdown
 from rangenav.model import POSITION, VELOCITY
 from rangenav.motion import to_inertial
@@ -28,9 +30,13 @@ from rangenav.strapdown import STATES, Attached, Track
 
 START_SIGMA = (0.5, 0.5, 0.1)
 """m, m/s, rad of the cascade's last estimate, for the filter that runs back; 0.3 to 1 m serve alike, 3 m is worse."""
-PRIOR_SIGMA = (100.0, 100.0, 3.0)
-"""m, m/s, rad about the first trajectory's first state: so wide that it decides only what nothing else does."""
-MAX_PASSES = 20
+REACH = (1.0, 1.0, 0.3)
+"""m, m/s, rad: about so far one pass may move the first state; 1 σ of a prior about the trajectory it starts from, so
+that it holds back what the ranges do not tell and biases nothing that they do. 10 m is as good where motions are
+observable and lets weak ones jump about; to take back a pass that raises the cost ends in wrong places more often."""
+PRIOR_SIGMA = (10.0, 10.0, 1.0)
+"""The same for the covariance that is reported. With 100 m it would lose its sign in P − PΛP."""
+MAX_PASSES = 30
 SMALL_STEP = 1e-4
 """m and rad; the passes end when no sample moves by more. The refined position is good to 1e-2 m."""
 WORST_FIT = 1.5
@@ -54,7 +60,7 @@ class Refinement:
     """A smoothed record, and how the passes went."""
 
     track: Track
-    """Smoothed estimates and covariances; `innovation` holds the residuals of the ranges along the smoothed trajectory."""
+    """Smoothed estimates and covariances; `innovation` holds the ranges' residuals along the smoothed trajectory."""
     passes: tuple[Pass, ...]
     converged: bool
     fit: float
@@ -86,20 +92,17 @@ def refine(measurements: Measurements, estimate: Estimate, setting: Setting) -> 
 
 
 def smooth(measurements: Measurements, nominal: Track, setting: Setting) -> Refinement:
-    """Gauss–Newton passes from any trajectory on the record's IMU samples; the prior is about its first state."""
+    """Gauss–Newton passes from any trajectory on the record's IMU samples."""
     strapdown.check(measurements)
+    rows, samples = len(nominal.time), len(measurements.time)
+    require(rows == samples, f"the trajectory must have one row for each of the {samples} IMU samples, got {rows}")
     z, p, attached = measurements, strapdown.parameters(setting), strapdown.attach(measurements)
     anchor = np.asarray(setting.world.anchor, dtype=float)
     reached = _Trajectory(nominal.position - anchor, nominal.velocity.copy(), nominal.rotation.copy())
-    first = _Trajectory(*(part[0].copy() for part in reached))
-    work, passes, converged = _workspace(z, attached), [], False
+    work, residuals = _workspace(z, attached), np.full((len(z.range), 2), np.nan)
     with np.errstate(all="ignore"):
-        while len(passes) < MAX_PASSES and not converged:
-            passes.append(_pass(z, attached, reached, first, work, p))
-            if not np.isfinite(passes[-1].step):
-                break
-            converged = max(passes[-1].step, passes[-1].turn) < SMALL_STEP
-        residuals = _finish(z, attached, reached, work, p)
+        passes, converged = _iterate(z, attached, reached, work, p)
+        _finish(z, attached, reached, work, residuals, p)
         fit = float(np.sqrt(np.mean(residuals[attached.kept, 0] ** 2 / p.range_variance)))
     track = Track(
         time=z.time,
@@ -142,31 +145,45 @@ def _workspace(z: Measurements, attached: Attached) -> _Workspace:
     )
 
 
-def _pass(
-    z: Measurements, attached: Attached, reached: _Trajectory, first: _Trajectory, work: _Workspace, p: Strapdown
-) -> Pass:
-    """Linearise about the trajectory reached, filter forward, come back, move the trajectory."""
-    kernel = _kernel()
-    prior, covariance = np.empty(STATES), np.diag(np.repeat(np.square(PRIOR_SIGMA), 3)).ravel()
-    kernel.prior(first.position, first.velocity, first.rotation, *reached, prior)
-    cost = kernel.forward(
+def _iterate(
+    z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, p: Strapdown
+) -> tuple[list[Pass], bool]:
+    """Passes until the step is small; `reached` is moved in place."""
+    passes: list[Pass] = []
+    while len(passes) < MAX_PASSES:
+        cost = _forward(z, attached, reached, work, p, REACH)
+        _kernel().backward(z.time, *work)
+        step, turn = _kernel().apply(work.errors, *reached)
+        passes.append(Pass(cost=cost, step=step, turn=turn))
+        if not np.isfinite(step):
+            return passes, False
+        if max(step, turn) < SMALL_STEP:
+            return passes, True
+    return passes, False
+
+
+def _forward(
+    z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, p: Strapdown, sigma: Vec3
+) -> float:
+    """Linearise about the trajectory reached and filter; the cost of that trajectory per scalar measurement."""
+    covariance = np.diag(np.repeat(np.square(sigma), 3)).ravel()
+    cost = _kernel().forward(
         z.time, z.gyro, z.accel, z.mag, z.range[attached.kept], attached.sample, attached.back,
-        *reached, prior, covariance, *work, p,
+        *reached, np.zeros(STATES), covariance, *work, p,
     )  # fmt: skip
-    kernel.backward(z.time, *work)
-    step, turn = kernel.apply(work.errors, *reached)
-    return Pass(cost=cost / len(work.kept), step=step, turn=turn)
+    return cost / len(work.kept)
 
 
-def _finish(z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, p: Strapdown) -> Array:
+def _finish(
+    z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, residuals: Array, p: Strapdown
+) -> None:
     """The smoothed covariances, left in `work`, and the residuals of all ranges."""
-    kernel, residuals = _kernel(), np.full((len(z.range), 2), np.nan)
-    kernel.smooth_covariance(z.time, *work[1:])
-    kernel.residuals(
+    _forward(z, attached, reached, work, p, PRIOR_SIGMA)
+    _kernel().smooth_covariance(z.time, *work[1:])
+    _kernel().residuals(
         z.time, z.gyro, z.accel, z.range[attached.kept], attached.sample, attached.back,
         *reached, work.covariances, residuals[attached.kept], p,
     )  # fmt: skip
-    return residuals
 
 
 def _kernel() -> ModuleType:

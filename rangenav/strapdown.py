@@ -1,9 +1,9 @@
 """The nine-state problem that peers solve: p, v and R in inertial axes, gravity known, the range itself as output.
 
     ṗ = v,  v̇ = g + R a,  Ṙ = R [ω]x,  d = |p − p_anchor|,  m_y = Rᵀm;   R = exp([φ]x) R̂ defines the attitude error φ
-It is the paper's system (1)–(3) before the lift: nine states and no excitation paid for the lift, but a range that bends,
+It is the paper's system (1)–(3) before the lift: nine states, no excitation paid for the lift, but a range that bends,
 so what is built on it converges from near by only. The acceleration is the mean of both ends of an interval, each
-turned by the gyro-integrated rotation, and a range between two samples is carried to the later one by the known motion.
+turned by the gyro-integrated rotation; a range between two samples is carried to the later one by the known motion.
 """
 
 from dataclasses import dataclass
@@ -64,7 +64,7 @@ class Attached(NamedTuple):
 
 
 def check(measurements: Measurements) -> None:
-    """Raise ValueError for a record that is out of order, not finite, or too long to keep a covariance of each sample."""
+    """Raise ValueError for a record out of order, not finite, or too long to keep a covariance of each sample."""
     sensors.check(measurements)
     samples, ranges = len(measurements.time), len(measurements.range)
     require(samples <= MAX_SAMPLES, f"a record may have at most {MAX_SAMPLES} IMU samples here, got {samples}")

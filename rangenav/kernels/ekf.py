@@ -21,9 +21,7 @@ def inject(x, position, velocity, r):
 
 
 @kernel
-def run(
-    time, gyro, accel, mag, distance, attached, back, positions, velocities, rotations, covariances, innovation, p
-):
+def run(time, gyro, accel, mag, distance, attached, back, positions, velocities, rotations, covariances, innovation, p):
     """Filter a record; range j is applied at IMU sample attached[j], which it precedes by back[j] seconds.
 
     It starts from what stands in the first rows of positions, velocities, rotations and covariances (flat, 81).

@@ -1,7 +1,7 @@
 """One Gauss–Newton pass of the whole-record smoother: a Kalman filter forward on the errors, an adjoint backward.
 
-Linearised about a nominal trajectory x̄, the errors obey δ⁺ = Φ δ + d + noise, d = f(x̄) ⊖ x̄⁺ the nominal one's defect. The
-backward half is the modified Bryson–Frazier recursion: it inverts nothing, and the noise may be singular, as it is here.
+Linearised about a nominal trajectory x̄, the errors obey δ⁺ = Φ δ + d + noise, d = f(x̄) ⊖ x̄⁺ the nominal one's defect.
+The backward half is the modified Bryson–Frazier recursion: it inverts nothing, so the noise may be singular, as here.
 """
 
 import numpy as np
@@ -35,13 +35,6 @@ def difference(position, velocity, r, positions, velocities, rotations, k, out):
     b = rot.load(rotations[k])
     transposed = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
     out[6], out[7], out[8] = log(rot.multiply(r, transposed))
-
-
-@kernel
-def prior(position, velocity, rotation, positions, velocities, rotations, out):
-    """out ← a state given as arrays ⊖ the nominal first one."""
-    p, v = (position[0], position[1], position[2]), (velocity[0], velocity[1], velocity[2])
-    difference(p, v, rot.load(rotation), positions, velocities, rotations, 0, out)
 
 
 @kernel
@@ -134,7 +127,7 @@ def transpose_transition(u, a, h):
 
 @kernel
 def smooth_covariance(time, covariances, accelerations, kept, corrected):
-    """covariances[k] ← P − P Λ P, with Λ from the end: Λ ← (I − K rowᵀ)ᵀ Λ (I − K rowᵀ) + row rowᵀ/S, then Λ ← Φᵀ Λ Φ."""
+    """covariances[k] ← P − P Λ P, Λ from the end: Λ ← (I − K rowᵀ)ᵀ Λ (I − K rowᵀ) + row rowᵀ/S, then Λ ← ΦᵀΛΦ."""
     L, work = np.zeros((N, N)), np.empty((N + 1, N))
     for k in range(len(time) - 1, -1, -1):
         subtract_sandwich(covariances[k], L, work)
@@ -183,8 +176,8 @@ def uncorrect(L, row, gain, information, c):
 
 @kernel
 def apply(errors, positions, velocities, rotations):
-    """Move the smoothed errors into the nominal trajectory; returns the longest step in position (m) and attitude (rad)."""
-    farthest, widest = 0.0, 0.0
+    """Move the smoothed errors into the nominal trajectory; returns the longest step in position and in attitude."""
+    farthest, widest, total = 0.0, 0.0, 0.0
     for k in range(len(errors)):
         for i in range(3):
             positions[k, i] += errors[k, i]
@@ -193,6 +186,9 @@ def apply(errors, positions, velocities, rotations):
         rot.store(rot.orthonormal(rot.multiply(rot.exp(x, y, z), rot.load(rotations[k]))), rotations[k])
         square = errors[k, 0] ** 2 + errors[k, 1] ** 2 + errors[k, 2] ** 2
         farthest, widest = max(farthest, square), max(widest, x * x + y * y + z * z)
+        total += square + x + y + z  # max() lets a NaN pass unseen, a sum does not
+    if not np.isfinite(total):
+        return np.nan, np.nan
     return np.sqrt(farthest), np.sqrt(widest)
 
 

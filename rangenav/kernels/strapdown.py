@@ -105,7 +105,7 @@ def range_row(position, velocity, a, back, p, row):
 
 @kernel
 def correct(x, P, row, residual, variance, gain):
-    """One scalar correction of the error x and P by residual = row·error + noise; returns innovation and its variance."""
+    """Correct the error x and P by one residual = row·error + noise; returns the innovation and its variance."""
     total, innovation = variance, residual
     for i in range(N):
         weighted = 0.0
