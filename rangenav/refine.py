@@ -81,14 +81,18 @@ class Refinement:
 
 def refine(measurements: Measurements, estimate: Estimate, setting: Setting) -> Refinement:
     """Refine a record that the cascade has observed, starting from its last estimate."""
+    return smooth(measurements, started(measurements, estimate, setting), setting)
+
+
+def started(measurements: Measurements, estimate: Estimate, setting: Setting) -> Track:
+    """Where the first pass is linearised: the filter, run back from the cascade's last estimate."""
     covariance = np.diag(np.repeat(np.square(START_SIGMA), 3))
     rotation = estimate.rotation[-1]
     position = np.asarray(setting.world.anchor) + to_inertial(rotation, estimate.state[-1, POSITION])
     velocity = to_inertial(rotation, estimate.state[-1, VELOCITY])
     strapdown.check(measurements)
     backwards = strapdown.reversed_record(measurements)
-    track = filtered(backwards, (position, -velocity, rotation), covariance, setting)
-    return smooth(measurements, strapdown.reversed_track(track), setting)
+    return strapdown.reversed_track(filtered(backwards, (position, -velocity, rotation), covariance, setting))
 
 
 def smooth(measurements: Measurements, nominal: Track, setting: Setting) -> Refinement:
