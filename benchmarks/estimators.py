@@ -148,11 +148,13 @@ def by_gtsam_ekf(c: Case) -> Found:
     first = gtsam_ekf.start(rotation, position, velocity)
     sigma = tuple(np.sqrt(np.diag(FAR if c.cold else NEAR))[[6, 0, 3]])
     began = time.process_time()
-    states = list(gtsam_ekf.states(c.preset, c.measurements, first, use=gtsam_ekf.USES[2], sigma=sigma))
+    positions, rotations = [position], [rotation]
+    for ekf in gtsam_ekf.steps(c.preset, c.measurements, first, use=gtsam_ekf.USES[2], sigma=sigma):
+        state = ekf.state()
+        positions.append(state.position())
+        rotations.append(state.attitude().matrix())
     seconds = time.process_time() - began
-    positions = np.array([position, *(state[0] for state in states)])
-    rotations = np.array([rotation, *(state[1] for state in states)])
-    return Found(position=positions, rotation=rotations, seconds=seconds)
+    return Found(position=np.array(positions), rotation=np.array(rotations), seconds=seconds)
 
 
 def by_gtsam_batch(every: int) -> Callable[[Case], Found]:

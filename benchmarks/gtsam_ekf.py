@@ -27,35 +27,34 @@ def start(rotation: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> g
 
 def run(preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str) -> np.ndarray:
     """The last position (m, inertial) after filtering the record with one of `USES`; ranges at the IMU's stamps."""
-    *_, (position, _) = states(preset, record, first, use=use)
-    return position
+    *_, ekf = steps(preset, record, first, use=use)
+    return ekf.state().position()
 
 
-def states(
+def steps(
     preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str, sigma: tuple = START_SIGMA
-) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Position and rotation after each IMU sample but the first."""
+) -> Iterator[gtsam.NavStateImuEKF]:
+    """The filter (one object, read it before the next step) after each IMU sample but the first."""
     world, noises = preset.world, preset.sensors.noise
     ekf = gtsam.NavStateImuEKF(first, np.diag(np.repeat(np.square(sigma), 3)), noise(preset))
     anchor, magnetic = np.asarray(world.anchor), np.asarray(world.magnetic)
     range_noise, mag_noise = np.array([[noises.range**2]]), np.eye(3) * noises.mag**2
-    steps = np.diff(record.time)
+    accel, gyro = means(record)
+    intervals = np.diff(record.time)
     for k in range(1, len(record.time)):
-        accel, gyro = mean(record, k - 1)
-        ekf.predict(gyro, accel, steps[k - 1])
+        ekf.predict(gyro[k - 1], accel[k - 1], intervals[k - 1])
         if use != USES[0]:
             expected, H = _range(ekf.state(), anchor)
             ekf.updateWithVector(expected, H, record.range[k : k + 1], range_noise)
         if use == USES[2]:
             expected, H = _mag(ekf.state(), magnetic)
             ekf.updateWithVector(expected, H, record.mag[k], mag_noise)
-        reached = ekf.state()
-        yield reached.position(), reached.attitude().matrix()
+        yield ekf
 
 
-def mean(record: Measurements, k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Accel and gyro over interval k as means of both ends; with the first end alone it would lag by half a sample."""
-    return (record.accel[k] + record.accel[k + 1]) / 2, (record.gyro[k] + record.gyro[k + 1]) / 2
+def means(record: Measurements) -> tuple[np.ndarray, np.ndarray]:
+    """Accel and gyro over each interval as means of both ends; with the first end alone they lag by half a sample."""
+    return (record.accel[:-1] + record.accel[1:]) / 2, (record.gyro[:-1] + record.gyro[1:]) / 2
 
 
 def noise(preset: Preset) -> gtsam.PreintegrationParams:

@@ -35,7 +35,7 @@ REACH = (1.0, 1.0, 0.3)
 that it holds back what the ranges do not tell and biases nothing that they do. 10 m is as good where motions are
 observable and lets weak ones jump about; to take back a pass that raises the cost ends in wrong places more often."""
 PRIOR_SIGMA = (10.0, 10.0, 1.0)
-"""The same for the covariance that is reported. With 100 m it would lose its sign in P − PΛP."""
+"""The same for the covariance that is reported, wide enough to decide nothing that the record tells."""
 MAX_PASSES = 30
 SMALL_STEP = 1e-4
 """m and rad; the passes end when no sample moves by more. The refined position is good to 1e-2 m."""
@@ -101,6 +101,7 @@ def smooth(measurements: Measurements, nominal: Track, setting: Setting) -> Refi
     rows, samples = len(nominal.time), len(measurements.time)
     require(rows == samples, f"the trajectory must have one row for each of the {samples} IMU samples, got {rows}")
     z, p, attached = measurements, strapdown.parameters(setting), strapdown.attach(measurements)
+    require(len(attached.sample) > 0, "a refinement needs ranges, and the record has none")
     anchor = np.asarray(setting.world.anchor, dtype=float)
     reached = _Trajectory(nominal.position - anchor, nominal.velocity.copy(), nominal.rotation.copy())
     work, residuals = _workspace(z, attached), np.full((len(z.range), 2), np.nan)
@@ -183,7 +184,7 @@ def _finish(
 ) -> None:
     """The smoothed covariances, left in `work`, and the residuals of all ranges."""
     _forward(z, attached, reached, work, p, PRIOR_SIGMA)
-    _kernel().smooth_covariance(z.time, *work[1:])
+    _kernel().smooth_covariance(z.time, work.covariances, work.accelerations, p)
     _kernel().residuals(
         z.time, z.gyro, z.accel, z.range[attached.kept], attached.sample, attached.back,
         *reached, work.covariances, residuals[attached.kept], p,

@@ -43,7 +43,7 @@ def one_pass(z: Measurements, nominal: Track, first: np.ndarray, setting: Settin
         strapdown.parameters(setting),
     )  # fmt: skip
     kernel.backward(z.time, *work)
-    kernel.smooth_covariance(z.time, *work[1:])
+    kernel.smooth_covariance(z.time, work.covariances, work.accelerations, strapdown.parameters(setting))
     return work.errors, work.covariances.reshape(-1, 9, 9)
 
 

@@ -126,52 +126,76 @@ def transpose_transition(u, a, h):
 
 
 @kernel
-def smooth_covariance(time, covariances, accelerations, kept, corrected):
-    """covariances[k] ← P − P Λ P, Λ from the end: Λ ← (I − K rowᵀ)ᵀ Λ (I − K rowᵀ) + row rowᵀ/S, then Λ ← ΦᵀΛΦ."""
-    L, work = np.zeros((N, N)), np.empty((N + 1, N))
-    for k in range(len(time) - 1, -1, -1):
-        subtract_sandwich(covariances[k], L, work)
-        for m in range(corrected[k] - 1, (corrected[k - 1] if k > 0 else 0) - 1, -1):
-            uncorrect(L, kept[m, ROW:GAIN], kept[m, GAIN:INNOVATION], 1 / kept[m, TOTAL], work[N])
-        if k > 0:
-            a, h = accelerations[k], time[k] - time[k - 1]
-            for i in range(N):
-                transpose_transition(L[i], a, h)
+def smooth_covariance(time, covariances, accelerations, p):
+    """covariances[k], filtered, becomes smoothed: P ← (I − CΦ) P (I − CΦ)ᵀ + C (Q + P⁺) Cᵀ, C = P Φᵀ (Φ P Φᵀ + Q)⁻¹.
+
+    A sum of positive terms. P − PΛP with the adjoint's Λ takes half the time, but loses its sign where a record tells
+    10⁵ times more than was known before; so does P + C (P⁺ − P⁻) Cᵀ.
+    """
+    ahead, known, c, d = np.empty(N * N), np.empty(N * N), np.empty((N, N)), np.empty((N, N))
+    for k in range(len(time) - 2, -1, -1):
+        P, a, h = covariances[k], accelerations[k + 1], time[k + 1] - time[k]
+        ahead[:] = P
+        strapdown.predict_covariance(ahead, a, h, p)
+        known[:] = covariances[k + 1]
+        strapdown.add_noise(known, h, p)
+        for i in range(N):  # row i of c: Φ times row i of P, which is row i of PΦᵀ
             for j in range(N):
-                transpose_transition(L[:, j], a, h)
+                c[i, j] = P[N * i + j]
+            strapdown.predict_error(c[i], a, h)
+        factorise(ahead.reshape(N, N))
+        for i in range(N):
+            solve(ahead.reshape(N, N), c[i])
+            for j in range(N):
+                d[i, j] = -c[i, j]
+            transpose_transition(d[i], a, h)
+            d[i, i] += 1.0
+        congruence(d, P.reshape(N, N), c, known.reshape(N, N))
 
 
 @kernel
-def subtract_sandwich(flat, L, work):
-    """P ← P − P Λ P, symmetric."""
-    P, c = flat.reshape(N, N), work[N]
-    for i in range(N):
-        for j in range(N):
-            c[j] = 0.0
-            for n in range(N):
-                c[j] += P[i, n] * L[n, j]
-        for j in range(i, N):
-            work[i, j] = 0.0
-            for n in range(N):
-                work[i, j] += c[n] * P[n, j]
-    for i in range(N):
-        for j in range(i, N):
-            P[i, j] -= work[i, j]
-            P[j, i] = P[i, j]
+def factorise(M):
+    """The lower triangle of M ← L with M = L Lᵀ."""
+    for j in range(N):
+        for i in range(j, N):
+            total = M[i, j]
+            for n in range(j):
+                total -= M[i, n] * M[j, n]
+            M[i, j] = np.sqrt(total) if i == j else total / M[j, j]
 
 
 @kernel
-def uncorrect(L, row, gain, information, c):
-    """Λ before one scalar correction, from Λ after it."""
-    total = information
+def solve(L, u):
+    """u ← (L Lᵀ)⁻¹ u."""
     for i in range(N):
-        c[i] = 0.0
-        for j in range(N):
-            c[i] += L[i, j] * gain[j]
-        total += gain[i] * c[i]
+        for n in range(i):
+            u[i] -= L[i, n] * u[n]
+        u[i] /= L[i, i]
+    for i in range(N - 1, -1, -1):
+        for n in range(i + 1, N):
+            u[i] -= L[n, i] * u[n]
+        u[i] /= L[i, i]
+
+
+@kernel
+def congruence(A, P, C, M):
+    """P ← A P Aᵀ + C M Cᵀ, symmetric."""
+    old, row = P.copy(), np.empty(N)
     for i in range(N):
-        for j in range(N):
-            L[i, j] += total * row[i] * row[j] - (row[i] * c[j] + c[i] * row[j])
+        for j in range(i, N):
+            P[i, j] = 0.0
+    for F, S in ((A, old), (C, M)):
+        for i in range(N):
+            for j in range(N):
+                row[j] = 0.0
+                for n in range(N):
+                    row[j] += F[i, n] * S[n, j]
+            for j in range(i, N):
+                for n in range(N):
+                    P[i, j] += row[n] * F[j, n]
+    for i in range(N):
+        for j in range(i):
+            P[i, j] = P[j, i]
 
 
 @kernel

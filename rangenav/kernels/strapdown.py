@@ -48,7 +48,7 @@ def predict_error(x, a, h):
 
 @kernel
 def predict_covariance(P, a, h, p):
-    """P ← Φ P Φᵀ + noise: accelerometer noise held over the interval (so h/2 of it reaches p), gyro noise into φ."""
+    """P ← Φ P Φᵀ + Q."""
     ax, ay, az = h * a[0], h * a[1], h * a[2]
     half = h / 2
     for j in range(N):
@@ -69,16 +69,22 @@ def predict_covariance(P, a, h, p):
         P[o + 3] += cx
         P[o + 4] += cy
         P[o + 5] += cz
-    accel, gyro = p.accel_density * h, p.gyro_density * h
+    add_noise(P, h, p)
+    for i in range(1, N):
+        for j in range(i):
+            P[N * i + j] = P[N * j + i]
+
+
+@kernel
+def add_noise(P, h, p):
+    """P ← P + Q: accelerometer noise held over the interval (so h/2 of it reaches p), gyro noise into φ."""
+    half, accel, gyro = h / 2, p.accel_density * h, p.gyro_density * h
     for i in range(3):
         P[10 * i] += half * half * accel
         P[10 * i + 3] += half * accel
         P[10 * i + 27] += half * accel
         P[10 * (3 + i)] += accel
         P[10 * (6 + i)] += gyro
-    for i in range(1, N):
-        for j in range(i):
-            P[N * i + j] = P[N * j + i]
 
 
 @kernel

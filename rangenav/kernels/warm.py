@@ -82,6 +82,6 @@ def _estimators() -> list[tuple[str, Stage]]:
         ),
         ("smoother, backward", lambda: smoother.backward(time, *work)),
         ("smoother, step", lambda: smoother.apply(work[0], *track)),
-        ("smoother, covariance", lambda: smoother.smooth_covariance(time, *work[1:])),
+        ("smoother, covariance", lambda: smoother.smooth_covariance(time, covariances, work[2], known)),
         ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
     ]
