@@ -13,20 +13,16 @@ from dataclasses import dataclass
 
 import msgspec
 import numpy as np
+from cases import DURATION, FAR, NEAR, RATE, Case, Found, case
 from rich.progress import track
 from timing import Target, missing, report, versions
 
-from rangenav import baselines, cascade, model, preset, record, refine, so3, strapdown
-from rangenav.cascade import Gains, Setting, Start
+from rangenav import baselines, cascade, record, refine, strapdown
+from rangenav.cascade import Gains
 
 PATHS = ("paper", "paper-slow", "lissajous", "soft")
-RATE, DURATION = 200.0, 20.0
 SEEDS, STARTS, COLD_BATCHES = 10, 20, 10
-OFF, NEAR_POSITION, NEAR_ATTITUDE = 2.0, 0.5, 5.0
-NEAR = np.eye(9) * 0.1**2
-"""m, m/s and rad: what a filter started at the truth is told."""
-FAR = np.diag(np.repeat(np.square([OFF, OFF, 1.8]), 3))
-"""The same for a random start; 1.8 rad is the standard deviation of a random attitude's angle on each axis."""
+NEAR_POSITION, NEAR_ATTITUDE = 0.5, 5.0
 MATCHED = Gains(mode="noise-matched")
 LOW = msgspec.structs.replace(MATCHED, attitude=msgspec.structs.replace(MATCHED.attitude, k1=0.5))
 CONSTANT, NOISE_MATCHED, LOW_K1 = (
@@ -44,73 +40,6 @@ BOUNDS = {
 }
 MOST_DEGREES, MOST_MILLISECONDS, MOST_APART = 0.4, 50.0, 1e-3
 NAVLIE = "navlie does not install here; MATH.md §10 has for its EKF .047 m/.34°, 550–770 µs per step, 6–12 of 16 starts"
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Found:
-    """A trajectory on every `every`-th IMU sample, inertial axes, and the processor time (s) it took."""
-
-    position: np.ndarray
-    rotation: np.ndarray
-    seconds: float
-    every: int = 1
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Case:
-    """One record of one path, and where estimators start on it."""
-
-    preset: preset.Preset
-    truth: record.Truth
-    measurements: record.Measurements
-    start: Start
-    cold: bool
-
-    def setting(self, gains: Gains | None = None) -> Setting:
-        """What the observers know."""
-        return Setting(world=self.preset.world, sensors=self.preset.sensors, gains=gains or self.preset.gains)
-
-    def near(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position, velocity and rotation where the filters start: the truth, or the random start."""
-        if self.cold:
-            p, v = (self.start.rotation @ self.start.state[block] for block in (model.POSITION, model.VELOCITY))
-            return np.asarray(self.preset.world.anchor) + p, v, self.start.rotation
-        moved = self.truth.motion
-        return moved.position[0], moved.velocity[0], moved.rotation[0]
-
-    def errors(self, found: Found) -> tuple[np.ndarray, np.ndarray]:
-        """Position (m, body axes) and attitude (degrees) errors over time."""
-        rotation, rows = (
-            self.truth.motion.rotation[:: found.every],
-            found.position - np.asarray(self.preset.world.anchor),
-        )
-        body = np.einsum("nij,ni->nj", found.rotation, rows)
-        off = np.linalg.norm(body - self.truth.state[:: found.every, model.POSITION], axis=-1)
-        return off, np.degrees(so3.angle(rotation @ np.swapaxes(found.rotation, -1, -2)))
-
-
-def case(name: str, seed: int, *, cold: bool) -> Case:
-    """A record of a shipped path; cold ones get a random start of the same seed."""
-    shipped = preset.load(name)
-    sensors = msgspec.structs.replace(shipped.sensors, imu_rate=RATE, mag_rate=RATE, range_rate=RATE)
-    p = msgspec.structs.replace(shipped, duration=DURATION, sensors=sensors)
-    course = record.course_of(p)
-    truth, z = record.simulated(course), record.measured(course, sensors, seed)
-    start = cascade.start(p.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=p.world)
-    return Case(
-        preset=p, truth=truth, measurements=z, start=_random_start(truth, p, seed) if cold else start, cold=cold
-    )
-
-
-def _random_start(truth: record.Truth, p: preset.Preset, seed: int) -> Start:
-    rng = np.random.default_rng([seed, 1])
-    quaternion = rng.standard_normal(4)
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    rotation = so3.exp(2 * np.arctan2(np.linalg.norm([x, y, z]), w) * np.array([x, y, z]) / np.linalg.norm([x, y, z]))
-    position = truth.motion.position[0] - np.asarray(p.world.anchor) + OFF * rng.standard_normal(3)
-    velocity = truth.motion.velocity[0] + OFF * rng.standard_normal(3)
-    body = (rotation.T @ position, rotation.T @ velocity, rotation.T @ np.asarray(p.world.gravity))
-    return Start(state=model.lift(*body), rotation=rotation)
 
 
 def by_cascade(gains: Gains | None = None) -> Callable[[Case], Found]:
@@ -264,7 +193,10 @@ def main() -> None:
         (path, name): measure(asked[name][0], path, seeds=seeds, starts=asked[name][1])
         for path, name in track(names, description="estimators", transient=True)
     }
-    notes = [NAVLIE, f"medians of {seeds} seeds; cold batches are started by dead reckoning"]
+    notes = [
+        NAVLIE,
+        f"medians of {seeds} seeds; batches: the graph built in Python included, cold ones start dead reckoned",
+    ]
     if absent := missing("gtsam"):
         notes.append(absent)
     report(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from rangenav import baselines, refine, so3, strapdown
-from rangenav.cascade import Gains, Setting
+from rangenav import baselines, cascade, model, refine, so3, strapdown
+from rangenav.cascade import Gains, Setting, Start
 from rangenav.kernels import smoother as kernel
 from rangenav.refine import refine as refined
 from rangenav.sensors import Measurements, Noise
@@ -272,3 +272,53 @@ def test_a_record_of_another_length_is_refused():
     scene, longer = scenes.scene("lissajous", duration=1.0), scenes.scene("lissajous", duration=2.0)
     with pytest.raises(ValueError, match="the trajectory must have one row for each of the 401 IMU samples, got 201"):
         refine.smooth(longer.measurements, from_truth(scene), scene.setting())
+
+
+def test_without_noise_it_is_within_a_millimetre_and_its_covariance_stays_positive():
+    """What a record tells is then 10⁵ times what was known before, where differences of covariances lose their sign."""
+    scene = scenes.scene("paper", duration=10.0, range_rate=50.0, noise=scenes.SILENT)
+    track = refined(scene.measurements, scene.observe(), scene.setting()).track
+    assert body_errors(scene, track).position.max() < 1e-3
+    P = track.covariance
+    std = np.sqrt(np.diagonal(P, axis1=-2, axis2=-1))
+    assert np.linalg.eigvalsh(P / (std[:, :, None] * std[:, None, :])).min() > 0
+
+
+def test_without_a_magnetometer_the_position_in_body_axes_is_refined_all_the_same():
+    """The heading is then anything; a turn about the anchor changes no range and no p_B."""
+    scene = scenes.scene("lissajous", duration=20.0)
+    silent = dataclasses.replace(scene.measurements, mag=np.full_like(scene.measurements.mag, np.nan))
+    scene = dataclasses.replace(scene, measurements=silent)
+    found = refined(silent, scene.observe(), scene.setting())
+    assert found.words.startswith("converged after")
+    assert rms(body_errors(scene, found.track).position) < 0.05
+
+
+def test_a_record_without_ranges_is_refused():
+    scene = scenes.scene("lissajous", duration=1.0)
+    none = scenes.without_ranges(scene.measurements, np.ones(len(scene.measurements.range), dtype=bool))
+    with pytest.raises(ValueError, match="a refinement needs ranges, and the record has none"):
+        refined(none, scene.observe(), scene.setting())
+
+
+def test_the_filter_from_the_truth_and_the_cascade_lead_to_the_same_minimum():
+    scene = scenes.scene("paper-slow", duration=20.0)
+    one = refined(scene.measurements, scene.observe(), scene.setting()).track
+    other = refine.smooth(scene.measurements, from_truth(scene), scene.setting()).track
+    np.testing.assert_allclose(one.position, other.position, atol=2e-3)  # each stops when steps are below 1e-4 m
+    np.testing.assert_allclose(one.rotation, other.rotation, atol=1e-4)
+
+
+def test_from_random_starts_it_follows_the_cascade():
+    """Any attitude, 3 m and 3 m/s off: where the cascade comes, the refinement comes."""
+    rng = np.random.default_rng(11)
+    for seed in range(5):
+        scene = scenes.scene("paper-slow", duration=20.0, seed=seed)
+        turn = so3.exp(rng.uniform(-np.pi, np.pi) * np.eye(3)[seed % 3])
+        state = scene.truth.state[0].copy()
+        p, v = (turn @ state[block] + 3 * rng.standard_normal(3) for block in (slice(4, 7), slice(7, 10)))
+        start = Start(state=model.lift(p, v, turn @ state[10:]), rotation=scene.truth.motion.rotation[0] @ turn.T)
+        estimate = cascade.observe(scene.measurements, start, scene.setting())
+        found = refined(scene.measurements, estimate, scene.setting())
+        assert found.words.startswith("converged after")
+        assert rms(body_errors(scene, found.track).position) < 0.05
