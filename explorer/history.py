@@ -43,8 +43,9 @@ class History:
         hold: int | None = None,
     ) -> None:
         """Take in what was chosen at a time (s) and shown at another, by default the same: a slow machine that draws
-        for a second between two moves of a slider does not tear them apart. `apart` makes it a step of its own, however soon it comes; what comes
-        under the same number of a `hold`, as while a handle is held, belongs together however late it comes."""
+        for a second between two moves of a slider does not tear them apart. `apart` makes it a step of its own,
+        however soon it comes; what comes under the same number of a `hold`, as while a handle is held, belongs
+        together however late it comes."""
         if settings == self.now:
             return
         parts = frozenset() if self.now is None else frozenset(differing(self.now, settings))
