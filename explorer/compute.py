@@ -19,7 +19,7 @@ from numpy import ndarray as Array
 from explorer.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record
 from rangenav.analysis import WINDOWS, Analysis, analyse
-from rangenav.cascade import Gains, Guess
+from rangenav.gains import Gains, Guess
 from rangenav.model import Form
 from rangenav.motion import Limits, Motion
 from rangenav.observability import excitation, reduced

@@ -11,7 +11,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 
-from rangenav.cascade import Gains, Guess
+from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import rows

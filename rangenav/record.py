@@ -11,7 +11,8 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import cascade, model, motion
-from rangenav.cascade import Errors, Estimate, Gains, Guess, Setting
+from rangenav.cascade import Errors, Estimate, Setting
+from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3
 from rangenav.motion import Motion, World
 from rangenav.observability import excitation

@@ -6,7 +6,8 @@ import numpy as np
 from msgspec.structs import replace
 
 from rangenav import cascade, model, preset, record
-from rangenav.cascade import Estimate, Gains, Setting, Start
+from rangenav.cascade import Estimate, Setting, Start
+from rangenav.gains import Gains
 from rangenav.preset import Preset
 from rangenav.record import Truth
 from rangenav.sensors import Measurements, Noise, Sensors

@@ -5,7 +5,8 @@ import pytest
 from msgspec.structs import replace
 
 from rangenav import cascade, model, plain, record
-from rangenav.cascade import Gains, Guess, Sample, Setting, Start
+from rangenav.cascade import Sample, Setting, Start
+from rangenav.gains import Gains, Guess
 from rangenav.sensors import Measurements
 from tests import scenes
 

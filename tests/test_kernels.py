@@ -8,7 +8,8 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from rangenav import model, plain, preset, riccati
-from rangenav.cascade import Gains, observe
+from rangenav.cascade import observe
+from rangenav.gains import Gains
 from rangenav.kernels import compiled
 from rangenav.kernels import riccati as kernel
 from rangenav.kernels import rotation as rot

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rangenav import motion, preset, signals
 from rangenav.analysis import analyse
 from rangenav.attitude import K1_RANGE, RHO_RANGE, AttitudeGains
-from rangenav.cascade import Gains, Guess
+from rangenav.gains import Gains, Guess
 from rangenav.motion import World
 from rangenav.observability import excitation
 from rangenav.preset import Preset, Requirement

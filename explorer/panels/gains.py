@@ -8,7 +8,7 @@ import viser
 from explorer.compute import Picture
 from explorer.panels.controls import Choice, Complaint, LogDial, Note
 from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Gains
+from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 
 MODES: dict[Literal["constant", "noise-matched"], str] = {

@@ -6,7 +6,7 @@ from typing import Literal
 import viser
 
 from explorer.panels.controls import Choice, Complaint, Dial, Note, Vector
-from rangenav.cascade import Guess
+from rangenav.gains import Guess
 
 STATES: dict[Literal["zero", "truth", "offset"], str] = {
     "zero": "zero",
