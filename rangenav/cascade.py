@@ -14,6 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model, riccati, so3
+from rangenav.attitude import MISALIGNED, Schedule
 from rangenav.gains import Gains, Guess
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Arrays, Parameters
@@ -52,6 +53,8 @@ class Estimate:
     """Position, velocity and gravity blocks of P, body axes."""
     xi_variance: Float[Array, "n 4"]
     rotation: Float[Array, "n 3 3"]
+    k1: Float[Array, "n"]
+    """1/s, the attitude gain in force: constant without a schedule."""
     innovation: Float[Array, "m 2"]
     """y − ŷ (m²) and its variance P₁₁ + R (m⁴), one row for each range; NaN for a range before the first step."""
 
@@ -116,6 +119,11 @@ class State:
         """R̂."""
         return self.arrays.rotation
 
+    @property
+    def k1(self) -> float:
+        """1/s, the attitude gain in force."""
+        return _kernel().k1(self.arrays, self.parameters)
+
     def _read(self) -> tuple[Array, Array]:
         state, covariance = np.empty(model.STATES), np.empty((3, 3, 3))
         _kernel().read(self.arrays, state, covariance)
@@ -139,6 +147,7 @@ def start(guess: Guess, *, state: Float[Array, "13"], rotation: Float[Array, "3 
 def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
     """The setting in the kernel's terms; `symmetric` where ranges come at the IMU's rate."""
     gains, sensors, world = setting.gains, setting.sensors, setting.world
+    plan = gains.attitude.schedule or Schedule()  # without one its numbers are passed on all the same, and not asked
     matched = gains.mode == "noise-matched"
     v = gains.riccati.v
     floor = riccati.V_RANGE[0]
@@ -151,6 +160,10 @@ def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
         k1=float(gains.attitude.k1),
         rho1=float(gains.attitude.rho1),
         rho2=float(gains.attitude.rho2),
+        scheduled=gains.attitude.schedule is not None,
+        k1_steady=float(plan.steady),
+        halfway=float(plan.halfway),
+        memory=float(plan.memory),
         symmetric=symmetric and not matched,
         matched=matched,
         range_sigma=float(sensors.noise.range),
@@ -172,6 +185,7 @@ def begin(first: Sample, start: Start, setting: Setting, *, symmetric: bool = Fa
         gyro=np.array(first.gyro, dtype=float),
         accel=np.array(first.accel, dtype=float),
         mag=np.array(expected if missing else first.mag, dtype=float),
+        misaligned=np.array([MISALIGNED]),
         pending=np.array(NO_PENDING),
     )
     at_start = np.asarray(first.range_time) == first.time
@@ -205,14 +219,35 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
         covariance=np.empty((count, 3, 3, 3)),
         xi_variance=np.empty((count, 4)),
         rotation=np.empty((count, 3, 3)),
+        k1=np.empty(count),
         innovation=np.full((ranges, 2), np.nan),
     )
-    skipped = int(np.searchsorted(z.range_time, z.time[0], side="right"))
     _kernel().run(
-        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state,
-        estimate.xi_variance, estimate.covariance, estimate.rotation, estimate.innovation, skipped, state.parameters,
+        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
+        estimate.covariance, estimate.rotation, estimate.k1, estimate.innovation, _skipped(z), state.parameters,
     )  # fmt: skip
     return estimate
+
+
+def attitudes(
+    measurements: Measurements, start: Start, setting: Setting, *, rotations: Float[Array, "j 3 3"]
+) -> Float[Array, "j n 3 3"]:
+    """R̂ over a record from many R̂(0), to the last bit what `observe` makes of each; `start` gives x̂(0) for all.
+
+    x̂ does not know R̂, so it is found once: hundreds of starts cost little more than their attitude filters. Raises
+    ValueError if the first magnetometer sample is missing, for then each start would expect another one.
+    """
+    check(measurements)
+    z = measurements
+    require(not np.isnan(z.mag[0]).any(), "many starts need a magnetometer sample at the first IMU sample")
+    state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
+    found = np.empty((len(rotations), len(z.time), 3, 3))
+    found[:, 0] = rotations
+    _kernel().run_attitudes(
+        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, found, np.empty((len(z.range), 2)),
+        _skipped(z), state.parameters,
+    )  # fmt: skip
+    return found
 
 
 def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:
@@ -243,6 +278,11 @@ def _check(time: float, sample: Sample) -> None:
 def _first_sample(z: Measurements) -> Sample:
     due = z.range_time == z.time[0]
     return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[due], z.range[due])
+
+
+def _skipped(z: Measurements) -> int:
+    """How many ranges are not later than the first sample."""
+    return int(np.searchsorted(z.range_time, z.time[0], side="right"))
 
 
 def _floats(vector: Vec3) -> Vec3:

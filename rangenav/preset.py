@@ -141,10 +141,12 @@ def dumps(preset: Preset) -> str:
 
 
 def _encoded(preset: Preset) -> str:
-    """A free vehicle is left out, so that files from before there were vehicles are written as they were."""
+    """What was not chosen of later additions is left out, so that files from before them are written as they were."""
     table = msgspec.to_builtins(preset)
     if preset.vehicle == FREE:
         del table["vehicle"]
+    if preset.gains.attitude.schedule is None:  # and TOML has no null
+        del table["gains"]["attitude"]["schedule"]
     return msgspec.toml.encode(table).decode()
 
 
