@@ -144,6 +144,11 @@ def simulated(course: Course) -> Truth:
 
 @lru_cache(maxsize=CACHED)
 def measured(course: Course, sensors: Sensors, seed: int) -> Measurements:
+    """As `drawn`; the last few are kept."""
+    return drawn(course, sensors, seed)
+
+
+def drawn(course: Course, sensors: Sensors, seed: int) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
     rng = np.random.default_rng(seed)
     return measure(simulated(course).motion, path=course.path, world=course.world, sensors=sensors, rng=rng)
