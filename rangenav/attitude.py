@@ -160,6 +160,25 @@ def time_constants(gains: AttitudeGains, world: World, form: Form = "derived") -
     return (1.0 if form == "derived" else 2.0) / rates
 
 
+def stiffness(gains: AttitudeGains, world: World, *, imu_rate: float, mag_rate: float) -> str | None:
+    """One sentence if the gains are too high for the sensors' rates (Hz), None if they are not.
+
+    A step of the IMU is held against the fastest rate, and the magnetometer's against its own share k1ρ1 alone: in
+    between samples gravity goes on correcting.
+    """
+    fastest = gains.k1 * float(np.trace(decay_matrix(gains, world)))  # M has rank two: one rate is k1 tr M itself
+    held_against = (
+        (fastest, imu_rate, "the IMU", "k1 or rho2"),
+        (gains.k1 * gains.rho1, mag_rate, "the magnetometer", "k1 or rho1"),
+    )
+    for rate, hertz, sensor, which in held_against:
+        product = rate / hertz
+        if product > STIFF:
+            step = f"{rate:.3g}/s times {sensor}'s {1e3 / hertz:.3g} ms is {product:.2g}, above {STIFF:g}"
+            return f"The attitude filter is stiff: {step}; lower {which}, or sample faster."
+    return None
+
+
 def equilibria(gains: AttitudeGains, world: World, form: Form = "derived") -> Float[Array, "3 3 3"]:
     """The undesired equilibria R̃ = 2uuᵀ − I, u the eigenvectors of M. The printed I − 2uuᵀ have determinant −1."""
     _, axes = np.linalg.eigh(decay_matrix(gains, world))
