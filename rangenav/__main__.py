@@ -15,11 +15,13 @@ import tyro
 from rangenav.commands.analyze import analyze
 from rangenav.commands.listing import list_presets
 from rangenav.commands.simulate import simulate
+from rangenav.commands.tune import tune
 
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
 app.command(analyze)
 app.command(simulate)
+app.command(tune)
 
 
 def fail(sentence: str) -> NoReturn:

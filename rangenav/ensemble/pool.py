@@ -59,8 +59,8 @@ def _next(finished: SimpleQueue[Future[Result]], cancelled: Cancelled) -> Future
     raise Stopped
 
 
-def refuse_work(preset: Preset, count: int) -> None:
-    """Raise ValueError unless 1 ≤ count ≤ 10 000 and all runs together stay below the limit of samples."""
+def refuse_work(preset: Preset, count: int, times: int = 1) -> None:
+    """Raise ValueError unless 1 ≤ count ≤ 10 000 and all runs, so many times, stay below the limit of samples."""
     require(1 <= count <= MAX_RUNS, f"the number of runs must lie between 1 and {MAX_RUNS}, got {count}")
-    samples = count * preset.duration * preset.sensors.imu_rate
+    samples = times * count * preset.duration * preset.sensors.imu_rate
     require(samples <= MAX_STEPS, f"runs × duration × IMU rate must not exceed {MAX_STEPS} samples, got {samples:.0f}")
