@@ -17,6 +17,7 @@ from explorer.panels.dock import Dock
 from explorer.panels.printed import ROWS
 from explorer.settings import Printed, Settings, effective
 from rangenav import analysis, preset
+from rangenav.attitude import Schedule
 from tests.wire import Wire
 
 SHIPPED = preset.shipped()
@@ -61,7 +62,7 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
     )
     noise = msgspec.structs.replace(p.sensors.noise, gyro=0.0, accel=1e-9, range=900.0)
     sensors = msgspec.structs.replace(p.sensors, imu_rate=3333.0, range_rate=1234.5, noise=noise)
-    attitude = msgspec.structs.replace(p.gains.attitude, k1=999.0, rho1=1e-6)
+    attitude = msgspec.structs.replace(p.gains.attitude, k1=999.0, rho1=1e-6, schedule=Schedule(steady=0.123))
     changed = msgspec.structs.replace(
         p,
         path=msgspec.structs.replace(p.path, tones=tones, offset=(1e-7, -3e4, 0.1)),

@@ -7,7 +7,7 @@ import viser
 
 from explorer.compute import Picture
 from explorer.panels.controls import Choice, Complaint, LogDial, Note
-from rangenav.attitude import AttitudeGains
+from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 
@@ -105,15 +105,19 @@ class _AttitudeFolder:
             self._rho2 = LogDial(gui, "ρ2", RHO2_LIMITS, hint=hint, note=note)
             self._line = gui.add_markdown("")
             self._complaint = Complaint(gui)
+        self._schedule: Schedule | None = None
+        """A preset's schedule of k1 is kept as it is: it has no controls yet."""
 
     def read(self) -> AttitudeGains:
         with self._complaint.catching():
-            return AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
+            k1, rho1, rho2 = self._k1.read(), self._rho1.read(), self._rho2.read()
+            return AttitudeGains(k1=k1, rho1=rho1, rho2=rho2, schedule=self._schedule)
 
     def write(self, gains: AttitudeGains) -> None:
         self._k1.write(gains.k1)
         self._rho1.write(gains.rho1)
         self._rho2.write(gains.rho2)
+        self._schedule = gains.schedule
 
     def draw(self, picture: Picture) -> None:
         rho2 = picture.preset.gains.attitude.rho2
