@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from timing import Target, alternate, report, versions
 
-from rangenav import cascade, ensemble, preset, record
+from rangenav import cascade, ensemble, errors, preset, record
 from rangenav.preset import Preset
 
 SEEDS, STARTS, AXES = 100, 1000, 300
@@ -61,8 +61,8 @@ def _loop(p: Preset, count: int) -> None:
     setting = cascade.Setting(world=p.world, sensors=p.sensors, gains=p.gains)
     for rotation in Rotation.random(count, random_state=0).as_matrix():
         estimate = cascade.observe(z, cascade.Start(state=np.zeros(13), rotation=rotation), setting)
-        errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
-        record.summarise(estimate, errors, 0.0)
+        found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+        record.summarise(estimate, found, 0.0)
 
 
 if __name__ == "__main__":

@@ -53,10 +53,10 @@ class Estimate:
     """Position, velocity and gravity blocks of P, body axes."""
     xi_variance: Float[Array, "n 4"]
     rotation: Float[Array, "n 3 3"]
-    k1: Float[Array, "n"]
-    """1/s, the attitude gain in force: constant without a schedule."""
     innovation: Float[Array, "m 2"]
     """y − ŷ (m²) and its variance P₁₁ + R (m⁴), one row for each range; NaN for a range before the first step."""
+    k1: Float[Array, "n"] | None = None
+    """1/s, the attitude gain in force, constant without a schedule; None of an estimator that has none."""
 
     @property
     def std(self) -> Float[Array, "n 13"]:
@@ -68,17 +68,6 @@ class Estimate:
     def position(self, world: World) -> Float[Array, "n 3"]:
         """p̂_I = p_anchor + R̂ p̂_B (m, inertial axes)."""
         return np.asarray(world.anchor) + to_inertial(self.rotation, self.state[:, model.POSITION])
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Errors:
-    """Norms of the errors over time: the Riccati observer's in body axes (paper, fig. 3), the attitude's (fig. 4)."""
-
-    position: Float[Array, "n"]
-    velocity: Float[Array, "n"]
-    gravity: Float[Array, "n"]
-    attitude: Float[Array, "n"]
-    """rad"""
 
 
 class Sample(NamedTuple):
@@ -213,18 +202,19 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
     z = measurements
     count, ranges = len(z.time), len(z.range_time)
     state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
+    k1 = np.empty(count)
     estimate = Estimate(
         time=z.time,
         state=np.empty((count, model.STATES)),
         covariance=np.empty((count, 3, 3, 3)),
         xi_variance=np.empty((count, 4)),
         rotation=np.empty((count, 3, 3)),
-        k1=np.empty(count),
         innovation=np.full((ranges, 2), np.nan),
+        k1=k1,
     )
     _kernel().run(
         state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
-        estimate.covariance, estimate.rotation, estimate.k1, estimate.innovation, _skipped(z), state.parameters,
+        estimate.covariance, estimate.rotation, k1, estimate.innovation, _skipped(z), state.parameters,
     )  # fmt: skip
     return estimate
 
@@ -254,15 +244,6 @@ def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:
     """Whether the symmetric scheme applies: every range on an IMU stamp, at the IMU's rate. Gaps do not matter."""
     on_stamp = bool(np.isin(measurements.range_time, measurements.time).all())
     return on_stamp and sensors.range_rate == sensors.imu_rate
-
-
-def errors(estimate: Estimate, *, truth: Float[Array, "n 13"], rotation: Float[Array, "n 3 3"]) -> Errors:
-    """Norms of the body-axes errors and the angle of R̃ = R R̂ᵀ."""
-    difference = estimate.state - truth
-    blocks = (model.POSITION, model.VELOCITY, model.GRAVITY)
-    position, velocity, gravity = (np.linalg.norm(difference[:, block], axis=-1) for block in blocks)
-    attitude_error = so3.angle(rotation @ np.swapaxes(estimate.rotation, -1, -2))
-    return Errors(position=position, velocity=velocity, gravity=gravity, attitude=attitude_error)
 
 
 def _check(time: float, sample: Sample) -> None:

@@ -10,8 +10,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import cascade, model, motion
-from rangenav.cascade import Errors, Estimate, Setting
+from rangenav import cascade, errors, model, motion
+from rangenav.cascade import Estimate, Setting
+from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3
 from rangenav.motion import Motion, World
@@ -168,8 +169,8 @@ def observed(
     began = time.perf_counter()
     estimate = cascade.observe(measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form))
     seconds = time.perf_counter() - began
-    errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    return Outcome(estimate=estimate, errors=errors, summary=summarise(estimate, errors, seconds))
+    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    return Outcome(estimate=estimate, errors=found, summary=summarise(estimate, found, seconds))
 
 
 def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:

@@ -22,7 +22,7 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from rangenav import cascade, ensemble, model, record, so3
+from rangenav import cascade, ensemble, errors, record
 from rangenav.attitude import HALFWAY_RANGE, K1_RANGE, MEMORY_RANGE
 from rangenav.cascade import Setting, Start
 from rangenav.ensemble import Cancelled, Progress
@@ -278,10 +278,10 @@ def _score(preset: Preset, runs: list[_Run], cancelled: Cancelled, gains: Gains)
 def _reached(setting: Setting, run: _Run) -> tuple[list[float], list[float]]:
     """Settling times, infinite for never, and steady errors of position and attitude."""
     estimate, truth = cascade.observe(run.measurements, run.start, setting), run.truth
-    position = np.linalg.norm((estimate.state - truth.state)[:, model.POSITION], axis=-1)
-    angle = so3.angle(truth.motion.rotation @ np.swapaxes(estimate.rotation, -1, -2))
+    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
     settle, steady = [], []
-    for error, limit in ((position, record.SETTLED_POSITION), (angle, record.SETTLED_ATTITUDE)):
+    limits = (record.SETTLED_POSITION, record.SETTLED_ATTITUDE)
+    for error, limit in zip((found.position, found.attitude), limits, strict=True):
         at = record.settled(estimate.time, error, limit)
         settle.append(np.inf if at is None else at)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
-from rangenav import analysis, attitude, cascade, ensemble, preset, record, so3
+from rangenav import analysis, attitude, cascade, ensemble, errors, preset, record, so3
 from rangenav.ensemble import pool, runs
 from rangenav.gains import Gains, Guess
 from rangenav.preset import Preset
@@ -136,10 +136,10 @@ def test_a_random_start_is_the_run_that_starts_there():
         start = cascade.Start(state=np.zeros(13), rotation=rotations[k])
         setting = cascade.Setting(world=p.world, sensors=p.sensors, gains=p.gains)
         estimate = cascade.observe(z, start, setting)
-        errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
+        alone = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
         on_grid = np.isin(z.time, found.time)
-        np.testing.assert_array_equal(found.attitude[k], errors.attitude[on_grid])
-        np.testing.assert_array_equal(found.position[k], errors.position[on_grid])
+        np.testing.assert_array_equal(found.attitude[k], alone.attitude[on_grid])
+        np.testing.assert_array_equal(found.position[k], alone.position[on_grid])
 
 
 def test_the_sphere_of_starts_begins_at_its_angle_and_settles_as_each_axis_would_alone():

@@ -12,9 +12,10 @@ from msgspec.structs import replace
 from numpy import ndarray as Array
 from scipy.spatial.transform import Rotation
 
-from rangenav import cascade, consistency, model, record, so3
-from rangenav.cascade import Errors, Setting
+from rangenav import cascade, consistency, model, record
+from rangenav.cascade import Setting
 from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
+from rangenav.errors import Errors, angles
 from rangenav.gains import Guess
 from rangenav.preset import Preset
 from rangenav.record import Outcome, Truth
@@ -140,8 +141,8 @@ def starts(
         seed, some = preset.seed + k, rotations[STARTS_PER_RECORD * k : STARTS_PER_RECORD * (k + 1)]
         z, outcome = _observed(preset, truth, seed, "derived")
         known = vars(outcome.errors)
-        angles = attitude_errors(preset, truth, z, some)
-        return [_row(truth, z, outcome, Errors(**{**known, "attitude": angle}), seed) for angle in angles]
+        found = attitude_errors(preset, truth, z, some)
+        return [_row(truth, z, outcome, Errors(**{**known, "attitude": angle}), seed) for angle in found]
 
     records = range(-(-count // STARTS_PER_RECORD))
     return _gathered(truth, each(run, records, progress=progress, cancelled=cancelled))
@@ -154,7 +155,7 @@ def attitude_errors(
     setting = Setting(world=preset.world, sensors=preset.sensors, gains=preset.gains)
     guessed = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
     found = cascade.attitudes(measurements, guessed, setting, rotations=rotations)
-    return so3.angle(truth.motion.rotation @ np.swapaxes(found, -1, -2))
+    return angles(found, truth.motion.rotation)
 
 
 def spread(figures: Float[Array, "s"]) -> Spread:

@@ -16,7 +16,7 @@ def compile_all(progress: Callable[[float, str], None]) -> None:
 
 
 def _stages() -> list[tuple[str, Callable[[], object]]]:
-    from rangenav.kernels import attitude, cascade, riccati, rotation
+    from rangenav.kernels import attitude, cascade, errors, riccati, rotation
     from rangenav.kernels.layout import Arrays, Parameters
 
     vector, matrix, state = np.zeros(3), np.eye(3), np.zeros(13)
@@ -52,4 +52,6 @@ def _stages() -> list[tuple[str, Callable[[], object]]]:
                 s, time, rows, rows, rows, time, ranges, np.tile(matrix, (1, 2, 1, 1)), np.empty((2, 2)), 1, p
             ),
         ),
+        ("errors", lambda: errors.norms(np.zeros((1, 13)), np.zeros((1, 13)), np.empty((1, 3)))),
+        ("angles", lambda: errors.angles(np.tile(matrix, (1, 1, 1, 1)), matrix[None], np.empty((1, 1)))),
     ]  # fmt: skip
