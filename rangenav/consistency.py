@@ -10,7 +10,7 @@ and not from the noise (paper, eq. 8): only noise-matched gains claim to be insi
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 from scipy.special import gammaincinv
 
@@ -73,11 +73,19 @@ def errors(error: Float[Array, "n d"], covariance: Float[Array, "n d d"]) -> Flo
     """NEES eᵀP⁻¹e at every time; NaN where P is not positive and finite."""
     finite = np.asarray(np.isfinite(covariance).all(axis=(1, 2)) & np.isfinite(error).all(axis=1))
     P = np.where(finite[:, None, None], covariance, np.eye(error.shape[1]))
-    least = np.linalg.eigvalsh(P)[:, 0]
-    usable = finite & (least > 0)
+    usable = finite & _positive(P)
     P[~usable] = np.eye(error.shape[1])
     square = np.einsum("ni,ni->n", error, np.linalg.solve(P, error[:, :, None])[:, :, 0])
     return np.where(usable, square, np.nan)
+
+
+def _positive(P: Float[Array, "n d d"]) -> Bool[Array, "n"]:
+    """Where P is positive definite; Cholesky says so of all at once three times sooner, and not of which."""
+    try:
+        np.linalg.cholesky(P)
+    except np.linalg.LinAlgError:
+        return np.linalg.eigvalsh(P)[:, 0] > 0
+    return np.ones(len(P), dtype=bool)
 
 
 def sliding(square: Float[Array, "m"], time: Float[Array, "m"], *, window: float, freedom: int = 1) -> Consistency:

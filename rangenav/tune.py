@@ -285,7 +285,7 @@ def _reached(setting: Setting, run: _Run) -> tuple[list[float], list[float]]:
         at = record.settled(estimate.time, error, limit)
         settle.append(np.inf if at is None else at)
         with np.errstate(over="ignore", invalid="ignore"):
-            steady.append(float(np.sqrt(np.mean(error[3 * len(error) // 4 :] ** 2))))
+            steady.append(record.steady(error))
     return settle, steady
 
 

@@ -3,7 +3,8 @@
 Curves are kept on a grid of 401 times; every figure (settling, steady errors) comes from all samples.
 """
 
-from dataclasses import dataclass, fields
+import math
+from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from rangenav import cascade, consistency, model, record
 from rangenav.cascade import Setting
 from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
-from rangenav.errors import Errors, angles
+from rangenav.errors import angles
 from rangenav.gains import Guess
 from rangenav.preset import Preset
 from rangenav.record import Outcome, Truth
@@ -28,6 +29,8 @@ STARTS_PER_RECORD = 10
 HOLD = 1.0
 """s at the end of a run over which an error must stay small to count as held."""
 TENTHS = (0.1, 0.5, 0.9)
+SHARED_FIGURES = ("steady_position", "steady_velocity", "steady_gravity", "peak_position")
+"""Of a summary, those that the attitude has no part in."""
 
 
 class Spread(NamedTuple):
@@ -117,9 +120,9 @@ def seeds(
     """
     truth = _truth(preset, count)
 
-    def run(seed: int) -> list[dict[str, Array]]:
+    def run(seed: int) -> dict[str, Array]:
         z, outcome = _observed(preset, truth, seed, form)
-        return [_row(truth, z, outcome, outcome.errors, seed)]
+        return _rows(truth, z, outcome, outcome.errors.attitude[None], seed)
 
     return _gathered(truth, each(run, range(preset.seed, preset.seed + count), progress=progress, cancelled=cancelled))
 
@@ -137,12 +140,10 @@ def starts(
     rotations = Rotation.from_quat(rng.standard_normal((count, 4))).as_matrix()  # normal in R⁴: no preferred direction
     preset = replace(preset, guess=Guess())
 
-    def run(k: int) -> list[dict[str, Array]]:
+    def run(k: int) -> dict[str, Array]:
         seed, some = preset.seed + k, rotations[STARTS_PER_RECORD * k : STARTS_PER_RECORD * (k + 1)]
         z, outcome = _observed(preset, truth, seed, "derived")
-        known = vars(outcome.errors)
-        found = attitude_errors(preset, truth, z, some)
-        return [_row(truth, z, outcome, Errors(**{**known, "attitude": angle}), seed) for angle in found]
+        return _rows(truth, z, outcome, attitude_errors(preset, truth, z, some), seed)
 
     records = range(-(-count // STARTS_PER_RECORD))
     return _gathered(truth, each(run, records, progress=progress, cancelled=cancelled))
@@ -179,32 +180,39 @@ def _observed(preset: Preset, truth: Truth, seed: int, form: model.Form) -> tupl
     return z, record.observed(truth, z, preset.world, preset.sensors, preset.gains, preset.guess, form)
 
 
-def _row(truth: Truth, z: Measurements, outcome: Outcome, errors: Errors, seed: int) -> dict[str, Array]:
-    """One row of every field of an ensemble."""
-    estimate, chosen = outcome.estimate, grid(len(z.time))
-    summary = record.summarise(estimate, errors, 0.0)
+def _rows(
+    truth: Truth, z: Measurements, outcome: Outcome, attitude: Float[Array, "j n"], seed: int
+) -> dict[str, Array]:
+    """Rows of every field of an ensemble: one x̂ and the attitude errors from each of several starts."""
+    estimate, errors, summary, chosen = outcome.estimate, outcome.errors, outcome.summary, grid(len(z.time))
     last = z.time >= z.time[-1] - HOLD
-    held = np.all(errors.position[last] < record.SETTLED_POSITION) & np.all(
-        errors.attitude[last] < record.SETTLED_ATTITUDE
-    )
+    held = (attitude[:, last] < record.SETTLED_ATTITUDE).all(axis=1)
+    settled = [record.settled(z.time, angle, record.SETTLED_ATTITUDE) for angle in attitude]
     P = estimate.covariance[chosen, 0]
     nis, count = _binned(consistency.innovations(estimate.innovation), z.range_time, z.time[chosen])
-    figures = ("steady_position", "steady_velocity", "steady_gravity", "steady_attitude_deg", "peak_position")
     with np.errstate(invalid="ignore"):
         sigma = np.sqrt(np.trace(P, axis1=-2, axis2=-1))
-    row = {
+    shared = {
         "seed": seed,
-        **{name: getattr(errors, name)[chosen] for name in ("position", "velocity", "gravity", "attitude")},
+        **{name: getattr(errors, name)[chosen] for name in ("position", "velocity", "gravity")},
         "sigma": sigma,
         "nees": consistency.errors((estimate.state - truth.state)[chosen, model.POSITION], P),
         "nis": nis,
         "nis_count": count,
-        "settle_position": np.inf if summary.settle_position_s is None else summary.settle_position_s,
-        "settle_attitude": np.inf if summary.settle_attitude_s is None else summary.settle_attitude_s,
-        **{name: getattr(summary, name) for name in figures},
-        "held": held,
+        "settle_position": _or_never(summary.settle_position_s),
+        **{name: getattr(summary, name) for name in SHARED_FIGURES},
     }
-    return {name: np.asarray(value) for name, value in row.items()}
+    return {
+        **{name: np.stack([np.asarray(value)] * len(attitude)) for name, value in shared.items()},
+        "attitude": attitude[:, chosen],
+        "settle_attitude": np.array([_or_never(time) for time in settled]),
+        "steady_attitude_deg": np.array([math.degrees(record.steady(angle)) for angle in attitude]),
+        "held": np.asarray(held & np.all(errors.position[last] < record.SETTLED_POSITION)),
+    }
+
+
+def _or_never(time: float | None) -> float:
+    return np.inf if time is None else time
 
 
 def _binned(square: Array, time: Array, ends: Array) -> tuple[Array, Array]:
@@ -216,11 +224,9 @@ def _binned(square: Array, time: Array, ends: Array) -> tuple[Array, Array]:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan), count
 
 
-def _gathered(truth: Truth, runs: list[list[dict[str, Array]]]) -> Ensemble:
-    rows = [row for run in runs for row in run]
-    names = [field.name for field in fields(Ensemble) if field.name != "time"]
-    columns = {name: np.stack([row[name] for row in rows]) for name in names}
+def _gathered(truth: Truth, runs: list[dict[str, Array]]) -> Ensemble:
     time = truth.motion.time
+    columns = {name: np.concatenate([rows[name] for rows in runs]) for name in runs[0]}
     return Ensemble(time=time[grid(len(time))], **columns)
 
 
