@@ -48,7 +48,7 @@ class Consistency:
         """The same for reading."""
         if np.isnan(self.inside):
             return "nothing to judge by"
-        below = 1 - self.inside - self.above
+        below = self._share(self.mean < self.low)
         return f"{self.inside:.0%} inside the {SHARE:.0%} band, {self.above:.0%} too sure, {below:.0%} too cautious"
 
     def _share(self, there: Array) -> float:

@@ -34,6 +34,8 @@ from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks
 from rangenav.sensors import Measurements
 
 MAX_EVALUATIONS = 10_000
+MAX_KEPT = 10_000_000
+"""IMU samples of all training records, 0.1 kB each, which are kept for every evaluation."""
 TRAINING_OFFSET = 100_000
 """Training seeds count up from the preset's seed plus this; held out are those from the preset's own on, which people
 look at."""
@@ -153,6 +155,8 @@ def tune(
     rule = f"the number of evaluations must lie between 1 and {MAX_EVALUATIONS}, got {evaluations}"
     require(1 <= evaluations <= MAX_EVALUATIONS, rule)
     ensemble.refuse_work(preset, runs, evaluations)
+    kept = runs * preset.duration * preset.sensors.imu_rate
+    require(kept <= MAX_KEPT, f"runs × duration × IMU rate must not exceed {MAX_KEPT} samples kept, got {kept:.0f}")
     training = _runs(preset, preset.seed + TRAINING_OFFSET, runs)
     seen = []
     for point in _search(partial(_score, preset, training, cancelled), preset, evaluations, steadiness):
@@ -258,7 +262,13 @@ def _runs(preset: Preset, first: int, count: int) -> list[_Run]:
 def _score(preset: Preset, runs: list[_Run], cancelled: Cancelled, gains: Gains) -> Point:
     """What gains reach on some runs."""
     setting = Setting(world=preset.world, sensors=preset.sensors, gains=gains)
-    reached = ensemble.each(partial(_reached, setting), runs, progress=lambda _: None, cancelled=cancelled)
+    reached = ensemble.each(
+        partial(_reached, setting),
+        runs,
+        samples=len(runs[0].measurements.time),
+        progress=lambda _: None,
+        cancelled=cancelled,
+    )
     settle, steady = (np.array(part) for part in zip(*reached, strict=True))
     ends = NEVER * preset.duration
     settles = np.exp(np.mean(np.log(np.where(np.isfinite(settle), np.maximum(settle, SOONEST), ends)), axis=0))

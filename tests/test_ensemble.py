@@ -234,7 +234,7 @@ def test_cancelling_is_noticed_while_the_first_run_still_works():
         return len(asked) >= 3
 
     with pytest.raises(ensemble.Stopped):
-        ensemble.each(lambda _: release.wait(10), range(3), progress=lambda _: None, cancelled=cancelled)
+        ensemble.each(lambda _: release.wait(10), range(3), samples=1, progress=lambda _: None, cancelled=cancelled)
 
 
 def test_the_first_error_of_a_run_is_raised_and_the_rest_is_dropped():
@@ -247,8 +247,27 @@ def test_the_first_error_of_a_run_is_raised_and_the_rest_is_dropped():
         done.append(k)
 
     with pytest.raises(ValueError, match="accel must be finite"):
-        ensemble.each(work, range(200), progress=lambda _: None, cancelled=lambda: False)
+        ensemble.each(work, range(200), samples=1, progress=lambda _: None, cancelled=lambda: False)
     assert len(done) < 100
+
+
+def test_long_records_are_taken_fewer_at_once_and_in_parts(monkeypatch):
+    """However many cores there are, memory is bounded; the numbers stay the same."""
+    expected = ensemble.basin(SHORT, 2.0, 12)
+    monkeypatch.setattr(runs, "BATCH", 1)
+    np.testing.assert_array_equal(ensemble.basin(SHORT, 2.0, 12).attitude, expected.attitude)
+    working, most = [], []
+
+    def work(k):
+        working.append(k)
+        most.append(len(working))
+        time.sleep(0.01)
+        working.remove(k)
+
+    monkeypatch.setattr(pool.os, "cpu_count", lambda: 64)
+    nothing = {"progress": lambda _: None, "cancelled": lambda: False}
+    ensemble.each(work, range(12), samples=pool.MAX_AT_ONCE // 2, **nothing)
+    assert max(most) <= 2
 
 
 @pytest.mark.parametrize(

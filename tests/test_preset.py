@@ -97,7 +97,10 @@ presets = st.builds(
         attitude_angle=st.floats(-math.pi, math.pi),
     ),
     requirement=st.builds(
-        Requirement, window=st.floats(0.05, 1.9), mu=st.floats(5e-324, 1.7e308), position_sigma=st.floats(5e-324, 1.7e308)
+        Requirement,
+        window=st.floats(0.05, 1.9),
+        mu=st.floats(5e-324, 1.7e308),
+        position_sigma=st.floats(5e-324, 1.7e308),
     ),
 )
 

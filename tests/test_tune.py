@@ -160,6 +160,10 @@ def test_a_cancelled_search_stops():
     [
         ({"steadiness": 1.5}, "steadiness must lie between 0 and 1, got 1.5"),
         ({"evaluations": 0}, "the number of evaluations must lie between 1 and 10000, got 0"),
+        (
+            {"runs": 9000, "evaluations": 1},
+            "runs × duration × IMU rate must not exceed 10000000 samples kept, got 10800000",
+        ),
         ({"runs": 0}, "the number of runs must lie between 1 and 10000, got 0"),
         (
             {"runs": 100, "evaluations": 10_000},

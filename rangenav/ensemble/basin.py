@@ -13,13 +13,11 @@ from numpy import ndarray as Array
 
 from rangenav import record, so3
 from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
-from rangenav.ensemble.runs import attitude_errors, grid
+from rangenav.ensemble.runs import attitude_errors, batch, grid
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
 
 MAX_AXES = 2000
-BATCH = 64_000
-"""Attitudes (axes × samples) that one job keeps: 5 MB, and a dozen axes share the 2 ms of their x̂."""
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 """rad, between one axis and the next as seen from the pole: no two of them ever line up."""
 
@@ -61,13 +59,13 @@ def basin(
     truth, z = record.simulated(course), record.drawn(course, preset.sensors, preset.seed)
     axis, chosen = sphere(axes), grid(len(z.time))
     rotations = so3.exp(-angle * axis) @ truth.motion.rotation[0]
-    size = max(1, BATCH // len(z.time))
+    size = batch(len(z.time))
 
     def run(first: int) -> list[tuple[float, float, Array]]:
         errors = attitude_errors(preset, truth, z, rotations[first : first + size])
         return [(_settled(z.time, error), float(error[-1]), error[chosen]) for error in errors]
 
-    jobs = each(run, range(0, axes, size), progress=progress, cancelled=cancelled)
+    jobs = each(run, range(0, axes, size), samples=len(z.time), progress=progress, cancelled=cancelled)
     settle, final, curves = zip(*(row for job in jobs for row in job), strict=True)
     return Basin(
         angle=angle,

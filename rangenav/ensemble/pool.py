@@ -16,6 +16,8 @@ from rangenav.preset import Preset
 MAX_RUNS = 10_000
 MAX_STEPS = 200_000_000
 """IMU samples in all runs together: some five minutes of one core."""
+MAX_AT_ONCE = 4_000_000
+"""IMU samples in all runs that are worked on at once; each takes 0.4 kB while it is."""
 POLL = 0.1
 """s between two looks at `cancelled`."""
 Progress = Callable[[float], None]
@@ -31,13 +33,15 @@ class Stopped(Exception):  # noqa: N818, nothing went wrong
 
 
 def each(
-    work: Callable[[Item], Result], items: Sequence[Item], *, progress: Progress, cancelled: Cancelled
+    work: Callable[[Item], Result], items: Sequence[Item], *, samples: int, progress: Progress, cancelled: Cancelled
 ) -> list[Result]:
     """work(item) for every item, in as many threads as there are cores; results in the order of the items.
 
-    The first error of a job is raised, and Stopped as soon as `cancelled()`; jobs not yet begun are then dropped.
+    `samples` is what one of them works on: long records are taken fewer at once. The first error of a job is raised,
+    and Stopped as soon as `cancelled()`; jobs not yet begun are then dropped.
     """
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    threads = max(1, min(os.cpu_count() or 1, MAX_AT_ONCE // samples))
+    with ThreadPoolExecutor(threads) as pool:
         finished: SimpleQueue[Future[Result]] = SimpleQueue()  # `wait` would look at every job after every job
         jobs = [pool.submit(work, item) for item in items]
         for job in jobs:

@@ -26,6 +26,8 @@ GRID = 401
 """Times at which errors are kept: as many as a plot can tell apart."""
 STARTS_PER_RECORD = 10
 """Random starts that share one record of measurements and so one x̂, which does not know the attitude."""
+BATCH = 64_000
+"""Attitudes (starts × samples) kept at once: 5 MB, and a dozen starts share the 2 ms of their x̂."""
 HOLD = 1.0
 """s at the end of a run over which an error must stay small to count as held."""
 TENTHS = (0.1, 0.5, 0.9)
@@ -124,7 +126,8 @@ def seeds(
         z, outcome = _observed(preset, truth, seed, form)
         return _rows(truth, z, outcome, outcome.errors.attitude[None], seed)
 
-    return _gathered(truth, each(run, range(preset.seed, preset.seed + count), progress=progress, cancelled=cancelled))
+    numbers = range(preset.seed, preset.seed + count)
+    return _gathered(truth, each(run, numbers, samples=_samples(truth), progress=progress, cancelled=cancelled))
 
 
 def starts(
@@ -146,7 +149,7 @@ def starts(
         return _rows(truth, z, outcome, attitude_errors(preset, truth, z, some), seed)
 
     records = range(-(-count // STARTS_PER_RECORD))
-    return _gathered(truth, each(run, records, progress=progress, cancelled=cancelled))
+    return _gathered(truth, each(run, records, samples=_samples(truth), progress=progress, cancelled=cancelled))
 
 
 def attitude_errors(
@@ -155,8 +158,10 @@ def attitude_errors(
     """Angle of R̃ (rad) over a record, from each of many R̂(0)."""
     setting = Setting(world=preset.world, sensors=preset.sensors, gains=preset.gains)
     guessed = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
-    found = cascade.attitudes(measurements, guessed, setting, rotations=rotations)
-    return angles(found, truth.motion.rotation)
+    some = batch(_samples(truth))
+    parts = [rotations[k : k + some] for k in range(0, len(rotations), some)]
+    found = (cascade.attitudes(measurements, guessed, setting, rotations=part) for part in parts)
+    return np.concatenate([angles(attitudes, truth.motion.rotation) for attitudes in found])
 
 
 def spread(figures: Float[Array, "s"]) -> Spread:
@@ -167,6 +172,15 @@ def spread(figures: Float[Array, "s"]) -> Spread:
 def grid(count: int) -> Int[Array, "t"]:
     """Up to 401 of `count` samples, first and last among them."""
     return np.unique(np.linspace(0, count - 1, GRID).round().astype(int))
+
+
+def batch(samples: int) -> int:
+    """How many attitudes may be followed together over so many samples."""
+    return max(1, BATCH // samples)
+
+
+def _samples(truth: Truth) -> int:
+    return len(truth.motion.time)
 
 
 def _truth(preset: Preset, count: int) -> Truth:
