@@ -1,10 +1,7 @@
 """Gains by search: a stated trade between settling soon and being exact afterwards, over several training seeds.
 
     J = (1 − w) ln settle + w ln steady,   settle = √(s_p s_a),   steady = √(e_p e_a)
-s and e are geometric means over the seeds: the seconds until position and attitude stay below 0.3 m and 5°, and the
-RMSE over the last quarter, in those units; w is the steadiness asked for. The first seed starts as the preset says, the
-others as far from the true attitude about axes drawn all around: from one axis only, the search finds gains that are
-good for that axis (the magnetometer alone corrects the presets' own in 0.3 s, and nothing about its own direction).
+s and e are settling times and steady errors of position and attitude (`trade`), w is the steadiness asked for.
 
 A random search with shrinking steps, in logarithms, first of the Riccati gains, then of the attitude's, which do not
 act on x̂. Nelder–Mead, Powell and CMA-ES ended within 0.04 of it in J after as many evaluations, now above and now
@@ -12,26 +9,22 @@ below; this one sees more of the trade-off on its way. The best seen is taken, a
 training seeds J never rises.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal, NamedTuple
 
 import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from rangenav import cascade, ensemble, errors, record
+from rangenav import ensemble, trade
 from rangenav.attitude import HALFWAY_RANGE, K1_RANGE, MEMORY_RANGE
-from rangenav.cascade import Setting, Start
 from rangenav.ensemble import Cancelled, Progress
 from rangenav.gains import Gains
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
-from rangenav.record import Truth
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks
-from rangenav.sensors import Measurements
+from rangenav.trade import Point
 
 MAX_EVALUATIONS = 10_000
 MAX_KEPT = 10_000_000
@@ -45,12 +38,6 @@ SIDE_SHARE = 0.2
 """Of the evaluations, for each of them."""
 RICCATI_SHARE = 0.6
 """Of each search; the attitude has fewer gains."""
-SOONEST = 0.05
-"""s; who settles before this settles at once."""
-NEVER = 2.0
-"""A run that does not settle counts as settling after this many durations."""
-WORST = 1e6
-"""An error that is not finite, or a larger one, counts as this many times what counts as settled."""
 FIRST_STEP, LAST_STEP = 2.0, 0.1
 """Standard deviation of a step in natural logarithms, a factor of seven at first and a tenth in the end."""
 GROWTH = 1.3
@@ -75,39 +62,6 @@ SCHEDULE: dict[Where, tuple[float, float]] = {
     ("attitude", "schedule", "halfway"): HALFWAY_RANGE,
     ("attitude", "schedule", "memory"): MEMORY_RANGE,
 }
-Measure = Literal["settle", "settle_position", "settle_attitude", "steady", "steady_position", "steady_attitude"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Point:
-    """Gains, and what they reach on some seeds (geometric means)."""
-
-    gains: Gains
-    settled: float
-    """Share of the runs in which position and attitude settle."""
-    settle_position: float
-    """s; a run that never settles counts as twice the duration."""
-    settle_attitude: float
-    """s"""
-    steady_position: float
-    """m"""
-    steady_attitude: float
-    """rad"""
-
-    @property
-    def settle(self) -> float:
-        """s, of both."""
-        return math.sqrt(self.settle_position * self.settle_attitude)
-
-    @property
-    def steady(self) -> float:
-        """Of both, in units of what counts as settled."""
-        position = self.steady_position / record.SETTLED_POSITION
-        return math.sqrt(position * self.steady_attitude / record.SETTLED_ATTITUDE)
-
-    def objective(self, steadiness: float) -> float:
-        """J"""
-        return (1 - steadiness) * math.log(self.settle) + steadiness * math.log(self.steady)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -127,14 +81,6 @@ class Tuned:
     starts_before: float
     """Share of random starts that hold 0.3 m and 5° over the last second."""
     starts_after: float
-
-
-class _Run(NamedTuple):
-    """One record, and where its observers start."""
-
-    truth: Truth
-    measurements: Measurements
-    start: Start
 
 
 def tune(
@@ -157,14 +103,15 @@ def tune(
     ensemble.refuse_work(preset, runs, evaluations)
     kept = runs * preset.duration * preset.sensors.imu_rate
     require(kept <= MAX_KEPT, f"runs × duration × IMU rate must not exceed {MAX_KEPT} samples kept, got {kept:.0f}")
-    training = _runs(preset, preset.seed + TRAINING_OFFSET, runs)
+    training = trade.runs(preset, preset.seed + TRAINING_OFFSET, runs)
+    score = partial(trade.score, preset=preset, cancelled=cancelled)
     seen = []
-    for point in _search(partial(_score, preset, training, cancelled), preset, evaluations, steadiness):
+    for point in _search(partial(score, runs=training), preset, evaluations, steadiness):
         seen.append(point)
         progress(len(seen) / evaluations)
     best = min(seen, key=lambda point: point.objective(steadiness))
-    held_out = _runs(preset, preset.seed, runs)
-    before, after = (_score(preset, held_out, cancelled, gains) for gains in (preset.gains, best.gains))
+    held_out = trade.runs(preset, preset.seed, runs)
+    before, after = (score(gains, held_out) for gains in (preset.gains, best.gains))
     tuned = replace(preset, gains=best.gains)
     starts_before, starts_after = (_held(one, cancelled) for one in (preset, tuned))
     return Tuned(
@@ -178,15 +125,6 @@ def tune(
         starts_before=starts_before,
         starts_after=starts_after,
     )
-
-
-def front(seen: tuple[Point, ...], settle: Measure, steady: Measure) -> tuple[Point, ...]:
-    """The trade-off curve: those of the points that no other beats in both measures, soonest first."""
-    kept: list[Point] = []
-    for point in sorted(seen, key=lambda point: (getattr(point, settle), getattr(point, steady))):
-        if not kept or getattr(point, steady) < getattr(kept[-1], steady):
-            kept.append(point)
-    return tuple(kept)
 
 
 def _search(score: Callable[[Gains], Point], preset: Preset, count: int, steadiness: float) -> Iterator[Point]:
@@ -243,60 +181,6 @@ def _drawn(gains: Gains, limits: dict[Where, tuple[float, float]], step: float, 
             return msgspec.convert(tree, Gains)
         except msgspec.ValidationError:
             continue
-
-
-def _runs(preset: Preset, first: int, count: int) -> list[_Run]:
-    """Records of `count` seeds; all but the first begin about an axis of their own, as far from the true attitude."""
-    course = record.course_of(preset)
-    truth, rng = record.simulated(course), np.random.default_rng(first)
-    axes = rng.standard_normal((count, 3))  # normal in R³: no preferred direction
-    axes[0] = preset.guess.attitude_axis
-    runs = []
-    for k, axis in enumerate(axes.tolist()):
-        guess = replace(preset.guess, attitude_axis=tuple(axis))
-        start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
-        runs.append(_Run(truth, record.drawn(course, preset.sensors, first + k), start))
-    return runs
-
-
-def _score(preset: Preset, runs: list[_Run], cancelled: Cancelled, gains: Gains) -> Point:
-    """What gains reach on some runs."""
-    setting = Setting(world=preset.world, sensors=preset.sensors, gains=gains)
-    reached = ensemble.each(
-        partial(_reached, setting),
-        runs,
-        samples=len(runs[0].measurements.time),
-        progress=lambda _: None,
-        cancelled=cancelled,
-    )
-    settle, steady = (np.array(part) for part in zip(*reached, strict=True))
-    ends = NEVER * preset.duration
-    settles = np.exp(np.mean(np.log(np.where(np.isfinite(settle), np.maximum(settle, SOONEST), ends)), axis=0))
-    limits = np.array([record.SETTLED_POSITION, record.SETTLED_ATTITUDE])
-    bounded = np.clip(np.where(np.isnan(steady), np.inf, steady), limits / WORST, limits * WORST)
-    steadies = np.exp(np.mean(np.log(bounded), axis=0))
-    return Point(
-        gains=gains,
-        settled=float(np.mean(np.isfinite(settle).all(axis=1))),
-        settle_position=float(settles[0]),
-        settle_attitude=float(settles[1]),
-        steady_position=float(steadies[0]),
-        steady_attitude=float(steadies[1]),
-    )
-
-
-def _reached(setting: Setting, run: _Run) -> tuple[list[float], list[float]]:
-    """Settling times, infinite for never, and steady errors of position and attitude."""
-    estimate, truth = cascade.observe(run.measurements, run.start, setting), run.truth
-    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    settle, steady = [], []
-    limits = (record.SETTLED_POSITION, record.SETTLED_ATTITUDE)
-    for error, limit in zip((found.position, found.attitude), limits, strict=True):
-        at = record.settled(estimate.time, error, limit)
-        settle.append(np.inf if at is None else at)
-        with np.errstate(over="ignore", invalid="ignore"):
-            steady.append(record.steady(error))
-    return settle, steady
 
 
 def _held(preset: Preset, cancelled: Cancelled) -> float:

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from rangenav import ensemble, preset, record, tune
+from rangenav import ensemble, preset, record, trade, tune
 from rangenav.attitude import SCHEDULED, AttitudeGains
 from rangenav.gains import Gains, Guess
 from rangenav.preset import Preset
 from rangenav.riccati import Blocks, RiccatiGains
-from rangenav.tune import Point
+from rangenav.trade import Point
 from tests.sentences import exactly
 
 
@@ -92,7 +92,7 @@ def test_a_run_that_never_settles_counts_as_twice_the_duration_and_numbers_stay_
     for point in found.seen:
         assert math.isfinite(point.objective(0.5))
     known = replace(SHORT, guess=Guess(state="truth"))
-    assert tune.tune(known, runs=1, evaluations=1).before.settle_attitude == pytest.approx(tune.SOONEST)
+    assert tune.tune(known, runs=1, evaluations=1).before.settle_attitude == pytest.approx(trade.SOONEST)
 
 
 def test_only_gains_that_do_something_are_searched():
@@ -122,7 +122,7 @@ points = st.builds(
 @settings(max_examples=200)
 @given(st.lists(points, min_size=1, max_size=20).map(tuple))
 def test_the_front_is_what_no_other_point_beats_in_both(seen):
-    kept = tune.front(seen, "settle_position", "steady_position")
+    kept = trade.front(seen, "settle_position", "steady_position")
 
     def pair(point):
         return point.settle_position, point.steady_position
@@ -136,7 +136,7 @@ def test_the_front_is_what_no_other_point_beats_in_both(seen):
 
 def test_the_chosen_gains_are_on_the_front_of_what_was_weighed():
     found = tune.tune(SHORT, runs=2, evaluations=40)
-    on_front = tune.front(found.seen, "settle", "steady")
+    on_front = trade.front(found.seen, "settle", "steady")
     assert found.after.objective(0.5) == min(point.objective(0.5) for point in on_front)
 
 

@@ -17,7 +17,8 @@ from rangenav.commands.output import flattened, print_json, readable
 from rangenav.inputs import require
 
 if TYPE_CHECKING:
-    from rangenav.tune import Measure, Point, Tuned
+    from rangenav.trade import Measure, Point
+    from rangenav.tune import Tuned
 
 WORDS = {
     "settled": "share of runs that settle",
@@ -139,7 +140,7 @@ def _reached(point: "Point") -> dict[str, float]:
 
 
 def _curve(found: "Tuned", settle: "Measure", steady: "Measure", factor: float, unit: str) -> list[dict[str, Any]]:
-    from rangenav.tune import front
+    from rangenav.trade import front
 
     points = []
     for point in front(found.seen, settle, steady):
