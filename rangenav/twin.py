@@ -33,12 +33,14 @@ MAX_RANGES, GRID = 4000, 2001
 ITSELF = 1e-6
 """m: an exact twin this near is the motion itself."""
 SAME = 1e-9
-"""m: ranges that differ by less are called the same; rounding at 100 km is 1e-11."""
+"""m: ranges that differ by less are the same, whatever the tolerance; rounding at 1000 km is 1e-10."""
 RIGHT_ANGLE = math.pi / 2
 ZERO = 1e-9
 """Parts of a unit vector below it are rounding."""
 STEADY = 0.01
 """A twin whose distance varies by less than this share is said to be at one distance."""
+ALMOST = 1 - 1e-9
+"""Of the distance asked for: what is as far as that but for rounding is far enough."""
 CACHED = 8
 
 ITS_OWN_TWIN = (
@@ -145,7 +147,8 @@ def _twin(
     try:
         exact = _exact(flight, apart, turn)
         dragged = turn is not None and exact is not None and exact.draggable
-        if exact is not None and exact.mismatch <= tolerance and (dragged or _rms(flight, exact) >= apart):
+        agrees = exact is not None and exact.mismatch <= max(tolerance, SAME)
+        if exact is not None and agrees and (dragged or _rms(flight, exact) >= apart * ALMOST):
             return exact
         return _searched(flight, exact, tolerance, apart)
     except ValueError as error:  # the twin of a path at the limits of its numbers may lie beyond them
@@ -192,7 +195,7 @@ def _usual_turn(flight: _Flight, apart: float) -> Array:
     def distance(turn: Array) -> float:
         return lookalike.rms(*_straight(flight, so3.exp(turn)), flight.duration)
 
-    return next((turn for turn in turns if distance(turn) >= apart), max(turns, key=distance))
+    return next((turn for turn in turns if distance(turn) >= apart * ALMOST), max(turns, key=distance))
 
 
 def _straight(flight: _Flight, matrix: Array) -> tuple[Array, Array]:

