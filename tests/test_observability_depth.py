@@ -202,6 +202,23 @@ def test_a_hover_and_a_horizontal_circle_say_what_they_lack():
     assert hover.relations[:4] == ("D_x = 0", "D_y = 0", "D_z = −9.81 τ²/2", "τ D_x = 0")
     circle = functions.functions(CIRCLE.path, gravity, 0.0, 6.0)
     assert circle.relations == ("D_z = −9.81 τ²/2", "τ D_z = −29.4 τ³/6")
+    assert circle.unseen == ("p_z +1 m with ξ₃ +9.81 m²/s²", "v_z +1 m/s with ξ₄ +29.4 m²/s³")
+
+
+@pytest.mark.parametrize("name", ["hover", "circle", "tilted-circle", "vertical-circle", "paper-implied"])
+def test_a_null_vector_carried_through_the_model_never_reaches_the_output(name: str):
+    """By exact transitions over steps with constant a, as an observer takes them: 500 of 4 ms."""
+    p, h = preset.load(name), 4e-3
+    found = functions.functions(p.path, p.world.gravity, 0.0, 500 * h)
+    assert len(found.null) == len(found.unseen) == model.STATES - found.rank > 0
+    accel = p.path((np.arange(500) + 0.5) * h, 2) - np.asarray(p.world.gravity)
+    state, outputs = found.null.T, []
+    for a in accel:
+        state = model.transition(a, h, gravity_norm=9.81)[0] @ state
+        outputs.append(state[0])
+    # along a null vector a does not vary, so the steps are exact; the vectors are good to 1e-9
+    assert np.abs(outputs).max() < 1e-6
+    assert np.abs(state).max() >= 1.0
 
 
 @pytest.mark.parametrize("points", [1, 5000])

@@ -109,9 +109,10 @@ def certificates(picture: Picture) -> Drawing:
 def say_depth(picture: Picture) -> tuple[str, ...]:
     """How long to fly; which functions depend on which; what the frozen-time test would say."""
     found = look(picture)
-    tied = "; ".join(found.functions.relations)
-    relations = f"Not independent on this window: {tied}." if tied else "All 13 functions are independent."
-    return tuple(line for line in (found.horizon.words, relations, depth.frozen_words(picture.preset)) if line)
+    tied, unseen = "; ".join(found.functions.relations), "; ".join(found.functions.unseen)
+    relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are independent."
+    blind = f"So no range of it feels these changes of the state: {unseen}." if unseen else ""
+    return tuple(line for line in (found.horizon.words, relations, blind, depth.frozen_words(picture.preset)) if line)
 
 
 def say_twin(picture: Picture) -> tuple[str, ...]:

@@ -56,7 +56,7 @@ class TwinGhost:
             return
         grid = picture.motion.time
         k = int(np.clip(np.searchsorted(grid, time - (grid[1] - grid[0]) / 2), 0, len(grid) - 1))
-        position = self._found.path(grid[k])
+        position = picture.motion.position[k] + self._found.shift + grid[k] * self._found.drift
         here = bool(self._on.holds(position))
         self._vehicle.show(here)
         self._ranges.visible = here
