@@ -13,12 +13,14 @@ from typing import NoReturn
 import tyro
 
 from rangenav.commands.analyze import analyze
+from rangenav.commands.explain import explain
 from rangenav.commands.listing import list_presets
 from rangenav.commands.simulate import simulate
 
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
 app.command(analyze)
+app.command(explain)
 app.command(simulate)
 
 

@@ -303,5 +303,5 @@ def _numbers(vector: Array) -> str:
 
 
 def _vec(vector: Array) -> Vec3:
-    x, y, z = (float(value) for value in vector)
+    x, y, z = (float(value) + 0.0 for value in vector)  # no −0
     return (x, y, z)

@@ -201,8 +201,8 @@ DEPTH = Group(
         ),
         Plot(
             name="scaled",
-            title="Gramian spectrum, scaled",
-            unit="1 m, δ; by window start",
+            title="Scaled spectrum",
+            unit="by window start",
             curves=_spectrum("s₁₃", "s₁", "tolerance"),
             draw=depth.scaled,
             words=words.SCALED,
@@ -210,7 +210,7 @@ DEPTH = Group(
         Plot(
             name="functions",
             title="The 13 functions",
-            unit="each over its peak, by τ",
+            unit="over their peaks, by τ",
             curves=_functions(),
             draw=depth.functions,
             words=words.FUNCTIONS,
@@ -260,7 +260,7 @@ TWIN = Group(
         ),
         Plot(
             name="pe-both",
-            title="Least PE eigenvalue, as printed",
+            title="PE as printed",
             unit="m²/s⁷, by window start",
             curves=(
                 Curve(label="derived", color=plots.BLUE, width=2.0),

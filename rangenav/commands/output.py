@@ -61,5 +61,5 @@ def readable(value: Any, floor: float = 0.0) -> str:
     if isinstance(value, list):
         return "  ".join(readable(entry, floor) for entry in value) or "none"
     if isinstance(value, float):
-        return "< floor" if value < floor else f"{value:.4g}"
+        return "< floor" if 0 <= value < floor else f"{value:.4g}"
     return "–" if value is None else str(value)

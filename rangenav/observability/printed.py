@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.model import STATES
-from rangenav.motion import Motion
+from rangenav.motion import Motion, to_inertial
 from rangenav.observability import excitation
 
 
@@ -42,17 +42,17 @@ def compare(
 ) -> Comparison:
     """Compare on the windows that start at `start` (s); mu, its rounding floor and the rank are the derived ones."""
 
-    def least(*, printed_formula: bool, body_axes: bool) -> Array:
-        signal = excitation.chosen_signal(motion, printed_formula=printed_formula, body_axes=body_axes)
+    def least(signal: Array) -> Array:
         return np.maximum(excitation.sampled_eigenvalues(signal, motion.time, start, window)[:, 0], 0.0)
 
-    mu, both = mu if mu > floor else 0.0, least(printed_formula=True, body_axes=True)
+    derived, printed = excitation.phi(motion), excitation.phi_printed(motion)
+    mu, both = mu if mu > floor else 0.0, least(printed)
     mu_printed = float(both.min())
     return Comparison(
-        phi=_rms(excitation.phi(motion)),
-        phi_printed=_rms(excitation.phi_printed(motion)),
-        least_formula=least(printed_formula=True, body_axes=False),
-        least_axes=least(printed_formula=False, body_axes=True),
+        phi=_rms(derived),
+        phi_printed=_rms(printed),
+        least_formula=least(to_inertial(motion.rotation, printed)),
+        least_axes=least(derived),
         least_printed=both,
         mu=mu,
         mu_printed=mu_printed,
