@@ -40,8 +40,9 @@ def _horizon(preset: Preset) -> Json:
         preset.path,
         preset.world,
         preset.duration,
-        sigma=sensors.noise.range,
+        sigma=sensors.sigma.range,
         rate=sensors.range_rate,
+        share=sensors.arriving,
         position_sigma=needed.position_sigma,
     )
     return {

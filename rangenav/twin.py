@@ -10,7 +10,7 @@ need n·(p̈ − g) ≡ 0, a motion that falls freely along n.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -124,11 +124,19 @@ def twin(
 
     `tolerance` (m) is how well the ranges must agree at every moment, `apart` (m, RMS over the flight) how far off it
     must be. `turn` (rad, a rotation vector about the anchor) drags a turned one anywhere; None takes a right angle.
+    The antenna is taken to sit at the body's origin; with a lever arm the words say so.
     """
     require_within("tolerance", tolerance, 0.0, MAX_TOLERANCE, "m")
     require_within("apart", apart, MIN_APART, MAX_APART, "m")
     refuse_nonfinite("turn", turn)
-    return _twin(preset.path, preset.world, preset.duration, preset.sensors.range_rate, tolerance, apart, turn)
+    found = _twin(preset.path, preset.world, preset.duration, preset.sensors.range_rate, tolerance, apart, turn)
+    arm = math.hypot(*preset.sensors.unmodelled.lever_arm)
+    if not arm:
+        return found
+    note = f"; so it is for an antenna at the body's origin, and here a lever arm of {arm:.2g} m is left out"
+    if isinstance(found, Refusal):
+        return replace(found, reason=found.reason + note)
+    return replace(found, words=found.words + note)
 
 
 def turn_towards(preset: Preset, point: Vec3, *, time: float) -> Vec3:

@@ -147,6 +147,13 @@ def test_fewer_ranges_than_unknowns_determine_nothing():
     assert np.isfinite(found.sigma[-1]).all()
 
 
+def test_lost_ranges_cost_accuracy_by_the_root_of_their_share_and_no_rank():
+    """Each σ is 1/√share times as large; what has 13 ranges still has 13, each worth less."""
+    every, quarter = horizon_of("paper-slow"), horizon_of("paper-slow", share=0.25)
+    np.testing.assert_array_equal(quarter.rank, every.rank)
+    np.testing.assert_allclose(quarter.sigma, 2.0 * every.sigma, rtol=1e-6)
+
+
 def test_a_long_fast_flight_is_looked_at_as_far_as_it_can_be_integrated():
     path = preset.load("wiggle").path
     found = horizon.horizon(path, SLOW.world, 600.0, sigma=0.1, rate=50.0, position_sigma=0.5)

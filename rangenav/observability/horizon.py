@@ -64,11 +64,12 @@ def horizon(
     sigma: float,
     rate: float,
     position_sigma: float,
+    share: float = 1.0,
     start: float = 0.0,
 ) -> Horizon:
     """Rank and σ for windows from the shortest to the whole flight (s), with ranges of noise sigma (m) at `rate` (Hz).
 
-    Raises ValueError if no window starts at `start`.
+    `share` is how many of them arrive. Raises ValueError if no window starts at `start`.
     """
     require(0 <= start < duration, f"start must lie between 0 and the flight's end at {duration:g} s, got {start:g} s")
 
@@ -76,7 +77,7 @@ def horizon(
         return STATES - spectrum.window_spectra(path, world.gravity, starts, length).rank.astype(float)
 
     def error(starts: Array, length: float) -> Array:
-        return _position_sigmas(path, world, starts, length, sigma=sigma, rate=rate)
+        return _position_sigmas(path, world, starts, length, sigma=sigma, rate=rate, share=share)
 
     length = _lengths(path, duration)
     lost, errors = (_looked_at(lack, length, start, duration) for lack in (rank_lost, error))
@@ -130,13 +131,13 @@ def _chosen_and_worst(lack: Lack, length: float, start: float, duration: float) 
 
 
 def _position_sigmas(
-    path: Signal, world: World, starts: Array, length: float, *, sigma: float, rate: float
+    path: Signal, world: World, starts: Array, length: float, *, sigma: float, rate: float, share: float
 ) -> Float[Array, "s"]:
     count = int(length * rate + 1e-9) + 1
     if count > FEW_RANGES:
-        found = accuracy.end_sigmas(path, world, starts, length, sigma=sigma, rate=rate, kind="lifted")
+        found = accuracy.end_sigmas(path, world, starts, length, sigma=sigma, rate=rate, kind="lifted", share=share)
     else:
-        tau, each = np.arange(count) / rate - length, np.ones(count)
+        tau, each = np.arange(count) / rate - length, np.full(count, share)
         found = accuracy.sigmas(path, world, starts + length, tau, each, length, sigma=sigma, kind="lifted")
     return np.nan_to_num(found[:, 0], nan=math.inf)
 
