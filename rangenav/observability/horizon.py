@@ -15,10 +15,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import require
+from rangenav.inputs import Vec3, require
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, rows, spectrum
+from rangenav.observability import accuracy, spectrum
 from rangenav.signals import Signal
 
 SHORT, LONG = 14, 12
@@ -29,7 +29,7 @@ STARTS = 4
 """Windows over which the worst is taken at each length, beside the chosen one: spread evenly over the flight."""
 HALVINGS = 4
 """Of the gap between the last length that does not hold and the first that does: its 16th is left."""
-FEW_RANGES = 64
+FEW_RANGES = 32
 """Up to here a window's ranges are summed one by one, as its ends matter; beyond, by Euler–Maclaurin's sum."""
 CACHED = 8
 Lack = Callable[[Array, float], Array]
@@ -79,7 +79,7 @@ def horizon(
     def error(starts: Array, length: float) -> Array:
         return _position_sigmas(path, world, starts, length, sigma=sigma, rate=rate, share=share)
 
-    length = _lengths(path, duration)
+    length = _lengths(path, world.gravity, duration)
     lost, errors = (_looked_at(lack, length, start, duration) for lack in (rank_lost, error))
     full_rank = _shortest(rank_lost, 0.0, length, lost, start, duration)
     accurate = _shortest(error, position_sigma, length, errors, start, duration)
@@ -100,18 +100,18 @@ def horizon(
     )
 
 
-def _lengths(path: Signal, duration: float) -> Float[Array, "n"]:
+def _lengths(path: Signal, gravity: Vec3, duration: float) -> Float[Array, "n"]:
     """Short ones in equal ratios, long ones in equal steps; up to the flight or what a quadrature can integrate."""
     longest = duration
-    while not _integrable(path, duration, longest):
+    while not _integrable(path, gravity, duration, longest):
         longest /= 2
     short = np.geomspace(SHORTEST, EIGHTH, SHORT, endpoint=False)
     return longest * np.concatenate([short, np.linspace(EIGHTH, 1.0, LONG)])
 
 
-def _integrable(path: Signal, duration: float, length: float) -> bool:
+def _integrable(path: Signal, gravity: Vec3, duration: float, length: float) -> bool:
     try:
-        rows.nodes(path, np.array([duration - length]), length)
+        spectrum.window_spectra(path, gravity, np.array([duration - length]), length)
     except ValueError:  # more work than a live page may do
         return False
     return True
@@ -134,12 +134,16 @@ def _position_sigmas(
     path: Signal, world: World, starts: Array, length: float, *, sigma: float, rate: float, share: float
 ) -> Float[Array, "s"]:
     count = int(length * rate + 1e-9) + 1
+    if count < STATES:
+        return np.full(len(starts), math.inf)
     if count > FEW_RANGES:
         found = accuracy.end_sigmas(path, world, starts, length, sigma=sigma, rate=rate, kind="lifted", share=share)
-    else:
-        tau, each = np.arange(count) / rate - length, np.full(count, share)
-        found = accuracy.sigmas(path, world, starts + length, tau, each, length, sigma=sigma, kind="lifted")
-    return np.nan_to_num(found[:, 0], nan=math.inf)
+        return np.nan_to_num(found[:, 0], nan=math.inf)
+    each = [
+        accuracy.predict(path, world, t, length, sigma=sigma, rate=rate, kind="lifted", at="end", share=share)
+        for t in starts.tolist()
+    ]
+    return np.nan_to_num([one.position for one in each], nan=math.inf)
 
 
 def _shortest(
