@@ -18,7 +18,6 @@ LONGEST = 0.3
 """Of the stage's radius: the longest semi-axis."""
 THINNEST = 0.004
 """Of the longest semi-axis: so much is drawn of one that is 0."""
-OPACITY = 0.16
 
 
 class ExcitationEllipsoid:
@@ -29,9 +28,8 @@ class ExcitationEllipsoid:
             "/excitation",
             1.0,
             GREEN,
-            subdivisions=10,
-            opacity=OPACITY,
-            material="toon3",
+            subdivisions=3,
+            wireframe=True,  # a translucent shell is lost inside the range sphere
             cast_shadow=False,
             receive_shadow=False,
             visible=False,

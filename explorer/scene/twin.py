@@ -15,7 +15,6 @@ from explorer.scene.vehicle import Vehicle
 from rangenav.inputs import Vec3
 from rangenav.twin import Refusal, Twin
 
-OPACITY = 0.5
 FARTHEST = 1e6
 """m; what a drag tells beyond that is no place anybody points at."""
 
@@ -31,7 +30,9 @@ class TwinGhost:
         self._on: Stage | None = None
         self._path = scene.add_line_segments("/twin_path", nothing, PURPLE, thickness=3.0, thickness_units="screen")
         self._ranges = scene.add_line_segments("/twin_ranges", nothing, PURPLE, thickness=1.5, thickness_units="screen")
-        self._vehicle = Vehicle(scene, "twin", PURPLE, opacity=OPACITY, label_above=True)
+        self._vehicle = Vehicle(
+            scene, "twin", PURPLE, opacity=None, label_above=True
+        )  # a ghost is lost inside the range sphere
         for part in self._vehicle.parts:
             part.on_drag("left")(self._drag)
         self._show(False)
