@@ -1,5 +1,6 @@
 """The page's depth stage, its plots and its scene nodes: what is shown is what the library found."""
 
+import asyncio
 import html
 import threading
 from types import SimpleNamespace
@@ -215,8 +216,9 @@ def test_a_twin_off_the_stage_is_not_drawn_and_no_error(page: Page) -> None:
     assert not node(page, "/twin_path").visible
 
 
-def dragging(position: tuple) -> SimpleNamespace:
-    return SimpleNamespace(end_position=position)
+def drag(ghost: TwinGhost, position: tuple) -> None:
+    """As viser's loop tells it."""
+    asyncio.run(ghost._drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
 
 
 def test_a_drag_is_kept_until_it_is_asked_for_and_only_if_it_is_a_place(page: Page) -> None:
@@ -224,11 +226,11 @@ def test_a_drag_is_kept_until_it_is_asked_for_and_only_if_it_is_a_place(page: Pa
     ghost = TwinGhost(page.scene, lambda: notes.append(None))
     assert ghost.dragged() is None
     for hostile in ((float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (1e30, 0.0, 0.0)):
-        ghost._drag(dragging(hostile))  # type: ignore[arg-type]
+        drag(ghost, hostile)
     assert ghost.dragged() is None
     assert not notes
-    ghost._drag(dragging((1.0, 2.0, 3.0)))  # type: ignore[arg-type]
-    ghost._drag(dragging((3.0, 2.0, 1.0)))  # type: ignore[arg-type]
+    drag(ghost, (1.0, 2.0, 3.0))
+    drag(ghost, (3.0, 2.0, 1.0))
     assert ghost.dragged() == (3.0, 2.0, 1.0)
     assert ghost.dragged() is None
     assert len(notes) == 2

@@ -30,9 +30,8 @@ class TwinGhost:
         self._on: Stage | None = None
         self._path = scene.add_line_segments("/twin_path", nothing, PURPLE, thickness=3.0, thickness_units="screen")
         self._ranges = scene.add_line_segments("/twin_ranges", nothing, PURPLE, thickness=1.5, thickness_units="screen")
-        self._vehicle = Vehicle(
-            scene, "twin", PURPLE, opacity=None, label_above=True
-        )  # a ghost is lost inside the range sphere
+        # opaque: a translucent one is lost inside the range sphere
+        self._vehicle = Vehicle(scene, "twin", PURPLE, opacity=None, label_above=True)
         for part in self._vehicle.parts:
             part.on_drag("left")(self._drag)
         self._show(False)
@@ -71,8 +70,8 @@ class TwinGhost:
             point, self._dragged = self._dragged, None
         return point
 
-    def _drag(self, event: SceneNodeDragEvent[MeshHandle]) -> None:
-        """In viser's thread: remember and say so; a page may send anything, so only a place is taken."""
+    async def _drag(self, event: SceneNodeDragEvent[MeshHandle]) -> None:
+        """In viser's loop, so in order: remember and say so; a page may send anything, so only a place is taken."""
         x, y, z = (float(value) for value in event.end_position)
         if np.isfinite([x, y, z]).all() and max(abs(x), abs(y), abs(z)) < FARTHEST:
             with self._lock:
