@@ -70,7 +70,7 @@ class Session:
         self._client, self._house, self._shipped = client, house, house.shipped
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._refused = False
+        self._refused, self._drags = False, 0
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
         self._playback = Playback(house.shipped[house.first].duration)
@@ -170,25 +170,28 @@ class Session:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
         with contextlib.suppress(Refused), self._dock.catching():
             pressed = self._sheet.carry_out()
-            self._follow_handles()
+            hold = self._follow_handles()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
-                self._history.note(settings, time.monotonic(), apart=pressed or chosen)
+                self._history.note(settings, time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
             return True
         return False
 
-    def _follow_handles(self) -> None:
-        """Take over where anchor and waypoints were dragged to."""
-        for grab in self._handles.take():
+    def _follow_handles(self) -> int | None:
+        """Take over where anchor and waypoints were dragged to: the number of the drag, None if nothing is held."""
+        drag, grabs = self._drags, self._handles.take()
+        self._drags += any(grab.done for grab in grabs)
+        for grab in grabs:
             if grab.kind == "anchor":
                 self._dock.move_anchor(grab.position)
             else:
                 self._dock.move_waypoint(grab.index, grab.position)
+        return drag if grabs else None
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:

@@ -14,7 +14,10 @@ import tyro
 
 from rangenav.commands.analyze import analyze
 from rangenav.commands.explain import explain
+from rangenav.commands.export import export
+from rangenav.commands.import_ import import_
 from rangenav.commands.listing import list_presets
+from rangenav.commands.log import log
 from rangenav.commands.simulate import simulate
 
 app = tyro.extras.SubcommandApp()
@@ -22,6 +25,9 @@ app.command(name="presets")(list_presets)
 app.command(analyze)
 app.command(explain)
 app.command(simulate)
+app.command(export)
+app.command(name="import")(import_)
+app.command(log)
 
 
 def fail(sentence: str) -> NoReturn:

@@ -42,6 +42,11 @@ def _eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ..
     return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in looks)
 
 
+def _limit(label: str, color: str, dash: plots.Dash) -> Curve:
+    """What the chosen vehicle allows, in the colour of the quantity."""
+    return Curve(label=label, color=color, dash=dash, width=2.0)
+
+
 def _spectrum(least: str, greatest: str, floor: str) -> tuple[Curve, ...]:
     """The least and greatest by name, the eleven between them thin and unnamed, the floor filled."""
     return (
@@ -160,7 +165,7 @@ SIGNALS = Group(
             name="speed",
             title="Speed",
             unit="m/s",
-            curves=(Curve(label="true", color=plots.BLUE),),
+            curves=(Curve(label="true", color=plots.BLUE), _limit("limit", plots.BLUE, DASHED)),
             draw=plots.speed,
             words=words.SPEED,
             log=False,
@@ -172,6 +177,8 @@ SIGNALS = Group(
             curves=(
                 Curve(label="thrust/weight", color=plots.BLUE),
                 Curve(label="|ω|", color=plots.ORANGE, dash=DASHED),
+                _limit("thrust limit", plots.BLUE, DASH_DOT),
+                _limit("|ω| limit", plots.ORANGE, DOTTED),
             ),
             draw=plots.effort,
             words=words.EFFORT,

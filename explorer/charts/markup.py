@@ -33,6 +33,7 @@ STYLE = f"""<style>
 .rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-size: 11px; font-variant-numeric: tabular-nums; }}
 .rn-legend span {{ white-space: nowrap; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
 .rn-v {{ display: inline-block; min-width: 43px; font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
+.rn-note {{ margin: 0 {MARGIN}px; font-size: 11px; line-height: 1.25; opacity: .75; }}
 .rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid #56B4E9; background: rgba(128,128,128,.09); }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
@@ -60,11 +61,12 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
     left = f"calc({LEFT}px + var({FRACTION}, 0) * {across})"
     from_, span = f"calc({LEFT}px + var({WINDOW_FROM}, 0) * {across})", f"calc(var({WINDOW_SPAN}, 0) * {across})"
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
+    note = f'<div class="rn-note">{plot.words.note}</div>' if plot.words.note else ""
     equation = f'<div class="rn-equation">{plot.words.equation}</div>'
     return (
         f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details>'
         f'<summary><div class="rn-title">{title}</div><div class="rn-legend">{legend}</div></summary>'
-        f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>'
+        f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
         f'<div class="rn-window" style="left:{from_};width:{span}"></div>'
         f'<div class="rn-cursor" style="left:{left}"></div><span class="rn-seconds">s</span></div></div>'

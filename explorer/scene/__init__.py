@@ -56,7 +56,7 @@ class Scene:
             "/anchor/beacon", 1.0, ORANGE, subdivisions=1, flat_shading=True, scale=UNSEEN
         )
         self._mast = scene.add_line_segments("/anchor/mast", NO_LINE, ORANGE, thickness=3.0, thickness_units="screen")
-        scene.add_label("/anchor/label", "anchor", anchor="bottom-center", font_screen_scale=0.9)
+        self._anchor_word = scene.add_label("/anchor/label", "anchor", anchor="bottom-center", font_screen_scale=0.9)
         self._sphere = scene.add_icosphere(
             "/anchor/range",
             1.0,
@@ -169,6 +169,7 @@ class Scene:
         self._grid.wxyz = (SO3(np.array(stages.turn_from_x(on.up))) @ SO3.from_y_radians(np.pi / 2)).wxyz
         self._anchor.position = np.asarray(world.anchor)
         self._beacon.scale = 0.22 * unit
+        self._anchor_word.position = 0.4 * unit * on.up  # clear of what one takes hold of
         foot = float((np.asarray(world.anchor) - on.ground) @ on.up)
         self._mast.points = np.array([[[0.0, 0.0, 0.0], -foot * on.up]])
         self._mast.visible = foot > 0.01 * on.radius

@@ -55,7 +55,7 @@ def functions(path: Signal, gravity: Vec3, start: float, window: float, *, point
         raise ValueError(f"points must lie between 2 and {MAX_POINTS}, got {points}")
     tau = np.linspace(0.0, window, points)
     found = spectrum.window_spectra(path, gravity, np.array([start]), window)
-    null, own = _echelon(found.null_basis[0], window)
+    null, own = _echelon(spectrum.null_basis(found, 0), window)
     return Functions(
         start=start,
         tau=tau,

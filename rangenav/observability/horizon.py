@@ -15,10 +15,11 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import Vec3, require
+from rangenav.inputs import require
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, spectrum
+from rangenav.observability import accuracy, quadrature, rows, spectrum
+from rangenav.observability.rows import Visit
 from rangenav.signals import Signal
 
 SHORT, LONG = 14, 12
@@ -73,13 +74,28 @@ def horizon(
     """
     require(0 <= start < duration, f"start must lie between 0 and the flight's end at {duration:g} s, got {start:g} s")
 
+    visits: dict[float, Visit] = {}
+
+    def visit(starts: Array, length: float) -> Visit:
+        if length not in visits:
+            visits[length] = rows.visit(path, starts, length)
+        return visits[length]
+
     def rank_lost(starts: Array, length: float) -> Array:
-        return STATES - spectrum.window_spectra(path, world.gravity, starts, length).rank.astype(float)
+        return STATES - spectrum.lifted_spectra(visit(starts, length), world.gravity).rank.astype(float)
 
     def error(starts: Array, length: float) -> Array:
-        return _position_sigmas(path, world, starts, length, sigma=sigma, rate=rate, share=share)
+        count = int(length * rate + 1e-9) + 1
+        if count < STATES:
+            return np.full(len(starts), math.inf)
+        if count <= FEW_RANGES:
+            found = _of_few(path, world, starts, length, sigma=sigma, rate=rate, share=share)
+        else:
+            seen = visit(starts, length)
+            found = accuracy.along(seen, world, sigma=sigma, rate=rate, kind="lifted", share=share)[:, 0]
+        return np.nan_to_num(found, nan=math.inf)
 
-    length = _lengths(path, world.gravity, duration)
+    length = _lengths(path, duration)
     lost, errors = (_looked_at(lack, length, start, duration) for lack in (rank_lost, error))
     full_rank = _shortest(rank_lost, 0.0, length, lost, start, duration)
     accurate = _shortest(error, position_sigma, length, errors, start, duration)
@@ -100,18 +116,18 @@ def horizon(
     )
 
 
-def _lengths(path: Signal, gravity: Vec3, duration: float) -> Float[Array, "n"]:
+def _lengths(path: Signal, duration: float) -> Float[Array, "n"]:
     """Short ones in equal ratios, long ones in equal steps; up to the flight or what a quadrature can integrate."""
     longest = duration
-    while not _integrable(path, gravity, duration, longest):
+    while not _integrable(path, duration, longest):
         longest /= 2
     short = np.geomspace(SHORTEST, EIGHTH, SHORT, endpoint=False)
     return longest * np.concatenate([short, np.linspace(EIGHTH, 1.0, LONG)])
 
 
-def _integrable(path: Signal, gravity: Vec3, duration: float, length: float) -> bool:
+def _integrable(path: Signal, duration: float, length: float) -> bool:
     try:
-        spectrum.window_spectra(path, gravity, np.array([duration - length]), length)
+        quadrature.refuse(path, length, duration)
     except ValueError:  # more work than a live page may do
         return False
     return True
@@ -130,20 +146,15 @@ def _chosen_and_worst(lack: Lack, length: float, start: float, duration: float) 
     return float(found[np.searchsorted(starts, start)]) if fits else math.nan, float(found.max())
 
 
-def _position_sigmas(
+def _of_few(
     path: Signal, world: World, starts: Array, length: float, *, sigma: float, rate: float, share: float
 ) -> Float[Array, "s"]:
-    count = int(length * rate + 1e-9) + 1
-    if count < STATES:
-        return np.full(len(starts), math.inf)
-    if count > FEW_RANGES:
-        found = accuracy.end_sigmas(path, world, starts, length, sigma=sigma, rate=rate, kind="lifted", share=share)
-        return np.nan_to_num(found[:, 0], nan=math.inf)
-    each = [
+    """σ of the position from each of a few ranges."""
+    each = (
         accuracy.predict(path, world, t, length, sigma=sigma, rate=rate, kind="lifted", at="end", share=share)
         for t in starts.tolist()
-    ]
-    return np.nan_to_num([one.position for one in each], nan=math.inf)
+    )
+    return np.array([one.position for one in each])
 
 
 def _shortest(
