@@ -38,6 +38,7 @@ format: $(VENV)/installed-test
 
 bench: $(VENV)/installed-bench
 	$(BIN)/python benchmarks/observer.py
+	$(BIN)/python benchmarks/estimators.py
 	$(BIN)/python benchmarks/observability.py
 	$(BIN)/python benchmarks/live.py
 

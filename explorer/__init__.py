@@ -1,4 +1,4 @@
-"""The page: what a visitor chooses, what is computed from it, and how it is shown."""
+"""The page: edit motion and gains in a browser and see, live, what one range can tell."""
 
 import os
 

@@ -30,7 +30,8 @@ class Gains(Input, frozen=True, kw_only=True):
     """All gains of the cascade."""
 
     mode: Literal["constant", "noise-matched"] = "constant"
-    """noise-matched takes q and v from the sensors' noise at the estimate; the theorem assumes constant ones."""
+    """noise-matched takes q and v from the sensors' noise at the estimate, and reminds it of ξ1 = ½|p|², which the lift
+    forgets; the theorem assumes constant gains and no reminder."""
     riccati: RiccatiGains = RiccatiGains()
     attitude: AttitudeGains = AttitudeGains()
 

@@ -44,6 +44,8 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
             j += 1
         if reached < 1.0:
             x, P, turned = observer.propagate(x, P, turned, gyro, accel, reached, 1.0, t1 - t0)
+        if observer.matched:
+            x, P = riccati.remind(x, P, t1 - t0)
         new_mag = turned.T @ mag if np.isnan(z.mag[k]).any() else z.mag[k]
         R = attitude.step(
             R, gyro, (mag, new_mag), (gravity, x[GRAVITY]), t1 - t0, gains=setting.gains.attitude, world=setting.world

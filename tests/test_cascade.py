@@ -9,6 +9,8 @@ from rangenav.cascade import Gains, Guess, Sample, Setting, Start
 from rangenav.sensors import Measurements
 from tests import scenes
 
+MATCHED = Gains(mode="noise-matched")
+
 
 def test_derived_observer_started_at_the_truth_stays_within_a_millimetre():
     """Paper's path, 1 kHz, 10 s, no noise: what is left is the splitting's h² error."""
@@ -104,6 +106,49 @@ def test_noise_matched_beats_constant_gains_in_steady_state():
         for mode in ("constant", "noise-matched")
     ]
     assert steady[1] < min(steady[0], 0.09)
+
+
+@pytest.mark.parametrize(("name", "metres"), [("paper", 0.045), ("paper-slow", 0.075)])
+def test_noise_matched_gains_reach_this_position(name: str, metres: float):
+    """Median over ten seeds of the RMS over the last half of 20 s, ranges at 200 Hz, from x̂ = 0."""
+    steady = []
+    for seed in range(10):
+        scene = scenes.scene(name, duration=20.0, seed=seed)
+        steady.append(np.sqrt(np.mean(scene.errors(scene.observe(MATCHED)).position[2000:] ** 2)))
+    assert np.median(steady) < metres
+
+
+def test_noise_matched_gains_with_a_low_k1_reach_this_attitude():
+    """k1 = .5, the paper's path: below .4° over the last half of 20 s (median of ten seeds); k1 = 4 gives .73°."""
+    gains, steady = replace(MATCHED, attitude=replace(MATCHED.attitude, k1=0.5)), []
+    for seed in range(10):
+        scene = scenes.scene("paper", duration=20.0, seed=seed)
+        steady.append(np.sqrt(np.mean(scene.errors(scene.observe(gains)).attitude[2000:] ** 2)))
+    assert np.degrees(np.median(steady)) < 0.4
+
+
+def test_noise_matched_gains_converge_from_anywhere():
+    """Thirty starts: positions and velocities of 10 m and 10 m/s (1 σ on each axis), gravity in any direction."""
+    rng = np.random.default_rng(7)
+    for seed in range(30):
+        scene = scenes.scene("paper-slow", duration=20.0, seed=seed)
+        gravity = rng.standard_normal(3)
+        gravity *= 9.81 / np.linalg.norm(gravity)
+        state = model.lift(10 * rng.standard_normal(3), 10 * rng.standard_normal(3), gravity)
+        estimate = cascade.observe(scene.measurements, Start(state=state, rotation=np.eye(3)), scene.setting(MATCHED))
+        assert scene.errors(estimate).position[3000:].max() < 0.5
+
+
+def test_noise_matched_position_errors_are_as_large_as_claimed():
+    """Mean of eᵀP⁻¹e/3 over the last half of ten records: the reminder must not make it too sure."""
+    ratios = []
+    for seed in range(10):
+        scene = scenes.scene("paper-slow", duration=20.0, seed=seed)
+        estimate = scene.observe(MATCHED)
+        error = (estimate.state - scene.truth.state)[2000:, model.POSITION]
+        weighted = np.linalg.solve(estimate.covariance[2000:, 0], error[..., None])[..., 0]
+        ratios.append(np.mean(np.sum(error * weighted, axis=-1)) / 3)
+    assert 0.4 < np.mean(ratios) < 1.6  # errors within a record hang together
 
 
 def test_the_riccati_observer_does_not_know_the_attitude():

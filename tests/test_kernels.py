@@ -8,10 +8,12 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from rangenav import model, plain, preset, riccati
-from rangenav.cascade import Gains, observe
+from rangenav.cascade import Gains, Sample, begin, observe
+from rangenav.kernels import cascade as cascade_kernel
 from rangenav.kernels import compiled
 from rangenav.kernels import riccati as kernel
 from rangenav.kernels import rotation as rot
+from rangenav.kernels.layout import CONSISTENCY_TIME
 from tests import scenes
 
 CORNERS = [
@@ -101,6 +103,49 @@ def test_correction_is_the_conditional_distribution_of_a_gaussian():
     np.testing.assert_allclose(moved, x + gain * (y - x[0]), rtol=1e-12)
     expected = joseph @ P @ joseph.T + variance * np.outer(gain, gain)
     np.testing.assert_allclose(flat.reshape(13, 13), expected, rtol=1e-10, atol=1e-11)
+
+
+def test_the_reminder_is_the_conditional_distribution_given_a_product():
+    """ξ1 − ½|p|² = 0 linearised, in Joseph's form; the variance of ½|e|² and its mean as the docstring has them."""
+    rng = np.random.default_rng(3)
+    root, x, h = rng.standard_normal((13, 13)) / 4, rng.standard_normal(13), 0.005
+    P, p = root @ root.T, x[4:7]
+    spread = np.trace(P[4:7, 4:7])
+    row = np.concatenate([[1.0, 0, 0, 0], -p, np.zeros(6)])
+    variance = spread**2 / 2 * (CONSISTENCY_TIME / h)
+    gain = P @ row / (row @ P @ row + variance)
+    joseph = np.eye(13) - np.outer(gain, row)
+    expected = joseph @ P @ joseph.T + variance * np.outer(gain, gain)
+    flat, moved = P.ravel().copy(), x.copy()
+    kernel.remind(moved, flat, h)
+    np.testing.assert_allclose(moved, x + gain * ((p @ p + spread) / 2 - x[0]), rtol=1e-12)
+    np.testing.assert_allclose(flat.reshape(13, 13), expected, rtol=0, atol=1e-14 * np.abs(P).max())
+    one, other = riccati.remind(x, P, h)
+    np.testing.assert_allclose(one, moved, rtol=1e-12)
+    np.testing.assert_allclose(other, expected, rtol=0, atol=1e-14 * np.abs(P).max())
+
+
+@pytest.mark.parametrize("name", ["paper", "circle", "hover"])
+def test_noise_matched_covariance_stays_positive(name: str):
+    """Ten minutes at 200 Hz, 120 000 steps with the reminder in each, observable and blind."""
+    scene = scenes.scene(name, duration=600.0, range_rate=50.0)
+    z, setting = scene.measurements, scene.setting(Gains(mode="noise-matched"))
+    first = Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[:1], z.range[:1])
+    state, innovation = begin(first, scene.start, setting), np.empty((len(z.range), 2))
+    least = []
+    for part in range(4):
+        rows, ranges = slice(part * 30_000, (part + 1) * 30_000 + 1), slice(1 + part * 7500, 1 + (part + 1) * 7500)
+        n = len(z.time[rows])
+        cascade_kernel.run(
+            state.arrays, z.time[rows], z.gyro[rows], z.accel[rows], z.mag[rows], z.range_time[ranges], z.range[ranges],
+            np.empty((n, 13)), np.empty((n, 4)), np.empty((n, 3, 3, 3)), np.empty((n, 3, 3)), innovation, 0,
+            state.parameters,
+        )  # fmt: skip
+        P = state.arrays.P.reshape(13, 13)
+        np.testing.assert_array_equal(P, P.T)
+        std = np.sqrt(np.diag(P))
+        least.append(np.linalg.eigvalsh(P / (std[:, None] * std)).min())
+    assert min(least) >= -1e-9
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.0099, 0.0101, 1.0, 3.14])

@@ -70,7 +70,7 @@ def _write(run: Run, preset: Preset, path: Path, *, mcap: bool) -> int:
 
 
 def _messages(run: Run, preset: Preset, types: Any, *, first: float) -> Iterator[tuple[int, str, Any]]:
-    noise, vector = preset.sensors.noise, types["geometry_msgs/msg/Vector3"]
+    noise, vector = preset.sensors.sigma, types["geometry_msgs/msg/Vector3"]
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
     stamps, q = nanoseconds(run.time + first), quaternions(run)
     for k, stamp in enumerate(stamps):

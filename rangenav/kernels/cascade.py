@@ -97,6 +97,8 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
         innovation[j, 1] = total - variance / 2 if p.symmetric and at_sample else total  # of the whole correction
     if reached < 1.0:
         turned = propagate(x, P, turned, s.gyro, gyro1, s.accel, accel1, reached, 1.0, interval, p)
+    if p.matched:
+        riccati.remind(x, P, interval)
     turned = rot.orthonormal(turned)
     rot.store(turned, s.turned)
     mag0, new_mag = (s.mag[0], s.mag[1], s.mag[2]), (mag1[0], mag1[1], mag1[2])

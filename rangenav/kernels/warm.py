@@ -4,18 +4,29 @@ from collections.abc import Callable
 
 import numpy as np
 
+Stage = Callable[[], object]
+
 
 def compile_all(progress: Callable[[float, str], None]) -> None:
-    """Run each kernel once on a tiny problem; progress(fraction, name) is called before each and once at the end."""
+    """Run each kernel of the cascade on a tiny problem; progress(fraction, name) comes before each and at the end."""
+    _compile(_stages, progress)
+
+
+def compile_estimators(progress: Callable[[float, str], None]) -> None:
+    """The same for the extended Kalman filter and the smoother, which no first picture waits for."""
+    _compile(_estimators, progress)
+
+
+def _compile(named: Callable[[], list[tuple[str, Stage]]], progress: Callable[[float, str], None]) -> None:
     progress(0.0, "loading the compiler")
-    stages = _stages()
+    stages = named()
     for done, (name, stage) in enumerate(stages):
         progress((done + 1) / (len(stages) + 1), name)
         stage()
     progress(1.0, "ready")
 
 
-def _stages() -> list[tuple[str, Callable[[], object]]]:
+def _stages() -> list[tuple[str, Stage]]:
     from rangenav.kernels import attitude, cascade, riccati, rotation
     from rangenav.kernels.layout import Arrays, Parameters
 
@@ -47,3 +58,30 @@ def _stages() -> list[tuple[str, Callable[[], object]]]:
             ),
         ),
     ]  # fmt: skip
+
+
+def _estimators() -> list[tuple[str, Stage]]:
+    from rangenav.kernels import ekf, smoother
+    from rangenav.kernels.layout import Strapdown
+
+    known = Strapdown(
+        gravity=(0.0, 0.0, 9.81), across1=(0.0, 1.0, 0.0), across2=(0.0, 0.0, 1.0), range_variance=0.01,
+        mag_variance=0.01, accel_density=1e-4, gyro_density=1e-6,
+    )  # fmt: skip
+    matrix, nine = np.eye(3), np.zeros(9)
+    time, rows, pairs = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.empty((2, 2))
+    imu, given = (time, rows, rows), (np.ones(2), np.arange(2), np.zeros(2))
+    track = (np.ones((2, 3)), np.zeros((2, 3)), np.array([matrix, matrix]))
+    covariances, kept = np.tile(np.eye(9).ravel(), (2, 1)), np.empty((6, smoother.KEPT))
+    work = (np.empty((2, 9)), covariances, np.zeros((2, 3)), kept, np.empty(2, dtype=np.int64))
+    return [
+        ("extended Kalman filter", lambda: ekf.run(*imu, rows, *given, *track, covariances, pairs, known)),
+        (
+            "smoother, forward",
+            lambda: smoother.forward(*imu, rows, *given, *track, nine, np.eye(9).ravel(), *work, known),
+        ),
+        ("smoother, backward", lambda: smoother.backward(time, *work)),
+        ("smoother, step", lambda: smoother.apply(work[0], *track)),
+        ("smoother, covariance", lambda: smoother.smooth_covariance(time, covariances, work[2], known)),
+        ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
+    ]
