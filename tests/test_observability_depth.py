@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rangenav import analysis, model, motion, preset, record, so3
-from rangenav.observability import accuracy, ellipsoid, excitation, frozen, functions, horizon, printed, spectrum
+from rangenav.observability import accuracy, ellipsoid, excitation, frozen, functions, horizon, printed, rows, spectrum
 from rangenav.signals import Multisine, Tone
 from tests.sentences import exactly
 from tests.test_observability import tumbling
@@ -372,3 +372,17 @@ def test_the_four_signals_are_those_of_the_chosen_switches():
     inside = (truth.time >= 5.0 - 1e-9) & (truth.time <= 11.0 + 1e-9)
     integral = np.trapezoid(body[inside][:, :, None] * body[inside][:, None, :], truth.time[inside], axis=0)
     assert found.least_axes[1] == pytest.approx(np.linalg.eigvalsh(integral)[0], rel=1e-9)
+
+
+# Tall windows
+
+
+def test_tall_windows_decomposed_by_blocks_have_the_singular_values_of_all_their_rows():
+    path = preset.load("wiggle").path
+    seen = rows.visit(path, np.array([0.0, 1.0]), 18.0)
+    assert seen.tau.shape[1] > rows.TALLEST
+    triangles = rows.triangles(seen, seen.weight, lambda part: rows.lifted_of(part, SLOW.world.gravity, "start"))
+    whole = rows.lifted_of(seen, SLOW.world.gravity, "start") * np.sqrt(seen.weight)[..., None]
+    scale = 18.0 ** -spectrum.LIFTED_TIME_POWERS.astype(float)
+    blocks, at_once = (np.linalg.svd(matrix * scale, compute_uv=False) for matrix in (triangles, whole))
+    np.testing.assert_allclose(blocks, at_once, atol=1e-14 * at_once.max())
