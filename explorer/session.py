@@ -23,6 +23,7 @@ from explorer.access import accept_values_only
 from explorer.charts import Charts
 from explorer.compute import Picture
 from explorer.history import History
+from explorer.jobs import Jobs
 from explorer.keeping import Keeping
 from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
@@ -108,6 +109,7 @@ class Session:
 
     def _leave(self) -> None:
         """Write what is left, and only then give the place in the browser to whoever comes next."""
+        self._jobs.cancel()
         if self._house.slots.has(self._client.client_id):
             self._keeping.write(time.monotonic(), at_once=True)
         self._house.slots.free(self._client.client_id)
@@ -117,11 +119,11 @@ class Session:
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self._sheet = Sheet(client.gui, self._wake.set)
+        self._sheet, self._jobs = Sheet(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
             undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
         )
-        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests)
+        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
@@ -163,13 +165,16 @@ class Session:
         """Take in what the visitor did, and draw if that changes the picture."""
         self._refused = not self._took_in()
         self._sheet.refresh()
+        self._dock.progress.draw()
         if self._refused:
             self._draw_handles()
 
     def _took_in(self) -> bool:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
+        began = time.monotonic()
         with contextlib.suppress(Refused), self._dock.catching():
             pressed = self._sheet.carry_out()
+            self._jobs.deliver()
             hold = self._follow_handles()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
@@ -177,7 +182,7 @@ class Session:
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
-                self._history.note(settings, time.monotonic(), apart=pressed or chosen, hold=hold)
+                self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
             return True
         return False

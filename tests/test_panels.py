@@ -12,6 +12,7 @@ import viser
 
 from explorer import compute
 from explorer.access import open_server
+from explorer.jobs import Jobs
 from explorer.panels import presets, verdict
 from explorer.panels.controls import Dial, LogDial
 from explorer.panels.dock import Dock, Requests
@@ -45,7 +46,7 @@ def client() -> Iterator[viser.ClientHandle]:
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
     requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing)
-    return Dock(Sheet(client.gui, _nothing), SHIPPED, "paper-slow", requests)
+    return Dock(Sheet(client.gui, _nothing), SHIPPED, "paper-slow", requests, Jobs(_nothing))
 
 
 @pytest.fixture(scope="module")
