@@ -222,6 +222,11 @@ def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
     assert dial._slider.label == "σ = 0.1"
     dial._slider.value = dial._slider.min
     assert dial.read() == 0.0
+    for value in (1e-3, 1e-7):
+        dial.show(value)
+        assert dial.read() == value
+        dial._slider.value = dial._slider.min
+        assert dial.read() == 0.0
 
 
 def test_a_complaint_is_words_and_a_sign_and_never_html(client: viser.ClientHandle):

@@ -152,6 +152,8 @@ class LogDial(Control[float]):
         at_left = self._zero and value == 0
         self._exact = value
         self._shown = self._slider.min if at_left else round(math.log10(value), LOG_DIGITS)
+        if self._zero and not at_left and self._shown <= self._slider.min:  # leave a place for zero, left of it
+            self._slider.min = self._shown - 1
         _widen(self._slider, self._shown)
         self._slider.value = self._shown
         self._say(value)
