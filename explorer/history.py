@@ -33,9 +33,19 @@ class History:
         """How many steps can be undone, and redone."""
         return max(len(self._past) - 1, 0), len(self._future)
 
-    def note(self, settings: Settings, time: float, *, apart: bool = False, hold: int | None = None) -> None:
-        """Take in what is shown at a time (s). `apart` makes it a step of its own, however soon it comes; what comes
-        under the same number of a `hold`, as while a handle is held, belongs together however late it comes."""
+    def note(
+        self,
+        settings: Settings,
+        time: float,
+        *,
+        shown: float | None = None,
+        apart: bool = False,
+        hold: int | None = None,
+    ) -> None:
+        """Take in what was chosen at a time (s) and shown at another, by default the same: a slow machine that draws
+        for a second between two moves of a slider does not tear them apart. `apart` makes it a step of its own,
+        however soon it comes; what comes under the same number of a `hold`, as while a handle is held, belongs
+        together however late it comes."""
         if settings == self.now:
             return
         parts = frozenset() if self.now is None else frozenset(differing(self.now, settings))
@@ -48,7 +58,7 @@ class History:
         self._past.append(settings)
         del self._past[:-DEPTH]
         self._future.clear()
-        self._changed = float("-inf") if apart else time
+        self._changed = float("-inf") if apart else time if shown is None else shown
 
     def undo(self) -> Settings | None:
         """The settings before, None at the beginning."""

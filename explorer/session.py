@@ -171,6 +171,7 @@ class Session:
 
     def _took_in(self) -> bool:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
+        began = time.monotonic()
         with contextlib.suppress(Refused), self._dock.catching():
             pressed = self._sheet.carry_out()
             self._jobs.deliver()
@@ -182,7 +183,7 @@ class Session:
                 self._draw(compute.compute(settings))
                 self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
-                self._history.note(settings, time.monotonic(), apart=pressed or chosen, hold=hold)
+                self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
             return True
         return False

@@ -18,6 +18,7 @@ from rangenav.commands.import_ import import_
 from rangenav.commands.listing import list_presets
 from rangenav.commands.log import log
 from rangenav.commands.simulate import simulate
+from rangenav.commands.tune import tune
 
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
@@ -26,6 +27,7 @@ app.command(simulate)
 app.command(export)
 app.command(name="import")(import_)
 app.command(log)
+app.command(tune)
 
 
 def fail(sentence: str) -> NoReturn:

@@ -39,6 +39,14 @@ def test_what_follows_within_a_moment_is_one_step_but_never_the_beginning():
     assert history.undo() is None
 
 
+def test_a_slow_machine_does_not_tear_a_drag_apart():
+    history = History()
+    history.note(_at(1.0), 0.0)
+    for k in range(5):
+        history.note(_at(2.0 + k), 10.0 + 3 * k, shown=10.0 + 3 * k + 2.9)
+    assert history.undo() == _at(1.0)
+
+
 def test_what_is_held_is_one_step_however_slowly_it_moves():
     history = History()
     history.note(_at(1.0), 0.0)

@@ -2,44 +2,18 @@
 
 import math
 import time
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
 from rangenav import preset, record
-from tests.browser.page import PATIENCE, Server, Visitor, chromium, quantile, served, why_not
+from tests.browser.conftest import COARSE
+from tests.browser.page import PATIENCE, Server, Visitor, quantile
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
-]
 ERROR_CURVE = "σ by P"
 """A curve that only the plots of errors have."""
 NOT_SHOWN = "Not shown"
-COARSE = 0.5
-"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[Server]:
-    with served() as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as running:
-        yield running
-
-
-@pytest.fixture
-def visitor(server: Server, browser: Browser) -> Iterator[Visitor]:
-    tab = Visitor(browser, server.url, density=COARSE)
-    yield tab
-    assert tab.complaints == []
-    tab.close()
 
 
 def _until(holds, what: str, patience: float = PATIENCE) -> None:
