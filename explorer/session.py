@@ -71,7 +71,7 @@ class Session:
         self._client, self._house, self._shipped = client, house, house.shipped
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._refused, self._drags = False, 0
+        self._drags = 0
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
         self._playback = Playback(house.shipped[house.first].duration)
@@ -163,10 +163,10 @@ class Session:
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
-        self._refused = not self._took_in()
+        shown = self._took_in()
         self._sheet.refresh()
         self._dock.progress.draw()
-        if self._refused:
+        if not shown:
             self._draw_handles()
 
     def _took_in(self) -> bool:

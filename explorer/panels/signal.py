@@ -87,10 +87,6 @@ class SignalEditor:
         if isinstance(editor, PointsEditor):
             editor.move(index, value)
 
-    def complain(self, sentence: str) -> None:
-        """Say beside the family what is wrong with the signal as a whole."""
-        self._section.complaint.say(sentence)
-
     def show(self, visible: bool) -> None:
         """Show or hide all of it."""
         self._section.show(visible)
