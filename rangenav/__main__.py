@@ -13,13 +13,17 @@ from typing import NoReturn
 import tyro
 
 from rangenav.commands.analyze import analyze
+from rangenav.commands.certify import certify
 from rangenav.commands.listing import list_presets
 from rangenav.commands.simulate import simulate
+from rangenav.commands.verify import verify
 
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
 app.command(analyze)
 app.command(simulate)
+app.command(certify)
+app.command(verify)
 
 
 def fail(sentence: str) -> NoReturn:
@@ -44,6 +48,7 @@ def main() -> None:
     except SystemExit as stop:
         if stop.code == 2:
             fail(usage_error(complaint.getvalue()))
+        print(complaint.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
         raise
 
 

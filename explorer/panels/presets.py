@@ -14,6 +14,11 @@ from rangenav.preset import Preset
 PRINTED_START = (
     "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
 )
+EXPECTED = {
+    "observable": "● expected observable",
+    "weak": "▲ expected weak",
+    "unobservable": "✕ expected unobservable",
+}
 Action = Literal["again", "paper", "download"]
 
 
@@ -49,7 +54,7 @@ class PresetsPanel:
     def write(self, name: str, shown: Preset) -> None:
         """Show a preset's name, story and expectation."""
         self._choice.write(name)
-        expected = {"observable": "● expected observable", "unobservable": "✕ expected unobservable"}[shown.expect]
+        expected = EXPECTED[shown.expect]
         style = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em"
         self._story.content = f'<div style="{style}">{html.escape(shown.story)}<br><b>{expected}</b></div>'
 
