@@ -15,6 +15,7 @@ import tyro
 from rangenav.commands.analyze import analyze
 from rangenav.commands.certify import certify
 from rangenav.commands.listing import list_presets
+from rangenav.commands.repair import repair
 from rangenav.commands.simulate import simulate
 from rangenav.commands.verify import verify
 
@@ -24,6 +25,7 @@ app.command(analyze)
 app.command(simulate)
 app.command(certify)
 app.command(verify)
+app.command(repair)
 
 
 def fail(sentence: str) -> NoReturn:

@@ -73,15 +73,16 @@ def described(added: Added) -> str:
     return f"a tone of at least {each[0]}" if len(each) == 1 else "tones of at least " + " and ".join(each)
 
 
-def smallest_tones(preset: Preset, at: float) -> Added | None:
+def smallest_tones(preset: Preset, at: float, *, tries: Iterator[int] | None = None) -> Added | None:
     """The smallest tones found that meet the requirement within the vehicle's limits; None if none do.
 
-    Small is a small effort: the amplitude in metres plus the acceleration in weights.
+    Small is a small effort: the amplitude in metres plus the acceleration in weights. `tries` is taken one from before
+    every look, and ends the search when it ends.
     """
     work = WORK_PER_TRY + WORK_PER_OPERATION * signals.operations(preset.path)
-    tries = iter(range(int(WORK / work)))
-    for directions in _directions(preset, at):
-        tried = [found for w in candidates(preset) if (found := _smallest(preset, directions, w, tries)) is not None]
+    tries = iter(range(int(WORK / work))) if tries is None else tries
+    for several in directions(preset, at):
+        tried = [found for w in candidates(preset) if (found := _smallest(preset, several, w, tries)) is not None]
         if tried:
             return min(tried, key=effort)
     return None
@@ -92,7 +93,7 @@ def effort(added: Added) -> float:
     return added.amplitude * (1 + math.hypot(*(w**2 for w in added.frequencies)) / STANDARD_GRAVITY)
 
 
-def _directions(preset: Preset, at: float) -> list[tuple[Array, ...]]:
+def directions(preset: Preset, at: float) -> list[tuple[Array, ...]]:
     """Which directions to move along: those without excitation; if that does not serve, the others besides."""
     values, axes = excitation.directions(preset.path, at, preset.requirement.window)
     missing = max(1, int(np.sum(values < preset.requirement.mu)))
