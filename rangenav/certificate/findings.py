@@ -221,7 +221,9 @@ def jumped(preset: Preset) -> contents.Jumps:
             once = np.mod(once, found.duration)
         inside = (once < preset.duration) & ((once > 0) | (found.repeats & (found.duration < preset.duration)))
         if inside.any():
-            largest = np.maximum(largest, np.linalg.norm(steps[inside], axis=-1).max(axis=0))
+            sizes = np.linalg.norm(steps[inside], axis=-1).max(axis=0)
+            rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(found, order) for order in piecewise.JUMP_ORDERS]
+            largest = np.maximum(largest, np.where(sizes > rounding, sizes, 0.0))
             count += int(inside.sum())
     position, velocity, acceleration, jerk, snap = (figure(float(f"{size:.3g}")) for size in largest)
     return contents.Jumps(
