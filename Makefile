@@ -1,5 +1,6 @@
 # make run    set up, start the page, open the browser      make test   set up, run every test
 # make check  the whole gate, as .ci/run calls it           make bench  side-by-side timings against named peers
+# make fuzz   hostile formulas, presets and files, a minute of each
 #
 # Everything is installed into .venv, and again only when pyproject.toml has changed.
 # ARGS goes to the program: make run ARGS="--port 9000 --no-browser", make test ARGS="-k hover".
@@ -10,10 +11,10 @@ BIN := $(VENV)/bin
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check format bench clean
+.PHONY: help run test check fuzz format bench clean
 
 help:
-	@sed -n '1,5s/^# \{0,1\}//p' Makefile
+	@sed -n '1,6s/^# \{0,1\}//p' Makefile
 
 run: $(VENV)/installed
 	@$(BIN)/rangenav-explorer $(ARGS)
@@ -27,6 +28,9 @@ check: $(VENV)/installed-test
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest $(ARGS)
+
+fuzz: $(VENV)/installed-test
+	$(BIN)/python -m tests.fuzz $(ARGS)
 
 format: $(VENV)/installed-test
 	$(BIN)/ruff format .

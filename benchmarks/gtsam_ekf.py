@@ -25,7 +25,7 @@ def start(rotation: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> g
 
 def run(preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str) -> np.ndarray:
     """The last position (m, inertial) after filtering the record with one of `USES`; ranges at the IMU's stamps."""
-    world, noise = preset.world, preset.sensors.noise
+    world, noise = preset.world, preset.sensors.sigma
     ekf = gtsam.NavStateImuEKF(first, np.diag(np.repeat(np.square(START_SIGMA), 3)), _noise(preset))
     anchor, magnetic = np.asarray(world.anchor), np.asarray(world.magnetic)
     range_noise, mag_noise = np.array([[noise.range**2]]), np.eye(3) * noise.mag**2
@@ -42,7 +42,7 @@ def run(preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str
 
 
 def _noise(preset: Preset) -> gtsam.PreintegrationParams:
-    noise, h = preset.sensors.noise, 1 / preset.sensors.imu_rate
+    noise, h = preset.sensors.sigma, 1 / preset.sensors.imu_rate
     params = gtsam.PreintegrationParams(np.asarray(preset.world.gravity))
     params.setAccelerometerCovariance(np.eye(3) * noise.accel**2 * h)
     params.setGyroscopeCovariance(np.eye(3) * noise.gyro**2 * h)

@@ -49,11 +49,14 @@ def serve(arguments: Arguments) -> None:
     from explorer.access import close_server, open_server  # here, so that a wrong argument is answered at once
 
     server = open_server(arguments.host, arguments.port)
-    from explorer.session import Sessions
+    from explorer.session import House, Sessions
+    from explorer.store import Store
+    from explorer.visitor import Slots, connected
     from explorer.warming import Warming
 
-    warming = Warming()
-    Sessions(server, shipped, first, warming)
+    warming, slots = Warming(), Slots(lambda tab: connected(server, tab))
+    asked = arguments.preset != DEFAULT_PRESET
+    Sessions(server, House(shipped=shipped, first=first, asked=asked, warming=warming, store=Store(), slots=slots))
     url = f"http://{arguments.host}:{server.get_port()}/"
     with urllib.request.urlopen(url, timeout=ANSWER_PATIENCE):
         print(url, flush=True)

@@ -9,6 +9,7 @@ Everything here leans on viser's inside: read it again whenever the pinned versi
 import contextlib
 import io
 import logging
+import math
 import socket
 from collections.abc import Callable
 from typing import Any
@@ -22,8 +23,9 @@ from websockets.http11 import Request, Response
 CHECKED_AGAINST = "1.1.1"
 NAMES = ("127.0.0.1", "localhost")
 ADDRESS = "127.0.0.1"
-MAX_MESSAGE = 2**18
-"""Bytes of one message from a browser; viser allows 50 MB. The largest honest one, a camera pose, has a few hundred."""
+MAX_MESSAGE = 2**24
+"""Bytes of one message from a browser; viser allows 50 MB. The largest honest one is a text box's: who pastes ten
+megabytes into it should be told so, and not lose the connection."""
 UNUSED_MESSAGES = (
     _messages.FileTransferStartUpload,
     _messages.FileTransferPart,
@@ -61,7 +63,8 @@ def close_server(server: viser.ViserServer) -> None:
 
 
 def accept_values_only(client: viser.ClientHandle) -> None:
-    """Let this client set the values of its own controls and nothing else; say so when it sends what is no value."""
+    """Let this client set the values of its own controls and the places of its own gizmos, and nothing else; say so
+    when it sends what is no value."""
     connection = client.gui._websock_interface
     (update,) = connection._incoming_handlers[_messages.GuiUpdateMessage]
 
@@ -76,6 +79,7 @@ def accept_values_only(client: viser.ClientHandle) -> None:
 
     connection.unregister_handler(_messages.GuiUpdateMessage)
     connection.register_handler(_messages.GuiUpdateMessage, checked)  # type: ignore[arg-type]
+    _place_gizmos_by_numbers_only(client)
     _drop_unused(client.gui)
 
 
@@ -136,6 +140,30 @@ def _checked(process_request: Callable) -> Callable[[ServerConnection, Request],
         return response
 
     return answer
+
+
+def _place_gizmos_by_numbers_only(client: viser.ClientHandle) -> None:
+    """viser stores the pose that a browser says a gizmo has, whatever it is, and stumbles over it at the next move."""
+    connection = client.gui._websock_interface
+    (update,) = connection._incoming_handlers[_messages.TransformControlsUpdateMessage]
+
+    async def checked(client_id: Any, message: _messages.TransformControlsUpdateMessage) -> None:
+        if _numbers(message.position, 3) and _numbers(message.wxyz, 4):
+            await update(client_id, message)  # type: ignore[misc]
+        else:
+            log.warning("client %s moved a gizmo to what is no place", client_id)
+
+    connection.unregister_handler(_messages.TransformControlsUpdateMessage)
+    connection.register_handler(_messages.TransformControlsUpdateMessage, checked)  # type: ignore[arg-type]
+
+
+def _numbers(sent: Any, count: int) -> bool:
+    """Whether a browser has sent so many finite numbers."""
+    return (
+        isinstance(sent, tuple)
+        and len(sent) == count
+        and all(isinstance(entry, float) and math.isfinite(entry) for entry in sent)
+    )
 
 
 def _refuse_busy(port: int) -> None:

@@ -1,6 +1,7 @@
 """settings -> Picture, in stages cached by their own inputs: a gain slider never recomputes a Gramian. No viser here.
 
 motion        <- path, angular velocity, world, duration, rate
+breaks        <- motion's inputs, vehicle
 gramian       <- path, gravity, window            (not attitude, not gains, not the anchor)
 accuracy      <- gramian's inputs, anchor, sensors
 printed       <- path, angular velocity, world, window
@@ -17,7 +18,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from explorer.settings import Printed, Settings, effective
-from rangenav import attitude, cascade, motion, record
+from rangenav import attitude, cascade, motion, record, vehicle
 from rangenav.analysis import WINDOWS, Analysis, analyse
 from rangenav.cascade import Gains, Guess
 from rangenav.model import Form
@@ -26,6 +27,7 @@ from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
 from rangenav.record import Course, Outcome, Summary, course_of
 from rangenav.sensors import Measurements, Sensors
+from rangenav.vehicle import Break, Vehicle
 
 CACHED = 4
 
@@ -39,6 +41,8 @@ class Picture:
     """The preset as computed: time scale and printed initial values applied."""
     motion: Motion
     limits: Limits
+    breaks: tuple[Break, ...]
+    """The limits of the preset's vehicle that the motion breaks, the one broken for longest first."""
     phi: Float[Array, "n 3"]
     """Rᵀp⁗ (m/s⁴), body axes."""
     phi_printed: Float[Array, "n 3"]
@@ -73,6 +77,7 @@ def compute(settings: Settings) -> Picture:
         preset=p,
         motion=record.simulated(course).motion,
         limits=_limits(course),
+        breaks=_breaks(course, p.vehicle),
         phi=phi,
         phi_printed=phi_printed,
         analysis=found,
@@ -105,6 +110,11 @@ def _phi(course: Course) -> tuple[Array, Array]:
 @lru_cache(maxsize=CACHED)
 def _limits(course: Course) -> Limits:
     return motion.limits(record.simulated(course).motion, world=course.world)
+
+
+@lru_cache(maxsize=CACHED)
+def _breaks(course: Course, limited: Vehicle) -> tuple[Break, ...]:
+    return vehicle.broken(record.simulated(course).motion, limited, world=course.world)
 
 
 @lru_cache(maxsize=CACHED)

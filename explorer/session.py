@@ -13,20 +13,27 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 
+import msgspec
 import viser
 
 from explorer import compute
 from explorer.access import accept_values_only
 from explorer.charts import Charts
 from explorer.compute import Picture
+from explorer.history import History
+from explorer.keeping import Keeping
 from explorer.panels import presets
-from explorer.panels.controls import Refused
-from explorer.panels.dock import WIDTH, Dock
+from explorer.panels.dock import WIDTH, Dock, Requests
+from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.timeline import TimelinePanel
 from explorer.playback import Playback
 from explorer.scene import Scene
+from explorer.scene.handles import Handles
 from explorer.settings import Settings, effective
+from explorer.store import Store, Unsaved
+from explorer.visitor import Slots, seat_of
 from explorer.warming import Warming
 from rangenav.preset import Preset
 
@@ -42,14 +49,31 @@ PAPER = "paper"
 log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True, kw_only=True)
+class House:
+    """What all sessions share."""
+
+    shipped: dict[str, Preset]
+    first: str
+    """The preset that a new visitor sees."""
+    asked: bool
+    """Whether it was asked for on the command line."""
+    warming: Warming
+    store: Store
+    slots: Slots
+
+
 class Session:
     """Made when a tab connects, stopped when it leaves."""
 
-    def __init__(self, client: viser.ClientHandle, shipped: dict[str, Preset], first: str, warming: Warming) -> None:
-        self._client, self._shipped, self._name, self._warming = client, shipped, first, warming
+    def __init__(self, client: viser.ClientHandle, house: House) -> None:
+        self._client, self._house, self._shipped = client, house, house.shipped
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._playback = Playback(shipped[first].duration)
+        self._refused = False
+        self._history = History()
+        self._keeping = Keeping(house.store, house.first, self._tell)
+        self._playback = Playback(house.shipped[house.first].duration)
         self._thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
 
     def start(self) -> None:
@@ -68,23 +92,58 @@ class Session:
             self._wait_until_warm()
         self._wake.set()
         while not self._stopped:
-            woken = self._wake.wait(self._playback.wait(time.monotonic()))
+            woken = self._wake.wait(self._patience(time.monotonic()))
             with self._reporting():
                 if woken:
                     self._wake.clear()
                     self._react()
                 self._animate()
+                self._keeping.write(time.monotonic())
+        self._leave()
+
+    def _patience(self, now: float) -> float | None:
+        """How long (s) to sleep if nothing happens: until the next frame, or until work should be written."""
+        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now)) if wait is not None]
+        return min(waits, default=None)
+
+    def _leave(self) -> None:
+        """Write what is left, and only then give the place in the browser to whoever comes next."""
+        if self._house.slots.has(self._client.client_id):
+            self._keeping.write(time.monotonic(), at_once=True)
+        self._house.slots.free(self._client.client_id)
 
     def _build(self) -> None:
         client = self._client
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self._dock = Dock(client.gui, self._shipped, self._name, self._wake.set)
+        self._sheet = Sheet(client.gui, self._wake.set)
+        requests = Requests(
+            undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
+        )
+        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests)
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow)
-        self._timeline = TimelinePanel(client.gui, self._playback.duration, self._wake.set, narrow=narrow)
+        self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client)
+        self._handles = Handles(client.scene, self._wake.set)
+        self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
+        self._restore()
+
+    def _restore(self) -> None:
+        """Show what this tab's visitor had; another preset asked for on the command line comes first, and undo then
+        brings the work back."""
+        try:
+            kept = self._keeping.find(seat_of(self._client, self._house.slots))
+        except Unsaved as reason:
+            kept = self._tell(str(reason))
+        if kept is None:
+            return
+        known = kept.settings.origin in self._shipped
+        settings = kept.settings if known else msgspec.structs.replace(kept.settings, origin=self._house.first)
+        if kept.opened == self._house.first or not self._house.asked:
+            self._dock.write(settings)
+        self._history.note(settings, time.monotonic(), apart=True)
 
     def _window_width(self, canvas: int) -> float:
         """CSS pixels. viser tells the canvas in device pixels; their ratio shows in what the dock takes from it."""
@@ -95,42 +154,71 @@ class Session:
         return canvas * WIDTH / taken if taken > 0 else canvas
 
     def _wait_until_warm(self) -> None:
-        while not (self._warming.done or self._stopped):
-            self._dock.verdict.progress(self._warming.fraction, self._warming.what)
+        while not (self._house.warming.done or self._stopped):
+            self._dock.verdict.progress(self._house.warming.fraction, self._house.warming.what)
             time.sleep(PROGRESS_PERIOD)
         self._dock.verdict.progress(1.0, "ready")
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
-        with contextlib.suppress(Refused):
-            self._timeline.read(self._playback, time.monotonic())
+        self._refused = not self._took_in()
+        self._sheet.refresh()
+        if self._refused:
+            self._draw_handles()
+
+    def _took_in(self) -> bool:
+        """Whether what is chosen now could be shown; if not, the visitor has been told why."""
         with contextlib.suppress(Refused), self._dock.catching():
-            self._choose_preset()
+            pressed = self._sheet.carry_out()
+            self._follow_handles()
+            if self._dock.chosen_preset != self._dock.origin:
+                self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
+                chosen = self._history.now is not None and self._history.now.origin != settings.origin
+                self._history.note(settings, time.monotonic(), apart=pressed or chosen)
+                self._keeping.note(settings)
+            return True
+        return False
 
-    def _choose_preset(self) -> None:
-        """Another preset picked, or a button in its tab pressed."""
-        name = self._dock.presets.read()
-        if name != self._name:
-            self._open(name)
-        for action in self._dock.presets.actions():
-            if action == "again":
-                self._open(self._name)
-            elif action == "paper":
-                self._open(PAPER)
-                self._charts.show_paper_figures()
-            elif action == "download":
-                self._download()
+    def _follow_handles(self) -> None:
+        """Take over where anchor and waypoints were dragged to."""
+        for grab in self._handles.take():
+            if grab.kind == "anchor":
+                self._dock.move_anchor(grab.position)
+            else:
+                self._dock.move_waypoint(grab.index, grab.position)
+
+    def _draw_handles(self) -> None:
+        if self._picture is not None and self._scene.stage is not None:
+            anchor = self._picture.preset.world.anchor
+            self._handles.draw(anchor, self._dock.points, self._scene.stage)
 
     def _open(self, name: str) -> None:
-        self._name = name
-        self._dock.write(name, Settings(preset=self._shipped[name]))
+        self._dock.write(Settings(origin=name, preset=self._shipped[name]))
+
+    def _again(self) -> None:
+        self._open(self._dock.origin)
+
+    def _paper(self) -> None:
+        self._open(PAPER)
+        self._charts.show_paper_figures()
+
+    def _undo(self) -> None:
+        """One step back; what cannot be shown is itself a step."""
+        before = self._history.now if self._refused else self._history.undo()
+        if before is not None:
+            self._dock.write(before)
+
+    def _redo(self) -> None:
+        after = self._history.redo()
+        if after is not None:
+            self._dock.write(after)
 
     def _download(self) -> None:
         settings = self._dock.read()
-        name = presets.file_name(self._name, effective(settings), self._shipped[self._name])
+        name = presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin])
         self._client.send_file_download(name, presets.document(settings), save_immediately=True)
 
     def _draw(self, picture: Picture) -> None:
@@ -143,7 +231,8 @@ class Session:
         self._client.flush()
         time.sleep(HEAD_START)
         with self._client.atomic():
-            self._scene.draw(picture)
+            self._scene.draw(picture, dragging=self._handles.dragging)
+            self._draw_handles()
 
     def _animate(self) -> None:
         """Move everything to the playhead."""
@@ -154,7 +243,11 @@ class Session:
         with self._client.atomic():
             self._scene.move(self._picture, self._playback.time)
             self._charts.cursor(self._picture, self._playback.time)
-            self._timeline.write(self._playback, now)
+            self._timeline.write(now)
+
+    def _tell(self, sentence: str) -> None:
+        """Something about keeping work, once."""
+        self._client.add_notification("Your work", sentence, color="orange", auto_close_seconds=12)
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
@@ -171,14 +264,14 @@ class Session:
 class Sessions:
     """One session for each connected tab."""
 
-    def __init__(self, server: viser.ViserServer, shipped: dict[str, Preset], first: str, warming: Warming) -> None:
-        self._server, self._shipped, self._first, self._warming = server, shipped, first, warming
+    def __init__(self, server: viser.ViserServer, house: House) -> None:
+        self._server, self._house = server, house
         self._of: dict[int, Session] = {}
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)
 
     def _join(self, client: viser.ClientHandle) -> None:
-        session = self._of[client.client_id] = Session(client, self._shipped, self._first, self._warming)
+        session = self._of[client.client_id] = Session(client, self._house)
         session.start()
         if client.client_id not in self._server.get_clients():  # gone while it was being greeted
             self._leave(client)

@@ -2,11 +2,13 @@
 
 import msgspec
 
-from rangenav import signals
-from rangenav.inputs import Input, require_within
+from rangenav import axes, signals
+from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.preset import Preset
+from rangenav.signals import Family, Turning
 
 MIN_TIME_SCALE, MAX_TIME_SCALE = 0.1, 10.0
+MAX_DRAFTS = 8
 PRINTED_POSITION = (1.0, 0.0, 0.0)
 PRINTED_VELOCITY = (-0.0125, 2.5, -4.33)
 """The initial values the paper prints (m, m/s); they belong to another path, see README "Departures"."""
@@ -29,17 +31,42 @@ class Printed(Input, frozen=True, kw_only=True):
     """Time constants of the attitude error twice as long as they are."""
 
 
-class Settings(Input, frozen=True, kw_only=True):
-    """Everything that decides what the page shows."""
+class Drafts(Input, frozen=True, kw_only=True):
+    """What was entered in families that are not in use now: looking at another family loses nothing."""
 
+    path: tuple[Family, ...] = ()
+    wiggle: tuple[Family, ...] = ()
+    angular_velocity: tuple[Turning, ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in self.__struct_fields__:
+            count = len(getattr(self, name))
+            require(count <= MAX_DRAFTS, f"at most {MAX_DRAFTS} drafts of a {name} are kept, got {count}")
+
+
+class Settings(Input, frozen=True, kw_only=True):
+    """Everything that decides what the page shows, and what is kept beside it."""
+
+    origin: str = ""
+    """The preset it was made from, by name; what differs from that is marked on the page."""
     preset: Preset
     time_scale: float = 1.0
     """The path is run this many times slower."""
     printed: Printed = Printed()
+    drafts: Drafts = Drafts()
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_within("time_scale", self.time_scale, MIN_TIME_SCALE, MAX_TIME_SCALE)
+
+
+def _printed_start(preset: Preset) -> dict[str, Vec3]:
+    """The paper's numbers, in axes that point the way the preset's do."""
+    start = {"position": PRINTED_POSITION, "velocity": PRINTED_VELOCITY}
+    if preset.world.gravity[2] >= 0:
+        return start
+    return {name: axes.flipped_vector(vector) for name, vector in start.items()}
 
 
 def effective(settings: Settings) -> Preset:
@@ -48,5 +75,5 @@ def effective(settings: Settings) -> Preset:
     if settings.time_scale != 1.0:
         path = signals.slowed(path, settings.time_scale)
     if settings.printed.initial_values:
-        path = signals.started_at(path, position=PRINTED_POSITION, velocity=PRINTED_VELOCITY)
+        path = signals.started_at(path, **_printed_start(settings.preset))
     return msgspec.structs.replace(settings.preset, path=path)

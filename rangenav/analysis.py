@@ -16,7 +16,7 @@ from rangenav.observability import accuracy, blindness, excitation, reduced, spe
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.preset import Preset, Requirement
-from rangenav.sensors import Sensors
+from rangenav.sensors import Sensors, effects
 from rangenav.signals import Signal
 
 WINDOWS = 101
@@ -112,7 +112,13 @@ def analyse(preset: Preset) -> Analysis:
     """Analyse a preset over its own window."""
     sensors = preset.sensors
     return analysis(
-        preset.path, preset.world, preset.duration, preset.requirement, sensors.noise.range, sensors.range_rate
+        preset.path,
+        preset.world,
+        preset.duration,
+        preset.requirement,
+        sensors.sigma.range,
+        sensors.range_rate,
+        sensors.arriving,
     )
 
 
@@ -141,18 +147,28 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
 
 @lru_cache(maxsize=CACHED)
 def analysis(
-    path: Signal, world: World, duration: float, requirement: Requirement, range_sigma: float, range_rate: float
+    path: Signal,
+    world: World,
+    duration: float,
+    requirement: Requirement,
+    range_sigma: float,
+    range_rate: float,
+    arriving: float = 1.0,
 ) -> Analysis:
-    """The whole answer; everything that does not depend on anchor and noise comes from `seen`."""
+    """The whole answer; everything that does not depend on anchor and noise comes from `seen`.
+
+    `arriving` is the share of ranges that random drop-outs leave."""
     window = requirement.window
     lifted = seen(path, world.gravity, duration, window)
     local = spectrum.nonlinear_spectra(path, world.anchor, lifted.start, window)
     k, j = lifted.worst, spectrum.worst(local)
-    windows = _windows(path, world, lifted, local, window, range_sigma, range_rate)
+    windows = _windows(path, world, lifted, local, window, range_sigma, range_rate, arriving)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
 
     def predicted(kind: accuracy.Kind, moment: Literal["start", "end"]) -> Accuracy:
-        return accuracy.predict(path, world, at, window, sigma=range_sigma, rate=range_rate, kind=kind, at=moment)
+        return accuracy.predict(
+            path, world, at, window, sigma=range_sigma, rate=range_rate, kind=kind, at=moment, share=arriving
+        )
 
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
     return Analysis(
@@ -199,10 +215,18 @@ def with_window(preset: Preset, window: float, *, source: str) -> Preset:
 
 
 def _windows(
-    path: Signal, world: World, lifted: Seen, local: spectrum.Spectrum, window: float, sigma: float, rate: float
+    path: Signal,
+    world: World,
+    lifted: Seen,
+    local: spectrum.Spectrum,
+    window: float,
+    sigma: float,
+    rate: float,
+    share: float,
 ) -> Windows:
     def end_position(kind: accuracy.Kind) -> Array:
-        return accuracy.end_sigmas(path, world, lifted.start, window, sigma=sigma, rate=rate, kind=kind)[:, 0]
+        found = accuracy.end_sigmas(path, world, lifted.start, window, sigma=sigma, rate=rate, kind=kind, share=share)
+        return found[:, 0]
 
     return Windows(
         start=lifted.start,
@@ -222,4 +246,8 @@ def _windows(
 
 def noise_note(sensors: Sensors) -> str:
     """What the predicted accuracy assumes, for wherever it is shown."""
-    return f"ranges at {sensors.range_rate:g} Hz with {sensors.noise.range:g} m noise, no IMU noise"
+    lost = sensors.unmodelled.dropout_probability
+    thinned = f", {100 * lost:g} of 100 of them lost" if lost else ""
+    note = f"ranges at {sensors.range_rate:g} Hz with {sensors.sigma.range:g} m noise{thinned}, no IMU noise"
+    ignored = [name for name in effects(sensors) if name != "drop-outs"]
+    return f"{note}, and nothing of what is on besides: {', '.join(ignored)}" if ignored else note

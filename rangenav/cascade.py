@@ -194,9 +194,9 @@ def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
         rho2=float(gains.attitude.rho2),
         symmetric=symmetric and not matched,
         matched=matched,
-        range_sigma=float(sensors.noise.range),
-        accel_density=sensors.noise.accel**2 / sensors.imu_rate,
-        gyro_density=sensors.noise.gyro**2 / sensors.imu_rate,
+        range_sigma=float(sensors.sigma.range),
+        accel_density=sensors.sigma.accel**2 / sensors.imu_rate,
+        gyro_density=sensors.sigma.gyro**2 / sensors.imu_rate,
     )
 
 

@@ -64,9 +64,9 @@ class _Observer:
         self.form: Form = setting.form
         self.v = np.full(STATES, riccati.V_RANGE[0]) if self.matched else gains.riccati.v.diagonal()
         self.constant_variance = sensors.range_rate / gains.riccati.q
-        self.sigma = sensors.noise.range
-        self.accel_density = sensors.noise.accel**2 / sensors.imu_rate
-        self.gyro_density = sensors.noise.gyro**2 / sensors.imu_rate
+        self.sigma = sensors.sigma.range
+        self.accel_density = sensors.sigma.accel**2 / sensors.imu_rate
+        self.gyro_density = sensors.sigma.gyro**2 / sensors.imu_rate
 
     def output(self, distance: float) -> float:
         """y = ½d², less the bias ½σ² when noise-matched."""

@@ -5,8 +5,9 @@ Errors name file, field and rule: `eight.toml: Expected `float`, got `str` - at 
 
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -15,7 +16,7 @@ from rangenav.cascade import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import rows
-from rangenav.sensors import Sensors
+from rangenav.sensors import MODELLED, Sensors, Unmodelled
 from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
 
@@ -142,11 +143,22 @@ def dumps(preset: Preset) -> str:
 
 
 def _encoded(preset: Preset) -> str:
-    """A free vehicle is left out, so that files from before there were vehicles are written as they were."""
+    """What files have not had from the start is left out where it is not used: old ones are written as they were."""
     table = msgspec.to_builtins(preset)
     if preset.vehicle == FREE:
         del table["vehicle"]
+    if preset.sensors.noise.imu_unit == "sample":
+        del table["sensors"]["noise"]["imu_unit"]
+    table["sensors"]["unmodelled"] = _used(preset.sensors.unmodelled)
+    if not table["sensors"]["unmodelled"]:
+        del table["sensors"]["unmodelled"]
     return msgspec.toml.encode(table).decode()
+
+
+def _used(unmodelled: Unmodelled) -> Mapping[str, Any]:
+    """What differs from nothing; msgspec's own omission asks for the very same object, not for an equal one."""
+    fields = ((name, getattr(unmodelled, name)) for name in unmodelled.__struct_fields__)
+    return {name: value for name, value in fields if value != getattr(MODELLED, name)}
 
 
 def load(name_or_path: str | Path) -> Preset:

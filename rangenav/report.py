@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from rangenav import motion, record
-from rangenav.analysis import Analysis, analyse
+from rangenav.analysis import Analysis, analyse, noise_note
 from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
 from rangenav.record import Record, Summary
+from rangenav.sensors import effects, words
 
 Json = dict[str, Any]
 
@@ -43,10 +44,11 @@ def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
         "accuracy": {
             "window": window,
             "at": found.accuracy_at,
-            "range_sigma": preset.sensors.noise.range,
+            "range_sigma": preset.sensors.sigma.range,
             "range_rate": preset.sensors.range_rate,
             "lifted": {"start": _accuracy(found.lifted_start), "end": _accuracy(found.lifted_end)},
             "nonlinear": {"start": _accuracy(found.nonlinear_start), "end": _accuracy(found.nonlinear_end)},
+            **_ignored(preset),
         },
         "verdict": found.verdict,
     }
@@ -84,6 +86,8 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         report["note"] = "unobservable, covariance diverges"
     elif analyse(preset).verdict == "blind":
         report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
+    if words(preset.sensors):
+        report["unmodelled"] = list(words(preset.sensors))
     if others:
         report["runs"] = len(summaries)
     return report
@@ -116,6 +120,11 @@ def _accuracy(accuracy: Accuracy) -> Json:
     if None in report.values():
         report["reason"] = "null: blind, this window does not determine it"
     return report
+
+
+def _ignored(preset: Preset) -> Json:
+    """A note beside the predicted accuracy where sensors do what it does not know."""
+    return {"assumes": noise_note(preset.sensors)} if effects(preset.sensors) else {}
 
 
 def _settle(median: Any) -> Json:

@@ -5,7 +5,7 @@ follow (a Crazyflie at 92% of its thrust strays by a metre, at two thirds by cen
 """
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -132,6 +132,36 @@ class Break:
     words: str
 
 
+@dataclass(frozen=True, kw_only=True)
+class Use:
+    """How much of one limit a motion uses, in units for reading."""
+
+    name: str
+    unit: str
+    reached: float
+    """The worst value."""
+    at: float
+    """s, when."""
+    allowed: float | None
+    """None if the vehicle has no such limit; for thrust what is left of it with the margin kept."""
+    least: bool
+    """Whether the limit is one from below."""
+
+    @property
+    def broken(self) -> bool:
+        """Whether the limit is exceeded."""
+        return self.allowed is not None and (self.reached < self.allowed if self.least else self.reached > self.allowed)
+
+    @property
+    def share(self) -> float:
+        """Of the limit, how much is used; of one from below, how much of the distance kept is needed. 0 without one."""
+        if self.allowed is None:
+            return 0.0
+        if self.least:
+            return self.allowed / self.reached if self.reached > 0 else math.inf
+        return self.reached / self.allowed if self.allowed > 0 else math.inf
+
+
 def demands(motion: Motion, *, world: World) -> Demands:
     """Every limited quantity of a motion, over time."""
     gravity = np.asarray(world.gravity)
@@ -171,15 +201,28 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
     return tuple(sorted(found, key=lambda one: -float(np.mean(one.where))))
 
 
-def margins(motion: Motion, vehicle: Vehicle, *, world: World) -> dict[str, float]:
-    """For each limit the vehicle has, how many times over it is used: above 1 it is broken."""
+def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
+    """What a motion asks for of every limited quantity, for reading; of the height only where it is limited."""
     asked = demands(motion, world=world)
-    found = {}
-    for field in fields(asked):
-        allowed = _allowed(vehicle, field.name) if field.name in WORDS else None
-        if allowed is not None:
-            found[field.name] = float(getattr(asked, field.name).max()) / allowed
-    return found
+    found = []
+    for limit, (name, unit) in WORDS.items():
+        allowed = _allowed(vehicle, limit)
+        if allowed is not None or not limit.startswith("height"):
+            quantity = getattr(asked, limit.removesuffix("_min").removesuffix("_max"))
+            least = limit.endswith("_min")
+            worst = int(np.argmin(quantity) if least else np.argmax(quantity))
+            factor = math.degrees(1) if limit == "tilt" else 1.0
+            found.append(
+                Use(
+                    name=f"{'least ' if least else ''}{name}",
+                    unit=unit,
+                    reached=factor * float(quantity[worst]),
+                    at=float(motion.time[worst]),
+                    allowed=None if allowed is None else factor * allowed,
+                    least=least,
+                )
+            )
+    return tuple(found)
 
 
 def _allowed(vehicle: Vehicle, limit: str) -> float | None:

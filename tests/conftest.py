@@ -30,6 +30,12 @@ settings.load_profile("gate" if os.environ.get("CI") else "developer")
 install_import_hook([*_checked_modules(), *NO_VISER], f"{shapes.__name__}.checked")
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Nothing is written to, or read from, what the person who runs the tests has on this machine."""
+    os.environ["RANGENAV_STATE"] = str(tmp_path_factory.mktemp("state"))
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]

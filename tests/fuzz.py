@@ -104,6 +104,9 @@ DAMAGES += [
     'kind = "formula"\nx = "1/t"',
     "time = 1.0",
     "period = 3.0",
+    'imu_unit = "density"',
+    "[sensors.unmodelled]\nlever_arm = [0.1, 0.0, 1e9]",
+    "[sensors.unmodelled]\ndropout_probability = 0.5",
     "-1",
     "0",
     "1e6",
@@ -236,6 +239,7 @@ def _texts() -> list[str]:
     return _TEXTS
 
 
+ALL = "all"
 TARGETS: dict[str, Callable[[random.Random], None]] = {"formula": formula, "preset": damaged_preset}
 
 
@@ -273,16 +277,17 @@ def _refuse_execution(event: str, arguments: tuple[object, ...]) -> None:
 def main() -> None:
     """Parse the command line, run one target, say how far it came."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--target", choices=sorted(TARGETS), required=True)
+    parser.add_argument("--target", choices=(*sorted(TARGETS), ALL), default=ALL)
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--cases", type=int, default=None)
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
-    began = time.perf_counter()
-    count = run(chosen.target, seconds=chosen.seconds, cases=chosen.cases, seed=chosen.seed)
-    print(f"{chosen.target}: {count} cases in {time.perf_counter() - began:.1f} s, none failed")
-    if chosen.cases is None and chosen.seconds >= 60 and count < LEAST_CASES[chosen.target]:
-        sys.exit(f"{chosen.target}: a run must reach {LEAST_CASES[chosen.target]} cases")
+    for target in TARGETS if chosen.target == ALL else (chosen.target,):
+        began = time.perf_counter()
+        count = run(target, seconds=chosen.seconds, cases=chosen.cases, seed=chosen.seed)
+        print(f"{target}: {count} cases in {time.perf_counter() - began:.1f} s, none failed", flush=True)
+        if chosen.cases is None and chosen.seconds >= 60 and count < LEAST_CASES[target]:
+            sys.exit(f"{target}: a run must reach {LEAST_CASES[target]} cases")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ from typing import Any, cast
 import numpy as np
 import viser
 from viser.infra import Message
+from viser.transforms import SO3
 
 
 @dataclass
@@ -20,7 +21,17 @@ class Camera:
     image_width: int = 900
     image_height: int = 1000
     update_timestamp: float = 0.0
+    up: Any = (0.0, 0.0, -1.0)
     callbacks: list[Callable[["Camera"], None]] = field(default_factory=list)
+
+    @property
+    def wxyz(self) -> np.ndarray:
+        """The turn from (right, down, ahead) to the inertial axes."""
+        ahead = np.subtract(self.look_at, self.position)
+        ahead = ahead / np.linalg.norm(ahead)
+        right = np.cross(ahead, self.up)
+        right = right / np.linalg.norm(right)
+        return SO3.from_matrix(np.stack([right, np.cross(ahead, right), ahead], axis=1)).wxyz
 
     def on_update(self, callback: Callable[["Camera"], None]) -> None:
         self.callbacks.append(callback)

@@ -3,7 +3,9 @@
 import dataclasses
 import re
 from collections.abc import Iterator
+from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 import viser
@@ -15,6 +17,7 @@ from explorer.charts.plots import Drawing, Plot
 from explorer.compute import Picture, compute
 from explorer.settings import Printed, Settings
 from rangenav import preset
+from rangenav.sensors import Sensors, Unmodelled
 from tests.sent import Page
 from tests.test_scene import astronomic, picture
 
@@ -156,6 +159,31 @@ def test_predicted_sigma_stands_beside_the_error_at_the_same_windows_end() -> No
     k = len(windows.start) // 2
     at = np.argmin(np.abs(seen.motion.time - (windows.start[k] + windows.window)))
     assert drawing.read[k, 2] in seen.errors.position[at - 1 : at + 2]
+
+
+def sensed(**effects: Any) -> Picture:
+    """The slow path without range noise, with effects that the paper does not model."""
+    p = preset.load("paper-slow")
+    silent = msgspec.structs.replace(p.sensors.noise, range=0.0)
+    return compute(
+        Settings(preset=msgspec.structs.replace(p, sensors=Sensors(noise=silent, unmodelled=Unmodelled(**effects))))
+    )
+
+
+def test_the_true_range_is_the_antennas() -> None:
+    read = plots.distance(sensed(lever_arm=(0.3, 0.2, -0.4))).read
+    np.testing.assert_array_equal(read[:, 0], read[:, 1])
+
+
+def test_plots_of_a_flight_without_any_range_are_drawable_and_their_values_are_dashes(page: Page) -> None:
+    seen = sensed(burst_length=100.0)
+    for plot in ALL:
+        drawable(plot, plot.draw(seen))
+    charts = Charts(page.client, narrow=False)
+    charts.draw(seen)
+    page.messages.clear()
+    charts.cursor(seen, 5.0)
+    assert '--distance-0:"–"' in live(page)
 
 
 def test_printed_signal_is_shown_only_when_switched_on() -> None:

@@ -14,7 +14,7 @@ from explorer.settings import Printed, Settings, effective
 from rangenav import analysis, attitude, cascade, model, motion, preset, record, so3
 from rangenav.motion import World
 from rangenav.preset import Preset, Requirement
-from rangenav.sensors import Noise, Sensors
+from rangenav.sensors import Noise, Sensors, Unmodelled
 from rangenav.signals import Multisine, Tone
 
 replace = msgspec.structs.replace
@@ -75,6 +75,10 @@ RECOMPUTED = [
     ("sensors.noise.gyro", 0.02, {"measurements", "estimate"}),
     ("sensors.noise.range", 0.2, {"measurements", "estimate", "accuracy"}),
     ("sensors.range_rate", 25.0, {"measurements", "estimate", "accuracy"}),
+    ("sensors.noise.imu_unit", "density", {"measurements", "estimate"}),
+    ("sensors.unmodelled.gyro_bias", (0.01, 0.0, 0.0), {"measurements", "estimate"}),
+    ("sensors.unmodelled.outlier_probability", 0.1, {"measurements", "estimate"}),
+    ("sensors.unmodelled.dropout_probability", 0.1, {"measurements", "estimate", "accuracy"}),
     ("requirement.window", 5.0, {"gramian", "excitation", "accuracy", "printed"}),
     ("requirement.mu", 2.0, {"accuracy"}),
     ("world.anchor", (0.0, 0.0, 1.0), TRUTH | {"accuracy"}),
@@ -304,6 +308,14 @@ anything = st.builds(
         mag_rate=st.floats(1, 20),
         range_rate=st.floats(1, 300),
         noise=st.builds(Noise, range=st.sampled_from([0.0, 1e-9, 0.1, 1e3]), accel=st.floats(0.01, 1e3)),
+        unmodelled=st.builds(
+            Unmodelled,
+            outlier_probability=st.floats(0, 0.9),
+            outlier_size=st.floats(0, 1e3),
+            dropout_probability=st.sampled_from([0.0, 0.5, 0.999]),
+            burst_length=st.sampled_from([0.0, 1.0, 100.0]),
+            lever_arm=vectors.map(lambda v: tuple(x / 100 for x in v)),
+        ),
     ),
     requirement=st.builds(Requirement, window=st.floats(0.2, 1.4)),
 )
@@ -338,6 +350,12 @@ def test_an_anchor_on_the_path_gives_a_picture():
         picture = compute(changed("world.anchor", anchor, Settings(preset=preset.load(name))))
         assert picture.limits.anchor_distance_min < 1e-12
         assert picture.analysis.verdict == "blind"
+
+
+def test_a_flight_without_any_range_gives_a_picture():
+    picture = compute(changed("sensors.unmodelled.burst_length", 100.0))
+    assert len(picture.measurements.range) == len(picture.estimate.innovation) == 0
+    assert picture.summary.diverged
 
 
 def test_fewer_ranges_than_unknowns_in_a_window_determine_nothing_and_break_nothing():

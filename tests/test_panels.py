@@ -1,6 +1,7 @@
 """What the panels show and read: values survive being shown, and words say what the numbers mean."""
 
 import dataclasses
+import html
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -12,11 +13,15 @@ import viser
 from explorer import compute
 from explorer.access import open_server
 from explorer.panels import presets, verdict
-from explorer.panels.controls import Complaint, Dial, LogDial
-from explorer.panels.dock import Dock
+from explorer.panels.controls import Dial, LogDial
+from explorer.panels.dock import Dock, Requests
 from explorer.panels.printed import ROWS
+from explorer.panels.sensors import OWN, Chosen, SensorsPanel
+from explorer.panels.sheet import Complaint, Section, Sheet
 from explorer.settings import Printed, Settings, effective
-from rangenav import analysis, preset
+from rangenav import analysis, preset, sensors
+from rangenav.sensors import Noise, Sensors, Unmodelled
+from rangenav.sensors.catalogue import CATALOGUE, SensorSet
 from tests.wire import Wire
 
 SHIPPED = preset.shipped()
@@ -39,7 +44,13 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    return Dock(client.gui, SHIPPED, "paper-slow", _nothing)
+    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing)
+    return Dock(Sheet(client.gui, _nothing), SHIPPED, "paper-slow", requests)
+
+
+@pytest.fixture(scope="module")
+def section(client: viser.ClientHandle) -> Section:
+    return Section(Sheet(client.gui, _nothing))
 
 
 def _computed(name: str, **printed: bool) -> compute.Picture:
@@ -49,8 +60,8 @@ def _computed(name: str, **printed: bool) -> compute.Picture:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_preset_is_read_back_as_it_was_written(dock: Dock, name: str):
     """Shown numbers are rounded, those behind them are not: the page computes what the command line does."""
-    settings = Settings(preset=SHIPPED[name])
-    dock.write(name, settings)
+    settings = Settings(origin=name, preset=SHIPPED[name])
+    dock.write(settings)
     assert dock.read() == settings
 
 
@@ -60,43 +71,131 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
         msgspec.structs.replace(t, amplitude=-1234.5678, frequency=77.123456, phase=40.0) for t in p.path.tones
     )
     noise = msgspec.structs.replace(p.sensors.noise, gyro=0.0, accel=1e-9, range=900.0)
-    sensors = msgspec.structs.replace(p.sensors, imu_rate=3333.0, range_rate=1234.5, noise=noise)
+    sensing = msgspec.structs.replace(p.sensors, imu_rate=3333.0, range_rate=1234.5, noise=noise)
     attitude = msgspec.structs.replace(p.gains.attitude, k1=999.0, rho1=1e-6)
     changed = msgspec.structs.replace(
         p,
         path=msgspec.structs.replace(p.path, tones=tones, offset=(1e-7, -3e4, 0.1)),
-        sensors=sensors,
+        sensors=sensing,
         gains=msgspec.structs.replace(p.gains, mode="noise-matched", attitude=attitude),
         guess=msgspec.structs.replace(
             p.guess, state="offset", attitude_angle=-math.pi, gravity_offset=(0.0, 1 / 3, 0.0)
         ),
         seed=2**52 + 1,
     )
-    settings = Settings(preset=changed, time_scale=1 / 3, printed=Printed(model=True, body_axes=True))
-    dock.write("lissajous", settings)
+    settings = Settings(
+        origin="lissajous", preset=changed, time_scale=1 / 3, printed=Printed(model=True, body_axes=True)
+    )
+    dock.write(settings)
     assert dock.read() == settings
 
 
-def test_a_slider_is_widened_for_what_it_must_show(client: viser.ClientHandle):
-    dial = Dial(client.gui, "w", (0.0, 1.0), step=0.01, hint="", note=_nothing)
-    dial.write(math.pi)
+EVERYTHING = Unmodelled(
+    gyro_bias=(0.1 / 3, -0.2, 1e-9),
+    accel_bias=(0.1, 1 / 7, -0.3),
+    range_bias=-0.123456789,
+    outlier_probability=1 / 3,
+    outlier_size=99.5,
+    dropout_probability=0.95,
+    burst_start=5.25,
+    burst_length=1 / 7,
+    lever_arm=(0.1, -0.05, 1e-5),
+)
+
+
+def _with_sensors(name: str, **changes: Any) -> Settings:
+    p = SHIPPED[name]
+    return Settings(
+        origin=name, preset=msgspec.structs.replace(p, sensors=msgspec.structs.replace(p.sensors, **changes))
+    )
+
+
+def test_densities_and_what_the_paper_does_not_model_are_read_back_as_they_were_written(dock: Dock):
+    noise = Noise(gyro=0.005 / 57.3, accel=1 / 300, mag=0.02, range=0.0, imu_unit="density")
+    settings = _with_sensors("paper", noise=noise, unmodelled=EVERYTHING)
+    dock.write(settings)
+    assert dock.read() == settings
+    dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
+    assert dock.read() == Settings(origin="paper", preset=SHIPPED["paper"])
+
+
+def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_last_bit(dock: Dock):
+    settings = _with_sensors("paper", noise=Noise(gyro=1 / 3, accel=1 / 7))
+    dock.write(settings)
+    folder = dock.sensors._noise
+    folder._as_density.show(True)
+    turned = dock.read().preset.sensors
+    assert turned.noise == sensors.given_as(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
+    assert folder._groups["density"]._folder.visible
+    assert not folder._groups["sample"]._folder.visible
+    assert "at 200 Hz: 0.3333 rad/s per sample" in folder._line.content
+    assert dock.read().preset.sensors == turned  # and stays so
+    folder._as_density.show(False)
+    assert dock.read() == settings
+
+
+def test_as_a_density_the_noise_is_kept_when_the_rate_changes_and_then_turned_back_at_the_new_rate(dock: Dock):
+    noise = Noise(gyro=1e-3, accel=1e-2, imu_unit="density")
+    dock.write(_with_sensors("paper", noise=noise))
+    dock.sensors._imu_rate.show(800.0)
+    assert dock.read().preset.sensors.noise == noise
+    dock.sensors._noise._as_density.show(False)
+    assert dock.read().preset.sensors.noise == sensors.given_as(noise, "sample", rate=800.0)
+
+
+def _pick(panel: SensorsPanel, name: str) -> None:
+    """As a visitor would, who moves the menu and nothing else."""
+    panel._set.show(name)
+
+
+@pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
+def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: Dock, entry: SensorSet):
+    dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
+    panel = dock.sensors
+    assert panel._set.read() == OWN
+    _pick(panel, entry.name)
+    assert panel.read() == Chosen(entry.sensors, SHIPPED["soft"].seed)
+    assert panel._set.read() == entry.name
+    assert html.escape(entry.words) in panel._set_words.content
+    assert panel._unmodelled._words.visible == bool(sensors.words(entry.sensors))
+    panel._range_rate.show(17.0)
+    assert panel.read().sensors == msgspec.structs.replace(entry.sensors, range_rate=17.0)
+    assert panel._set.read() == OWN
+    _pick(panel, entry.name)  # and it may be picked again
+    assert panel.read().sensors == entry.sensors
+
+
+def test_every_effect_that_is_on_is_told_outside_its_closed_folder(dock: Dock):
+    dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
+    dock.read()
+    told = dock.sensors._unmodelled._words
+    assert told.visible
+    for sentence in sensors.words(Sensors(unmodelled=EVERYTHING)):
+        assert html.escape(sentence) in told.content
+    dock.write(Settings(origin="soft", preset=SHIPPED["soft"]))
+    assert not told.visible
+
+
+def test_a_slider_is_widened_for_what_it_must_show(section: Section):
+    dial = Dial(section, "w", (0.0, 1.0), step=0.01, hint="")
+    dial.show(math.pi)
     assert dial.read() == math.pi
     assert dial._slider.max > math.pi
-    dial.write(-2.0)
+    dial.show(-2.0)
     assert dial._slider.min < -2.0
 
 
-def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(client: viser.ClientHandle):
-    dial = Dial(client.gui, "°", (-180.0, 180.0), step=0.1, hint="", note=_nothing, scale=math.degrees(1))
-    dial.write(math.pi / 2)
+def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: Section):
+    dial = Dial(section, "°", (-180.0, 180.0), step=0.1, hint="", scale=math.degrees(1))
+    dial.show(math.pi / 2)
     assert dial._slider.value == 90.0
     assert dial.read() == math.pi / 2
     dial._slider.value = 45.0
     assert dial.read() == pytest.approx(math.pi / 4, rel=1e-15)
 
 
-def test_a_log_dial_holds_zero_at_its_left_end(client: viser.ClientHandle):
-    dial = LogDial(client.gui, "σ", (1e-3, 10.0), hint="", note=_nothing, zero_at_left=True)
+def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
+    dial = LogDial(section, "σ", (1e-3, 10.0), hint="", zero_at_left=True)
     assert dial.read() == 0.0
     dial._slider.value = -1.0
     assert dial.read() == pytest.approx(0.1, rel=1e-15)

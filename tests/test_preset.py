@@ -18,7 +18,7 @@ from rangenav.motion import World
 from rangenav.observability import excitation
 from rangenav.preset import Preset, Requirement
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
-from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, Noise, Sensors
+from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Noise, Sensors, Unmodelled
 from rangenav.signals import Multisine, Tone
 
 SHIPPED = preset.shipped()
@@ -39,11 +39,25 @@ def blocks(limits):
 
 
 sigmas = st.just(0.0) | st.floats(MIN_SIGMA, MAX_SIGMA)
+densities = st.just(0.0) | st.floats(MIN_SIGMA, MAX_SIGMA / math.sqrt(3000))  # as noisy as may be at 3000 Hz
+shares = st.just(0.0) | st.floats(0, 1, exclude_max=True)
+unmodelled = st.builds(
+    Unmodelled,
+    gyro_bias=st.just((0.0, 0.0, 0.0)) | vectors(5.0),
+    accel_bias=st.just((0.0, 0.0, 0.0)) | vectors(50.0),
+    range_bias=st.just(0.0) | st.floats(-1e3, 1e3),
+    outlier_probability=shares,
+    outlier_size=st.just(1.0) | st.floats(0, 1e3),
+    dropout_probability=shares,
+    burst_start=st.just(0.0) | st.floats(0, 1e4),
+    burst_length=st.just(0.0) | st.floats(0, 1e4),
+    lever_arm=st.just((0.0, 0.0, 0.0)) | vectors(50.0),
+)
 tones = st.builds(
     Tone,
     axis=st.sampled_from("xyz"),
     amplitude=st.floats(-1e4, 1e4),
-    frequency=st.floats(1e-6, 600),
+    frequency=st.floats(1e-6, 570),  # so that a window of 2 s is not too much work
     phase=st.floats(allow_nan=False, allow_infinity=False),
 )
 multisines = st.builds(Multisine, tones=st.lists(tones, max_size=3).map(tuple), offset=vectors(1e6), drift=vectors(1e5))
@@ -69,7 +83,9 @@ presets = st.builds(
         imu_rate=st.floats(200, 3000),
         mag_rate=st.floats(1, 200),
         range_rate=st.floats(1, 3000),
-        noise=st.builds(Noise, gyro=sigmas, accel=sigmas, mag=sigmas, range=sigmas),
+        noise=st.builds(Noise, gyro=sigmas, accel=sigmas, mag=sigmas, range=sigmas)
+        | st.builds(Noise, gyro=densities, accel=densities, mag=sigmas, range=sigmas, imu_unit=st.just("density")),
+        unmodelled=st.just(MODELLED) | unmodelled,
     ),
     gains=st.builds(
         Gains,
@@ -125,6 +141,25 @@ def test_the_shipped_presets_are_those_of_the_readme():
 @given(presets)
 def test_reading_what_was_written_gives_an_equal_preset(p):
     assert preset.loads(preset.dumps(p), source="round trip") == p
+
+
+def test_what_no_sensor_does_is_not_written_and_what_one_does_is_written_alone():
+    """So files from before there were such effects stay as they were, and equal presets are equal texts."""
+    p = SHIPPED["paper"]
+    zeros = (float("0"), float("-0"), 0.0)  # equal to the default and not the same object
+    same = msgspec.structs.replace(p.sensors, unmodelled=Unmodelled(gyro_bias=zeros, outlier_size=float("1")))
+    assert preset.dumps(msgspec.structs.replace(p, sensors=same)) == PAPER_TEXT
+    lost = msgspec.structs.replace(p.sensors, unmodelled=Unmodelled(gyro_bias=zeros, dropout_probability=0.25))
+    text = preset.dumps(msgspec.structs.replace(p, sensors=lost))
+    added = "\n[sensors.unmodelled]\ndropout_probability = 0.25\n"
+    assert text.replace(added, "") == PAPER_TEXT
+
+
+def test_the_unit_of_the_imus_noise_is_written_only_where_it_is_a_density():
+    p = SHIPPED["paper"]
+    noise = msgspec.structs.replace(p.sensors.noise, imu_unit="density")
+    text = preset.dumps(msgspec.structs.replace(p, sensors=msgspec.structs.replace(p.sensors, noise=noise)))
+    assert text.replace('imu_unit = "density"\n', "") == PAPER_TEXT
 
 
 @pytest.mark.parametrize(
@@ -220,6 +255,36 @@ REFUSALS = [
     ),
     pytest.param(
         edited("imu_rate = 200.0", "imu_rate = 20"), "mag_rate must lie between", "$.sensors", id="mag over imu"
+    ),
+    pytest.param(
+        edited("range = 0.1", 'range = 0.1\nimu_unit = "root"'),
+        "Invalid enum value",
+        "$.sensors.noise.imu_unit",
+        id="unit",
+    ),
+    pytest.param(
+        edited("accel = 0.1", "accel = 100").replace("range = 0.1", 'range = 0.1\nimu_unit = "density"'),
+        "noise accel must lie between 1e-09 and 1000 or be 0, got 1414.21 per sample at 200 Hz",
+        "$.sensors",
+        id="density at this rate",
+    ),
+    pytest.param(
+        edited("[gains]", "[sensors.unmodelled]\nlever_arm = [0.0, 0.0, 1e4]\n[gains]"),
+        "lever_arm must not be longer than 100 m, got 10000",
+        "$.sensors.unmodelled",
+        id="antenna in the next town",
+    ),
+    pytest.param(
+        edited("[gains]", "[sensors.unmodelled]\ndropout_probability = 1.0\n[gains]"),
+        "dropout_probability must lie between 0 and 1, 1 excluded, got 1",
+        "$.sensors.unmodelled",
+        id="no range ever",
+    ),
+    pytest.param(
+        edited("[gains]", "[sensors.unmodelled]\nhum = 1.0\n[gains]"),
+        "unknown field `hum`",
+        "$.sensors.unmodelled",
+        id="unknown effect",
     ),
     pytest.param(
         edited("duration = 20.0", "duration = 600").replace("imu_rate = 200.0", "imu_rate = 1e4"),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from viser.transforms import SO3
 
 from explorer.compute import Picture, compute
-from explorer.scene import Scene, stage
+from explorer.scene import Scene, stage, view
 from explorer.scene.view import RESTING
 from explorer.settings import Settings
 from rangenav import preset
@@ -142,6 +142,57 @@ def test_camera_frames_the_first_path_and_a_much_larger_one_but_not_while_it_is_
     assert (page.camera.position - on.view_centre) @ on.up > 0
 
 
+def test_camera_stands_still_during_a_drag_and_after_it_unless_the_path_has_left_the_view(page: Page) -> None:
+    scene = Scene(page.client)
+    scene.draw(picture("circle"))
+    placed = np.array(page.camera.position)
+    scene.draw(picture("line"), dragging=True)  # 20 m long, and only its start is in view
+    assert np.array_equal(page.camera.position, placed)
+    scene.draw(picture("circle"))
+    assert np.array_equal(page.camera.position, placed)
+    scene.draw(picture("circle"), dragging=True)
+    scene.draw(picture("line"), dragging=True)
+    scene.draw(picture("line"))
+    assert np.linalg.norm(page.camera.position - placed) > 5
+
+
+def test_after_a_drag_a_view_of_a_detail_is_left_to_the_visitor(page: Page) -> None:
+    scene = Scene(page.client)
+    scene.draw(picture("circle"))
+    page.camera.position, page.camera.look_at = (9.0, 9.0, 9.0), (10.0, 10.0, 9.0)
+    scene.draw(picture("circle"), dragging=True)
+    scene.draw(picture("line"))
+    assert page.camera.position == (9.0, 9.0, 9.0)
+    scene.draw(picture("line"))  # whatever comes next without a drag
+    assert page.camera.position == (9.0, 9.0, 9.0)
+    scene.draw(picture("circle"))
+    assert np.linalg.norm(np.subtract(page.camera.position, 9.0)) > 1
+
+
+@given(
+    st.lists(st.floats(-5, 5), min_size=3, max_size=3),
+    st.floats(-0.98, 0.98),
+    st.floats(-0.98, 0.98),
+    st.floats(0.1, 50),
+    st.floats(0.5, 2.0),
+    st.floats(0.3, 2.0),
+)
+def test_a_camera_sees_what_is_ahead_of_it_and_inside_its_picture(
+    place: list[float], across: float, down: float, far: float, fov: float, shape: float
+) -> None:
+    turn = SO3.from_rpy_radians(across * 3, down, far % 3)
+    top = np.tan(fov / 2)
+
+    def share(across: float, down: float, far: float) -> float:
+        there = np.array(place) + turn.as_matrix() @ np.array([across * shape * top, down * top, 1.0]) * far
+        return view.seen(there[None], np.array(place), turn.wxyz, fov, shape)
+
+    assert share(across, down, far) == 1
+    assert share(across, down, -far) == 0
+    assert share(1.02 if across > 0 else -1.02, down, far) == 0
+    assert share(across, 1.02 if down > 0 else -1.02, far) == 0
+
+
 def test_camera_that_did_not_arrive_is_sent_again_a_few_times_and_one_that_did_is_left_alone(page: Page) -> None:
     scene = Scene(page.client)
     scene.draw(picture("circle"))
@@ -163,7 +214,7 @@ def test_sizes_follow_the_path() -> None:
 def test_true_path_leaves_the_curve_by_less_than_a_hundredth_of_the_stage() -> None:
     seen = picture("paper")
     on = stage.stage(seen)
-    segments = stage.solid(seen, on)
+    segments = stage.solid(seen.motion, on)
     assert segments[0, 0] == pytest.approx(seen.motion.position[0])
     assert segments[-1, 1] == pytest.approx(seen.motion.position[-1])
     middles = segments.mean(axis=1)

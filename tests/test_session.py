@@ -12,6 +12,7 @@ from explorer.playback import FRAME_RATE, Playback
 from explorer.session import Sessions
 from explorer.warming import Warming
 from rangenav import preset
+from tests.house import house
 from tests.wire import Wire
 
 NOT_SHOWN = "Not shown"
@@ -20,7 +21,7 @@ NOT_SHOWN = "Not shown"
 @pytest.fixture(scope="module")
 def port() -> Iterator[int]:
     server, warming = open_server("127.0.0.1", 0), Warming()
-    Sessions(server, preset.shipped(), "paper-slow", warming)
+    Sessions(server, house(server, warming))
     warming.start()
     yield server.get_port()
     server.stop()
@@ -61,7 +62,7 @@ def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
     before = _drawn(visitor)
     visitor.set("q", 0.0)
     visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
-    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 1", "the label")
+    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 1 •", "the label")
 
 
 @pytest.mark.parametrize(
@@ -81,6 +82,17 @@ def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
         ("mag (Hz)", 900.0, "mag_rate must lie between 1 Hz and imu_rate"),
         ("σ range", 200.0, "noise range must lie between"),
         ("σ gyro", math.nan, "log10 of σ gyro must be a number"),
+        ("sensor set", "gold", "sensor set must be one of: paper, "),
+        ("gyro bias (rad/s)", [math.nan, 0.0, 0.0], "gyro_bias must be a finite number"),
+        ("gyro bias (rad/s)", [0.0], "gyro bias (rad/s) must have three components, got 1"),
+        ("accel bias (m/s²)", [1e30, 0.0, 0.0], "accel_bias must not be longer than 100 m/s²"),
+        ("range bias (m)", 1e9, "range_bias must lie between -1000 and 1000 m"),
+        ("outliers (%)", 100.0, "outlier_probability must lie between 0 and 1, 1 excluded, got 1"),
+        ("outlier size (m)", -1.0, "outlier_size must lie between"),
+        ("drop-outs (%)", math.nan, "dropout_probability must be a finite number"),
+        ("silent from (s)", -1.0, "burst_start must lie between 0"),
+        ("silent for (s)", math.inf, "burst_length must be a finite number"),
+        ("lever arm (m)", [0.0, 0.0, 1e6], "lever_arm must not be longer than 100 m"),
         ("noise seed", -1.0, "seed must lie between"),
         ("noise seed", 0.5, "seed must be a whole number"),
         ("noise seed", math.nan, "seed must be a whole number"),
@@ -111,6 +123,25 @@ def test_nonsense_gets_a_sentence_and_the_last_picture_stays(visitor: Wire, labe
     visitor.wait_for(lambda: NOT_SHOWN not in visitor.text(), "the complaint to go")
 
 
+def test_a_sensor_set_is_loaded_and_what_the_paper_does_not_model_is_told(visitor: Wire):
+    before = _drawn(visitor)
+    visitor.set("sensor set", "UWB behind obstacles")
+    visitor.wait_for_text("the paper&#x27;s observer has no gate")
+    visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
+    assert visitor.value("range (Hz)") == 100.0
+    visitor.set("outliers (%)", 0.0)
+    visitor.wait_for(lambda: visitor.value("sensor set") == "as set below", "the set to be no longer that one")
+    visitor.wait_for(lambda: "has no gate" not in visitor.text(), "the sentence to go")
+
+
+def test_a_flight_whose_ranges_are_all_lost_is_drawn(visitor: Wire):
+    visitor.set("silent for (s)", 1000.0)
+    visitor.wait_for_text("covariance diverges")
+    visitor.set("t (s)", 3.0)
+    _settled(visitor)
+    assert not visitor.notifications
+
+
 def test_a_sentence_is_shown_as_text_and_not_as_html(visitor: Wire):
     visitor.set("preset", "<img src=x onerror=alert(1)>")
     visitor.wait_for_text(NOT_SHOWN)
@@ -120,10 +151,10 @@ def test_a_sentence_is_shown_as_text_and_not_as_html(visitor: Wire):
 def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
     for step in range(60):
         visitor.set("q", 1.0 + step / 30)
-    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1", "the last value")
+    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •", "the last value")
     _settled(visitor)
     assert visitor.counts["GuiUplotMessage"] <= 12  # plots are made once, however many changes come
-    assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1"
+    assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •"
 
 
 def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):

@@ -3,9 +3,11 @@
 It says whatever it is told to, also what no honest page would say.
 """
 
+import re
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import msgspec
@@ -31,19 +33,45 @@ HEADER = 8
 """Bytes of each of the two lengths before the compressed messages."""
 NO_DOCK = 0.5
 """s after which the server is taken to have no docks."""
+CHANGED = " •"
+"""Ends the label of a control that differs from its preset."""
 PATIENCE = 30.0
 """s; the first picture may have to wait for a compiler."""
 
 
-class Wire:
-    """One connection, and all that the server has told it about controls."""
+REMEMBERED = re.compile(r"sessionStorage\.setItem\('([\w-]+)', '(\w+)'\)")
+COPIED = re.compile(r"localStorage\.setItem\('viser-user:([\w-]+)', sessionStorage\.getItem\('([\w-]+)'\) \?\? ''\)")
+"""The statements of ours that a page would run."""
 
-    def __init__(self, port: int, *, origin: str | None = None) -> None:
+
+@dataclass
+class Storage:
+    """What a browser keeps: `shared` by its tabs, and in one `tab`, over a reload."""
+
+    shared: dict[str, str] = field(default_factory=dict)
+    tab: dict[str, str] = field(default_factory=dict)
+    refused: bool = False
+    """As when cookies are blocked."""
+    silent: bool = False
+    """Never answers when asked."""
+    forgetful: bool = False
+    """Takes everything and keeps nothing."""
+
+
+class Wire:
+    """One connection, and all that the server has told it about controls and nodes of the scene."""
+
+    def __init__(self, port: int, *, origin: str | None = None, storage: Storage | None = None) -> None:
         self.elements: dict[str, dict[str, Any]] = {}
         """Properties of every control that exists, by its id; "value" beside them."""
         self.counts: dict[str, int] = {}
         """How many messages of each type have come."""
         self.notifications: list[str] = []
+        self.commands: dict[str, str] = {}
+        """Ids of the palette's commands, by their labels."""
+        self.nodes: dict[str, dict[str, Any]] = {}
+        """Position, visibility and properties of every node of the scene, by its name; "owner" is echoed to viser."""
+        self.storage = storage or Storage()
         self.dock = 0
         """Width (px) of the first panel that was given one."""
         self.closed_with: int | None = None
@@ -69,10 +97,58 @@ class Wire:
         """Set a control as the page would."""
         self.send({"type": "GuiUpdateMessage", "uuid": self.find(label), "updates": {"value": value}})
 
+    def press(self, label: str, option: str | None = None) -> None:
+        """Press a button, or the first row's button of this name that is shown."""
+        if option is None:
+            self.set(label, True)
+            return
+        for uuid, p in list(self.elements.items()):
+            if p.get("label") == label and option in (p.get("options") or ()) and p.get("visible", True):
+                self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": option}})
+                return
+        raise LookupError(f"no button {option!r} in a row {label!r}")
+
+    def command(self, label: str) -> None:
+        """Trigger a command of the palette."""
+        self.send({"type": "CommandTriggerMessage", "uuid": self.commands[label]})
+
+    def drag(self, name: str, position: Sequence[float], *, steps: int = 1, done: bool = True) -> None:
+        """Drag a node to a place as the page would, in equal steps."""
+        start = tuple(self.nodes[name]["position"])
+        self.drag_message(name, "start", start, start)
+        for k in range(1, steps + 1):
+            end = tuple(a + (b - a) * k / steps for a, b in zip(start, position, strict=True))
+            self.drag_message(name, "update", start, end)
+        if done:
+            self.drag_message(name, "end", start, tuple(position))
+
+    def drag_message(self, name: str, phase: str, start: Any, end: Any) -> None:
+        """One message of a drag: where the node was taken hold of, and where the pointer is, unchecked."""
+        screen = {"start_screen_pos": (0.5, 0.5), "end_screen_pos": (0.5, 0.5)}
+        how = {"instance_index": None, "button": "left", "modifier": None, "owner": self.nodes[name]["owner"]}
+        places = {"start_position": start, "end_position": end}
+        self.send({"type": "SceneNodeDragMessage", "phase": phase, "name": name, **places, **screen, **how})
+
+    def click(self, name: str, *, screen: tuple[float, float] = (0.5, 0.5)) -> None:
+        """Click on a node, which viser tells as a click on the scene as well."""
+        ray: dict[str, Any] = {"ray_origin": (0.0, 0.0, 9.0), "ray_direction": (0.0, 0.0, -1.0), "modifier": None}
+        owned = {"instance_index": None, "owner": self.nodes[name]["owner"]}
+        self.send({"type": "SceneNodeClickMessage", "name": name, "screen_pos": screen, **ray, **owned})
+        self.send({"type": "ScenePointerMessage", "event_type": "click", "screen_pos": (screen,), **ray})
+
+    def move_gizmo(self, name: str, position: Sequence[Any], *, done: bool = True) -> None:
+        """Pull a gizmo to a place, unchecked."""
+        owned = {"name": name, "owner": self.nodes[name]["owner"]}
+        self.send({"type": "TransformControlsDragStartMessage", **owned})
+        pose = {"wxyz": (1.0, 0.0, 0.0, 0.0), "position": position}
+        self.send({"type": "TransformControlsUpdateMessage", **pose, **owned})
+        if done:
+            self.send({"type": "TransformControlsDragEndMessage", **owned})
+
     def find(self, label: str) -> str:
         """The id of the control whose label begins so; a slider on a log scale ends it with its value."""
         for uuid, properties in list(self.elements.items()):
-            name = properties.get("label") or ""
+            name = (properties.get("label") or "").removesuffix(CHANGED)
             if name == label or name.startswith(f"{label} ="):
                 return uuid
         raise LookupError(f"no control {label!r}")
@@ -121,9 +197,45 @@ class Wire:
             self.elements[message["uuid"]].update(message["updates"])
         elif name == "GuiRemoveMessage":
             self.elements.pop(message["uuid"], None)
+        elif name == "RegisterCommandMessage":
+            self.commands[message["props"]["label"]] = message["uuid"]
         elif name == "GuiSetPanelWidthMessage":
             self.dock = self.dock or message["width"] or 0
         elif name == "NotificationShowMessage":
             self.notifications.append(f"{message['props']['title']}: {message['props']['body']}")
         elif name.startswith("Gui") and "props" in message:
             self.elements[message["uuid"]] = message["props"] | {"value": message.get("value")}
+        elif "props" in message and "name" in message:
+            place = {"position": (0.0, 0.0, 0.0), "visible": True, "owner": message["owner"], "type": name}
+            self.nodes[message["name"]] = message["props"] | place
+        elif message.get("name") in self.nodes:
+            self._take_in_node(self.nodes[message["name"]], message)
+        elif name.startswith("LocalStorage") or name == "RunJavascriptMessage":
+            self._keep(message)
+
+    def _take_in_node(self, node: dict[str, Any], message: dict[str, Any]) -> None:
+        if message["type"] == "RemoveSceneNodeMessage":
+            del self.nodes[message["name"]]
+        elif message["type"] == "SceneNodeUpdateMessage":
+            node.update(message["updates"])
+        else:
+            node.update({key: message[key] for key in ("position", "wxyz", "visible", "bindings") if key in message})
+
+    def _keep(self, message: dict[str, Any]) -> None:
+        """What the page does with its storages."""
+        kept, name = self.storage, message["type"].removeprefix("LocalStorage").removesuffix("Message")
+        if name == "GetItemRequest" and not kept.silent:
+            value, error = (None, "denied") if kept.refused else (kept.shared.get(message["key"]), None)
+            answer = {"value": value, "error": error, "request_uuid": message["request_uuid"]}
+            self.send({"type": "LocalStorageGetItemResponseMessage", **answer})
+        if kept.refused or kept.forgetful:
+            return
+        if name == "SetItem":
+            kept.shared[message["key"]] = message["value"]
+        elif name == "RemoveItem":
+            kept.shared.pop(message["key"], None)
+        elif name == "RunJavascript":
+            for key, value in REMEMBERED.findall(message["source"]):
+                kept.tab[key] = value
+            for key, source in COPIED.findall(message["source"]):
+                kept.shared[key] = kept.tab.get(source, "")

@@ -198,7 +198,9 @@ def sentence(picture: Picture, time: float) -> str:
 
 
 def _read_at(drawing: Drawing, time: float) -> np.ndarray:
-    """The row at a time; NaN after the last window has started."""
+    """The row at a time; NaN after the last window has started, and where no range has ever come."""
+    if not len(drawing.time):
+        return np.full(drawing.read.shape[1], np.nan)
     step = drawing.time[1] - drawing.time[0] if len(drawing.time) > 1 else 0.0
     if time > drawing.time[-1] + step:
         return np.full(drawing.read.shape[1], np.nan)

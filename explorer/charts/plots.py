@@ -13,6 +13,7 @@ from numpy import ndarray as Array
 
 from explorer.charts import curves, words
 from explorer.compute import Picture
+from rangenav import sensors
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, GREY = "#E69F00", "#56B4E9", "#888888"
@@ -169,10 +170,11 @@ def innovation(picture: Picture) -> Drawing:
 
 
 def distance(picture: Picture) -> Drawing:
-    """True and measured range at the ranges' own times."""
-    z, motion = picture.measurements, picture.motion
-    true = np.linalg.norm(motion.position - np.asarray(picture.preset.world.anchor), axis=1)
-    return _linear(z.range_time, (z.range, np.interp(z.range_time, motion.time, true)), symmetric=False)
+    """True and measured range of the antenna at the ranges' own times."""
+    z, p = picture.measurements, picture.preset
+    arm = p.sensors.unmodelled.lever_arm
+    true = sensors.distance(picture.motion, z.range_time, path=p.path, world=p.world, lever_arm=arm)
+    return _linear(z.range_time, (z.range, true), symmetric=False)
 
 
 def speed(picture: Picture) -> Drawing:

@@ -2,107 +2,128 @@
 
 viser rounds what a slider shows and checks nothing that a browser sends. So a control remembers the exact value it was
 given and answers with it until the visitor moves the control; and what it reads is checked by the model, which raises
-ValueError, never by the limits of a slider. A control calls `note` when the visitor, and only the visitor, changes it.
+ValueError, never by the limits of a slider. Beside its value a control knows its base, what the preset says: where they
+differ its label is marked with •, and it can be reset.
 """
 
-import html
 import math
-from collections import deque
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Generic, TypeVar
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Any, Generic, TypeVar
 
 import viser
 
+from explorer.panels.sheet import Note, Section
 from rangenav.inputs import Vec3
 
-Note = Callable[[], None]
-"""Called from viser's threads: it may set an event and nothing else."""
 WIDEN = 1.25
 """A slider that must show a value outside its range is widened to this much more than the value."""
 LOG_DIGITS, MAX_EXPONENT = 2, 300
-MAX_CLICKS = 32
-"""Presses remembered while the session is busy; of more, the oldest are dropped."""
-RED = "#b3261e"
-
-
-class Refused(Exception):  # noqa: N818  (not an error of the program: the visitor has been told)
-    """What is chosen is no valid input, and a sentence beside the control says why."""
-
-
+CHANGED = " •"
+MAX_SHOWN_TEXT = 20_000
+"""Characters; a browser that is sent megabytes for one box stands still."""
 T = TypeVar("T")
 
 
-class Complaint:
-    """A place for one sentence under the controls that caused it."""
+class Control(ABC, Generic[T]):
+    """A value on the page, and what the preset says it is."""
 
-    def __init__(self, gui: viser.GuiApi) -> None:
-        self._line = gui.add_html("", visible=False)
+    def __init__(self, section: Section, name: str, handle: Any) -> None:
+        self.name, self._handle = name, handle
+        self._base: T | None = None
+        self._seen: T | None = None
+        self._text, self._marked = name, False
+        when_moved(handle, section.note)
+        section.add(self)
 
-    def say(self, sentence: str) -> None:
-        """Show the sentence, marked by a sign as well as a colour."""
-        style = f"color:{RED};font-weight:600;font-size:0.85em;padding:0.2em 0.8em 0.6em"
-        self._line.content = f'<div role="alert" style="{style}">⚠ {html.escape(sentence)}</div>'
-        self._line.visible = True
+    @abstractmethod
+    def read(self) -> T:
+        """The value as written, or as the visitor has moved it. Raises ValueError if the browser sent what is none."""
 
-    def clear(self) -> None:
-        """Nothing to complain about."""
-        self._line.visible = False
+    @abstractmethod
+    def show(self, value: T) -> None:
+        """Show a value."""
 
-    @contextmanager
-    def catching(self) -> Iterator[None]:
-        """Turn a ValueError into a sentence here, and into Refused for the caller."""
+    def write(self, value: T, base: T | None) -> None:
+        """Show a value, and remember what the preset says; None if it says nothing of the kind."""
+        self._base = base
+        self.show(value)
+        self._seen = self._value()
+
+    def mark(self) -> bool:
+        """Whether the value differs from the preset's; the label says so."""
+        self._marked = self._base is not None and self._value() != self._base
+        self._relabel()
+        return self._marked
+
+    def moved(self) -> bool:
+        """Whether the visitor has moved it since the last call."""
+        before, self._seen = self._seen, self._value()
+        return self._seen != before
+
+    def reset(self) -> None:
+        """Back to what the preset says."""
+        if self._base is not None and self._value() != self._base:
+            self.show(self._base)
+            self._seen = self._value()
+
+    def _value(self) -> T | None:
         try:
-            yield
-        except ValueError as error:
-            self.say(str(error))
-            raise Refused from error
-        self.clear()
+            return self.read()
+        except ValueError:
+            return None
+
+    def _caption(self, text: str) -> None:
+        self._text = text
+        self._relabel()
+
+    def _relabel(self) -> None:
+        label = self._text + (CHANGED if self._marked else "")
+        if label != self._handle.label:  # a message to the browser only if there is news
+            self._handle.label = label
 
 
-class Dial:
+class Dial(Control[float]):
     """A linear slider with its number box. The value may be shown in another unit: value · scale."""
 
     def __init__(
         self,
-        gui: viser.GuiApi,
+        section: Section,
         label: str,
         limits: tuple[float, float],
         *,
         step: float,
         hint: str,
-        note: Note,
         scale: float = 1.0,
     ) -> None:
         low, high = limits
         self._scale, self._digits = scale, max(0, -math.floor(math.log10(step)))
-        self._slider = gui.add_slider(label, low, high, step, low, hint=hint)
+        self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint)
         self._exact, self._shown = low / scale, low
-        when_moved(self._slider, note)
+        super().__init__(section, label, self._slider)
 
     def read(self) -> float:
         """The value as written, or as the visitor has moved it; not checked."""
         value = self._slider.value
         return self._exact if value == self._shown else value / self._scale
 
-    def write(self, value: float) -> None:
+    def show(self, value: float) -> None:
         """Show a value; the slider is widened if need be."""
         self._exact, self._shown = value, round(value * self._scale, self._digits)
         _widen(self._slider, self._shown)
         self._slider.value = self._shown
 
 
-class LogDial:
+class LogDial(Control[float]):
     """A slider over log10, with the value itself in its label. Far left may mean zero."""
 
     def __init__(
         self,
-        gui: viser.GuiApi,
+        section: Section,
         symbol: str,
         limits: tuple[float, float],
         *,
         hint: str,
-        note: Note,
         unit: str = "",
         zero_at_left: bool = False,
     ) -> None:
@@ -112,9 +133,9 @@ class LogDial:
         hint = f"{hint} The slider and its box hold the power of ten." + (
             " Far left: none at all." if zero_at_left else ""
         )
-        self._slider = gui.add_slider(symbol, low, high, 10.0**-LOG_DIGITS, low, hint=hint, marks=marks)
+        self._slider = section.gui.add_slider(symbol, low, high, 10.0**-LOG_DIGITS, low, hint=hint, marks=marks)
         self._exact, self._shown = 0.0 if zero_at_left else limits[0], low
-        when_moved(self._slider, note)
+        super().__init__(section, symbol, self._slider)
 
     def read(self) -> float:
         """The value as written or moved; the label follows. Raises ValueError if it is no number."""
@@ -123,115 +144,125 @@ class LogDial:
             raise ValueError(f"log10 of {self._symbol} must be a number between -{MAX_EXPONENT} and {MAX_EXPONENT}")
         at_left = self._zero and exponent == self._slider.min
         value = self._exact if exponent == self._shown else 0.0 if at_left else 10.0**exponent
-        self._caption(value)
+        self._say(value)
         return value
 
-    def write(self, value: float) -> None:
+    def show(self, value: float) -> None:
         """Show a value; the slider is widened if need be."""
         at_left = self._zero and value == 0
         self._exact = value
         self._shown = self._slider.min if at_left else round(math.log10(value), LOG_DIGITS)
         _widen(self._slider, self._shown)
         self._slider.value = self._shown
-        self._caption(value)
+        self._say(value)
 
-    def _caption(self, value: float) -> None:
-        label = f"{self._symbol} = {short(value)} {self._unit}".rstrip()
-        if label != self._slider.label:  # a message to the browser only if there is news
-            self._slider.label = label
+    def _say(self, value: float) -> None:
+        self._caption(f"{self._symbol} = {short(value)} {self._unit}".rstrip())
 
 
-class Number:
+class Number(Control[float]):
     """A box for a number without a natural range."""
 
-    def __init__(self, gui: viser.GuiApi, label: str, *, step: float, hint: str, note: Note) -> None:
-        self._box = gui.add_number(label, 0.0, step=step, hint=hint)
-        when_moved(self._box, note)
+    def __init__(self, section: Section, label: str, *, step: float, hint: str) -> None:
+        self._box = section.gui.add_number(label, 0.0, step=step, hint=hint)
+        super().__init__(section, label, self._box)
 
     def read(self) -> float:
         """The value in the box; not checked."""
         return self._box.value
 
-    def write(self, value: float) -> None:
+    def show(self, value: float) -> None:
         """Show a value."""
         self._box.value = value
 
 
-class Vector:
-    """Three boxes."""
+class Vector(Control[Vec3]):
+    """Three boxes. The value may be shown in another unit: value · scale."""
 
-    def __init__(self, gui: viser.GuiApi, label: str, *, step: float, hint: str, note: Note) -> None:
-        self._name = label
-        self._box = gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
-        when_moved(self._box, note)
+    def __init__(self, section: Section, label: str, *, step: float, hint: str, scale: float = 1.0) -> None:
+        self._label, self._scale, self._digits = label, scale, max(0, -math.floor(math.log10(step)))
+        self._box = section.gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
+        self._exact: Vec3 = (0.0, 0.0, 0.0)
+        self._shown: tuple[float, ...] = self._exact
+        super().__init__(section, label, self._box)
 
     def read(self) -> Vec3:
         """The three values. Raises ValueError if the browser sent more or fewer."""
-        value = self._box.value
+        value = tuple(self._box.value)
         if len(value) != 3:
-            raise ValueError(f"{self._name} must have three components, got {len(value)}")
-        return value[0], value[1], value[2]
+            raise ValueError(f"{self._label} must have three components, got {len(value)}")
+        if value == self._shown:
+            return self._exact
+        return value[0] / self._scale, value[1] / self._scale, value[2] / self._scale
 
-    def write(self, value: Vec3) -> None:
-        """Show a vector."""
-        self._box.value = value
+    def show(self, value: Vec3) -> None:
+        """Show a value; another unit is rounded for reading."""
+        self._exact = self._shown = value
+        if self._scale != 1.0:
+            self._shown = tuple(round(entry * self._scale, self._digits) for entry in value)
+        self._box.value = (self._shown[0], self._shown[1], self._shown[2])
 
 
-class Choice(Generic[T]):
-    """A dropdown: one of a few values, each under its own words."""
+class Choice(Control[T]):
+    """A dropdown over words, each standing for a value."""
 
-    def __init__(self, gui: viser.GuiApi, label: str, words: Mapping[T, str], *, hint: str, note: Note) -> None:
-        self._name, self._words, self._values = label, dict(words), {text: value for value, text in words.items()}
-        self._menu = gui.add_dropdown(label, tuple(words.values()), hint=hint)
-        when_moved(self._menu, note)
+    def __init__(self, section: Section, label: str, words: Mapping[T, str], *, hint: str) -> None:
+        self._words, self._values = dict(words), {word: value for value, word in words.items()}
+        self._menu = section.gui.add_dropdown(label, tuple(self._values), hint=hint)
+        super().__init__(section, label, self._menu)
 
     def read(self) -> T:
-        """The chosen value. Raises ValueError if the browser sent one that was not offered."""
+        """The value chosen. Raises ValueError if the browser sent one that was not offered."""
         if self._menu.value not in self._values:
-            raise ValueError(f"{self._name} must be one of: {', '.join(self._values)}")
+            raise ValueError(f"{self.name} must be one of: {', '.join(self._values)}")
         return self._values[self._menu.value]
 
-    def write(self, value: T) -> None:
+    def show(self, value: T) -> None:
         """Show a value."""
         self._menu.value = self._words[value]
 
+    def offer(self, words: Mapping[T, str]) -> None:
+        """Other values to choose from; what is chosen stays if it is still among them."""
+        if dict(words) != self._words:
+            self._words, self._values = dict(words), {word: value for value, word in words.items()}
+            self._menu.options = tuple(self._values)
 
-class Switch:
+
+class Switch(Control[bool]):
     """A checkbox."""
 
-    def __init__(self, gui: viser.GuiApi, label: str, *, hint: str, note: Note) -> None:
-        self._box = gui.add_checkbox(label, False, hint=hint)
-        when_moved(self._box, note)
+    def __init__(self, section: Section, label: str, *, hint: str) -> None:
+        self._box = section.gui.add_checkbox(label, False, hint=hint)
+        super().__init__(section, label, self._box)
 
     def read(self) -> bool:
         """Whether it is on."""
         return self._box.value
 
-    def write(self, value: bool) -> None:
+    def show(self, value: bool) -> None:
         """Show it on or off."""
         self._box.value = value
 
 
-class Clicks:
-    """The names of what the visitor has pressed, in order, until the session takes them."""
+class Text(Control[str]):
+    """A box for text, of one line or of several. Nothing typed is ever changed; a far too long one is refused."""
 
-    def __init__(self, note: Note) -> None:
-        self._names: deque[str] = deque(maxlen=MAX_CLICKS)
-        self._note = note
+    def __init__(self, section: Section, label: str, *, hint: str, longest: int, lines: bool = False) -> None:
+        self._longest = longest
+        self._box = section.gui.add_text(label, "", multiline=lines, hint=hint)
+        super().__init__(section, label, self._box)
 
-    def add(self, name: str) -> None:
-        """Called from viser's threads."""
-        self._names.append(name)
-        self._note()
+    def read(self) -> str:
+        """What was typed. Raises ValueError if it is too long to look at."""
+        text = self._box.value
+        if len(text) > self._longest:
+            raise ValueError(f"{self.name.removesuffix(' =')}: at most {self._longest} characters, got {len(text)}")
+        return text
 
-    @property
-    def waiting(self) -> bool:
-        """Whether there is something to take."""
-        return bool(self._names)
-
-    def take(self) -> list[str]:
-        """All names so far, oldest first."""
-        return [self._names.popleft() for _ in range(len(self._names))]
+    def show(self, value: str) -> None:
+        """Show a text."""
+        if value != self._box.value:  # while it is being typed, nothing is sent back
+            self._box.value = value
 
 
 def short(value: float) -> str:

@@ -1,67 +1,103 @@
-"""The right dock: the tabs of controls and, below them, the verdict. Together they read and show one Settings."""
+"""The right dock: undo and redo, the tabs of controls and, below them, the verdict. Together they show one Settings."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import msgspec
 import viser
 
 from explorer.compute import Picture
 from explorer.panels import motion, sensors
-from explorer.panels.controls import Note, Refused
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.printed import PrintedPanel
+from explorer.panels.sheet import Action, Refused, Sheet
+from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
-from explorer.settings import Settings
+from explorer.panels.world import WorldPanel
+from explorer.settings import Drafts, Settings
+from rangenav import axes
+from rangenav.inputs import Vec3
 from rangenav.preset import Preset
+from rangenav.signals import Family, Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
-SENSORS_RULES = ("seed", "duration")
+SENSORS_RULES = ("seed", "duration × rate", "requirement.window must be at least")
 """How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
+HISTORY_HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Requests:
+    """What only the session can do."""
+
+    undo: Action
+    redo: Action
+    again: Action
+    paper: Action
+    download: Action
 
 
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, gui: viser.GuiApi, presets: dict[str, Preset], name: str, note: Note) -> None:
-        shown = Settings(preset=presets[name])
-        self._base = shown.preset
+    def __init__(self, sheet: Sheet, presets: dict[str, Preset], name: str, requests: Requests) -> None:
+        gui, self._presets = sheet.gui, presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
+        steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
+        sheet.buttons("", steps, hint=HISTORY_HINT)
+        _commands(sheet, requests)
         tabs = gui.add_tab_group()
-        with tabs.add_tab("Motion", viser.Icon.ROUTE):
-            self.motion = motion.MotionPanel(gui, motion.Chosen.of(shown), note)
-        with tabs.add_tab("Sensors", viser.Icon.RULER_MEASURE):
-            self.sensors = sensors.SensorsPanel(gui, sensors.Chosen.of(shown.preset), note)
-        with tabs.add_tab("Gains", viser.Icon.ADJUSTMENTS):
-            self.gains = GainsPanel(gui, shown.preset.gains, note)
-            self.guess = GuessPanel(gui, shown.preset.guess, note)
-        with tabs.add_tab("Presets", viser.Icon.FOLDER):
-            self.presets = PresetsPanel(gui, presets, name, note)
-            self.printed = PrintedPanel(gui, shown.printed, note)
+        with tabs.add_tab("Motion"):
+            self.motion = motion.MotionPanel(sheet, self._edit_path)
+        with tabs.add_tab("World"):
+            self.world = WorldPanel(sheet, self._relabel)
+            self.vehicle = VehiclePanel(sheet)
+        with tabs.add_tab("Sensors"):
+            self.sensors = sensors.SensorsPanel(sheet)
+        with tabs.add_tab("Gains"):
+            self.gains = GainsPanel(sheet)
+            self.guess = GuessPanel(sheet)
+        with tabs.add_tab("Presets"):
+            self.presets = PresetsPanel(
+                sheet, presets, again=requests.again, paper=requests.paper, download=requests.download
+            )
+            self.printed = PrintedPanel(sheet)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
             self.verdict = VerdictPanel(gui)
         panel.dock_below(gui.main_panel)
+        self.write(Settings(origin=name, preset=presets[name]))
 
     def read(self) -> Settings:
         """What the visitor has chosen. Raises Refused after saying why beside the control, or ValueError if it does not
         fit together."""
         moved, sensed = self.motion.read(), self.sensors.read()
         preset = msgspec.structs.replace(
-            self._base,
+            self._written.preset,
             path=moved.path,
             angular_velocity=moved.angular_velocity,
-            requirement=msgspec.structs.replace(self._base.requirement, window=moved.window),
+            initial_rotation=moved.initial_rotation,
+            duration=moved.duration,
+            requirement=msgspec.structs.replace(self._written.preset.requirement, window=moved.window),
+            world=self.world.read(),
+            vehicle=self.vehicle.read(),
             sensors=sensed.sensors,
             seed=sensed.seed,
             gains=self.gains.read(),
             guess=self.guess.read(),
         )
-        return Settings(preset=preset, time_scale=moved.time_scale, printed=self.printed.read())
+        return Settings(
+            origin=self._written.origin,
+            preset=preset,
+            time_scale=moved.time_scale,
+            printed=self.printed.read(),
+            drafts=self.motion.drafts(),
+        )
 
     @contextmanager
     def catching(self) -> Iterator[None]:
@@ -69,31 +105,98 @@ class Dock:
         try:
             yield
         except Refused as refusal:
+            self._clear()
             self._refuse(refusal.__cause__)
             raise
         except ValueError as error:
-            place = self.sensors if str(error).startswith(SENSORS_RULES) else self.motion
-            place.complaint.say(str(error))
+            in_sensors = str(error).startswith(SENSORS_RULES)
+            (self.sensors if in_sensors else self.motion).complain(str(error))
             self._refuse(error)
             raise Refused from error
         self.verdict.complaint.clear()
+        self._clear()
 
-    def write(self, name: str, settings: Settings) -> None:
-        """Show settings, and the preset they came from."""
-        self._base = settings.preset
-        self.motion.write(motion.Chosen.of(settings))
-        self.sensors.write(sensors.Chosen.of(settings.preset))
-        self.gains.write(settings.preset.gains)
-        self.guess.write(settings.preset.guess)
+    def write(self, settings: Settings) -> None:
+        """Show settings; what differs from the preset they came from can be seen and reset."""
+        self._written = settings
+        p, base = settings.preset, self._base(settings)
+        original = Settings(preset=base)
+        self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)
+        self.world.write(p.world, base.world)
+        self.vehicle.write(p.vehicle, base.vehicle)
+        self.sensors.write(sensors.Chosen.of(p), sensors.Chosen.of(base))
+        self.gains.write(p.gains, base.gains)
+        self.guess.write(p.guess, base.guess)
         self.printed.write(settings.printed)
-        self.presets.write(name, settings.preset)
+        self.presets.write(settings.origin, self._presets[settings.origin])
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict and what stands beside the controls."""
         self.verdict.draw(picture)
         self.motion.draw(picture.settings.time_scale)
+        self.vehicle.draw(picture)
         self.gains.draw(picture)
         self.printed.draw(picture)
 
+    @property
+    def chosen_preset(self) -> str:
+        """The name in the dropdown of presets. Raises Refused if the browser sent another."""
+        return self.presets.read()
+
+    @property
+    def origin(self) -> str:
+        """The preset that the settings shown came from, by name."""
+        return self._written.origin
+
+    @property
+    def points(self) -> tuple[Vec3, ...]:
+        """Where the waypoints are that can be dragged."""
+        return self.motion.path.points
+
+    def move_waypoint(self, index: int, position: Vec3) -> None:
+        """A waypoint was dragged."""
+        self.motion.path.move(index, position)
+
+    def move_anchor(self, position: Vec3) -> None:
+        """The anchor was dragged."""
+        self.world.move_anchor(position)
+
+    def _base(self, settings: Settings) -> Preset:
+        """What the preset says, in the axes that are in use."""
+        base = self._presets[settings.origin]
+        turned = base.world.gravity[2] * settings.preset.world.gravity[2] < 0
+        return axes.flipped(base) if turned else base
+
+    def _edit_path(self, change: Callable[[Signal, Vec3], Signal]) -> None:
+        preset = self.read().preset
+        self.motion.path.put(change(preset.path, preset.world.anchor))
+
+    def _relabel(self) -> None:
+        settings = self.read()
+        drafts = settings.drafts
+        flipped = Drafts(
+            path=tuple(_family(draft) for draft in drafts.path),
+            wiggle=tuple(_family(draft) for draft in drafts.wiggle),
+            angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
+        )
+        self.write(msgspec.structs.replace(settings, preset=axes.flipped(settings.preset), drafts=flipped))
+
+    def _clear(self) -> None:
+        self.motion.clear()
+        self.sensors.clear()
+
     def _refuse(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
+
+
+def _commands(sheet: Sheet, requests: Requests) -> None:
+    sheet.command("Undo", requests.undo, key="Z", modifier="cmd/ctrl")
+    sheet.command("Redo", requests.redo, key="Z", modifier="cmd/ctrl+shift")
+    sheet.command("Reset the last control", sheet.reset_last)
+    sheet.command("Reset all controls", sheet.reset_all)
+
+
+def _family(signal: Family) -> Family:
+    flipped = axes.flipped_signal(signal)
+    assert isinstance(flipped, Family)  # only sums are none, and a family stays one
+    return flipped

@@ -3,10 +3,10 @@
 from typing import Literal
 
 import numpy as np
-import viser
 
 from explorer.compute import Picture
-from explorer.panels.controls import Choice, Complaint, LogDial, Note
+from explorer.panels.controls import Choice, LogDial
+from explorer.panels.sheet import Section, Sheet
 from rangenav.attitude import AttitudeGains
 from rangenav.cascade import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
@@ -23,29 +23,29 @@ K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 class GainsPanel:
     """All gains of the cascade."""
 
-    def __init__(self, gui: viser.GuiApi, gains: Gains, note: Note) -> None:
+    def __init__(self, sheet: Sheet) -> None:
+        self._section = section = Section(sheet)
         hint = (
             "constant: q and v below (paper, eq. 8). noise-matched: both follow from the sensors' noise at the current "
             "estimate; better in practice, but the gain then depends on the estimate and the theorem says nothing."
         )
-        self._mode = Choice(gui, "gains", MODES, hint=hint, note=note)
-        self._complaint = Complaint(gui)
-        self._riccati = _RiccatiFolder(gui, note)
-        self._attitude = _AttitudeFolder(gui, note)
-        self.write(gains)
+        with section:
+            self._mode = Choice(section, "gains", MODES, hint=hint)
+        self._riccati = _RiccatiFolder(sheet)
+        self._attitude = _AttitudeFolder(sheet)
 
     def read(self) -> Gains:
         """The gains chosen. Raises Refused after saying why beside the control."""
-        with self._complaint.catching():
+        with self._section.catching():
             mode = self._mode.read()
         riccati, attitude = self._riccati.read(), self._attitude.read()
         return Gains(mode=mode, riccati=riccati, attitude=attitude)
 
-    def write(self, gains: Gains) -> None:
+    def write(self, gains: Gains, base: Gains) -> None:
         """Show gains."""
-        self._mode.write(gains.mode)
-        self._riccati.write(gains.riccati)
-        self._attitude.write(gains.attitude)
+        self._mode.write(gains.mode, base.mode)
+        self._riccati.write(gains.riccati, base.riccati)
+        self._attitude.write(gains.attitude, base.attitude)
 
     def draw(self, picture: Picture) -> None:
         """Show what follows from the gains."""
@@ -56,34 +56,34 @@ class GainsPanel:
 class _RiccatiFolder:
     """q, v and p0; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
 
-    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
-        with gui.add_folder("Riccati observer: q and V"):
+    def __init__(self, sheet: Sheet) -> None:
+        self._section = section = Section(sheet, "Riccati observer: q and V")
+        with section:
             hint = (
                 "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
                 "Larger trusts the ranges more."
             )
-            self._q = LogDial(gui, "q", Q_RANGE, hint=hint, note=note)
+            self._q = LogDial(section, "q", Q_RANGE, hint=hint)
             why = "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
-            self._v = _blocks(gui, "V", V_RANGE, why, note)
-            self._line = gui.add_markdown("", visible=False)
-            self._complaint = Complaint(gui)
-        with gui.add_folder("Initial covariance P₀", expand_by_default=False):
+            self._v = _blocks(section, "V", V_RANGE, why)
+            self._line = sheet.gui.add_markdown("", visible=False)
+        self._start = section = Section(sheet, "Initial covariance P₀", expanded=False)
+        with section:
             why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
-            self._p0 = _blocks(gui, "P₀", P0_RANGE, why, note)
-            self._p0_complaint = Complaint(gui)
+            self._p0 = _blocks(section, "P₀", P0_RANGE, why)
 
     def read(self) -> RiccatiGains:
-        with self._complaint.catching():
+        with self._section.catching():
             q, v = self._q.read(), _read_blocks(self._v)
             checked = RiccatiGains(q=q, v=v)
-        with self._p0_complaint.catching():
+        with self._start.catching():
             return RiccatiGains(q=checked.q, v=checked.v, p0=_read_blocks(self._p0))
 
-    def write(self, gains: RiccatiGains) -> None:
-        self._q.write(gains.q)
+    def write(self, gains: RiccatiGains, base: RiccatiGains) -> None:
+        self._q.write(gains.q, base.q)
         for name in BLOCKS:
-            self._v[name].write(getattr(gains.v, name))
-            self._p0[name].write(getattr(gains.p0, name))
+            self._v[name].write(getattr(gains.v, name), getattr(base.v, name))
+            self._p0[name].write(getattr(gains.p0, name), getattr(base.p0, name))
 
     def draw(self, picture: Picture) -> None:
         matched = picture.preset.gains.mode == "noise-matched"
@@ -95,25 +95,25 @@ class _RiccatiFolder:
 class _AttitudeFolder:
     """k1, ρ1, ρ2 and the time constants they give."""
 
-    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
-        with gui.add_folder("Attitude filter"):
+    def __init__(self, sheet: Sheet) -> None:
+        self._section = section = Section(sheet, "Attitude filter")
+        with section:
             hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
-            self._k1 = LogDial(gui, "k1", K1_LIMITS, hint=hint, note=note, unit="1/s")
+            self._k1 = LogDial(section, "k1", K1_LIMITS, hint=hint, unit="1/s")
             hint = "ρ1 (no unit): weight of the magnetometer, whose vector has length 1 (paper, eq. 9)."
-            self._rho1 = LogDial(gui, "ρ1", RHO1_LIMITS, hint=hint, note=note)
+            self._rho1 = LogDial(section, "ρ1", RHO1_LIMITS, hint=hint)
             hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."
-            self._rho2 = LogDial(gui, "ρ2", RHO2_LIMITS, hint=hint, note=note)
-            self._line = gui.add_markdown("")
-            self._complaint = Complaint(gui)
+            self._rho2 = LogDial(section, "ρ2", RHO2_LIMITS, hint=hint)
+            self._line = sheet.gui.add_markdown("")
 
     def read(self) -> AttitudeGains:
-        with self._complaint.catching():
+        with self._section.catching():
             return AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
 
-    def write(self, gains: AttitudeGains) -> None:
-        self._k1.write(gains.k1)
-        self._rho1.write(gains.rho1)
-        self._rho2.write(gains.rho2)
+    def write(self, gains: AttitudeGains, base: AttitudeGains) -> None:
+        self._k1.write(gains.k1, base.k1)
+        self._rho1.write(gains.rho1, base.rho1)
+        self._rho2.write(gains.rho2, base.rho2)
 
     def draw(self, picture: Picture) -> None:
         rho2 = picture.preset.gains.attitude.rho2
@@ -126,12 +126,12 @@ class _AttitudeFolder:
             self._line.content = line
 
 
-def _blocks(gui: viser.GuiApi, name: str, limits: tuple[float, float], why: str, note: Note) -> dict[str, LogDial]:
+def _blocks(section: Section, name: str, limits: tuple[float, float], why: str) -> dict[str, LogDial]:
     """One dial for each block of the 13-state."""
 
     def dial(block: str, letter: str) -> LogDial:
         hint = f"{name}: the {block} block, in the square of its unit: {why}."
-        return LogDial(gui, f"{name}({letter})", limits, hint=hint, note=note)
+        return LogDial(section, f"{name}({letter})", limits, hint=hint)
 
     return {block: dial(block, letter) for block, letter in BLOCKS.items()}
 

@@ -1,51 +1,37 @@
-"""The Motion tab: every tone of path and angular velocity, the time scale and the window δ."""
+"""The Motion tab: duration, window and time scale; the path; the angular velocity and where the attitude starts."""
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import cast
 
-import msgspec
-import viser
+from explorer.drafting import Kind
+from explorer.panels.controls import Dial, LogDial, Number, Vector
+from explorer.panels.families import Place
+from explorer.panels.path import PathPanel, WholePath
+from explorer.panels.sheet import Section, Sheet
+from explorer.panels.signal import SignalEditor
+from explorer.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
+from rangenav.inputs import Vec3, require_within
+from rangenav.preset import MAX_DURATION, MIN_DURATION
+from rangenav.signals import Flown, Signal, Turning
 
-from explorer.panels.controls import Complaint, Dial, LogDial, Note, Vector
-from explorer.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Settings
-from rangenav.signals import Multisine, Signal, Tone, Turning
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Kind:
-    """What tells the two signals apart on the page."""
-
-    label: str
-    unit: str
-    amplitude: tuple[float, float]
-    frequency: tuple[float, float]
-    """Ranges of the sliders; a preset beyond them widens them."""
-    expanded: bool
-    open_tones: int
-    """Tones whose sliders are open at first; the labels of the others show their formula all the same."""
-
-
-PATH = _Kind(
-    label="Path p(t), inertial axes",
-    unit="m",
-    amplitude=(-3.0, 3.0),
-    frequency=(0.05, 20.0),
-    expanded=True,
-    open_tones=1,
+TURN = Place(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
+TURN_FAMILIES: dict[Kind, str] = {
+    "multisine": "sines",
+    "constant": "constant",
+    "formula": "formulas",
+    "waypoints": "keyframes",
+    "flown": "flown: as a multirotor must",
+}
+TURN_HINT = (
+    "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
+    "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."
 )
-TURN = _Kind(
-    label="Angular velocity ω(t), body axes",
-    unit="rad/s",
-    amplitude=(-3.0, 3.0),
-    frequency=(0.05, 10.0),
-    expanded=False,
-    open_tones=0,
+NO_EFFECT = (
+    "Turning the body changes neither the Gramian's eigenvalues nor the derived PE: they depend on path and gravity "
+    "alone. It does change the **printed** φ (Presets, *As printed in the paper*)."
 )
-
-
-S = TypeVar("S", bound=Turning)
-NO_TONES = "No tones: nothing to move here."
-NO_SLIDERS = "This one has no tones: it is used as its preset says, and has no sliders here."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +40,9 @@ class Chosen:
 
     path: Signal
     angular_velocity: Turning
+    initial_rotation: Vec3
     time_scale: float
+    duration: float
     window: float
 
     @staticmethod
@@ -64,7 +52,9 @@ class Chosen:
         return Chosen(
             path=p.path,
             angular_velocity=p.angular_velocity,
+            initial_rotation=p.initial_rotation,
             time_scale=settings.time_scale,
+            duration=p.duration,
             window=p.requirement.window,
         )
 
@@ -72,144 +62,116 @@ class Chosen:
 class MotionPanel:
     """All controls of the motion."""
 
-    def __init__(self, gui: viser.GuiApi, chosen: Chosen, note: Note) -> None:
-        hint = (
-            "s: the same path run s times slower. Its snap p⁗ falls as s⁻⁴ and the excitation μ over one period as s⁻⁷ "
-            "(paper, PE lemma), while thrust falls towards the weight."
-        )
-        self._scale = LogDial(gui, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint, note=note)
-        self._scale_line = gui.add_markdown("")
-        hint = (
-            "δ (s): the window of the excitation ∫p⁗p⁗ᵀ, of the Gramian (paper, definition of uniform observability)."
-        )
-        self._window = Dial(gui, "window δ (s)", (0.5, 15.0), step=0.1, hint=hint, note=note)
-        self.complaint = Complaint(gui)
-        self._path = _SignalFolder(gui, PATH, chosen.path, note)
-        self._offsets = _Offsets(gui, note)
-        self._turn = _SignalFolder(gui, TURN, chosen.angular_velocity, note)
-        self.write(chosen)
+    def __init__(self, sheet: Sheet, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
+        self._time = _Time(sheet)
+        self.path = PathPanel(sheet)
+        with self.path.section:
+            self._whole = WholePath(sheet, edit)
+        self._turning = _Turning(sheet)
 
     def read(self) -> Chosen:
         """The motion chosen. Raises Refused after saying why beside the control."""
-        with self.complaint.catching():
-            scale, window = self._scale.read(), self._window.read()
-        path = self._offsets.read(self._path.read())
-        return Chosen(path=path, angular_velocity=self._turn.read(), time_scale=scale, window=window)
+        scale, duration, window = self._time.read()
+        self._whole.fit(duration)
+        path = self.path.read(duration)
+        turning, start = self._turning.read(duration)
+        return Chosen(
+            path=path,
+            angular_velocity=turning,
+            initial_rotation=start,
+            time_scale=scale,
+            duration=duration,
+            window=window,
+        )
 
-    def write(self, chosen: Chosen) -> None:
+    def drafts(self) -> Drafts:
+        """What is entered in families that are not in use."""
+        path, wiggle = self.path.drafts()
+        return Drafts(path=path, wiggle=wiggle, angular_velocity=self._turning.drafts())
+
+    def write(self, chosen: Chosen, base: Chosen, drafts: Drafts) -> None:
         """Show a motion."""
-        self._scale.write(chosen.time_scale)
-        self._window.write(chosen.window)
-        self._path.write(chosen.path)
-        self._offsets.write(chosen.path)
-        self._turn.write(chosen.angular_velocity)
+        self._time.write(chosen, base)
+        self.path.write(chosen.path, base.path, drafts)
+        self._turning.write(chosen, base, drafts)
 
     def draw(self, time_scale: float) -> None:
         """Say what the time scale does to μ."""
+        self._time.draw(time_scale)
+
+    def complain(self, sentence: str) -> None:
+        """Say a sentence about the whole motion where its cause is."""
+        if sentence.startswith("path:"):
+            place = self.path.section
+        elif sentence.startswith(("angular_velocity:", "flown:", "initial_rotation")):
+            place = self._turning.section
+        else:
+            place = self._time.section
+        place.complaint.say(sentence)
+
+    def clear(self) -> None:
+        """Nothing is wrong with the motion as a whole."""
+        for place in (self._time.section, self.path.section, self._turning.section):
+            place.complaint.clear()
+
+
+class _Time:
+    """How long, over which window, and how slowly."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.section = section = Section(sheet)
+        with section:
+            hint = (
+                "s: the same path run s times slower. Its snap p⁗ falls as s⁻⁴ and the excitation μ over one period as "
+                "s⁻⁷ (paper, PE lemma), while thrust falls towards the weight."
+            )
+            self._scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
+            self._line = sheet.gui.add_markdown("")
+            hint = "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability)."
+            self._window = Dial(section, "window δ (s)", (0.5, 15.0), step=0.1, hint=hint)
+            hint = f"How long the flight is, {MIN_DURATION:g} to {MAX_DURATION:g} s; a longer one takes longer to show."
+            self._duration = Number(section, "duration (s)", step=1.0, hint=hint)
+
+    def read(self) -> tuple[float, float, float]:
+        with self.section.catching():
+            duration = self._duration.read()
+            require_within("duration", duration, MIN_DURATION, MAX_DURATION, "s")
+            return self._scale.read(), duration, self._window.read()
+
+    def write(self, chosen: Chosen, base: Chosen) -> None:
+        self._scale.write(chosen.time_scale, base.time_scale)
+        self._window.write(chosen.window, base.window)
+        self._duration.write(chosen.duration, base.duration)
+
+    def draw(self, time_scale: float) -> None:
         line = f"μ ∝ s⁻⁷ over one period: × {time_scale**-7:.3g}; over a fixed δ about s⁻⁸: × {time_scale**-8:.3g}"
-        if line != self._scale_line.content:
-            self._scale_line.content = line
+        if line != self._line.content:
+            self._line.content = line
 
 
-class _SignalFolder(Generic[S]):
-    """The tones of one signal; rebuilt when a preset with others is written. Other families are only shown."""
+class _Turning:
+    """ω(t) and R(0)."""
 
-    def __init__(self, gui: viser.GuiApi, kind: _Kind, signal: S, note: Note) -> None:
-        self._gui, self._kind, self._note = gui, kind, note
-        self._folder = gui.add_folder(kind.label, expand_by_default=kind.expanded)
-        with self._folder:
-            self._none = gui.add_markdown("", visible=False)
-        self._tones: list[_ToneFolder] = []
-        self._build(signal)
+    def __init__(self, sheet: Sheet) -> None:
+        self.section = section = Section(sheet, "Angular velocity ω(t), body axes", expanded=False)
+        with section:
+            sheet.gui.add_markdown(NO_EFFECT)
+            self._signal = SignalEditor(sheet, TURN, TURN_FAMILIES, hint=TURN_HINT)
+            self._start = start = Section(sheet, "Initial attitude R(0)", expanded=True)
+            with start:
+                hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
+                self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))
 
-    def read(self) -> S:
-        tones = tuple(tone.read() for tone in self._tones)
-        if not isinstance(self._written, Multisine):
-            return self._written
-        return msgspec.structs.replace(self._written, tones=tones)
+    def read(self, duration: float) -> tuple[Turning, Vec3]:
+        turning = self._signal.read(duration)
+        self._start.show(not isinstance(turning, Flown))
+        with self._start.catching():
+            return turning, self._rotation.read()
 
-    def write(self, signal: S) -> None:
-        if [tone.axis for tone in _tones(signal)] != [tone.axis for tone in self._tones]:
-            self._build(signal)
-        self._written = signal
-        self._none.content = NO_TONES if isinstance(signal, Multisine) else NO_SLIDERS
-        for folder, tone in zip(self._tones, _tones(signal), strict=True):
-            folder.write(tone)
+    def write(self, chosen: Chosen, base: Chosen, drafts: Drafts) -> None:
+        self._signal.write(chosen.angular_velocity, base.angular_velocity, drafts.angular_velocity)
+        self._rotation.write(chosen.initial_rotation, base.initial_rotation)
+        self._start.show(not isinstance(chosen.angular_velocity, Flown))
 
-    def _build(self, signal: S) -> None:
-        for tone in self._tones:
-            tone.remove()
-        with self._folder:
-            self._tones = [
-                _ToneFolder(self._gui, self._kind, tone, self._note, expanded=i < self._kind.open_tones)
-                for i, tone in enumerate(_tones(signal))
-            ]
-        self._written, self._none.visible = signal, not self._tones
-
-
-def _tones(signal: Turning) -> tuple[Tone, ...]:
-    return signal.tones if isinstance(signal, Multisine) else ()
-
-
-class _ToneFolder:
-    """A · sin(w t + phase) on one axis."""
-
-    def __init__(self, gui: viser.GuiApi, kind: _Kind, tone: Tone, note: Note, *, expanded: bool) -> None:
-        self._base = tone
-        self._folder = gui.add_folder(tone.axis, expand_by_default=expanded)
-        with self._folder:
-            hint = f"A ({kind.unit}): adds A sin(w t + φ₀) to the {tone.axis} component; its fourth derivative is A w⁴."
-            self._amplitude = Dial(gui, f"A ({kind.unit})", kind.amplitude, step=0.001, hint=hint, note=note)
-            hint = "w (rad/s): the tone's frequency at s = 1; it must stay below the IMU's Nyquist frequency."
-            self._frequency = Dial(gui, "w (rad/s)", kind.frequency, step=0.01, hint=hint, note=note)
-            hint = "φ₀ (rad): the tone's phase at t = 0; π/2 makes it a cosine."
-            self._phase = Dial(gui, "φ₀ (rad)", (-3.142, 3.142), step=0.001, hint=hint, note=note)
-            self._complaint = Complaint(gui)
-
-    def read(self) -> Tone:
-        with self._complaint.catching():
-            amplitude, frequency, phase = self._amplitude.read(), self._frequency.read(), self._phase.read()
-            tone = msgspec.structs.replace(self._base, amplitude=amplitude, frequency=frequency, phase=phase)
-        self._caption(tone)
-        return tone
-
-    def write(self, tone: Tone) -> None:
-        self._amplitude.write(tone.amplitude)
-        self._frequency.write(tone.frequency)
-        self._phase.write(tone.phase)
-        self._caption(tone)
-
-    @property
-    def axis(self) -> str:
-        return self._base.axis
-
-    def remove(self) -> None:
-        self._folder.remove()
-
-    def _caption(self, tone: Tone) -> None:
-        label = f"{tone.axis}: {tone.amplitude:.3g} sin({tone.frequency:.3g} t {tone.phase:+.3g})"
-        if label != self._folder.label:
-            self._folder.label = label
-
-
-class _Offsets:
-    """Where a path starts and how it drifts: a line or a hover has nothing else."""
-
-    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
-        with gui.add_folder("Path: offset and drift", expand_by_default=False):
-            hint = "m, inertial axes: added to the tones. It moves the path against the anchor; the excitation stays."
-            self._offset = Vector(gui, "offset (m)", step=0.01, hint=hint, note=note)
-            hint = "m/s, inertial axes: a constant velocity added to the tones. It has no snap, so it excites nothing."
-            self._drift = Vector(gui, "drift (m/s)", step=0.01, hint=hint, note=note)
-            self._complaint = Complaint(gui)
-
-    def read(self, signal: Signal) -> Signal:
-        if not isinstance(signal, Multisine):
-            return signal
-        with self._complaint.catching():
-            return msgspec.structs.replace(signal, offset=self._offset.read(), drift=self._drift.read())
-
-    def write(self, signal: Signal) -> None:
-        if isinstance(signal, Multisine):
-            self._offset.write(signal.offset)
-            self._drift.write(signal.drift)
+    def drafts(self) -> tuple[Turning, ...]:
+        return cast(tuple[Turning, ...], self._signal.drafts())

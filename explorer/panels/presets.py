@@ -2,11 +2,9 @@
 
 import html
 import math
-from typing import Literal
 
-import viser
-
-from explorer.panels.controls import Choice, Clicks, Note
+from explorer.panels.controls import Choice
+from explorer.panels.sheet import Action, Section, Sheet
 from explorer.settings import Settings, effective
 from rangenav import analysis, preset
 from rangenav.preset import Preset
@@ -14,57 +12,49 @@ from rangenav.preset import Preset
 PRINTED_START = (
     "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
 )
+FIGURES = (
+    "Loads the paper's own scenario and shows the position, velocity and gravity errors (fig. 3), the attitude error "
+    "(fig. 4) and the true and estimated path (fig. 5)."
+)
+DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
 EXPECTED = {
     "observable": "● expected observable",
     "weak": "▲ expected weak",
     "unobservable": "✕ expected unobservable",
 }
-Action = Literal["again", "paper", "download"]
 
 
 class PresetsPanel:
     """Picker and buttons."""
 
-    def __init__(self, gui: viser.GuiApi, presets: dict[str, Preset], name: str, note: Note) -> None:
-        self._clicks = Clicks(note)
+    def __init__(
+        self, sheet: Sheet, presets: dict[str, Preset], *, again: Action, paper: Action, download: Action
+    ) -> None:
+        self._section = section = Section(sheet)
         titles = {name: f"{shown.title} ({name})" for name, shown in presets.items()}
-        hint = "Every shipped motion, with its sensors, gains and requirement. Choosing one discards what was changed."
-        self._choice = Choice(gui, "preset", titles, hint=hint, note=note)
-        self._story = gui.add_html("")
-        self._button(gui, "Start this preset again", "again", "Puts every control back to what the preset says.")
-        self._button(
-            gui,
-            "The paper's figures 3–5",
-            "paper",
-            "Loads the paper's own scenario and shows the position, velocity and gravity errors (fig. 3), the attitude "
-            "error (fig. 4) and the true and estimated path (fig. 5).",
-        )
-        self._button(
-            gui,
-            "Download this preset",
-            "download",
-            "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself.",
-        )
-        self.write(name, presets[name])
+        with section:
+            hint = "Every shipped motion, with its sensors, gains and requirement. Ctrl+Z brings back what was there."
+            self._choice = Choice(section, "preset", titles, hint=hint)
+            self._story = sheet.gui.add_html("")
+            for label, action, hint in (
+                ("Start this preset again", again, "Puts every control back to what the preset says."),
+                ("The paper's figures 3–5", paper, FIGURES),
+                ("Download this preset", download, DOWNLOAD),
+            ):
+                sheet.button(label, action, hint=hint)
+                sheet.command(label, action)
 
     def read(self) -> str:
-        """The name of the chosen preset. Raises ValueError if the browser sent another."""
-        return self._choice.read()
+        """The name of the chosen preset. Raises Refused if the browser sent another."""
+        with self._section.catching():
+            return self._choice.read()
 
     def write(self, name: str, shown: Preset) -> None:
         """Show a preset's name, story and expectation."""
-        self._choice.write(name)
+        self._choice.write(name, name)
         expected = EXPECTED[shown.expect]
         style = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em"
         self._story.content = f'<div style="{style}">{html.escape(shown.story)}<br><b>{expected}</b></div>'
-
-    def actions(self) -> list[str]:
-        """The buttons pressed since the last call, in order."""
-        return self._clicks.take()
-
-    def _button(self, gui: viser.GuiApi, label: str, action: Action, hint: str) -> None:
-        gui.add_button(label, hint=hint).on_click(lambda _: self._clicks.add(action))
-        gui.add_command(label).on_trigger(lambda _: self._clicks.add(action))
 
 
 def document(settings: Settings) -> bytes:

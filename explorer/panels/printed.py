@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import viser
 
 from explorer.compute import Picture
-from explorer.panels.controls import Note, Switch
+from explorer.panels.controls import Switch
+from explorer.panels.sheet import Section, Sheet
 from explorer.settings import Printed
 
 UNDESIRED = (
@@ -19,12 +19,12 @@ UNDESIRED = (
 class PrintedPanel:
     """The switches "as printed"."""
 
-    def __init__(self, gui: viser.GuiApi, printed: Printed, note: Note) -> None:
-        with gui.add_folder("As printed in the paper"):
-            gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
-            self._switches = {name: _Row(gui, row, note) for name, row in ROWS.items()}
-            gui.add_markdown(UNDESIRED)
-        self.write(printed)
+    def __init__(self, sheet: Sheet) -> None:
+        section = Section(sheet, "As printed in the paper")
+        with section:
+            sheet.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
+            self._switches = {name: _Row(section, row) for name, row in ROWS.items()}
+            sheet.gui.add_markdown(UNDESIRED)
 
     def read(self) -> Printed:
         """The switches that are on."""
@@ -33,7 +33,7 @@ class PrintedPanel:
     def write(self, printed: Printed) -> None:
         """Show switches."""
         for name, row in self._switches.items():
-            row.switch.write(getattr(printed, name))
+            row.switch.write(getattr(printed, name), False)
 
     def draw(self, picture: Picture) -> None:
         """Say beside each switch what it does to this picture."""
@@ -51,9 +51,9 @@ class Row:
 
 
 class _Row:
-    def __init__(self, gui: viser.GuiApi, row: Row, note: Note) -> None:
-        self.switch = Switch(gui, row.label, hint=row.hint, note=note)
-        self._line = gui.add_markdown("")
+    def __init__(self, section: Section, row: Row) -> None:
+        self.switch = Switch(section, row.label, hint=row.hint)
+        self._line = section.gui.add_markdown("")
 
     def draw(self, sentence: str) -> None:
         if sentence != self._line.content:

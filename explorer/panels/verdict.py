@@ -6,7 +6,9 @@ import math
 import viser
 
 from explorer.compute import Picture
-from explorer.panels.controls import Complaint
+from explorer.panels.sheet import Complaint
+from rangenav import sensors
+from rangenav.vehicle import FREE
 
 WORDS = {
     "observable": ("●", "#00785a", "OBSERVABLE", "full rank, and the predicted error meets the requirement"),
@@ -67,7 +69,11 @@ def _chips(picture: Picture) -> str:
 
 
 def _rows(picture: Picture) -> list[tuple[str, str]]:
-    return [*_observability_rows(picture), *_observer_rows(picture), ("vehicle", _vehicle(picture))]
+    rows = [*_observability_rows(picture), *_observer_rows(picture)]
+    beyond = sensors.words(picture.preset.sensors)
+    if beyond:
+        rows.append(("sensors", "<br>".join(f"▲ {html.escape(sentence)}" for sentence in beyond)))
+    return [*rows, ("vehicle", _vehicle(picture))]
 
 
 def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
@@ -120,6 +126,22 @@ def _since(seconds: float | None, limit: str) -> str:
 
 
 def _vehicle(picture: Picture) -> str:
+    return "<br>".join([*_flyable(picture), _demands(picture)])
+
+
+def _flyable(picture: Picture) -> list[str]:
+    """Whether the chosen vehicle can, and what stops it; nothing is forbidden to a free one."""
+    chosen = picture.preset.vehicle
+    name = html.escape(chosen.name)
+    if chosen == FREE:
+        return []
+    if not picture.breaks:
+        return [f'<b style="color:{WORDS["observable"][1]}">✓ flyable</b> by {name}']
+    head = f'<b style="color:{WORDS["blind"][1]}">✕ not flyable</b> by {name}'
+    return [head, *(f"✕ {html.escape(one.words)}" for one in picture.breaks)]
+
+
+def _demands(picture: Picture) -> str:
     limits = picture.limits
     thrust = f"<b>{limits.thrust_to_weight:.3g} times the weight</b> in thrust"
     rate = f"{number(limits.speed, 'm/s')}, {number(math.degrees(limits.body_rate))}°/s"

@@ -9,6 +9,7 @@ from viser.transforms import SO3
 from explorer.compute import Picture
 from explorer.scene import stage as stages
 from explorer.scene.arrows import Arrow
+from explorer.scene.broken import BrokenPath
 from explorer.scene.colors import (
     BLUE,
     GREEN,
@@ -21,7 +22,7 @@ from explorer.scene.colors import (
     VERMILLION,
     linear,
 )
-from explorer.scene.stage import Stage
+from explorer.scene.stage import NO_LINE, UNSEEN, Stage
 from explorer.scene.vehicle import Vehicle
 from explorer.scene.view import View
 from rangenav.observability import blindness
@@ -30,9 +31,6 @@ from rangenav.observability.blindness import Direction
 USUAL_UP = (0.0, 0.0, -1.0)
 """The paper's z axis points down."""
 MAX_BLIND = 6
-UNSEEN = 1e-4
-"""m: the size of what waits for the first picture, while kernels compile; at its own size it would fill the view."""
-NO_LINE = np.zeros((1, 2, 3))
 BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
 """A colour for each end from the start: the browser cannot turn a line of one colour into one of many."""
 
@@ -51,6 +49,7 @@ class Scene:
         self._up = np.array(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         self._path = scene.add_line_segments("/path", NO_LINE, BLUE, thickness=3.0, thickness_units="screen")
+        self._broken = BrokenPath(scene)
         self._trail = scene.add_line_segments("/trail", NO_LINE, BLACK_ENDS, thickness=2.0, thickness_units="screen")
         self._anchor = scene.add_frame("/anchor", show_axes=False)
         self._beacon = scene.add_icosphere(
@@ -89,15 +88,21 @@ class Scene:
         self._far = Arrow(scene, "/compass/far", "", VERMILLION)
         self._blind = [Arrow(scene, f"/blind{i}", "", ORANGE, both_ways=True) for i in range(MAX_BLIND)]
 
-    def draw(self, picture: Picture) -> None:
-        """Show another picture, at the time shown last."""
+    @property
+    def stage(self) -> Stage | None:
+        """How large the picture drawn last is; None before the first."""
+        return self._stage
+
+    def draw(self, picture: Picture, *, dragging: bool = False) -> None:
+        """Show another picture, at the time shown last. While something is dragged the camera stands still."""
         on = stages.stage(picture)
         self._fit(picture, on)
-        self._path.points = stages.solid(picture, on).astype(np.float32)
+        self._path.points = stages.solid(picture.motion, on).astype(np.float32)
+        self._broken.draw(picture.motion, picture.breaks, on)
         self._draw_trail(stages.not_astray(picture, on), on)
         self._magnetic = stages.last_seen(picture.measurements.mag)
         self._draw_blind(picture.analysis.directions, on)
-        self._view.frame(on)
+        self._view.frame(on, picture.motion.position, dragging=dragging)
         self.move(picture, self._time)
 
     def move(self, picture: Picture, time: float) -> None:

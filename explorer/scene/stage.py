@@ -7,10 +7,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from explorer.compute import Picture
+from rangenav.motion import Motion
 
 REACH = 3.0
 """The stage ends at this many radii from its centre: curves, ellipsoids and ghosts beyond are not drawn."""
@@ -26,6 +27,10 @@ UNIT_SHARE, SMALLEST_UNIT_SHARE = 0.16, 0.04
 SAGITTA_SHARE = 0.002
 """How far, in radii, a chord of the drawn true path may leave the curve."""
 MAX_POINTS, MAX_DASHES = 1500, 1500
+NO_LINE = np.zeros((1, 2, 3))
+"""What a line is made of before there is a picture."""
+UNSEEN = 1e-4
+"""m: the size of what waits for the first picture, while kernels compile; at its own size it would fill the view."""
 DASHES_PER_RADIUS = 14
 
 
@@ -83,16 +88,21 @@ def round_step(length: float) -> float:
     return next(step * power for step in (1, 2, 5, 10) if length <= step * power * (1 + 1e-9))
 
 
-def solid(picture: Picture, on: Stage) -> Float[Array, "m 2 3"]:
-    """The true path as segments: as few as keep each chord within the sagitta |p̈| Δt²/8, at most 1500."""
-    motion = picture.motion
+def solid(motion: Motion, on: Stage) -> Float[Array, "m 2 3"]:
+    """The true path as segments."""
+    points = motion.position[chords(motion, on)]
+    return np.stack([points[:-1], points[1:]], axis=1)
+
+
+def chords(motion: Motion, on: Stage) -> Int[Array, "k"]:
+    """Samples to draw a path through: as few as keep each chord within the sagitta |p̈| Δt²/8, at most 1500."""
+    count = len(motion.time)
     step = float(motion.time[1] - motion.time[0])
     fastest = float(np.linalg.norm(motion.acceleration, axis=1).max())
     chord = math.sqrt(8 * SAGITTA_SHARE * on.radius / max(fastest, 1e-9))
-    stride = max(int(chord / step), -(-len(motion.time) // MAX_POINTS), 1)
-    stride = min(stride, max(len(motion.time) // 8, 1))
-    points = np.vstack([motion.position[::stride], motion.position[-1:]])
-    return np.stack([points[:-1], points[1:]], axis=1)
+    stride = max(int(chord / step), -(-count // MAX_POINTS), 1)
+    stride = min(stride, max(count // 8, 1))
+    return np.append(np.arange(0, count - 1, stride), count - 1)
 
 
 def not_astray(picture: Picture, on: Stage) -> Float[Array, "n 3"]:

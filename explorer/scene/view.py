@@ -1,4 +1,7 @@
-"""Where the camera stands: set anew when the path is somewhere else, and never while someone moves it."""
+"""Where the camera stands: set anew when the path is somewhere else, and never while someone moves it.
+
+While a handle is dragged it stands still. It stays after the drag, too, unless the path was in view and has left it.
+"""
 
 import math
 import time as clock
@@ -8,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import CameraHandle
+from viser.transforms import SO3
 
 from explorer.scene.stage import Stage
 
@@ -23,6 +27,8 @@ MARGIN = 1.2
 FAR, FAR_DISTANCES = 1000.0, 60.0
 """m, and distances of the camera, up to which things are drawn."""
 TRIES = 3
+IN_VIEW = 0.5
+"""Share of a path that must be seen for the path to be in view."""
 ARRIVED = 0.02
 """Of the distance: a camera this near to where it was sent has arrived."""
 
@@ -42,14 +48,24 @@ class View:
         self._camera = camera
         self._framed: Stage | None = None
         self._aim: Aim | None = None
+        self._dragged = self._seen = False
         camera.on_update(self._confirm)
 
-    def frame(self, on: Stage) -> None:
+    def frame(self, on: Stage, path: Float[Array, "n 3"], *, dragging: bool = False) -> None:
         """Look at path and anchor from above, if they are not where the camera was set last."""
+        if dragging:
+            if not self._dragged:
+                self._dragged, self._seen = True, self._sees(path)
+            return
+        dragged, self._dragged = self._dragged, False
+        left = dragged and self._seen and not self._sees(path)
+        if dragged and not left:
+            self._framed = on  # as the visitor likes to look at it: only what comes after counts
+            return
         before = self._framed
         if before is not None:
             moving = clock.time() - self._camera.update_timestamp < RESTING
-            if alike(before, on) or moving:
+            if moving or (alike(before, on) and not left):
                 return
         self._framed = on
         narrowest = min(1.0, self._camera.image_width / max(self._camera.image_height, 1))
@@ -57,6 +73,11 @@ class View:
         distance = MARGIN * on.view_radius / math.sin(half)
         self._camera.far = max(FAR, FAR_DISTANCES * distance)
         self._send(Aim(on.view_centre + distance * direction(on.up), on.view_centre, TRIES))
+
+    def _sees(self, path: Float[Array, "n 3"]) -> bool:
+        camera = self._camera
+        shape = camera.image_width / max(camera.image_height, 1)
+        return seen(path, np.asarray(camera.position), np.asarray(camera.wxyz), camera.fov, shape) >= IN_VIEW
 
     def _send(self, aim: Aim) -> None:
         self._aim = aim
@@ -73,6 +94,16 @@ class View:
         self._aim = None
         if off > ARRIVED * np.linalg.norm(aim.position - aim.target) and aim.tries > 0:
             self._send(aim._replace(tries=aim.tries - 1))
+
+
+def seen(
+    path: Float[Array, "n 3"], position: Float[Array, "3"], wxyz: Float[Array, "4"], fov: float, shape: float
+) -> float:
+    """The share of a path that a camera sees: at its place, turned by a quaternion that takes (right, down, ahead) to
+    the inertial axes, with a vertical field of view (rad) and a picture `shape` times as wide as high."""
+    right, down, ahead = (SO3(wxyz).inverse().as_matrix() @ (path - position).T).astype(float)
+    top = math.tan(fov / 2)
+    return float(np.mean((ahead > 0) & (np.abs(down) <= top * ahead) & (np.abs(right) <= shape * top * ahead)))
 
 
 def alike(before: Stage, on: Stage) -> bool:

@@ -50,12 +50,19 @@ def figures(preset: Preset) -> Figures:
     few = edges[:: 1 + len(edges) // MAX_KNOTS]
     events = np.concatenate([few, few - window])
     start = np.union1d(np.linspace(0, last, WINDOWS), events[(events >= 0) & (events <= last)])
-    noise = preset.sensors.noise.range
+    ranging = preset.sensors
     sigma = accuracy.end_sigmas(
-        path, preset.world, start, window, sigma=noise, rate=preset.sensors.range_rate, kind="lifted"
+        path,
+        preset.world,
+        start,
+        window,
+        sigma=ranging.sigma.range,
+        rate=ranging.range_rate,
+        kind="lifted",
+        share=ranging.arriving,
     )[:, 0]
     return Figures(
-        mu=max(BLIND_MU, excitation.worst(path, start, window)[0]),
+        mu=max(BLIND_MU, float(excitation.eigenvalues(path, start, window)[:, 0].min())),
         sigma=float(np.max(np.nan_to_num(sigma, nan=np.inf))),
         excess=excess(demanded(preset), preset.vehicle),
     )

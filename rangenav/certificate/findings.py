@@ -15,7 +15,7 @@ from rangenav.certificate.contents import Claim, figure, known
 from rangenav.certificate.envelope import UnboundedError
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
-from rangenav.observability import accuracy, blindness, excitation, spectrum
+from rangenav.observability import accuracy, blindness, excitation, rows, spectrum
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Sum, piecewise
 from rangenav.vehicle import THRUST_MARGIN
@@ -26,6 +26,8 @@ MAX_EVENTS = 100
 Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
 EVERY: Starts = "every t >= 0"
 FLIGHT: Starts = "every t in [0, duration - window]"
+PANEL_NODES, PANEL_TURN = 16, 8.0
+"""Of one window, for its null space alone: Gauss nodes, and rad of the fastest tone that they integrate to rounding."""
 SIGMA_TIE = 1e-3
 """Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
 
@@ -82,7 +84,9 @@ def _sampled(preset: Preset, why: str) -> tuple[Claim, contents.Excitation]:
     """Without a bound: what sampled windows say, and why there is no more."""
     path, window = preset.path, preset.requirement.window
     start = _starts(preset, _last(preset))
-    mu, at = excitation.worst(path, start, window)
+    every = excitation.eigenvalues(path, start, window)[:, 0]
+    k = int(np.argmin(every))
+    mu, at = float(every[k]), float(start[k])
     values, axes = excitation.directions(path, at, window)
     floor = excitation.floor(values[None])
     part = contents.Excitation(
@@ -123,7 +127,8 @@ def ranked(preset: Preset, claim: Claim) -> contents.Rank:
     least = np.where(lifted.rank == rank, lifted.scaled[:, STATES - 1] if rank == STATES else 0.0, np.inf)
     k = _first_near(least, float(least.min()), TIE)
     values, axes = excitation.directions(path, float(start[k]), window)
-    blind = blindness.directions(lifted.null_basis[k], values, axes) if rank < STATES else ()
+    unseen = _null_basis(preset, float(start[k]), rank)
+    blind = blindness.directions(unseen, values, axes) if rank < STATES else ()
     return contents.Rank(
         rank=rank,
         of=STATES,
@@ -137,12 +142,27 @@ def ranked(preset: Preset, claim: Claim) -> contents.Rank:
     )
 
 
+def _null_basis(preset: Preset, start: float, rank: int) -> Float[Array, "13 k"]:
+    """What one window does not see, in units of 1 m and δ: the last right singular vectors of its rows."""
+    path, window = preset.path, preset.requirement.window
+    panels = 1 + int(envelope.turning(path, start + window) * window / PANEL_TURN)
+    inside = envelope.knots(path, start + window) - start
+    edge = np.union1d(np.linspace(0, window, panels + 1), inside[(inside > 0) & (inside < window)])
+    node, weight = np.polynomial.legendre.leggauss(PANEL_NODES)
+    length = np.diff(edge)
+    tau = (edge[:-1, None] + length[:, None] * (node + 1) / 2).ravel()
+    rows_there = rows.lifted(path, preset.world.gravity, np.array([start]), tau)[0]
+    weighted = rows_there * np.sqrt((length[:, None] * weight / 2).ravel() / window)[:, None]
+    scaled = np.linalg.qr(weighted, mode="r") * window ** -spectrum.LIFTED_TIME_POWERS.astype(float)
+    return np.linalg.svd(scaled)[2][rank:].T
+
+
 def predicted(preset: Preset) -> contents.Accuracy:
     """Predicted σ on the sampled window of the flight that is worst for the lifted position at its end."""
     path, window, world, sensors = preset.path, preset.requirement.window, preset.world, preset.sensors
-    sigma, rate = sensors.noise.range, sensors.range_rate
+    sigma, rate, share = sensors.sigma.range, sensors.range_rate, sensors.arriving
     start = _starts(preset, _last(preset))
-    curve = accuracy.end_sigmas(path, world, start, window, sigma=sigma, rate=rate, kind="lifted")[:, 0]
+    curve = accuracy.end_sigmas(path, world, start, window, sigma=sigma, rate=rate, kind="lifted", share=share)[:, 0]
     curve = np.nan_to_num(curve, nan=np.inf)
     worst = float(curve.max())
     k = int(np.argmax(curve >= worst * (1 - SIGMA_TIE)))
@@ -150,7 +170,7 @@ def predicted(preset: Preset) -> contents.Accuracy:
 
     def ends(kind: accuracy.Kind) -> contents.Ends:
         both = [
-            accuracy.predict(path, world, at, window, sigma=sigma, rate=rate, kind=kind, at=end)
+            accuracy.predict(path, world, at, window, sigma=sigma, rate=rate, kind=kind, at=end, share=share)
             for end in ("start", "end")
         ]
         return contents.Ends(start=_sigma(both[0]), end=_sigma(both[1]))

@@ -47,17 +47,30 @@ def predict(
     rate: float,
     kind: Kind,
     at: Literal["start", "end"],
+    share: float = 1.0,
 ) -> Accuracy:
-    """Accuracy at the start or the end of one window, from all its ranges at `rate` (Hz) with noise sigma (m)."""
+    """Accuracy at the start or the end of one window, from its ranges at `rate` (Hz) with noise sigma (m).
+
+    Where only a share of them arrives, now this one and now that, it is the accuracy of the expected information.
+    """
     tau = np.arange(int(window * rate + 1e-9) + 1) / rate
     if at == "end":
         start, tau = start + window, tau - window
-    values = sigmas(path, world, np.array([start]), tau, np.ones(len(tau)), window, sigma=sigma, kind=kind)[0]
+    count = np.full(len(tau), share)
+    values = sigmas(path, world, np.array([start]), tau, count, window, sigma=sigma, kind=kind)[0]
     return Accuracy(position=float(values[0]), velocity=float(values[1]), gravity=float(values[2]))
 
 
 def end_sigmas(
-    path: Signal, world: World, start: Float[Array, "w"], window: float, *, sigma: float, rate: float, kind: Kind
+    path: Signal,
+    world: World,
+    start: Float[Array, "w"],
+    window: float,
+    *,
+    sigma: float,
+    rate: float,
+    kind: Kind,
+    share: float = 1.0,
 ) -> Float[Array, "w 3"]:
     """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ and half of both ends.
 
@@ -66,7 +79,7 @@ def end_sigmas(
     """
     nodes, weight = rows.nodes(path, start, window)
     tau = np.concatenate([[0.0], nodes, [window]])
-    count = np.concatenate([[0.5], weight * (window * rate), [0.5]])
+    count = share * np.concatenate([[0.5], weight * (window * rate), [0.5]])
     return sigmas(path, world, start + window, tau - window, count, window, sigma=sigma, kind=kind)
 
 

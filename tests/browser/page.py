@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Browser, Locator, Page, Playwright, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Playwright, sync_playwright
 
 CHROMIUM = next((path for path in ("/usr/bin/chromium", "/usr/bin/chromium-browser") if Path(path).exists()), None)
 FLAGS = [
@@ -36,6 +36,8 @@ PATIENCE = 60.0
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
+USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
+"""viser's own, at each press on a node that can be dragged; the drag is none the worse for it."""
 ROW = "xpath=ancestor::div[./div[2]][1]/div[2]"
 """From the label of a control to what stands beside it."""
 
@@ -98,13 +100,15 @@ class Visitor:
         """Errors in the browser's console, and uncaught ones."""
         context = browser.new_context(viewport={"width": width, "height": height}, device_scale_factor=density)
         self.page: Page = context.new_page()
-        self.page.on(
-            "console", lambda message: self.complaints.append(message.text) if message.type == "error" else None
-        )
+        self.page.on("console", self._listen)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.url = url
         self.page.goto(url)
         self.wait_until_drawn()
+
+    def _listen(self, message: ConsoleMessage) -> None:
+        if message.type == "error" and not message.text.startswith(USUAL_COMPLAINT):
+            self.complaints.append(message.text)
 
     def wait_until_drawn(self, timeout: float = PATIENCE) -> None:
         """Until the first verdict is on the page."""
@@ -144,7 +148,8 @@ class Visitor:
 
     def beside(self, label: str) -> Locator:
         """The control whose label begins so."""
-        found = f"//label[normalize-space(.)='{label}' or starts-with(normalize-space(.), '{label} =')]"
+        marked = f"normalize-space(.)='{label}' or normalize-space(.)='{label} •'"
+        found = f"//label[{marked} or starts-with(normalize-space(.), '{label} =')]"
         return self.page.locator(f"xpath={found}").first.locator(ROW)
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:
@@ -193,6 +198,46 @@ class Visitor:
         )
         return self.page.evaluate(expression, name)
 
+    def screen_position(self, name: str, offset: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> tuple[float, float]:
+        """Where on the page (CSS px) a node of the scene is seen, or a point (m) in its own axes."""
+        x, y = self.page.evaluate(PROJECT, [name, offset])
+        return x, y
+
+    def drag_node(
+        self, name: str, by_pixels: tuple[float, float], *, steps: int = 20, seconds: float = 1.0, release: bool = True
+    ) -> None:
+        """Take hold of a node of the scene with the mouse, and move it across the screen."""
+        self.drag(self.screen_position(name), by_pixels, steps=steps, seconds=seconds, release=release)
+
+    def drag(
+        self,
+        start: tuple[float, float],
+        by_pixels: tuple[float, float],
+        *,
+        steps: int = 20,
+        seconds: float = 1.0,
+        release: bool = True,
+    ) -> None:
+        """Press the mouse at a place of the page, move it in equal steps, and let go."""
+        mouse = self.page.mouse
+        mouse.move(*start)
+        time.sleep(INPUT_PAUSE)  # the page must know what is under the mouse
+        mouse.down()
+        for k in range(1, steps + 1):
+            mouse.move(start[0] + by_pixels[0] * k / steps, start[1] + by_pixels[1] * k / steps)
+            time.sleep(seconds / steps)
+        if release:
+            mouse.up()
+        time.sleep(INPUT_PAUSE)
+
+    def click_node(self, name: str) -> None:
+        """Click on a node of the scene."""
+        self.page.mouse.move(*self.screen_position(name))
+        time.sleep(INPUT_PAUSE)
+        self.page.mouse.down()
+        self.page.mouse.up()
+        time.sleep(INPUT_PAUSE)
+
     def dismiss_notifications(self) -> None:
         """Close them all; viser warns of a software renderer, which is what a test has."""
         for button in self.page.locator(".mantine-Notification-closeButton").all():
@@ -212,6 +257,17 @@ class Visitor:
         return self.page.evaluate(MEASURE, [thumb, curve, count])
 
 
+PROJECT = """([name, offset]) => {
+    const viewer = window.__viserMutable;
+    const times = (matrix, [x, y, z, w]) =>
+        [0, 1, 2, 3].map(i => matrix[i] * x + matrix[4 + i] * y + matrix[8 + i] * z + matrix[12 + i] * w);
+    const place = times(viewer.nodeRefFromName[name].matrixWorld.elements, [...offset, 1]);
+    const seen = times(viewer.camera.matrixWorldInverse.elements, place);
+    const [x, y, , w] = times(viewer.camera.projectionMatrix.elements, seen);
+    const canvas = viewer.canvas.getBoundingClientRect();
+    return [canvas.left + (1 + x / w) / 2 * canvas.width, canvas.top + (1 - y / w) / 2 * canvas.height];
+}"""
+"""A point of a node, in the three.js world, through the camera, on the canvas."""
 MEASURE = f"""async ([thumb, curve, count]) => {{
     const chart = ({FIND_CHART})(curve), times = [];
     const pause = ms => new Promise(done => setTimeout(done, ms));

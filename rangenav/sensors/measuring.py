@@ -2,6 +2,7 @@
 
 Gyro and accel share the IMU's clock. The magnetometer is read on that clock too, at its own slower rate: samples in
 between are NaN. Ranges carry their own time stamps, so they may come at any rate, with gaps, between IMU samples.
+Biases, outliers, drop-outs and a lever arm are added where `Unmodelled` asks for them.
 """
 
 from dataclasses import dataclass
@@ -10,51 +11,12 @@ import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import Input, require, require_within
+from rangenav.inputs import require
 from rangenav.motion import Motion, World, to_body
+from rangenav.sensors import antenna
+from rangenav.sensors.suite import Sensors
+from rangenav.sensors.unmodelled import Unmodelled
 from rangenav.signals import Signal
-
-MIN_RATE, MAX_RATE = 1.0, 10_000.0
-MIN_SIGMA, MAX_SIGMA = 1e-9, 1e3
-"""Besides exactly none; smaller noise means nothing to any sensor, and its square would underflow."""
-
-
-class Noise(Input, frozen=True, kw_only=True):
-    """Standard deviation per sample of each sensor's white Gaussian noise; the paper prints only mag, variance 1e-2."""
-
-    gyro: float = 0.01
-    """rad/s"""
-    accel: float = 0.1
-    """m/s²"""
-    mag: float = 0.1
-    """The measured vector has unit length."""
-    range: float = 0.1
-    """m"""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        for name in self.__struct_fields__:
-            value = getattr(self, name)
-            rule = f"noise {name} must lie between {MIN_SIGMA:g} and {MAX_SIGMA:g} or be 0, got {value:g}"
-            require(value == 0 or MIN_SIGMA <= value <= MAX_SIGMA, rule)
-
-
-class Sensors(Input, frozen=True, kw_only=True):
-    """Rates in Hz, and the noise."""
-
-    imu_rate: float = 200.0
-    mag_rate: float = 200.0
-    range_rate: float = 50.0
-    noise: Noise = Noise()
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        require_within("imu_rate", self.imu_rate, MIN_RATE, MAX_RATE, "Hz")
-        require(
-            MIN_RATE <= self.mag_rate <= self.imu_rate,
-            f"mag_rate must lie between 1 Hz and imu_rate, got {self.mag_rate:g}",
-        )
-        require_within("range_rate", self.range_rate, MIN_RATE, MAX_RATE, "Hz")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -74,21 +36,26 @@ class Measurements:
 
 
 def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng: np.random.Generator) -> Measurements:
-    """The noisy record of a motion. Each sensor draws from its own stream, so that changing one leaves the others."""
-    gyro_rng, accel_rng, mag_rng, range_rng = rng.spawn(4)
-    time, noise = motion.time, sensors.noise
+    """The record of a motion. Each sensor and each effect draws from a stream of its own, so that changing one leaves
+    the others to the last bit."""
+    streams = rng.spawn(7)  # in this order for ever: a seed means the same noise in every version
+    gyro_rng, accel_rng, mag_rng = streams[:3]
+    time, sigma, unmodelled = motion.time, sensors.sigma, sensors.unmodelled
     mag = to_body(motion.rotation, np.broadcast_to(np.asarray(world.magnetic), motion.position.shape))
-    mag = mag + noise.mag * mag_rng.standard_normal(mag.shape)
+    mag = mag + sigma.mag * mag_rng.standard_normal(mag.shape)
     mag[~_sampled(time, rate=sensors.mag_rate, clock=sensors.imu_rate)] = np.nan
+    gyro = motion.angular_velocity + sigma.gyro * gyro_rng.standard_normal((*time.shape, 3))
+    accel = motion.apparent_acceleration + sigma.accel * accel_rng.standard_normal((*time.shape, 3))
     range_time = _range_times(time, rate=sensors.range_rate, clock=sensors.imu_rate)
-    distance = np.linalg.norm(path(range_time) - np.asarray(world.anchor), axis=-1)
+    distance = antenna.distance(motion, range_time, path=path, world=world, lever_arm=unmodelled.lever_arm)
+    arrived, measured = _ranges(range_time, distance, sigma.range, unmodelled, streams[3:])
     return Measurements(
         time=time,
-        gyro=motion.angular_velocity + noise.gyro * gyro_rng.standard_normal((*time.shape, 3)),
-        accel=motion.apparent_acceleration + noise.accel * accel_rng.standard_normal((*time.shape, 3)),
+        gyro=gyro + np.asarray(unmodelled.gyro_bias),
+        accel=accel + np.asarray(unmodelled.accel_bias),
         mag=mag,
-        range_time=range_time,
-        range=distance + noise.range * range_rng.standard_normal(range_time.shape),
+        range_time=range_time[arrived],
+        range=measured[arrived],
     )
 
 
@@ -107,6 +74,19 @@ def check(measurements: Measurements) -> None:
 def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:
     if bad.any():
         raise ValueError(f"{rule}: broken at sample {int(np.argmax(bad)) + offset}")
+
+
+def _ranges(
+    time: Array, distance: Array, sigma: float, unmodelled: Unmodelled, streams: list[np.random.Generator]
+) -> tuple[Array, Array]:
+    """Which ranges arrive, and what every one of them would say."""
+    noise, struck, excess, lost = streams
+    measured = distance + sigma * noise.standard_normal(time.shape) + unmodelled.range_bias
+    hit = struck.random(time.shape) < unmodelled.outlier_probability
+    measured = measured + hit * unmodelled.outlier_size * excess.standard_exponential(time.shape)
+    since = time - unmodelled.burst_start
+    silent = (since >= 0) & (since < unmodelled.burst_length)
+    return (lost.random(time.shape) >= unmodelled.dropout_probability) & ~silent, measured
 
 
 def _sampled(time: Array, *, rate: float, clock: float) -> Array:

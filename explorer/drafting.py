@@ -1,0 +1,162 @@
+"""A first draft in another family of what is there now, so that changing the family does not change the subject.
+
+Sines become formulas and minimum-snap curves polynomials without loss; all else is sampled: points are passed where the
+signal passes them, and sums of sines keep the strongest few of its frequencies.
+"""
+
+import math
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.signals import (
+    AXES,
+    Family,
+    Flown,
+    Formula,
+    MinimumSnap,
+    Multisine,
+    Polynomials,
+    Tone,
+    Turning,
+    Waypoint,
+    Waypoints,
+)
+from rangenav.signals.multisine import MAX_FREQUENCY
+from rangenav.signals.polynomials import from_minimum_snap
+
+Kind = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown"]
+"""What a visitor may choose; a constant is a Multisine of nothing but an offset."""
+POINTS = 12
+SAMPLES, TONES_PER_AXIS = 512, 2
+LEAST_SHARE = 0.02
+"""Of an axis's strongest tone: weaker ones are left out of a draft."""
+DECIMALS = 3
+"""Of drafted points: millimetres, readable where they are typed."""
+
+
+def kind_of(signal: Turning) -> Kind:
+    """Under which word the signal is chosen."""
+    match signal:
+        case Multisine():
+            return "multisine"
+        case Formula():
+            return "formula"
+        case Waypoints():
+            return "waypoints"
+        case MinimumSnap():
+            return "minimum-snap"
+        case Polynomials():
+            return "polynomials"
+        case Flown():
+            return "flown"
+    raise TypeError(type(signal))
+
+
+def drafted(signal: Turning, kind: Kind, duration: float) -> Turning:
+    """A signal of another family that is or resembles the given one over a flight (s)."""
+    if kind == "flown" or kind == "constant" or isinstance(signal, Flown):
+        return _apart(signal, kind)
+    makers: dict[Kind, Callable[[Family, float], Family]] = {
+        "multisine": sines,
+        "formula": formula,
+        "waypoints": waypoints,
+        "minimum-snap": minimum_snap,
+        "polynomials": polynomials,
+    }
+    return makers[kind](signal, duration)  # type: ignore[arg-type]
+
+
+def _apart(signal: Turning, kind: Kind) -> Turning:
+    """To and from what is no signal of its own: a flown body, and a constant."""
+    if kind == "flown":
+        return Flown()
+    still = Multisine()
+    if kind in ("constant", "multisine"):
+        return still if isinstance(signal, Flown) else Multisine(offset=_rounded(signal(np.zeros(()))))
+    return drafted(still, kind, 1.0)
+
+
+def sines(signal: Family, duration: float) -> Multisine:
+    """The strongest tones of the signal over its period, or over the flight."""
+    if isinstance(signal, Multisine):
+        return signal
+    length = signal.period or duration
+    values = signal(np.arange(SAMPLES) * (length / SAMPLES))
+    spectrum = 2 * np.fft.rfft(values, axis=0)[: SAMPLES // 2] / SAMPLES
+    tones = [tone for axis in AXES for tone in _strongest(spectrum[:, AXES[axis]], axis, 2 * math.pi / length)]
+    return Multisine(tones=tuple(tones), offset=_rounded(spectrum[0].real / 2))
+
+
+def _strongest(line: Array, axis: str, fundamental: float) -> list[Tone]:
+    strength = np.abs(line)
+    strength[0] = 0
+    chosen = sorted(np.argsort(strength)[::-1][:TONES_PER_AXIS].tolist())
+    return [
+        Tone(
+            axis=axis,  # type: ignore[arg-type]
+            amplitude=float(f"{strength[k]:.4g}"),
+            frequency=min(k * fundamental, MAX_FREQUENCY),
+            phase=float(f"{np.angle(line[k]) + math.pi / 2:.4g}"),
+        )
+        for k in chosen
+        if strength[k] > max(LEAST_SHARE * strength.max(), 1e-9)
+    ]
+
+
+def formula(signal: Family, duration: float) -> Formula:
+    """Sines as a formula, term by term; anything else through its sines."""
+    if isinstance(signal, Formula):
+        return signal
+    wave = sines(signal, duration)
+    x, y, z = (" + ".join(_term(tone) for tone in wave.tones if tone.axis == axis) or "0" for axis in AXES)
+    return Formula(x=x, y=y, z=z, offset=wave.offset, drift=wave.drift)
+
+
+def _term(tone: Tone) -> str:
+    phase = "" if tone.phase == 0 else f" + {tone.phase!r}" if tone.phase > 0 else f" - {-tone.phase!r}"
+    amplitude = repr(tone.amplitude) if tone.amplitude >= 0 else f"({tone.amplitude!r})"
+    return f"{amplitude}*sin({tone.frequency!r}*t{phase})"
+
+
+def waypoints(signal: Family, duration: float) -> Waypoints:
+    """Points where the signal passes: closed over its period, or open over the flight."""
+    if isinstance(signal, Waypoints):
+        return signal
+    if isinstance(signal, MinimumSnap):
+        return Waypoints(points=signal.points, period=signal.period)
+    return Waypoints(points=_passed(signal, duration), period=signal.period or None)
+
+
+def minimum_snap(signal: Family, duration: float) -> MinimumSnap:
+    """The minimum-snap curve through the same points, or through points where the signal passes."""
+    if isinstance(signal, MinimumSnap):
+        return signal
+    if isinstance(signal, Waypoints):
+        return MinimumSnap(points=signal.points, period=signal.period)
+    return MinimumSnap(points=_passed(signal, duration), period=signal.period or None)
+
+
+def polynomials(signal: Family, duration: float) -> Polynomials:
+    """A minimum-snap curve piece by piece, or such a curve through points where the signal passes."""
+    if isinstance(signal, Polynomials):
+        return signal
+    curve = minimum_snap(signal, duration)
+    if curve.period is not None and curve.points[0].time > 0:  # pieces that repeat begin at t = 0
+        curve = MinimumSnap(points=_passed(curve, duration), period=curve.period)
+    return from_minimum_snap(curve)
+
+
+def _passed(signal: Family, duration: float) -> tuple[Waypoint, ...]:
+    """Twelve points over the period, the first not repeated, or over the flight."""
+    time = np.linspace(0, duration, POINTS) if not signal.period else np.arange(POINTS) * (signal.period / POINTS)
+    time = np.round(time, DECIMALS)
+    return tuple(Waypoint(time=float(t), value=_rounded(value)) for t, value in zip(time, signal(time), strict=True))
+
+
+def _rounded(value: Float[Array, "3"]) -> tuple[float, float, float]:
+    x, y, z = (float(entry) + 0.0 for entry in np.round(value, DECIMALS))
+    return x, y, z

@@ -1,0 +1,68 @@
+"""One visitor's work, kept while they work and found again after a reload, a lost connection or a server's restart."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import msgspec
+
+from explorer.settings import Settings
+from explorer.store import Store, Unsaved
+from rangenav.inputs import Input
+
+PERIOD = 1.0
+"""s: what is changed faster is written once."""
+
+
+class Kept(Input, frozen=True, kw_only=True):
+    """What is in the file."""
+
+    version: Literal[1] = 1
+    opened: str
+    """The preset that the program was started with."""
+    settings: Settings
+
+
+class Keeping:
+    """The file of one tab, or none where browser or disk refuse; `tell` is called once with the reason."""
+
+    def __init__(self, store: Store, opened: str, tell: Callable[[str], None]) -> None:
+        self._store, self._opened, self._tell = store, opened, tell
+        self._seat: str | None = None
+        self._unwritten: Settings | None = None
+        self._written = float("-inf")
+
+    def find(self, seat: str | None) -> Kept | None:
+        """The work kept under a name, None if there is none; from now on work is kept there."""
+        self._seat = seat
+        if seat is None:
+            self._tell("This browser keeps nothing, so a reload begins anew.")
+            return None
+        try:
+            found = self._store.load(seat)
+            return None if found is None else msgspec.json.decode(found, type=Kept)
+        except Unsaved as reason:
+            self._tell(f"{reason}"[:1].upper() + f"{reason}"[1:] + ".")
+        except (msgspec.DecodeError, ValueError, RecursionError) as error:
+            self._tell(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
+        return None
+
+    def note(self, settings: Settings) -> None:
+        """This is what should be kept."""
+        self._unwritten = settings
+
+    def wait(self, now: float) -> float | None:
+        """How long (s) until something should be written; None if there is nothing."""
+        return None if self._unwritten is None else max(0.0, self._written + PERIOD - now)
+
+    def write(self, now: float, *, at_once: bool = False) -> None:
+        """Write what is due."""
+        if self._unwritten is None or not (at_once or now - self._written >= PERIOD):
+            return
+        settings, self._unwritten, self._written = self._unwritten, None, now
+        if self._seat is None:
+            return
+        try:
+            self._store.save(self._seat, msgspec.json.encode(Kept(opened=self._opened, settings=settings)))
+        except Unsaved as reason:
+            self._seat = None
+            self._tell(f"{reason}"[:1].upper() + f"{reason}"[1:] + ". The page works on; download what you need.")

@@ -1,0 +1,220 @@
+"""A sheet of controls in sections, each with a place for one complaint and a row that resets what was changed.
+
+viser calls back from threads of its own: all that a callback does is to note that something moved, or to leave an
+action that the session's loop carries out.
+"""
+
+import html
+import re
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from typing import Any, Protocol
+
+import viser
+from viser._messages import HotkeyKey, KeyModifier
+
+Note = Callable[[], None]
+"""Called from viser's threads: it may set an event and nothing else."""
+Action = Callable[[], None]
+"""What a button asks for, carried out by the session's loop."""
+MAX_ACTIONS = 64
+"""Presses remembered while the session is busy; of more, the oldest are dropped."""
+RED = "#b3261e"
+COMPLAINTS, RESETS = 1e6, 2e6
+"""viser's order of things in a folder: below all controls, whenever these were added."""
+COLUMN = re.compile(r"\(column (\d+)\)$")
+POINTED = 48
+"""Characters of a long text shown around the place that is pointed at."""
+RESET_HINT = (
+    "Puts back what was changed (•) to what the preset says. Ctrl+K has “Reset the last control”; Ctrl+Z undoes."
+)
+
+
+class Refused(Exception):  # noqa: N818  (not an error of the program: the visitor has been told)
+    """What is chosen is no valid input, and a sentence beside the control says why."""
+
+
+class Complaint:
+    """A place for one sentence under the controls that caused it."""
+
+    def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
+        self._line = gui.add_html("", visible=False, order=order)
+
+    def say(self, sentence: str, *, text: str = "") -> None:
+        """Show the sentence, marked by a sign as well as a colour; with a text, point at the column it names."""
+        style = f"color:{RED};font-weight:600;font-size:0.85em;padding:0.2em 0.8em 0.6em;overflow-wrap:anywhere"
+        shown = f'<div role="alert" style="{style}">⚠ {html.escape(sentence)}{pointer(text, sentence)}</div>'
+        if shown != self._line.content:
+            self._line.content = shown
+        self._line.visible = True
+
+    def clear(self) -> None:
+        """Nothing to complain about."""
+        self._line.visible = False
+
+
+class Resettable(Protocol):
+    """What a section needs of a control."""
+
+    name: str
+
+    def mark(self) -> bool: ...
+    def reset(self) -> None: ...
+    def moved(self) -> bool: ...
+
+
+class Section:
+    """A folder of controls; without a label it has no frame. Use it as a context to add to it."""
+
+    def __init__(self, sheet: "Sheet", label: str | None = None, *, expanded: bool = True) -> None:
+        self.sheet, self.gui, self.note = sheet, sheet.gui, sheet.note
+        self._folder = self.gui.add_folder(label, expand_by_default=expanded)
+        self._controls: list[Resettable] = []
+        with self._folder:
+            self.complaint = Complaint(self.gui, order=COMPLAINTS)
+            self._row = self.gui.add_button_group("reset", ("",), visible=False, order=RESETS, hint=RESET_HINT)
+        self._offered: tuple[str, ...] = ()
+        self._row.on_click(lambda event: sheet.do(partial(self._reset, event.target.value)))
+        sheet.sections.append(self)
+
+    def __enter__(self) -> "Section":
+        self._folder.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._folder.__exit__(*error)
+
+    def add(self, control: Resettable) -> None:
+        """Called by a control when it is made."""
+        self._controls.append(control)
+
+    def caption(self, label: str) -> None:
+        """Another label."""
+        if label != self._folder.label:  # a message to the browser only if there is news
+            self._folder.label = label
+
+    def show(self, visible: bool) -> None:
+        """Whether it is on the page."""
+        if visible != self._folder.visible:
+            self._folder.visible = visible
+
+    def remove(self) -> None:
+        """Take it off the page with all that is in it."""
+        self.sheet.sections.remove(self)
+        self._folder.remove()
+
+    @contextmanager
+    def catching(self, text: str = "") -> Iterator[None]:
+        """Turn a ValueError into a sentence here, pointing into the text, and into Refused for the caller."""
+        try:
+            yield
+        except ValueError as error:
+            self.complaint.say(str(error), text=text)
+            raise Refused from error
+        self.complaint.clear()
+
+    def refresh(self) -> Resettable | None:
+        """Mark what differs from the preset, offer to reset it; the control that was moved since, if any."""
+        changed = [control for control in self._controls if control.mark()]
+        offered = tuple(control.name for control in changed) + (("all",) if len(changed) > 1 else ())
+        if offered != self._offered:
+            self._offered = offered
+            self._row.visible = bool(offered)
+            if offered:
+                self._row.options = offered
+        return next((control for control in self._controls if control.moved()), None)
+
+    def reset_all(self) -> None:
+        """Put every control back."""
+        for control in self._controls:
+            control.reset()
+
+    def _reset(self, name: str) -> None:
+        for control in self._controls:
+            if name in (control.name, "all"):
+                control.reset()
+
+
+class Sheet:
+    """All sections of one visitor's docks, and what was asked of them."""
+
+    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
+        self.gui, self.note = gui, note
+        self.sections: list[Section] = []
+        self._actions: deque[Action] = deque(maxlen=MAX_ACTIONS)
+        self._last: Resettable | None = None
+
+    def do(self, action: Action) -> None:
+        """Leave an action for the session's loop; called from viser's threads."""
+        self._actions.append(action)
+        self.note()
+
+    def carry_out(self) -> bool:
+        """Do what was asked for since the last call, oldest first: whether there was anything. A refusal has been said
+        where it belongs."""
+        count = len(self._actions)
+        for _ in range(count):
+            with suppress(Refused):
+                self._actions.popleft()()
+        return count > 0
+
+    def refresh(self) -> None:
+        """Bring marks and reset rows up to date."""
+        for section in tuple(self.sections):
+            self._last = section.refresh() or self._last
+
+    def reset_last(self) -> None:
+        """Put back the control that was moved last."""
+        if self._last is not None:
+            self._last.reset()
+
+    def reset_all(self) -> None:
+        """Put every control back."""
+        for section in tuple(self.sections):
+            section.reset_all()
+
+    def button(self, label: str, action: Action, *, hint: str) -> viser.GuiButtonHandle:
+        """A button whose action the session's loop carries out."""
+        made = self.gui.add_button(label, hint=hint)
+        made.on_click(lambda _: self.do(action))
+        return made
+
+    def command(
+        self,
+        label: str,
+        action: Action,
+        *,
+        key: HotkeyKey | None = None,
+        modifier: KeyModifier | None = None,
+    ) -> None:
+        """A command of the Ctrl+K palette, with a key if there is one for it."""
+        self.gui.add_command(label, hotkey=key, modifier=modifier).on_trigger(lambda _: self.do(action))
+
+    @property
+    def waiting(self) -> bool:
+        """Whether there is something to carry out."""
+        return bool(self._actions)
+
+    def buttons(self, label: str, actions: dict[str, Action], *, hint: str) -> viser.GuiButtonGroupHandle:
+        """A row of small buttons, each with its action."""
+        made = self.gui.add_button_group(label, tuple(actions), hint=hint)
+        made.on_click(lambda event: self.do(actions.get(event.target.value, _nothing)))
+        return made
+
+
+def pointer(text: str, sentence: str) -> str:
+    """The text with a caret under the column that the sentence names, as HTML; empty if it names none."""
+    found = COLUMN.search(sentence)
+    if found is None or not text:
+        return ""
+    column = min(int(found[1]), len(text) + 1)
+    first = max(0, column - 1 - POINTED // 2)
+    line = "".join(c if c.isprintable() else "·" for c in text[first : first + POINTED])
+    style = "margin:0.3em 0 0;font-weight:400;overflow-x:auto"
+    return f'<pre style="{style}">{html.escape(line)}\n{" " * (column - 1 - first)}^</pre>'
+
+
+def _nothing() -> None:
+    """For a button that the browser made up."""

@@ -1,0 +1,86 @@
+"""Naming the axes anew: z down, as the paper has it, or z up. The same motion, described in turned axes.
+
+Both the inertial and the body frame are turned by half a turn about x, F = diag(1, −1, −1) (NED and FRD become NWU and
+FLU): p → Fp, R → FRF, ω → Fω, g → Fg. It is its own inverse, and nothing that can be measured changes.
+"""
+
+import msgspec
+import numpy as np
+
+from rangenav.inputs import Vec3
+from rangenav.motion import World
+from rangenav.preset import Preset
+from rangenav.sensors import Sensors
+from rangenav.signals import Flown, Signal, Turning, mapped
+
+FLIP = np.diag([1.0, -1.0, -1.0])
+NO_SHIFT = np.zeros(3)
+
+
+def flipped(preset: Preset) -> Preset:
+    """The preset with y and z the other way round, inertial and body axes alike."""
+    guess = preset.guess
+    return msgspec.structs.replace(
+        preset,
+        path=flipped_signal(preset.path),
+        angular_velocity=flipped_turning(preset.angular_velocity),
+        initial_rotation=flipped_vector(preset.initial_rotation),
+        world=World(
+            gravity=flipped_vector(preset.world.gravity),
+            magnetic=flipped_vector(preset.world.magnetic),
+            anchor=flipped_vector(preset.world.anchor),
+        ),
+        sensors=_flipped_sensors(preset.sensors),
+        guess=msgspec.structs.replace(
+            guess,
+            position_offset=flipped_vector(guess.position_offset),
+            velocity_offset=flipped_vector(guess.velocity_offset),
+            gravity_offset=flipped_vector(guess.gravity_offset),
+            attitude_axis=flipped_vector(guess.attitude_axis),
+        ),
+    )
+
+
+def _flipped_sensors(sensors: Sensors) -> Sensors:
+    """Biases and the lever arm are vectors in body axes."""
+    known = sensors.unmodelled
+    turned = {name: flipped_vector(getattr(known, name)) for name in ("gyro_bias", "accel_bias", "lever_arm")}
+    return msgspec.structs.replace(sensors, unmodelled=msgspec.structs.replace(known, **turned))
+
+
+def flipped_vector(vector: Vec3) -> Vec3:
+    """(x, −y, −z); a zero keeps its sign."""
+    x, y, z = vector
+    return x, 0.0 - y, 0.0 - z
+
+
+def flipped_signal(signal: Signal) -> Signal:
+    """The signal in the other axes, still of its own family."""
+    return mapped(signal, FLIP, NO_SHIFT)
+
+
+def flipped_turning(turning: Turning) -> Turning:
+    """An angular velocity in the other axes; flown, the yaw about a z axis that points the other way."""
+    if isinstance(turning, Flown):
+        return Flown(yaw=negated(turning.yaw))
+    return flipped_signal(turning)
+
+
+def negated(formula: str) -> str:
+    """Minus the formula; minus that is the formula as it was typed."""
+    text = formula.strip()
+    if text == "0":
+        return text
+    if text.startswith("-(") and text.endswith(")") and _closes_at_end(text[1:]):
+        return text[2:-1]
+    return f"-({text})"
+
+
+def _closes_at_end(text: str) -> bool:
+    """Whether the parenthesis that opens the text closes with its last character."""
+    depth = 0
+    for k, character in enumerate(text):
+        depth += (character == "(") - (character == ")")
+        if depth == 0:
+            return k == len(text) - 1
+    return False

@@ -1,0 +1,40 @@
+"""What the vehicle measures: rates, noise, what the paper's model does not have, and the record of a motion."""
+
+from rangenav.sensors.antenna import distance
+from rangenav.sensors.measuring import Measurements, check, measure
+from rangenav.sensors.noise import (
+    MAX_RATE,
+    MAX_SIGMA,
+    MIN_DENSITY,
+    MIN_RATE,
+    MIN_SIGMA,
+    Noise,
+    Unit,
+    density,
+    given_as,
+    per_sample,
+)
+from rangenav.sensors.suite import Sensors, effects, words
+from rangenav.sensors.unmodelled import MODELLED, Unmodelled
+
+__all__ = [
+    "MAX_RATE",
+    "MAX_SIGMA",
+    "MIN_DENSITY",
+    "MIN_RATE",
+    "MIN_SIGMA",
+    "MODELLED",
+    "Measurements",
+    "Noise",
+    "Sensors",
+    "Unit",
+    "Unmodelled",
+    "check",
+    "density",
+    "distance",
+    "effects",
+    "given_as",
+    "measure",
+    "per_sample",
+    "words",
+]

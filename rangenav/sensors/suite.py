@@ -1,0 +1,48 @@
+"""What a vehicle carries: how often each sensor speaks, how noisy it is, and what else is wrong with it."""
+
+from rangenav.inputs import Input, require, require_within
+from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, given_as
+from rangenav.sensors.unmodelled import MODELLED, Unmodelled, told
+
+
+class Sensors(Input, frozen=True, kw_only=True):
+    """Rates in Hz, the noise, and what the paper's model does not have."""
+
+    imu_rate: float = 200.0
+    mag_rate: float = 200.0
+    range_rate: float = 50.0
+    noise: Noise = Noise()
+    unmodelled: Unmodelled = MODELLED
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_within("imu_rate", self.imu_rate, MIN_RATE, MAX_RATE, "Hz")
+        require(
+            MIN_RATE <= self.mag_rate <= self.imu_rate,
+            f"mag_rate must lie between 1 Hz and imu_rate, got {self.mag_rate:g}",
+        )
+        require_within("range_rate", self.range_rate, MIN_RATE, MAX_RATE, "Hz")
+        try:
+            given_as(self.noise, "sample", rate=self.imu_rate)
+        except ValueError as error:
+            raise ValueError(f"{error} per sample at {self.imu_rate:g} Hz") from None
+
+    @property
+    def sigma(self) -> Noise:
+        """The noise per sample, however it was given: what everything that computes reads."""
+        return given_as(self.noise, "sample", rate=self.imu_rate)
+
+    @property
+    def arriving(self) -> float:
+        """The share of ranges that random drop-outs leave; a burst is not averaged in."""
+        return 1 - self.unmodelled.dropout_probability
+
+
+def words(sensors: Sensors) -> tuple[str, ...]:
+    """One sentence for each effect in use that the paper does not model, for beside the controls and the verdict."""
+    return tuple(f"{name}: {sentence}." for name, sentence in told(sensors.unmodelled).items())
+
+
+def effects(sensors: Sensors) -> tuple[str, ...]:
+    """The names of the effects in use that the paper does not model."""
+    return tuple(told(sensors.unmodelled))
