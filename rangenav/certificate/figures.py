@@ -10,7 +10,8 @@ import numpy as np
 
 from rangenav import motion, vehicle
 from rangenav.certificate import envelope
-from rangenav.observability import accuracy, excitation
+from rangenav.certificate.sums import least
+from rangenav.observability import accuracy
 from rangenav.preset import Preset
 from rangenav.vehicle import THRUST_MARGIN, Demands, Vehicle
 
@@ -43,7 +44,7 @@ class Figures:
 
 
 def figures(preset: Preset) -> Figures:
-    """The quick look. Raises ValueError where the motion cannot be flown at all."""
+    """The quick look. Raises ValueError where the motion cannot be flown at all, or would be too much work."""
     path, window = preset.path, preset.requirement.window
     last = preset.duration - window
     edges = envelope.knots(path, preset.duration)
@@ -62,7 +63,7 @@ def figures(preset: Preset) -> Figures:
         share=ranging.arriving,
     )[:, 0]
     return Figures(
-        mu=max(BLIND_MU, float(excitation.eigenvalues(path, start, window)[:, 0].min())),
+        mu=max(BLIND_MU, least(path, window, path.period or last)),
         sigma=float(np.max(np.nan_to_num(sigma, nan=np.inf))),
         excess=excess(demanded(preset), preset.vehicle),
     )
