@@ -282,6 +282,17 @@ def test_a_path_that_does_not_repeat_is_bounded_on_its_flight_and_says_so():
     assert found.excitation.lower > 100
 
 
+def test_a_period_too_long_to_bound_is_left_for_the_flight_and_that_is_said():
+    """Frequencies in thousandths repeat after hours: the bound holds on the flight, and no more is claimed."""
+    tones = tuple(replace(tone, frequency=tone.frequency + k / 1000) for k, tone in enumerate(SOFT.path.tones))  # pyright: ignore
+    found = certified(replace(SOFT, path=Multisine(tones=(*tones, Tone(axis="x", amplitude=1e-3, frequency=31.007)))))
+    assert found.claim.period is not None
+    assert found.claim.period > 1000
+    assert found.claim.starts == "every t in [0, duration - window]"
+    assert str(found.claim.reason).startswith("not every t: ")
+    assert found.meets
+
+
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_a_path_of_any_family_is_certified_or_refused_with_reasons(name: str):
     p = replace(SOFT, path=EXAMPLES[name], duration=10.0, requirement=replace(SOFT.requirement, window=4.0))
