@@ -5,6 +5,8 @@ update to call, so the range and its Jacobian are computed here, as a user of th
 (rotation, position, velocity), all in body axes: p ← p + R dp. Gravity is known to it; our observer estimates it.
 """
 
+from collections.abc import Iterator
+
 import gtsam
 import numpy as np
 
@@ -25,27 +27,42 @@ def start(rotation: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> g
 
 def run(preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str) -> np.ndarray:
     """The last position (m, inertial) after filtering the record with one of `USES`; ranges at the IMU's stamps."""
-    world, noise = preset.world, preset.sensors.sigma
-    ekf = gtsam.NavStateImuEKF(first, np.diag(np.repeat(np.square(START_SIGMA), 3)), _noise(preset))
+    *_, ekf = steps(preset, record, first, use=use)
+    return ekf.state().position()
+
+
+def steps(
+    preset: Preset, record: Measurements, first: gtsam.NavState, *, use: str, sigma: tuple = START_SIGMA
+) -> Iterator[gtsam.NavStateImuEKF]:
+    """The filter (one object, read it before the next step) after each IMU sample but the first."""
+    world, noises = preset.world, preset.sensors.sigma
+    ekf = gtsam.NavStateImuEKF(first, np.diag(np.repeat(np.square(sigma), 3)), noise(preset))
     anchor, magnetic = np.asarray(world.anchor), np.asarray(world.magnetic)
-    range_noise, mag_noise = np.array([[noise.range**2]]), np.eye(3) * noise.mag**2
-    steps = np.diff(record.time)
+    range_noise, mag_noise = np.array([[noises.range**2]]), np.eye(3) * noises.mag**2
+    accel, gyro = means(record)
+    intervals = np.diff(record.time)
     for k in range(1, len(record.time)):
-        ekf.predict(record.gyro[k - 1], record.accel[k - 1], steps[k - 1])
+        ekf.predict(gyro[k - 1], accel[k - 1], intervals[k - 1])
         if use != USES[0]:
             expected, H = _range(ekf.state(), anchor)
             ekf.updateWithVector(expected, H, record.range[k : k + 1], range_noise)
         if use == USES[2]:
             expected, H = _mag(ekf.state(), magnetic)
             ekf.updateWithVector(expected, H, record.mag[k], mag_noise)
-    return ekf.state().position()
+        yield ekf
 
 
-def _noise(preset: Preset) -> gtsam.PreintegrationParams:
-    noise, h = preset.sensors.sigma, 1 / preset.sensors.imu_rate
+def means(record: Measurements) -> tuple[np.ndarray, np.ndarray]:
+    """Accel and gyro over each interval as means of both ends; with the first end alone they lag by half a sample."""
+    return (record.accel[:-1] + record.accel[1:]) / 2, (record.gyro[:-1] + record.gyro[1:]) / 2
+
+
+def noise(preset: Preset) -> gtsam.PreintegrationParams:
+    """The IMU's noise as GTSAM asks for it: densities."""
+    sigma, h = preset.sensors.sigma, 1 / preset.sensors.imu_rate
     params = gtsam.PreintegrationParams(np.asarray(preset.world.gravity))
-    params.setAccelerometerCovariance(np.eye(3) * noise.accel**2 * h)
-    params.setGyroscopeCovariance(np.eye(3) * noise.gyro**2 * h)
+    params.setAccelerometerCovariance(np.eye(3) * sigma.accel**2 * h)
+    params.setGyroscopeCovariance(np.eye(3) * sigma.gyro**2 * h)
     params.setIntegrationCovariance(np.eye(3) * INTEGRATION_VARIANCE)
     return params
 

@@ -1,4 +1,5 @@
-"""How live the page is: all computing stages after one slider moved, a slider event in Chromium, and the start-up time.
+"""How live the page is: all stages after one move, a slider event in Chromium, a waypoint dragged through the
+socket, and the start-up time.
 
 The default preset is the one the page opens on. Each set of stages is timed with fresh values, so no cache answers.
 """
@@ -7,15 +8,19 @@ import os
 import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from unittest import mock
 
 import msgspec
 import numpy as np
 from timing import Target, missing, report, versions
 
+from explorer import drafting
 from explorer.compute import compute, warm_up
 from explorer.settings import Settings
 from rangenav import preset
+from rangenav.signals import MinimumSnap, Waypoints, waypoints
+from tests.wire import Wire
 
 if missing("playwright") is None:
     from tests.browser import page
@@ -25,7 +30,11 @@ MOVES, WARM_MOVES, SLIDER_EVENTS, STARTS = 100, 5, 40, 3
 STEP = 1e-3
 """Relative change of the moved value from one event to the next."""
 STAGES_P95, EVENT_MEDIAN, EVENT_P95 = 33.0, 100.0, 200.0
-"""ms"""
+DRAG_P95, LEAST_PICTURES = 100.0, 15.0
+"""ms from a place sent to the picture of that place, and pictures a second while dragging."""
+DRAG_RATE, DRAGS = 20.0, 100
+"""A page sends at most 20 places a second."""
+CURVES = ("waypoints", "closed waypoints", "minimum snap")
 WARM, FIRST = "page answers, warm caches", "page answers, nothing compiled yet"
 LONGEST_START = {WARM: 3.0, FIRST: 20.0}
 """s"""
@@ -36,7 +45,9 @@ SLIDERS = (("Gains", "q", "error"), ("Motion", "A (m)", "error"))
 def main() -> None:
     """Measure, print."""
     warm_up(lambda share, words: None)
-    stages = {f"stages, {name} moved": _milliseconds(moved) for name, moved in MOVED.items()}
+    stages = {f"stages, {name} moved": _milliseconds(moved, _opened()) for name, moved in MOVED.items()}
+    stages |= {f"stages, one of 12 {name} moved": _milliseconds(_waypoint, _drawn(name)) for name in CURVES}
+    drags, pictures = _drags()
     reason = missing("playwright") or page.why_not()
     events = {} if reason else _slider_events()
     starts = {} if reason else _starts()
@@ -44,12 +55,13 @@ def main() -> None:
         "live",
         title=f"The page on {DEFAULT_PRESET}",
         columns=("", "median", "p95", "worst"),
-        rows=[_row(name, values, " ms") for name, values in (stages | events).items()]
+        rows=[_row(name, values, " ms") for name, values in (stages | drags | events).items()]
         + [_row(name, values, " s") for name, values in starts.items()],
-        targets=_targets(stages, events, starts),
+        targets=_targets(stages, events, starts) + _drag_targets(drags, pictures),
         notes=[f"slider events and start-up were not measured: {reason}"] if reason else [],
         figures={
-            "milliseconds": {name: _figures(values) for name, values in (stages | events).items()},
+            "milliseconds": {name: _figures(values) for name, values in (stages | drags | events).items()},
+            "pictures_per_second": pictures,
             "seconds": {name: _figures(values) for name, values in starts.items()},
             "versions": versions("numpy", "numba", "viser"),
         },
@@ -97,9 +109,75 @@ MOVED: dict[str, Callable[[preset.Preset, float], preset.Preset]] = {
 }
 
 
-def _milliseconds(moved: Callable[[preset.Preset, float], preset.Preset]) -> np.ndarray:
-    """Time of `compute` after each of many moves of one slider."""
-    chosen, elapsed = preset.load(DEFAULT_PRESET), np.empty(WARM_MOVES + MOVES)
+def _opened() -> preset.Preset:
+    return preset.load(DEFAULT_PRESET)
+
+
+def _drawn(name: str) -> preset.Preset:
+    """The default preset flown through twelve points of its path: over the whole flight, or again and again."""
+    chosen = _opened()
+    curve = drafting.waypoints(chosen.path, chosen.duration)
+    if name != "closed waypoints":
+        times = np.linspace(0, chosen.duration, len(curve.points))
+        points = tuple(msgspec.structs.replace(p, time=float(t)) for p, t in zip(curve.points, times, strict=True))
+        curve = (MinimumSnap if name == "minimum snap" else Waypoints)(points=points)
+    return msgspec.structs.replace(chosen, path=curve)
+
+
+def _waypoint(chosen: preset.Preset, factor: float) -> preset.Preset:
+    x, y, z = chosen.path.points[3].value
+    return msgspec.structs.replace(chosen, path=waypoints.move(chosen.path, 3, (x + factor - 1, y, z)))
+
+
+def _drags() -> tuple[dict[str, np.ndarray], dict[str, float]]:
+    """A waypoint dragged as fast as a page tells it: ms until its picture is on the socket, and pictures a second."""
+    elapsed, pictures = {}, {}
+    for name in CURVES:
+        with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, {"RANGENAV_STATE": folder}):
+            file = Path(folder) / "drag.toml"
+            preset.save(_drawn(name), file)
+            with page.served("--preset", str(file)) as server:
+                times, rate = _drag(server.port)
+        elapsed[f"drag, one of 12 {name}"], pictures[name] = times, rate
+    return elapsed, pictures
+
+
+def _drag(port: int) -> tuple[np.ndarray, float]:
+    """Places sent at a steady rate: how long each waited for a picture that shows it or a later one."""
+    tab = Wire(port)
+    tab.wait_for_text("of 13")
+    handle = "/handles/waypoint4"
+    tab.wait_for(lambda: handle in tab.nodes, "a handle")
+    time.sleep(2)
+    home = tuple(tab.nodes[handle]["position"])
+    box, sent, drawn = tab.find("its place (m)"), [], []
+    tab.on_plot = lambda uuid: drawn.append((uuid, time.perf_counter(), tab.elements[box]["value"][0]))
+    tab.drag_message(handle, "start", home, home)
+    began = time.perf_counter()
+    for k in range(DRAGS):
+        place = (home[0] + 0.004 * (k + 1), home[1], home[2])
+        sent.append((time.perf_counter(), place[0]))
+        tab.drag_message(handle, "update", home, place)
+        time.sleep(max(0.0, began + (k + 1) / DRAG_RATE - time.perf_counter()))
+    tab.drag_message(handle, "end", home, place)
+    time.sleep(1)
+    tab.close()
+    last = drawn[-1][0]  # one plot stands for all that are drawn with it; the box says which place they show
+    pictures = [(moment, shown) for uuid, moment, shown in drawn if uuid == last]
+    waits = [1e3 * (next(m for m, shown in pictures if shown > x - STEP) - moment) for moment, x in sent]
+    during = [moment for moment, _ in pictures if began < moment < sent[-1][0]]
+    return np.array(waits), len(during) / (sent[-1][0] - began)
+
+
+def _drag_targets(drags: dict[str, np.ndarray], pictures: dict[str, float]) -> list[Target]:
+    found = [(f"{name}, p95", _figures(values)["p95"], DRAG_P95, " ms", False) for name, values in drags.items()]
+    found += [(f"pictures, 12 {name}", rate, LEAST_PICTURES, " a second", True) for name, rate in pictures.items()]
+    return [Target(name=n, value=v, bound=b, at_least=least, unit=unit) for n, v, b, unit, least in found]
+
+
+def _milliseconds(moved: Callable[[preset.Preset, float], preset.Preset], chosen: preset.Preset) -> np.ndarray:
+    """Time of `compute` after each of many moves."""
+    elapsed = np.empty(WARM_MOVES + MOVES)
     compute(Settings(preset=chosen))
     for move in range(len(elapsed)):
         settings = Settings(preset=moved(chosen, 1 + STEP * (move + 1)))

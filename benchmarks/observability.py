@@ -2,26 +2,41 @@
 
 151 windows of 0.5 s at 100 Hz along the paper's path. The least eigenvalue there is about 1e-19: squaring the rows and
 asking for eigenvalues loses it and returns negative numbers, so those are counted on both sides.
+
+Then the excitation on 101 windows of a path of pieces whose snap jumps at every knot, beside scipy's quadrature
+that is told where the knots are, and beside as many Gauss nodes as ours that are not.
 """
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
+from scipy.integrate import quad_vec
 from timing import Target, alternate, missing, report, versions
 
 from rangenav import preset
-from rangenav.observability import rows
+from rangenav.observability import excitation, quadrature, rows
 from rangenav.observability.spectrum import window_spectra
+from rangenav.signals import Piece, Polynomials, knots
 
 WINDOWS, WINDOW, RATE = 151, 0.5, 100.0
 SAMPLES = round(WINDOW * RATE) + 1
 ROUNDS, OUR_REPEATS = 5, 20
 LEAST_RATIO = 300.0
 OURS, PEER = "closed form, batched SVD", "pybounds, JAX, 13 states"
+PIECES, PIECES_WINDOW, PIECES_WINDOWS = 12, 6.0, 101
+LEAST_PIECES_RATIO, MOST_APART = 100.0, 1e-9
+EXACT, ADAPTIVE, ACROSS = "panels between knots", "scipy quad_vec between knots", "one panel across the knots"
 
 
 def main() -> None:
     """Measure, compare, print."""
+    gramians()
+    pieces()
+
+
+def gramians() -> None:
+    """Lifted Gramians beside pybounds."""
     paper, start = preset.load("paper"), np.arange(WINDOWS) / RATE
 
     def ours() -> np.ndarray:
@@ -57,6 +72,73 @@ def main() -> None:
             "versions": versions("numpy", "pybounds", "jax"),
         },
     )
+
+
+def pieces() -> None:
+    """Excitation on pieces beside scipy's quadrature."""
+    path = _jumping()
+    start = np.linspace(0, PIECES * 1.5 - PIECES_WINDOW, PIECES_WINDOWS)
+    count = quadrature.nodes(path, start, PIECES_WINDOW, raised=quadrature.SNAP)[0].shape[1]
+    calls: dict[str, tuple[Callable[[], np.ndarray], int]] = {
+        EXACT: (lambda: excitation.eigenvalues(path, start, PIECES_WINDOW), OUR_REPEATS),
+        ADAPTIVE: (lambda: _adaptive(path, start), 1),
+        ACROSS: (lambda: _across(path, start, count), OUR_REPEATS),
+    }
+    found = {name: call() for name, (call, _) in calls.items()}
+    apart = {name: float(np.max(np.abs(values / found[ADAPTIVE] - 1))) for name, values in found.items()}
+    seconds = alternate(calls, ROUNDS)
+    ratio = seconds[ADAPTIVE] / seconds[EXACT]
+    report(
+        "observability-pieces",
+        title=f"Excitation on {PIECES_WINDOWS} windows of {PIECES_WINDOW:g} s, {PIECES} pieces, snap jumps at knots",
+        columns=("", "ms", "× ours", "eigenvalues apart from scipy's, at most"),
+        rows=[
+            (name, f"{1e3 * s:.2f}", f"{s / seconds[EXACT]:.3g}", f"{apart[name]:.1e}") for name, s in seconds.items()
+        ],
+        targets=[
+            Target(name="scipy / ours", value=ratio, bound=LEAST_PIECES_RATIO, at_least=True, unit="×"),
+            Target(name="ours apart from scipy", value=apart[EXACT], bound=MOST_APART, at_least=False),
+        ],
+        notes=[f"{count} nodes in each window, on both panels"],
+        figures={
+            "milliseconds": {name: 1e3 * value for name, value in seconds.items()},
+            "apart": apart,
+            "versions": versions("numpy", "scipy"),
+        },
+    )
+
+
+def _jumping() -> Polynomials:
+    """Pieces of 1.5 s with random coefficients, one after the other in place."""
+    rng, at, made = np.random.default_rng(0), np.zeros(3), []
+    for _ in range(PIECES):
+        table = rng.normal(size=(3, 8)) / 1.5 ** np.arange(8)
+        table[:, 0] = at
+        at = table @ 1.5 ** np.arange(8)
+        x, y, z = (tuple(row.tolist()) for row in table)
+        made.append(Piece(duration=1.5, x=x, y=y, z=z))
+    return Polynomials(pieces=tuple(made))
+
+
+def _adaptive(path: Polynomials, start: np.ndarray) -> np.ndarray:
+    """Each window cut at its knots, each part integrated by scipy."""
+
+    def outer(t: float) -> np.ndarray:
+        snap = path(np.array(t), 4)
+        return np.outer(snap, snap)
+
+    found = []
+    for t in start.tolist():
+        edges = [t, *knots.knots(path, t, t + PIECES_WINDOW).tolist(), t + PIECES_WINDOW]
+        found.append(sum(quad_vec(outer, a, b, epsrel=1e-12)[0] for a, b in itertools.pairwise(edges)))
+    return np.linalg.eigvalsh(np.array(found))
+
+
+def _across(path: Polynomials, start: np.ndarray, count: int) -> np.ndarray:
+    """As many Gauss nodes on the whole window."""
+    x, weight = quadrature.legendre(count)
+    snap = path(start[:, None] + PIECES_WINDOW * x, 4) * np.sqrt(PIECES_WINDOW * weight)[:, None]
+    return np.linalg.svd(np.linalg.qr(snap, mode="r"), compute_uv=False)[:, ::-1] ** 2
 
 
 def _pybounds(paper: preset.Preset) -> Callable[[], np.ndarray]:

@@ -21,8 +21,10 @@ import viser
 from explorer import compute
 from explorer.access import accept_values_only
 from explorer.charts import Charts
+from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
+from explorer.jobs import Jobs
 from explorer.keeping import Keeping
 from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
@@ -35,6 +37,7 @@ from explorer.settings import Settings, effective
 from explorer.store import Store, Unsaved
 from explorer.visitor import Slots, seat_of
 from explorer.warming import Warming
+from rangenav import twin
 from rangenav.preset import Preset
 
 NARROW = 1600
@@ -44,6 +47,8 @@ CANVAS_PATIENCE = 1.5
 PROGRESS_PERIOD = 0.1
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
+REST = 0.3
+"""s without another picture, after which what takes longer is drawn too."""
 PAPER = "paper"
 
 log = logging.getLogger(__name__)
@@ -70,7 +75,8 @@ class Session:
         self._client, self._house, self._shipped = client, house, house.shipped
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._refused = False
+        self._refused, self._drags = False, 0
+        self._rests_at: float | None = None
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
         self._playback = Playback(house.shipped[house.first].duration)
@@ -98,16 +104,19 @@ class Session:
                     self._wake.clear()
                     self._react()
                 self._animate()
+                self._draw_later(time.monotonic())
                 self._keeping.write(time.monotonic())
         self._leave()
 
     def _patience(self, now: float) -> float | None:
         """How long (s) to sleep if nothing happens: until the next frame, or until work should be written."""
-        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now)) if wait is not None]
+        later = None if self._rests_at is None else max(0.0, self._rests_at - now)
+        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now), later) if wait is not None]
         return min(waits, default=None)
 
     def _leave(self) -> None:
         """Write what is left, and only then give the place in the browser to whoever comes next."""
+        self._jobs.cancel()
         if self._house.slots.has(self._client.client_id):
             self._keeping.write(time.monotonic(), at_once=True)
         self._house.slots.free(self._client.client_id)
@@ -117,15 +126,15 @@ class Session:
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self._sheet = Sheet(client.gui, self._wake.set)
+        self._sheet, self._jobs = Sheet(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
             undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
         )
-        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests)
+        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
-        self._scene = Scene(client)
+        self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
         self._restore()
@@ -163,32 +172,45 @@ class Session:
         """Take in what the visitor did, and draw if that changes the picture."""
         self._refused = not self._took_in()
         self._sheet.refresh()
+        self._dock.progress.draw()
         if self._refused:
             self._draw_handles()
 
     def _took_in(self) -> bool:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
+        began = time.monotonic()
         with contextlib.suppress(Refused), self._dock.catching():
             pressed = self._sheet.carry_out()
-            self._follow_handles()
+            self._jobs.deliver()
+            hold = self._follow_handles()
+            self._follow_twin()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
-                self._history.note(settings, time.monotonic(), apart=pressed or chosen)
+                self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
             return True
         return False
 
-    def _follow_handles(self) -> None:
-        """Take over where anchor and waypoints were dragged to."""
-        for grab in self._handles.take():
+    def _follow_handles(self) -> int | None:
+        """Take over where anchor and waypoints were dragged to: the number of the drag, None if nothing is held."""
+        drag, grabs = self._drags, self._handles.take()
+        self._drags += any(grab.done for grab in grabs)
+        for grab in grabs:
             if grab.kind == "anchor":
                 self._dock.move_anchor(grab.position)
             else:
                 self._dock.move_waypoint(grab.index, grab.position)
+        return drag if grabs else None
+
+    def _follow_twin(self) -> None:
+        """Take over where the evil twin was dragged to."""
+        point = self._scene.twin_dragged()
+        if point is not None and self._picture is not None:
+            self._dock.twin_turn = twin.turn_towards(self._picture.preset, point, time=self._playback.time)
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
@@ -233,6 +255,17 @@ class Session:
         with self._client.atomic():
             self._scene.draw(picture, dragging=self._handles.dragging)
             self._draw_handles()
+        self._rests_at = time.monotonic() + REST
+
+    def _draw_later(self, now: float) -> None:
+        """When nothing has moved for a moment: what takes as long to find as all else together."""
+        if self._rests_at is None or self._picture is None or now < self._rests_at or self._wake.is_set():
+            return
+        self._rests_at = None
+        deep = look(self._picture)
+        with self._client.atomic():
+            self._charts.draw_later(self._picture)
+            self._scene.draw_later(self._picture, deep)
 
     def _animate(self) -> None:
         """Move everything to the playhead."""

@@ -26,8 +26,9 @@ BROWSER, SLOT = re.compile(r"[0-9a-f]{32}"), re.compile(r"[1-9][0-9]?")
 MAX_SLOTS = 99
 COPIES = 16
 """Names for a copied slot, so that tabs which reconnect at the same moment do not read each other's."""
-PATIENCE = 5.0
-"""s for a browser to answer; one that renders in software may need seconds for a frame."""
+PATIENCE = 20.0
+"""s for a browser to answer. One that refuses says so at once; a busy one that renders in software, and draws its first
+picture before it answers, was seen to need six."""
 PONG_PATIENCE = 2.0
 """s; a tab's browser answers a ping at once, also when the tab is in the background."""
 LEAVING = 2.0
@@ -80,7 +81,8 @@ class Slots:
 def seat_of(client: viser.ClientHandle, slots: Slots) -> str | None:
     """The name `<id>-<slot>` under which this tab's work is kept, None if its browser keeps nothing.
 
-    Waits for the browser, but not for ever: never call it on the event loop. Free the slot when the tab has gone.
+    Waits for the browser, but not for ever: never call it on the event loop, and best before there is much to draw.
+    Free the slot when the tab has gone.
     Raises Unsaved with one sentence if this browser has too many tabs.
     """
     browser = visitor_of(client)

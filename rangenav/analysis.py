@@ -12,9 +12,10 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, blindness, excitation, reduced, spectrum
+from rangenav.observability import accuracy, blindness, excitation, reduced, rows, spectrum
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
+from rangenav.observability.rows import Visit
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Sensors, effects
 from rangenav.signals import Signal
@@ -23,8 +24,8 @@ WINDOWS = 101
 """Start times on which spectra are taken: a curve that looks smooth, at 5 ms for 101 windows of 13 columns."""
 FINE_WINDOWS = 401
 """Start times for the worst excitation, which is far cheaper than a Gramian."""
-CACHED = 8
-"""Results kept for each stage: enough for undo and A/B, small enough for many visitors."""
+CACHED, VISITED = 8, 2
+"""Results kept for each stage: enough for undo and A/B, small enough for many visitors; places take more memory."""
 
 Verdict = Literal["blind", "weak", "observable"]
 
@@ -100,8 +101,9 @@ class Seen:
     spectrum: spectrum.Spectrum
     excitation: Float[Array, "w 3"]
     worst: int
-    mu: float
-    mu_at: float
+    """The window that sees least, by its Gramian."""
+    least: Float[Array, "3"]
+    least_at: float
     bound_for_all_t: float | None
     directions: tuple[Direction, ...]
     reduced_min: float
@@ -122,13 +124,19 @@ def analyse(preset: Preset) -> Analysis:
     )
 
 
+@lru_cache(maxsize=VISITED)
+def visited(path: Signal, duration: float, window: float) -> Visit:
+    """Where the path is during the windows: for lifted and nonlinear rows, for spectra and accuracy."""
+    return rows.visit(path, np.linspace(0, duration - window, WINDOWS), window)
+
+
 @lru_cache(maxsize=CACHED)
 def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
     """Excitation, Gramian and blind directions: they depend on path, gravity and window only."""
-    start = np.linspace(0, duration - window, WINDOWS)
-    gramians = spectrum.window_spectra(path, gravity, start, window)
+    visit = visited(path, duration, window)
+    start, gramians = visit.start, spectrum.lifted_spectra(visit, gravity)
     k = spectrum.worst(gramians)
-    mu, mu_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
+    least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
     reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
     return Seen(
@@ -136,10 +144,10 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
         spectrum=gramians,
         excitation=excitation.eigenvalues(path, start, window),
         worst=k,
-        mu=mu,
-        mu_at=mu_at,
+        least=least,
+        least_at=least_at,
         bound_for_all_t=excitation.bound_for_all_t(path, window),
-        directions=blindness.directions(gramians.null_basis[k], values, axes),
+        directions=blindness.directions(spectrum.null_basis(gramians, k), values, axes),
         reduced_min=reduced_min,
         reduced_floor=reduced_floor,
     )
@@ -160,22 +168,22 @@ def analysis(
     `arriving` is the share of ranges that random drop-outs leave."""
     window = requirement.window
     lifted = seen(path, world.gravity, duration, window)
-    local = spectrum.nonlinear_spectra(path, world.anchor, lifted.start, window)
+    visit = visited(path, duration, window)
+    local = spectrum.local_spectra(visit, world.anchor)
     k, j = lifted.worst, spectrum.worst(local)
-    windows = _windows(path, world, lifted, local, window, range_sigma, range_rate, arriving)
+    windows = _windows(visit, world, lifted, local, range_sigma, range_rate, arriving)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
+    ranges = accuracy.ranged(path, at, window, range_rate)
 
-    def predicted(kind: accuracy.Kind, moment: Literal["start", "end"]) -> Accuracy:
-        return accuracy.predict(
-            path, world, at, window, sigma=range_sigma, rate=range_rate, kind=kind, at=moment, share=arriving
-        )
+    def predicted(kind: accuracy.Kind, moment: rows.Moment) -> Accuracy:
+        return accuracy.told(ranges, world, sigma=range_sigma, kind=kind, at=moment, share=arriving)
 
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
     return Analysis(
         windows=windows,
-        mu=lifted.mu,
-        mu_at=lifted.mu_at,
-        excitation=excitation.eigenvalues(path, np.array([lifted.mu_at]), window)[0],
+        mu=float(lifted.least[0]),
+        mu_at=lifted.least_at,
+        excitation=lifted.least,
         mu_floor=excitation.floor(lifted.excitation),
         bound_for_all_t=lifted.bound_for_all_t,
         gramian_at=float(lifted.start[k]),
@@ -215,22 +223,20 @@ def with_window(preset: Preset, window: float, *, source: str) -> Preset:
 
 
 def _windows(
-    path: Signal,
+    visit: Visit,
     world: World,
     lifted: Seen,
     local: spectrum.Spectrum,
-    window: float,
     sigma: float,
     rate: float,
     share: float,
 ) -> Windows:
     def end_position(kind: accuracy.Kind) -> Array:
-        found = accuracy.end_sigmas(path, world, lifted.start, window, sigma=sigma, rate=rate, kind=kind, share=share)
-        return found[:, 0]
+        return accuracy.along(visit, world, sigma=sigma, rate=rate, kind=kind, share=share)[:, 0]
 
     return Windows(
         start=lifted.start,
-        window=window,
+        window=visit.window,
         excitation=lifted.excitation,
         gramian=lifted.spectrum.eigenvalues,
         floor=lifted.spectrum.floor,

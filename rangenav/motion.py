@@ -15,12 +15,14 @@ from numpy import ndarray as Array
 
 from rangenav import so3
 from rangenav.inputs import Input, Vec3, require
-from rangenav.signals import Flown, Signal, Turning, flown
+from rangenav.signals import Flown, Signal, Turning, flown, jet
 from rangenav.signals.flown import Attitude
 
 COLLINEAR_SINE = 1e-3
 """m and g count as collinear below this sine of their angle (0.06°): the attitude about them is then not observable."""
 UNIT_TOLERANCE = 1e-6
+SNAP = 4
+"""The highest derivative of the path that a motion holds."""
 GAUSS_OFFSET = np.sqrt(3) / 6
 """Gauss points of a step lie at (½ ± √3/6) h."""
 
@@ -97,14 +99,14 @@ def simulate(
         body = flown.attitude(angular_velocity, path, world.gravity, time)
     else:
         body = _turning(angular_velocity, initial_rotation, duration, rate)
-    acceleration = path(time, 2)
+    position, velocity, acceleration, jerk, snap = jet(path, time, SNAP)
     return Motion(
         time=time,
-        position=path(time, 0),
-        velocity=path(time, 1),
+        position=position,
+        velocity=velocity,
         acceleration=acceleration,
-        jerk=path(time, 3),
-        snap=path(time, 4),
+        jerk=jerk,
+        snap=snap,
         rotation=body.rotation,
         angular_velocity=body.angular_velocity,
         angular_acceleration=body.angular_acceleration,
@@ -166,7 +168,7 @@ def limits(motion: Motion, *, world: World) -> Limits:
     """The extremes of a motion on its samples."""
 
     def largest(vectors: Array) -> float:
-        return float(np.linalg.norm(vectors, axis=-1).max())
+        return float(np.sqrt(np.einsum("ni,ni->n", vectors, vectors).max()))
 
     return Limits(
         speed=largest(motion.velocity),

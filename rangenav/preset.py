@@ -10,12 +10,11 @@ from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
-import numpy as np
 
-from rangenav.cascade import Gains, Guess
+from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
-from rangenav.observability import rows
+from rangenav.observability import quadrature
 from rangenav.sensors import MODELLED, Sensors, Unmodelled
 from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
@@ -96,8 +95,7 @@ class Preset(Input, frozen=True, kw_only=True):
         rule = f"requirement.window must be at least {MIN_WINDOW_SAMPLES} IMU samples long, got {count:g}"
         require(count >= MIN_WINDOW_SAMPLES, rule)
         self._refuse_unsuitable_signals()
-        last = self.duration - window
-        rows.nodes(self.path, np.array([last]), window)  # refuses a window that would be too much work
+        quadrature.refuse(self.path, window, self.duration)
 
     def _refuse_unsuitable_signals(self) -> None:
         try:
@@ -117,7 +115,7 @@ class Preset(Input, frozen=True, kw_only=True):
         fastest = bandwidth_until(signal, self.duration)
         rule = f"{fastest:g} rad/s is faster than the IMU can sample ({math.pi * rate:.0f} rad/s)"
         require(fastest < math.pi * rate, rule)
-        refuse_work(signal, moments=self.duration * rate + WINDOWS * rows.count(window, fastest))
+        refuse_work(signal, moments=self.duration * rate + WINDOWS * quadrature.count(signal, window, self.duration))
 
     def _refuse_unsuitable_turning(self) -> None:
         turning, rate = self.angular_velocity, self.sensors.imu_rate
@@ -152,6 +150,8 @@ def _encoded(preset: Preset) -> str:
     table["sensors"]["unmodelled"] = _used(preset.sensors.unmodelled)
     if not table["sensors"]["unmodelled"]:
         del table["sensors"]["unmodelled"]
+    if preset.gains.attitude.schedule is None:  # and TOML has no null
+        del table["gains"]["attitude"]["schedule"]
     return msgspec.toml.encode(table).decode()
 
 

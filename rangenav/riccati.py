@@ -11,7 +11,7 @@ from numpy import ndarray as Array
 
 from rangenav import model, so3
 from rangenav.inputs import Input, require_within
-from rangenav.kernels.layout import ROUNDING
+from rangenav.kernels.layout import CONSISTENCY_TIME, ROUNDING
 
 Q_RANGE = (1e-3, 1e5)
 V_RANGE = (1e-6, 1e2)
@@ -86,3 +86,16 @@ def correct(
     """State and covariance after y = ½d² was measured with the given variance (m⁴): a rank-one update."""
     gain = P[:, 0] / (P[0, 0] + variance)
     return x + gain * (y - x[0]), P - np.outer(gain, P[0])
+
+
+def remind(
+    x: Float[Array, "13"], P: Float[Array, "13 13"], h: float
+) -> tuple[Float[Array, "13"], Float[Array, "13 13"]]:
+    """State and covariance reminded of ξ1 = ½|p|², once in h seconds; noise-matched only, see CONSISTENCY_TIME."""
+    position, spread = x[model.POSITION], float(np.trace(P[model.POSITION, model.POSITION]))
+    row = np.zeros(model.STATES)
+    row[0], row[model.POSITION] = 1.0, -position
+    variance = spread**2 / 2 * (CONSISTENCY_TIME / h)
+    gain = P @ row / (row @ P @ row + variance)
+    residual = (position @ position + spread) / 2 - x[0]
+    return x + gain * residual, P - np.outer(gain, row @ P)

@@ -189,7 +189,7 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
     asked = demands(motion, world=world)
     found = []
     for limit in WORDS:
-        allowed = _allowed(vehicle, limit)
+        allowed = bound(vehicle, limit)
         if allowed is None:
             continue
         quantity = getattr(asked, limit.removesuffix("_min").removesuffix("_max"))
@@ -206,7 +206,7 @@ def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
     asked = demands(motion, world=world)
     found = []
     for limit, (name, unit) in WORDS.items():
-        allowed = _allowed(vehicle, limit)
+        allowed = bound(vehicle, limit)
         if allowed is not None or not limit.startswith("height"):
             quantity = getattr(asked, limit.removesuffix("_min").removesuffix("_max"))
             least = limit.endswith("_min")
@@ -225,7 +225,9 @@ def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
     return tuple(found)
 
 
-def _allowed(vehicle: Vehicle, limit: str) -> float | None:
+def bound(vehicle: Vehicle, limit: str) -> float | None:
+    """What the vehicle allows of a limited quantity, in its SI unit: of thrust what is left with the margin kept; None
+    is unlimited."""
     value = getattr(vehicle, limit)
     return value / (1 + THRUST_MARGIN) if limit == "thrust_to_weight" and value is not None else value
 

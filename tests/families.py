@@ -22,8 +22,10 @@ from rangenav.signals import (
     polynomials,
 )
 
+SHARED_DATA = "RANGENAV_SHARED_DATA"
+"""An environment variable: a folder of others' files, with uav_trajectories' in polynomial/; else ../shared/data."""
 POLYNOMIAL_FILES = "RANGENAV_POLYNOMIAL_FILES"
-"""An environment variable: the folder of uav_trajectories files to read; else one beside the repository is tried."""
+"""An environment variable: the folder of uav_trajectories files itself."""
 
 
 def timed(*, seed: int = 1, count: int = 7, end: float = 12.0, begin: float = 0.0) -> tuple[Waypoint, ...]:
@@ -80,10 +82,10 @@ EXAMPLES: dict[str, Signal] = {
 
 def polynomial_file(name: str) -> Polynomials:
     """A uav_trajectories file, repeated neither in the project nor here; skips the test where there is none."""
-    beside = Path(__file__).parents[2] / "shared" / "data" / "polynomial"
-    path = Path(os.environ.get(POLYNOMIAL_FILES, beside)) / name
+    shared = Path(os.environ.get(SHARED_DATA, Path(__file__).parents[2] / "shared" / "data"))
+    path = Path(os.environ.get(POLYNOMIAL_FILES, shared / "polynomial")) / name
     if not path.is_file():
-        pytest.skip(f"{name} is not there; {POLYNOMIAL_FILES} may name its folder")
+        pytest.skip(f"{name} is not there; {SHARED_DATA} may name the folder above polynomial/{name}")
     with path.open(newline="") as file:
         rows = [[float(entry) for entry in row if entry.strip()] for row in list(csv.reader(file))[1:]]
     return Polynomials(pieces=tuple(_piece(row) for row in rows if row))

@@ -7,22 +7,28 @@ Python's exec or eval. A failing case is printed with its seed: `--seed N --case
 
 import argparse
 import random
+import struct
 import sys
+import tempfile
 import time
 import warnings
 from collections.abc import Callable
+from pathlib import Path
 
 import msgspec
 import numpy as np
+from scipy.io import savemat
 
-from rangenav import motion, preset
+from rangenav import formats, motion, preset, record
+from rangenav.formats import euroc
+from rangenav.formats.presets import as_preset
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Formula, bandwidth_until, expressions, series
 from tests.families import EXAMPLES
 
 DEADLINE = 1.0
 """s; a case that takes longer hangs, as far as somebody typing is concerned."""
-LEAST_CASES = {"formula": 100_000, "preset": 10_000}
+LEAST_CASES = {"formula": 100_000, "preset": 10_000, "importers": 10_000}
 """What a run of a minute or more must reach: fewer cases prove nothing."""
 GRID = np.linspace(0, 10, 48)
 WORDS = [
@@ -114,6 +120,44 @@ DAMAGES += [
 ]
 MAX_SIMULATED = 3000
 """Samples; presets that were accepted and are not longer are flown as well."""
+MISPRINTS = [
+    "nan",
+    "inf",
+    "1e999",
+    "-1e308",
+    "1e-320",
+    "",
+    ",",
+    ",,",
+    "\n",
+    "\r",
+    "\x00",
+    "12:34.5",
+    "1_0",
+    "#",
+    "# frame = z-up",
+]
+MISPRINTS += [
+    "t",
+    "gyro_x [deg/s]",
+    "p_x",
+    "9" * 400,
+    "0",
+    "1",
+    "-1",
+    "1.30503E+12",
+    "é",
+    " ",
+    ";",
+    "-",
+    "1e9",
+    "1e18",
+    "\ufeff",
+]
+MISPRINTS += ["# gravity = 1e400 0 0", "# anchor = nan 0 0", "x^0", "timestamp", "\t", "1e300", "0.0,0.0,0.0,0.0"]
+ANSWERS = {"gyro": "deg/s", "accel": "g", "mag": "uT", "frame": "z-up", "lines": "drop", "time": "ms", "range": "cm"}
+ROWS = 40
+"""Of each file that is damaged: few enough to damage thousands."""
 
 
 class ExecutionError(Exception):
@@ -174,10 +218,39 @@ def _fly(p: Preset) -> None:
     assert np.isfinite(moved.rotation).all()
 
 
-def _check_sentence(said: str, start: str) -> None:
+def importers(random: random.Random) -> None:
+    """A file of some format with places damaged: refused in one line, understood, or asked about; never for long."""
+    name, seeds = random.choice(_files())
+    damaged = {key: _damaged(random, data, text=name != "mat") for key, data in seeds.items()}
+    confirm = {key: ANSWERS[key] for key in ANSWERS if random.random() < 0.7}
+    try:
+        found = _parsed(name, damaged, confirm)
+    except ValueError as error:
+        _check_sentence(str(error), "x")
+        return
+    assert np.isfinite(found.duration)
+    assert found.duration > 0
+    try:
+        formats.settled(found)
+    except ValueError as error:
+        _check_sentence(str(error), "x", longest=3000)  # one clause for each question
+        return
+    if found.flight is not None:
+        assert np.isfinite(found.flight.gyro).all()
+        assert np.isfinite(found.flight.accel).all()
+        assert np.isfinite(found.flight.range).all()
+        assert (np.diff(found.flight.time) > 0).all()
+    elif random.random() < 0.2:
+        try:
+            as_preset(found)
+        except ValueError as error:
+            _check_sentence(str(error), "x")
+
+
+def _check_sentence(said: str, start: str, *, longest: int = 400) -> None:
     assert said.startswith(start), said
     assert "\n" not in said, said
-    assert len(said) < 400, said
+    assert len(said) < longest, said
 
 
 def _formula_text(random: random.Random) -> str:
@@ -239,14 +312,130 @@ def _texts() -> list[str]:
     return _TEXTS
 
 
+_FILES: list[tuple[str, dict[str, bytes]]] = []
+
+
+def _files() -> list[tuple[str, dict[str, bytes]]]:
+    """A short file of every format that is read, in the dialects that are met."""
+    if not _FILES:
+        with tempfile.TemporaryDirectory() as folder:
+            _FILES.extend(_written(Path(folder)))
+        for name, seeds in _FILES:  # undamaged they are understood; and modules imported now are not run later
+            found = _parsed(name, seeds, ANSWERS)
+            assert found.questions == (), found.questions
+            if found.path is not None:
+                as_preset(found)
+    return _FILES
+
+
+def _parsed(name: str, data: dict[str, bytes], confirm: dict[str, str]) -> formats.Imported:
+    if name == "euroc":
+        return euroc.parse(data, source="x", confirm=confirm)
+    return formats.parse(data[name], name, source="x", confirm=confirm)
+
+
+def _written(folder: Path) -> list[tuple[str, dict[str, bytes]]]:
+    soft = msgspec.structs.replace(preset.load("soft"), duration=16.0)
+    for name in ("reference", "polynomial", "tum", "log", "euroc"):
+        formats.export(soft, name, folder / name)
+    made = [(name, {name: _head(folder / name, stride=25)}) for name in ("reference", "tum")]
+    made += [(name, {name: _head(folder / name)}) for name in ("polynomial", "log")]
+    sensors = {name: _head(folder / "euroc" / "mav0" / name / "data.csv") for name in euroc.HEADERS}
+    foreign = [f"{k / 100},{k % 7},{k % 5},-1,0.01,0.02,0.99,20,{k % 3},-40" for k in range(ROWS)]
+    header = ",".join(["Time (s)", *(f"{what} {a} ({u})" for what, u in DIALECT for a in "XYZ")])
+    made.append(("log", {"log": "\n".join([header, *foreign]).encode()}))
+    z = record.run(msgspec.structs.replace(soft, duration=13.0)).measurements
+    arrays = {
+        "imu_gyr": z.gyro,
+        "imu_acc": z.accel,
+        "imu_mag": 40 * z.mag,
+        "opt_pos": z.gyro,
+        "sampling_rate": [[200.0]],
+    }
+    arrays["opt_quat"] = np.tile([1.0, 0.0, 0.0, 0.0], (len(z.gyro), 1))
+    for compressed in (False, True):
+        short = {name: np.asarray(values)[:ROWS] for name, values in arrays.items()}
+        savemat(folder / "x.mat", short, do_compression=compressed)
+        made.append(("mat", {"mat": (folder / "x.mat").read_bytes()}))
+    return [*made, ("euroc", sensors), ("euroc", {euroc.IMU: sensors[euroc.IMU]})]
+
+
+DIALECT = (("Gyroscope", "deg/s"), ("Accelerometer", "g"), ("Magnetometer", "uT"))
+
+
+def _head(file: Path, stride: int = 1) -> bytes:
+    """The header and some rows, near enough to each other for the format."""
+    lines = file.read_bytes().split(b"\n")
+    return b"\n".join([lines[0], *lines[1::stride][: ROWS + 5]]) + b"\n"
+
+
+def _damaged(random: random.Random, data: bytes, *, text: bool) -> bytes:
+    """Entries and lines of text replaced, doubled, swapped, columns rescaled; numbers of a .mat; at times any bytes."""
+    for _ in range(random.choice((1, 1, 1, 2, 3))):
+        if random.random() < 0.2:
+            data = _torn(random, data)
+        elif text:
+            data = b"\n".join(_edited(random, data.split(b"\n")))
+        else:
+            start = random.randrange(max(1, len(data) // 8)) * 8
+            data = data[:start] + struct.pack("<d", _number(random)) + data[start + 8 :]
+    return data
+
+
+def _edited(random: random.Random, lines: list[bytes]) -> list[bytes]:
+    k, other, kind = random.randrange(len(lines)), random.randrange(len(lines)), random.random()
+    separator = b"," if any(b"," in line for line in lines) else b" "
+    entries = lines[k].split(separator)
+    column = random.randrange(len(entries))
+    if kind < 0.5:
+        entry = random.choice(MISPRINTS).encode() if random.random() < 0.4 else repr(_number(random)).encode()
+        lines[k] = separator.join([*entries[:column], entry, *entries[column + 1 :]])
+    elif kind < 0.6:
+        lines.insert(other, lines[k])
+    elif kind < 0.7:
+        lines[k], lines[other] = lines[other], lines[k]
+    elif kind < 0.8:
+        del lines[min(k, other) : min(k, other) + random.choice((1, 1, 5, len(lines)))]
+    else:  # one column of every row: in other units, all alike, or empty
+        factor = random.choice((b"e3", b"e-3", b"e-9", b"e9", None, b""))
+        for j, line in enumerate(lines):
+            row = line.split(separator)
+            if j and column < len(row) and row[column]:
+                row[column] = b"0.5" if factor is None else row[column] + factor if factor else b""
+                lines[j] = separator.join(row)
+    return lines
+
+
+def _number(random: random.Random) -> float:
+    sizes = (0.0, 1.0, -1.0, 0.01, 9.81, 1e3, 1e6, 1e12, 1e-12, 1e-300, 1e19, 1e200, float("nan"))
+    return random.choice(sizes) * random.choice((1.0, random.uniform(-2, 2)))
+
+
+def _torn(random: random.Random, data: bytes) -> bytes:
+    kind, start = random.random(), random.randrange(len(data) + 1)
+    if kind < 0.4:
+        return data[:start] + bytes(random.randrange(256) for _ in range(random.randint(0, 4))) + data[start + 4 :]
+    if kind < 0.6:
+        return data[:start] + struct.pack("<I", random.choice((0, 1, 14, 2**31 - 1, 2**32 - 1))) + data[start + 4 :]
+    if kind < 0.8:
+        return data[:start] + data[start + random.choice((1, 8, 100, 10_000)) :]
+    return data[:start] + data[max(0, start - random.choice((8, 200))) :]
+
+
 ALL = "all"
-TARGETS: dict[str, Callable[[random.Random], None]] = {"formula": formula, "preset": damaged_preset}
+TARGETS: dict[str, Callable[[random.Random], None]] = {
+    "formula": formula,
+    "preset": damaged_preset,
+    "importers": importers,
+}
 
 
 def run(target: str, *, seconds: float, cases: int | None = None, seed: int = 0) -> int:
     """Run a target until the time is up or the cases are done; returns how many were run. Raises what a case raised."""
     sys.addaudithook(_refuse_execution)
     _texts()
+    if target == "importers":
+        _files()
     began, count = time.perf_counter(), 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -11,6 +11,7 @@ import pytest
 import viser
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from explorer.charts import Charts, catalogue, curves, markup, plots
 from explorer.charts.plots import Drawing, Plot
@@ -18,6 +19,8 @@ from explorer.compute import Picture, compute
 from explorer.settings import Printed, Settings
 from rangenav import preset
 from rangenav.sensors import Sensors, Unmodelled
+from rangenav.signals import Multisine, Tone
+from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Vehicle
 from tests.sent import Page
 from tests.test_scene import astronomic, picture
 
@@ -31,6 +34,11 @@ def printed(name: str, switches: Printed) -> Picture:
 
 def named(name: str) -> Plot:
     return next(plot for plot in ALL if plot.name == name)
+
+
+@pytest.fixture(scope="module")
+def slow() -> Picture:
+    return picture("paper-slow")
 
 
 @pytest.fixture
@@ -195,10 +203,58 @@ def test_printed_signal_is_shown_only_when_switched_on() -> None:
     assert plots.excitation(printed("hover", Printed(body_axes=True))).hidden == ()
 
 
+def flown_by(name: str, by: Vehicle) -> Picture:
+    return compute(Settings(preset=replace(preset.load(name), vehicle=by)))
+
+
+def test_limits_of_the_vehicle_stand_beside_what_is_asked_of_it_and_are_hidden_where_it_has_none() -> None:
+    seen = flown_by("paper-slow", CRAZYFLIE)
+    speed, effort = plots.speed(seen), plots.effort(seen)
+    assert speed.hidden == effort.hidden == ()
+    assert (speed.read[:, 1] == 8.3).all()
+    assert effort.read[0, 2:] == pytest.approx([1.95 / 1.35, 10.0])
+    assert plots.effort(flown_by("paper-slow", HAND_HELD)).hidden == (2,)
+    assert plots.speed(flown_by("paper-slow", FREE)).hidden == (1,)
+    assert plots.effort(flown_by("paper-slow", FREE)).hidden == (2, 3)
+
+
+@given(st.floats(0.05, 1e3), st.floats(0.05, 1e3))
+def test_a_limit_that_is_near_is_in_the_plot_and_one_far_away_does_not_flatten_the_curve(
+    slow: Picture, speed: float, rate: float
+) -> None:
+    seen = dataclasses.replace(slow, preset=replace(slow.preset, vehicle=Vehicle(name="a", speed=speed)))
+    drawing = plots.speed(seen)
+    greatest = float(drawing.read[:, 0].max())
+    assert drawing.axis[1] >= greatest
+    assert (drawing.axis[1] >= speed) or speed >= plots.NEAR * greatest
+    assert greatest >= drawing.axis[1] / (2 * plots.NEAR)
+    drawable(named("speed"), drawing)
+    both = Vehicle(name="b", thrust_to_weight=speed, body_rate=rate)
+    drawable(named("effort"), plots.effort(dataclasses.replace(seen, preset=replace(seen.preset, vehicle=both))))
+
+
+def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> None:
+    for name in ("snap", "excitation", "gramian"):
+        plot = named(name)
+        folded = re.sub("<details>.*</details>", "", markup.header(plot, height=100, hidden=()))
+        assert plot.words.note in folded
+        assert "Turning the body" in folded
+    still = replace(slow.preset, angular_velocity=Multisine(tones=(Tone(axis="x", amplitude=0.5, frequency=1.0),)))
+    other, windows = compute(Settings(preset=still)), slow.analysis.windows
+    assert other.analysis.windows.excitation == pytest.approx(windows.excitation)
+    assert other.analysis.windows.gramian == pytest.approx(windows.gramian, rel=1e-6, abs=windows.floor.max())
+    before, after = plots.snap(slow).read, plots.snap(other).read
+    assert after[:, 3] == pytest.approx(before[:, 3], rel=1e-9)
+    assert not np.allclose(after[:, :3], before[:, :3])
+    assert not np.allclose(np.linalg.norm(other.phi_printed, axis=1), np.linalg.norm(slow.phi_printed, axis=1))
+
+
 def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page) -> None:
     charts, seen = Charts(page.client, narrow=False), picture("paper")
     page.messages.clear()
     charts.draw(seen)
+    assert len(sent(page, "data")) == sum(len(group.plots) for group in catalogue.GROUPS if not group.later)
+    charts.draw_later(seen)
     data = sent(page, "data")
     assert len(data) == len(ALL)
     for arrays in data:

@@ -9,44 +9,12 @@ import msgspec
 import numpy as np
 import pytest
 
-from rangenav import __main__ as cli
 from rangenav import analysis, preset, record, report
 from rangenav.observability import excitation
 from rangenav.signals import Multisine
 
 SHORT = msgspec.structs.replace(preset.load("paper"), duration=8.0)
 """The paper's path, long enough to settle on and short enough to run often."""
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """run(arguments) -> (exit code, stdout, stderr), in this process."""
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rangenav", *map(str, arguments)])
-        code = 0
-        try:
-            cli.main()
-        except SystemExit as stop:
-            code = stop.code
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return call
-
-
-@pytest.fixture
-def answer(run):
-    """answer(arguments) -> the one JSON object on stdout, after success without a word on stderr."""
-
-    def call(*arguments):
-        code, out, err = run(*arguments, "--json")
-        assert (code, err) == (0, "")
-        assert out.endswith("}\n")
-        assert out.count("\n") == 1
-        return json.loads(out, parse_constant=pytest.fail)  # NaN and Infinity are no JSON
-
-    return call
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from explorer.warming import Warming
 from rangenav import preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
 from tests.house import house
-from tests.wire import Wire
+from tests.wire import Storage, Wire
 
 NOT_SHOWN = "Not shown"
 PRESS = 0.05
@@ -76,12 +76,17 @@ def sessions() -> Iterator[tuple[int, Sessions]]:
     server.stop()
 
 
+def _newest(made: Sessions, tab: Wire) -> Session:
+    """The session of a tab that has just connected, once it has drawn."""
+    tab.wait_for_text("of 13")
+    return list(made._of.values())[-1]
+
+
 @pytest.fixture
 def editing(sessions: tuple[int, Sessions]) -> Iterator[Editing]:
     port, made = sessions
     tab = Wire(port)
-    tab.wait_for_text("13 of 13")
-    yield Editing(tab, list(made._of.values())[-1])
+    yield Editing(tab, _newest(made, tab))
     tab.close()
 
 
@@ -400,3 +405,88 @@ def test_the_download_of_an_edited_path_is_read_back_exactly(editing: Editing):
     text = preset.dumps(shown)
     assert preset.loads(text, source="test") == shown
     assert msgspec.json.decode(msgspec.json.encode(editing.settings), type=Settings) == editing.settings
+
+
+def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
+    editing.set("family", "waypoints")
+    before = editing.settings.preset.path
+    assert isinstance(before, Waypoints)
+    editing.tab.drag("/handles/waypoint3", (0.2, 0.9, -0.4), steps=5)
+    editing.settle()
+    path = editing.settings.preset.path
+    assert isinstance(path, Waypoints)
+    assert path.points[2].value == pytest.approx((0.2, 0.9, -0.4), abs=1e-2)
+    assert path.points[:2] == before.points[:2]
+    assert editing.tab.value("point") == "3"
+    assert tuple(editing.tab.value("its place (m)")) == path.points[2].value
+    editing.command("Undo")
+    assert editing.settings.preset.path == before
+
+
+def test_the_anchor_is_dragged_and_the_gramian_stays(editing: Editing):
+    before = editing.session._picture
+    editing.tab.drag("/handles/anchor", (0.5, 0.25, -1.0))
+    editing.settle()
+    after = editing.session._picture
+    assert before is not None
+    assert after is not None
+    assert after.preset.world.anchor == pytest.approx((0.5, 0.25, -1.0), abs=1e-2)
+    assert np.array_equal(after.analysis.gramian, before.analysis.gramian)
+    assert after.analysis.lifted_end.position != before.analysis.lifted_end.position
+
+
+def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("plus a wiggle", True)
+    editing.set("sum's offset (m)", (0.0, 0.0, -2.0))
+    first = editing.tab.nodes["/handles/waypoint1"]["position"]
+    path = editing.settings.preset.path
+    assert isinstance(path, Sum)
+    assert tuple(first) == pytest.approx(tuple(np.add(path.base.points[0].value, (0, 0, -2))), abs=1e-9)  # type: ignore[union-attr]
+    editing.tab.drag("/handles/waypoint1", (1.5, 0.0, -2.0))
+    editing.settle()
+    path = editing.settings.preset.path
+    assert path.base.points[0].value == pytest.approx((1.5, 0.0, 0.0), abs=1e-2)  # type: ignore[union-attr]
+
+
+def test_a_handle_dragged_to_nonsense_changes_nothing(editing: Editing):
+    before = editing.settings
+    editing.tab.drag("/handles/anchor", (math.nan, math.inf, 1e300))
+    editing.settle()
+    assert editing.settings == before
+
+
+def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, Sessions]):
+    storage = Storage()
+    port, made = sessions
+    editing = Editing(tab := Wire(port, storage=storage), _newest(made, tab))
+    editing.set("family", "formulas")
+    editing.set("x(t) =", "cos(3*t)")
+    editing.set("q", 2.0)
+    expected = editing.settings
+    tab.close()
+    back = Wire(port, storage=storage)
+    assert Editing(back, _newest(made, back)).settings == expected
+    back.close()
+    server, warming = open_server("127.0.0.1", 0), Warming()
+    again = Sessions(server, house(server, warming))
+    warming.start()
+    later = Wire(server.get_port(), storage=storage)
+    assert Editing(later, _newest(again, later)).settings == expected
+    assert later.value("x(t) =") == "cos(3*t)"
+    later.close()
+    server.stop()
+
+
+def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessions]):
+    port, made = sessions
+    browser = Storage()
+    first = Editing(one := Wire(port, storage=browser), _newest(made, one))
+    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), _newest(made, two))
+    first.set("q", 1.0)
+    second.set("q", 3.0)
+    one.close()
+    two.close()
+    back = Wire(port, storage=browser)
+    assert Editing(back, _newest(made, back)).settings.preset.gains.riccati.q == 10.0
+    back.close()

@@ -4,9 +4,11 @@ import msgspec
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.history import DEPTH, MOMENT, History
+from explorer.history import DEPTH, MOMENT, History, differing
 from explorer.settings import Settings
 from rangenav import preset
+from rangenav.motion import World
+from rangenav.signals import Formula, Multisine
 
 SLOW = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
 
@@ -35,6 +37,52 @@ def test_what_follows_within_a_moment_is_one_step_but_never_the_beginning():
         history.note(_at(2.0 + k / 10), 0.01 + k * MOMENT / 2)
     assert history.undo() == _at(1.0)
     assert history.undo() is None
+
+
+def test_a_slow_machine_does_not_tear_a_drag_apart():
+    history = History()
+    history.note(_at(1.0), 0.0)
+    for k in range(5):
+        history.note(_at(2.0 + k), 10.0 + 3 * k, shown=10.0 + 3 * k + 2.9)
+    assert history.undo() == _at(1.0)
+
+
+def test_what_is_held_is_one_step_however_slowly_it_moves():
+    history = History()
+    history.note(_at(1.0), 0.0)
+    for k in range(4):
+        history.note(_at(2.0 + k), 10.0 * (k + 1), hold=3)
+    history.note(_at(8.0), 60.0, hold=4)
+    assert history.undo() == _at(5.0)
+    assert history.undo() == _at(1.0)
+
+
+def test_two_things_moved_within_a_moment_are_two_steps():
+    history = History()
+    slow = SLOW.preset
+    seeded = msgspec.structs.replace(SLOW, preset=msgspec.structs.replace(slow, seed=7))
+    history.note(SLOW, 0.0)
+    history.note(_at(2.0), 0.01)
+    history.note(seeded, 0.02)
+    assert history.undo() == _at(2.0)
+    assert history.undo() == SLOW
+
+
+def test_what_differs_is_named_to_the_innermost_table():
+    slow = SLOW.preset
+    path = slow.path
+    assert isinstance(path, Multisine)
+    first = msgspec.structs.replace(path.tones[0], amplitude=7.0, phase=0.1)
+    moved = msgspec.structs.replace(path, tones=(first, *path.tones[1:]))
+
+    def parts(**changes: object) -> set[str]:
+        return set(differing(SLOW, msgspec.structs.replace(SLOW, preset=msgspec.structs.replace(slow, **changes))))
+
+    assert parts(path=moved) == {".preset.path.tones.0"}
+    assert parts(path=Formula()) == {".preset"}
+    assert parts(path=msgspec.structs.replace(path, tones=path.tones[1:])) == {".preset.path"}
+    assert parts(world=World(anchor=(1.0, 0.0, 0.0)), seed=9) == {".preset", ".preset.world"}
+    assert parts() == set()
 
 
 def test_a_step_apart_stays_apart_however_soon_the_next_one_comes():

@@ -109,12 +109,18 @@ def test_floor_and_ceiling_follow_gravity():
         assert [one.limit for one in vehicle.broken(still, low, world=world)] == ["height_max"]
 
 
-def test_margins_say_how_far_every_limit_is_used():
+def test_uses_say_how_far_every_limit_is_used():
     moved, world = circling(2.0)
-    used = vehicle.margins(moved, CRAZYFLIE, world=world)
-    assert used["speed"] == pytest.approx(2.0 / 8.3)
-    assert used["thrust_to_weight"] == pytest.approx(math.hypot(1, 4 / 9.81) * 1.35 / 1.95)
-    assert vehicle.margins(moved, FREE, world=world) == {}
+    used = {use.name: use for use in vehicle.uses(moved, CRAZYFLIE, world=world)}
+    assert used["speed"].share == pytest.approx(2.0 / 8.3)
+    assert used["thrust"].share == pytest.approx(math.hypot(1, 4 / 9.81) * 1.35 / 1.95)
+    assert used["tilt"].reached == pytest.approx(math.degrees(math.atan(4 / 9.81)))
+    assert used["least distance to the anchor"].share == pytest.approx(0.1 / math.hypot(1, 3.5))
+    limits = {one.limit for one in vehicle.broken(moved, CRAZYFLIE, world=world)}
+    assert used["thrust"].broken == ("thrust_to_weight" in limits)
+    free = vehicle.uses(moved, FREE, world=world)
+    assert all(use.allowed is None and use.share == 0.0 and not use.broken for use in free)
+    assert not any("height" in use.name for use in free)
 
 
 def test_a_preset_holds_its_vehicle_and_old_files_mean_a_free_one():

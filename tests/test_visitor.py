@@ -139,7 +139,7 @@ def test_a_tab_that_goes_away_while_it_is_asked_is_no_error(page: Page):
     tab = Wire(page.port, storage=Storage(silent=True))
     tab.wait_for(lambda: "LocalStorageGetItemRequestMessage" in tab.counts, "the question")
     tab.close()
-    tab.wait_for(lambda: set(page.seats) - before, "an end of the waiting", patience=visitor.PATIENCE / 2)
+    tab.wait_for(lambda: set(page.seats) - before, "an end of the waiting", patience=5.0)
     assert page.seats.popitem()[1] is None
 
 

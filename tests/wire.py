@@ -72,6 +72,8 @@ class Wire:
         self.nodes: dict[str, dict[str, Any]] = {}
         """Position, visibility and properties of every node of the scene, by its name; "owner" is echoed to viser."""
         self.storage = storage or Storage()
+        self.on_plot: Callable[[str], object] = lambda uuid: None
+        """Called, in the listener's thread, with the id of a plot that has been given other data."""
         self.dock = 0
         """Width (px) of the first panel that was given one."""
         self.closed_with: int | None = None
@@ -195,6 +197,8 @@ class Wire:
         self.counts[name] = self.counts.get(name, 0) + 1
         if name == "GuiUpdateMessage" and message["uuid"] in self.elements:
             self.elements[message["uuid"]].update(message["updates"])
+            if "data" in message["updates"]:
+                self.on_plot(message["uuid"])
         elif name == "GuiRemoveMessage":
             self.elements.pop(message["uuid"], None)
         elif name == "RegisterCommandMessage":

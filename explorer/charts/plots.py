@@ -13,7 +13,7 @@ from numpy import ndarray as Array
 
 from explorer.charts import curves, words
 from explorer.compute import Picture
-from rangenav import sensors
+from rangenav import sensors, vehicle
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, GREY = "#E69F00", "#56B4E9", "#888888"
@@ -27,6 +27,8 @@ SMALLEST_SHARE = 0.01
 EXCITATION_FLOOR = 1e-13
 """Times the greatest eigenvalue: what is smaller is rounding noise, and is said to be 0."""
 STATES = 13
+NEAR = 2.0
+"""A limit that is more times the greatest value away is told in the legend, but does not flatten the curve."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,6 +79,18 @@ def _log(time: Array, columns: tuple[Array, ...], *, low_quantile: float = SMALL
 def _linear(time: Array, columns: tuple[Array, ...], *, symmetric: bool) -> Drawing:
     read = curves.end_at_first_nan(np.stack(columns, axis=1))
     return Drawing(time=time, read=read, drawn=read, axis=curves.even_range(read, symmetric=symmetric))
+
+
+def _limited(picture: Picture, columns: tuple[Array, ...], limits: tuple[str, ...]) -> Drawing:
+    """Quantities from zero up, and behind them what the vehicle allows of each; hidden where it allows everything."""
+    time = picture.motion.time
+    bounds = [vehicle.bound(picture.preset.vehicle, limit) for limit in limits]
+    greatest = max(float(np.nanmax(column)) for column in columns)
+    near = [bound for bound in bounds if bound is not None and bound < NEAR * greatest]
+    read = np.stack([*columns, *(np.full_like(time, bound or 0.0) for bound in bounds)], axis=1)
+    axis = curves.even_range(np.array([greatest, *near]), symmetric=False)
+    hidden = tuple(len(columns) + k for k, bound in enumerate(bounds) if bound is None)
+    return Drawing(time=time, read=read, drawn=read, axis=axis, hidden=hidden)
 
 
 def _sigma(picture: Picture, block: int) -> Float[Array, "n"]:
@@ -178,12 +192,14 @@ def distance(picture: Picture) -> Drawing:
 
 
 def speed(picture: Picture) -> Drawing:
-    return _linear(picture.motion.time, (np.linalg.norm(picture.motion.velocity, axis=1),), symmetric=False)
+    """Speed, and the most the vehicle may have."""
+    return _limited(picture, (np.linalg.norm(picture.motion.velocity, axis=1),), ("speed",))
 
 
 def effort(picture: Picture) -> Drawing:
-    """Thrust over weight, and body rate (rad/s), which share an axis because they are of one size."""
+    """Thrust over weight, and body rate (rad/s), which share an axis because they are of one size; and their limits."""
     motion = picture.motion
     weight = float(np.linalg.norm(picture.preset.world.gravity))
     thrust = np.linalg.norm(motion.apparent_acceleration, axis=1) / weight
-    return _linear(motion.time, (thrust, np.linalg.norm(motion.angular_velocity, axis=1)), symmetric=False)
+    rate = np.linalg.norm(motion.angular_velocity, axis=1)
+    return _limited(picture, (thrust, rate), ("thrust_to_weight", "body_rate"))

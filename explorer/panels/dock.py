@@ -8,11 +8,13 @@ import msgspec
 import viser
 
 from explorer.compute import Picture
+from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.printed import PrintedPanel
+from explorer.panels.progress import ProgressPanel
 from explorer.panels.sheet import Action, Refused, Sheet
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
@@ -44,7 +46,7 @@ class Requests:
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, sheet: Sheet, presets: dict[str, Preset], name: str, requests: Requests) -> None:
+    def __init__(self, sheet: Sheet, presets: dict[str, Preset], name: str, requests: Requests, jobs: Jobs) -> None:
         gui, self._presets = sheet.gui, presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
@@ -69,6 +71,7 @@ class Dock:
             self.printed = PrintedPanel(sheet)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
+            self.progress = ProgressPanel(sheet, jobs)
             self.verdict = VerdictPanel(gui)
         panel.dock_below(gui.main_panel)
         self.write(Settings(origin=name, preset=presets[name]))
@@ -97,6 +100,7 @@ class Dock:
             time_scale=moved.time_scale,
             printed=self.printed.read(),
             drafts=self.motion.drafts(),
+            twin_turn=self.twin_turn,
         )
 
     @contextmanager
@@ -118,7 +122,7 @@ class Dock:
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
-        self._written = settings
+        self._written, self.twin_turn = settings, settings.twin_turn
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)

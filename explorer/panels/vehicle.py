@@ -1,7 +1,5 @@
 """Whose limits the motion is held against, and how much of each it takes: live, with the moment of the worst."""
 
-import html
-
 from explorer.compute import Picture
 from explorer.panels.controls import Choice
 from explorer.panels.sheet import Section, Sheet
@@ -12,11 +10,13 @@ HINT = (
     "The limits that the path is held against; the path is marked where it breaks one. Of a vehicle's thrust "
     f"{vehicle.THRUST_MARGIN:.0%} is kept in hand to steer with."
 )
-CELL = "padding:0.1em 0.6em 0.1em 0;vertical-align:top"
+CELL = "padding:0.1em 0.5em 0.1em 0;white-space:nowrap"
 BAR = (
-    '<div style="width:4.5em;height:0.55em;background:#8883;display:inline-block;vertical-align:middle">'
+    '<div style="width:2.2em;height:0.55em;background:#8883;display:inline-block;vertical-align:middle">'
     '<div style="width:{:.0f}%;height:100%;background:{}"></div></div>'
 )
+SHORT = {"times the weight": "× weight"}
+NAMES = {"least distance to the anchor": "to the anchor"}
 GOOD, BAD = "#00785a", "#b3261e"
 
 
@@ -41,10 +41,11 @@ class VehiclePanel:
 
     def draw(self, picture: Picture) -> None:
         """Show what the motion asks for against what the vehicle can."""
-        rows = "".join(
+        head = _cells("", "worst", "of the limit" if picture.preset.vehicle != vehicle.FREE else "", "at")
+        rows = head + "".join(
             _row(use) for use in vehicle.uses(picture.motion, picture.preset.vehicle, world=picture.preset.world)
         )
-        style = "padding:0.1em 0.9em 0.6em;font-size:0.82em;line-height:1.45;font-variant-numeric:tabular-nums"
+        style = "padding:0.1em 0.9em 0.6em;font-size:0.78em;line-height:1.45;font-variant-numeric:tabular-nums"
         content = f'<div style="{style}"><table style="border-collapse:collapse">{rows}</table></div>'
         if content != self._table.content:
             self._table.content = content
@@ -60,13 +61,14 @@ def _words(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
 
 
 def _row(use: vehicle.Use) -> str:
-    worst, when = f"{use.reached:.3g} {html.escape(use.unit)}", f"at {use.at:.2f} s"
+    worst, when = f"{use.reached:.3g} {SHORT.get(use.unit, use.unit)}", f"{use.at:.1f} s"
+    name = NAMES.get(use.name, use.name)
     if use.allowed is None:
-        return _cells(use.name, worst, "", when)
+        return _cells(name, worst, "", when)
     mark, colour = ("✕", BAD) if use.broken else ("✓", GOOD)
     share = 100 * min(use.share, 1.0)
     allowed = f"{BAR.format(share, colour)} {'≥' if use.least else '≤'} {use.allowed:.3g}"
-    return _cells(f'<span style="color:{colour}">{mark}</span> {use.name}', worst, allowed, when)
+    return _cells(f'<span style="color:{colour}">{mark}</span> {name}', worst, allowed, when)
 
 
 def _cells(*cells: str) -> str:

@@ -6,67 +6,35 @@ session's loop   for grab in handles.take(): settings = …           what is he
 
 A sphere moves in the plane through it that faces the camera (viser: about 20 messages a second, start and end always
 told). The one touched last has a gizmo for exact axes, until Escape or a click elsewhere. Places are in the inertial
-frame whichever way is up. Nothing a browser sends is believed: only three finite numbers within 100 km are places.
+frame whichever way is up.
 """
 
 import math
 import threading
 import time
 from collections.abc import Callable, Coroutine
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
-import numpy as np
 from viser import SceneApi, SceneClickEvent, SceneNodeDragEvent, SceneNodePointerEvent, TransformControlsEvent
 
+from explorer.scene import grips
 from explorer.scene.colors import BLUE, ORANGE
+from explorer.scene.grips import Grab, Grip, Kind
 from explorer.scene.stage import UNSEEN, Stage
 from rangenav.inputs import Vec3
 
 MAX_WAYPOINTS = 60
 """Drawn; of more, the others are moved by their numbers."""
-MAX_REACH = 1e5
-"""m from the origin, along each axis."""
-EVERYWHERE = (-MAX_REACH, MAX_REACH)
+EVERYWHERE = (-grips.MAX_REACH, grips.MAX_REACH)
 STEPS = 1000
 """A place is rounded to the power of ten below a thousandth of the stage's radius: finer than a pixel, and readable."""
-WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.24, 0.34, 1.8
+WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.18, 0.34, 1.8
 """Radii of the handles and length of the gizmo's arrows, in units of the stage. The anchor's encloses the beacon."""
 ONE_CLICK = 0.3
 """s within which a click on a handle and one on the scene are the same click: viser tells both, in any order."""
 OTHERS = f"{MAX_WAYPOINTS} (drag the first {MAX_WAYPOINTS}, the others by numbers)"
 
-Kind = Literal["anchor", "waypoint"]
 Told = Coroutine[Any, Any, None]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Grab:
-    """Where a handle has been moved to."""
-
-    kind: Kind
-    index: int
-    """Of the waypoint, from 0."""
-    position: Vec3
-    """m, inertial frame."""
-    done: bool
-    """It has been let go."""
-
-
-@dataclass(eq=False)
-class _Grip:
-    """A handle is held, from the press until its end has been taken."""
-
-    home: Vec3
-    """Where the handle was."""
-    start: Any
-    """Where the pointer took hold of it."""
-    latest: Any = None
-    """Where the pointer is now; as the browser says, unchecked."""
-    news: bool = False
-    done: bool = False
-    good: Vec3 | None = None
-    """The last place that was one."""
 
 
 class _Handle:
@@ -75,7 +43,7 @@ class _Handle:
     def __init__(self, scene: SceneApi, kind: Kind, index: int) -> None:
         self.kind: Kind = kind
         self.index, self.place = index, (0.0, 0.0, 0.0)
-        self.grip: _Grip | None = None
+        self.grip: Grip | None = None
         anchor = kind == "anchor"
         name = f"/handles/{kind}{'' if anchor else index + 1}"
         self.node = scene.add_icosphere(
@@ -93,7 +61,8 @@ class _Handle:
             self.label = scene.add_label(f"{name}/label", f"{index + 1}", anchor="bottom-left", font_screen_scale=0.9)
 
     def move(self, place: Vec3) -> None:
-        self.place = self.node.position = place
+        if place != self.place:
+            self.place = self.node.position = place
 
 
 class Handles:
@@ -180,7 +149,7 @@ class Handles:
             latest, done, grip.news = grip.latest, grip.done, False
             if done:
                 handle.grip = None
-        grip.good = _place(grip, latest, self._step) or grip.good
+        grip.good = grips.place(grip, latest, self._step) or grip.good
         if grip.good is None:
             return None
         handle.move(grip.good)
@@ -243,33 +212,10 @@ class Handles:
         """Remember where a handle is held; whatever came before and was not taken is forgotten."""
         with self._lock:
             if phase == "start":
-                handle.grip, self._touched = _Grip(handle.place, start), handle
+                handle.grip, self._touched = Grip(handle.place, start), handle
             elif handle.grip is None or handle.grip.done:
                 return
             else:
                 handle.grip.latest, handle.grip.news = latest, True
                 handle.grip.done = phase == "end"
         self._note()
-
-
-def _place(grip: _Grip, latest: Any, step: float) -> Vec3 | None:
-    """Where a handle is held, None if that is no place. A coordinate that has not moved stays as it is, to the last
-    digit; one that has is rounded."""
-    start = grip.home if grip.start is None else grip.start
-    if not (_is_place(start) and _is_place(latest)):
-        return None
-    moved = [
-        a if abs(c - b) < step / 2 else round(a + c - b, round(-math.log10(step)))
-        for a, b, c in zip(grip.home, start, latest, strict=True)
-    ]
-    return (moved[0], moved[1], moved[2]) if _is_place(moved) else None
-
-
-def _is_place(sent: Any) -> bool:
-    """Whether this is three finite numbers within reach."""
-    return (
-        isinstance(sent, tuple | list)
-        and len(sent) == 3
-        and all(isinstance(entry, float | int | np.floating) for entry in sent)
-        and all(abs(entry) <= MAX_REACH for entry in sent)  # false for NaN
-    )

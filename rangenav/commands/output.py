@@ -51,6 +51,8 @@ def flattened(report: dict[str, Any], prefix: str = "") -> list[tuple[str, str]]
             rows += flattened(value, f"{prefix}{key}.")
         elif isinstance(value, list) and value and isinstance(value[0], dict):
             rows += [(f"{prefix}{key}", str(entry["words"])) for entry in value]
+        elif isinstance(value, list) and value and isinstance(value[0], str):
+            rows += [(f"{prefix}{key}", sentence) for sentence in value]
         else:
             rows.append((prefix + key, readable(value, floor if key in ("mu", "eigenvalues") else 0.0)))
     return rows
@@ -61,5 +63,5 @@ def readable(value: Any, floor: float = 0.0) -> str:
     if isinstance(value, list):
         return "  ".join(readable(entry, floor) for entry in value) or "none"
     if isinstance(value, float):
-        return "< floor" if value < floor else f"{value:.4g}"
+        return "< floor" if floor > 0 and value < floor else f"{value:.4g}"
     return "–" if value is None else str(value)

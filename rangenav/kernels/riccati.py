@@ -8,7 +8,7 @@ that rows do not overlap and work on four columns at once: 50 ns for Φ P, again
 import numpy as np
 
 from rangenav.kernels.compiled import kernel
-from rangenav.kernels.layout import ROUNDING
+from rangenav.kernels.layout import CONSISTENCY_TIME, ROUNDING
 
 N = 13
 ROW1, ROW2, ROW3 = 1 * N, 2 * N, 3 * N
@@ -157,3 +157,26 @@ def correct(x, P, y, variance):
         P[i] *= kept
         P[N * i] = P[i]
     return innovation, total
+
+
+@kernel
+def remind(x, P, h):
+    """One correction with 0 = ξ1 − ½|p|², linearised at x̂: the residual is ½|p̂|² − ξ̂1 + ½ tr P_pp, row (1, −p̂).
+
+    Its error is that of ½|e|², of mean ½t and variance below ½t², t = tr P_pp; see CONSISTENCY_TIME. While the position
+    is not known that variance drowns the correction, so that starts from anywhere converge as without it.
+    """
+    px, py, pz = x[4], x[5], x[6]
+    spread = P[(N + 1) * 4] + P[(N + 1) * 5] + P[(N + 1) * 6]
+    residual = (px * px + py * py + pz * pz + spread) / 2 - x[0]
+    gain = np.empty(N)
+    for i in range(N):
+        gain[i] = P[i] - (px * P[PX + i] + py * P[PY + i] + pz * P[PZ + i])
+    total = gain[0] - (px * gain[4] + py * gain[5] + pz * gain[6]) + spread * spread * (CONSISTENCY_TIME / (2 * h))
+    step, scale = residual / total, 1 / np.sqrt(total)
+    for i in range(N):
+        x[i] += gain[i] * step
+        gain[i] *= scale
+    for i in range(N):
+        for j in range(N):  # one product of equal factors: symmetric to the last bit
+            P[N * i + j] -= gain[i] * gain[j]

@@ -4,46 +4,92 @@ from collections.abc import Callable
 
 import numpy as np
 
+Stage = Callable[[], object]
+
 
 def compile_all(progress: Callable[[float, str], None]) -> None:
-    """Run each kernel once on a tiny problem; progress(fraction, name) is called before each and once at the end."""
+    """Run each kernel of the cascade on a tiny problem; progress(fraction, name) comes before each and at the end."""
+    _compile(_stages, progress)
+
+
+def compile_estimators(progress: Callable[[float, str], None]) -> None:
+    """The same for the extended Kalman filter and the smoother, which no first picture waits for."""
+    _compile(_estimators, progress)
+
+
+def _compile(named: Callable[[], list[tuple[str, Stage]]], progress: Callable[[float, str], None]) -> None:
     progress(0.0, "loading the compiler")
-    stages = _stages()
+    stages = named()
     for done, (name, stage) in enumerate(stages):
         progress((done + 1) / (len(stages) + 1), name)
         stage()
     progress(1.0, "ready")
 
 
-def _stages() -> list[tuple[str, Callable[[], object]]]:
-    from rangenav.kernels import attitude, cascade, riccati, rotation
+def _stages() -> list[tuple[str, Stage]]:
+    from rangenav.kernels import attitude, cascade, errors, riccati, rotation
     from rangenav.kernels.layout import Arrays, Parameters
 
     vector, matrix, state = np.zeros(3), np.eye(3), np.zeros(13)
     p = Parameters(
         gravity=(0.0, 0.0, 9.81), magnetic=(1.0, 0.0, 0.0), b4=1.0, variance=1.0, v=(1.0, 1.0, 1.0, 1.0), k1=1.0,
-        rho1=1.0, rho2=1.0, symmetric=True, matched=False, range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
+        rho1=1.0, rho2=1.0, scheduled=True, k1_steady=1.0, halfway=1.0, memory=1.0, symmetric=True, matched=False,
+        range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
     )  # fmt: skip
     s = Arrays(
         x=state, P=np.eye(13).ravel(), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(),
-        accel=vector.copy(),
-        mag=vector.copy(), pending=np.full(2, np.nan),
+        accel=vector.copy(), mag=vector.copy(), misaligned=np.ones(1), pending=np.full(2, np.nan),
     )  # fmt: skip
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
     r, pairs = rotation.load(matrix), np.empty((2, 2))
     return [
         ("rotations", lambda: rotation.orthonormal(rotation.multiply(rotation.exp(0.0, 0.0, 0.1), r))),
-        ("attitude filter", lambda: attitude.step(r, vector, vector, vector, vector, vector, vector, 1e-3, p)),
+        ("attitude filter", lambda: attitude.step(r, 1.0, vector, vector, vector, vector, vector, vector, 1e-3, p)),
         ("Riccati prediction", lambda: riccati.predict_covariance(s.P, 0.0, 0.0, 9.8, 1e-3)),
         ("Riccati correction", lambda: riccati.correct(s.x, s.P, 1.0, 1.0)),
         ("first sample", lambda: cascade.begin(s, 1.0, p)),
         ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, pairs, p)),
-        ("reading the estimate", lambda: cascade.read(s, np.empty(13), np.empty((3, 3, 3)))),
+        ("reading the estimate", lambda: (cascade.read(s, np.empty(13), np.empty((3, 3, 3))), cascade.k1(s, p))),
         (
             "whole record",
             lambda: cascade.run(
                 s, time, rows, rows, rows, time, ranges, np.empty((2, 13)), np.empty((2, 4)), np.empty((2, 3, 3, 3)),
-                np.empty((2, 3, 3)), np.empty((2, 2)), 1, p,
+                np.empty((2, 3, 3)), np.empty(2), np.empty((2, 2)), 1, p,
             ),
         ),
+        (
+            "many attitudes",
+            lambda: cascade.run_attitudes(
+                s, time, rows, rows, rows, time, ranges, np.tile(matrix, (1, 2, 1, 1)), np.empty((2, 2)), 1, p
+            ),
+        ),
+        ("errors", lambda: errors.norms(np.zeros((1, 13)), np.zeros((1, 13)), np.empty((1, 3)))),
+        ("angles", lambda: errors.angles(np.tile(matrix, (1, 1, 1, 1)), matrix[None], np.empty((1, 1)))),
     ]  # fmt: skip
+
+
+def _estimators() -> list[tuple[str, Stage]]:
+    from rangenav.kernels import ekf, smoother
+    from rangenav.kernels.layout import Strapdown
+
+    known = Strapdown(
+        gravity=(0.0, 0.0, 9.81), across1=(0.0, 1.0, 0.0), across2=(0.0, 0.0, 1.0), range_variance=0.01,
+        mag_variance=0.01, accel_density=1e-4, gyro_density=1e-6,
+    )  # fmt: skip
+    matrix, nine = np.eye(3), np.zeros(9)
+    time, rows, pairs = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.empty((2, 2))
+    imu, given = (time, rows, rows), (np.ones(2), np.arange(2), np.zeros(2))
+    track = (np.ones((2, 3)), np.zeros((2, 3)), np.array([matrix, matrix]))
+    covariances, kept = np.tile(np.eye(9).ravel(), (2, 1)), np.empty((6, smoother.KEPT))
+    work = (np.empty((2, 9)), covariances, np.zeros((2, 3)), kept, np.empty(2, dtype=np.int64))
+    return [
+        ("extended Kalman filter", lambda: ekf.run(*imu, rows, *given, *track, covariances, pairs, known)),
+        (
+            "smoother, forward",
+            lambda: smoother.forward(*imu, rows, *given, *track, nine, np.eye(9).ravel(), *work, known),
+        ),
+        ("smoother, backward", lambda: smoother.backward(time, *work)),
+        ("smoother, step", lambda: smoother.apply(work[0], *track)),
+        ("smoother, covariance", lambda: smoother.smooth_covariance(time, covariances, work[2], known)),
+        ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
+    ]

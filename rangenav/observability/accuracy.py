@@ -13,6 +13,7 @@ from numpy import ndarray as Array
 
 from rangenav.motion import World
 from rangenav.observability import rows
+from rangenav.observability.rows import Moment, Visit
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
 from rangenav.signals import Signal
 
@@ -46,18 +47,25 @@ def predict(
     sigma: float,
     rate: float,
     kind: Kind,
-    at: Literal["start", "end"],
+    at: Moment,
     share: float = 1.0,
 ) -> Accuracy:
     """Accuracy at the start or the end of one window, from its ranges at `rate` (Hz) with noise sigma (m).
 
     Where only a share of them arrives, now this one and now that, it is the accuracy of the expected information.
     """
-    tau = np.arange(int(window * rate + 1e-9) + 1) / rate
-    if at == "end":
-        start, tau = start + window, tau - window
-    count = np.full(len(tau), share)
-    values = sigmas(path, world, np.array([start]), tau, count, window, sigma=sigma, kind=kind)[0]
+    return told(ranged(path, start, window, rate), world, sigma=sigma, kind=kind, at=at, share=share)
+
+
+def ranged(path: Signal, start: float, window: float, rate: float) -> Visit:
+    """One window (s) at all its ranges, which come at `rate` (Hz)."""
+    tau = np.arange(int(window * rate + 1e-9) + 1)[None] / rate
+    return rows.visit_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+
+
+def told(seen: Visit, world: World, *, sigma: float, kind: Kind, at: Moment, share: float = 1.0) -> Accuracy:
+    """Accuracy from one range, with noise sigma (m), at each time of the one window seen, or from a share of them."""
+    values = sigmas(seen, np.full(seen.tau.shape, share), world, sigma=sigma, kind=kind, at=at)[0]
     return Accuracy(position=float(values[0]), velocity=float(values[1]), gravity=float(values[2]))
 
 
@@ -72,55 +80,73 @@ def end_sigmas(
     kind: Kind,
     share: float = 1.0,
 ) -> Float[Array, "w 3"]:
+    """Accuracy at the end of many windows, as `along` has it."""
+    return along(rows.visit(path, start, window), world, sigma=sigma, rate=rate, kind=kind, share=share)
+
+
+def along(
+    seen: Visit, world: World, *, sigma: float, rate: float, kind: Kind, share: float = 1.0
+) -> Float[Array, "w 3"]:
     """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ and half of both ends.
 
-    34 nodes instead of hundreds of ranges: the same as `predict` to a percent, to seven where the path passes within
-    decimetres of the anchor and 1/d² has a peak narrower than the nodes. For curves; verdicts use `predict`.
+    Some dozens of nodes instead of hundreds of ranges: the same as `predict` to a percent, to seven where the path
+    passes within decimetres of the anchor and 1/d² has a peak narrower than the nodes. For curves; verdicts use
+    `predict`.
     """
-    nodes, weight = rows.nodes(path, start, window)
-    tau = np.concatenate([[0.0], nodes, [window]])
-    count = share * np.concatenate([[0.5], weight * (window * rate), [0.5]])
-    return sigmas(path, world, start + window, tau - window, count, window, sigma=sigma, kind=kind)
+    count = seen.weight * (share * seen.window * rate)
+    count[:, [0, -1]] = 0.5 * share
+    return sigmas(seen, count, world, sigma=sigma, kind=kind, at="end")
 
 
 def sigmas(
-    path: Signal,
-    world: World,
-    reference: Float[Array, "w"],
-    tau: Float[Array, "k"],
-    count: Float[Array, "k"],
-    window: float,
-    *,
-    sigma: float,
-    kind: Kind,
+    seen: Visit, count: Float[Array, "v k"], world: World, *, sigma: float, kind: Kind, at: Moment
 ) -> Float[Array, "w 3"]:
-    """sqrt(trace) of the position, velocity and gravity blocks at each reference time; `count` ranges at each τ."""
-    distance2 = np.sum((path(reference[:, None] + tau) - np.asarray(world.anchor)) ** 2, axis=-1)
+    """sqrt(trace) of the position, velocity and gravity blocks of each window, from `count` ranges at each time."""
+    distance2 = np.sum((seen.place - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
     noise = sigma if sigma > 0 else 1.0  # without noise every determined block is exact: computed for 1 m, then zero
     if kind == "lifted":
-        matrix, powers, blocks = rows.lifted(path, world.gravity, reference, tau), LIFTED_TIME_POWERS, LIFTED_BLOCKS
-        variance = distance2 * noise**2 + noise**4 / 2
+        powers, blocks, variance = LIFTED_TIME_POWERS, LIFTED_BLOCKS, distance2 * noise**2 + noise**4 / 2
     else:
-        matrix, powers, blocks = (
-            rows.nonlinear(path, world.anchor, reference, tau),
-            NONLINEAR_TIME_POWERS,
-            NONLINEAR_BLOCKS,
-        )
-        variance = np.maximum(distance2, NEAREST**2) * noise**2
-    weighted = matrix * np.sqrt(count / variance)[..., None]
-    result = _block_sigmas(weighted, window ** -powers.astype(float), blocks)
+        powers, blocks, variance = NONLINEAR_TIME_POWERS, NONLINEAR_BLOCKS, np.maximum(distance2, NEAREST**2) * noise**2
+
+    def made(part: Visit) -> Float[Array, "_ k n"]:
+        if kind == "lifted":
+            return rows.lifted_of(part, world.gravity, at)
+        return rows.nonlinear_of(part, world.anchor, at)
+
+    R = rows.triangles(seen, count / variance, made)
+    result = _block_sigmas(R, seen.window ** -powers.astype(float), blocks)
     return result if sigma > 0 else result * 0.0
 
 
-def _block_sigmas(weighted: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
+def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
+    """Norms of the rows of S R⁻¹ in each block; windows that may be blind are left to their singular vectors.
+
+    Where 1/|R⁻¹| exceeds the tolerance times |R|, every singular value counts, and a triangle is inverted ten times as
+    fast as it is decomposed.
+    """
+    missing = R.shape[-1] - R.shape[-2]  # fewer ranges than unknowns: rows of zeros tell nothing
+    R = (np.pad(R, ((0, 0), (0, missing), (0, 0))) if missing > 0 else R) * scale
+    size = np.linalg.norm(R, axis=(1, 2))
+    regular = np.abs(np.diagonal(R, axis1=1, axis2=2)).min(axis=1) > RANK_TOLERANCE * size
+    result = np.empty((len(R), len(blocks)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        inverse = np.linalg.inv(R[regular])
+        seen = np.linalg.norm(inverse, axis=(1, 2)) * RANK_TOLERANCE * size[regular] < 1
+        variance = np.einsum("wij,wij->wi", inverse, inverse) * scale**2
+    result[regular] = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in blocks], axis=1))
+    regular[regular] = seen
+    if not regular.all():
+        result[~regular] = _seen_sigmas(R[~regular], scale, blocks)
+    return result
+
+
+def _seen_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
     """Row norms of S V Σ⁻¹ over each block; NaN where the null space reaches into the block."""
-    missing = max(0, weighted.shape[-1] - weighted.shape[-2])  # fewer ranges than unknowns: rows of zeros tell nothing
-    weighted = np.pad(weighted, ((0, 0), (0, missing), (0, 0)))
-    R = np.linalg.qr(weighted, mode="r") * scale
     _, singular, right = np.linalg.svd(R)
     seen = singular > RANK_TOLERANCE * singular[:, :1]
     inverse = np.where(seen, 1 / np.where(seen, singular, 1.0), 0.0)
-    result = np.empty((len(weighted), len(blocks)))
+    result = np.empty((len(R), len(blocks)))
     for j, block in enumerate(blocks):
         part = right[:, :, block]
         unseen = np.max(np.linalg.norm(part, axis=-1) * ~seen, axis=-1) > NULL_SHARE

@@ -5,85 +5,207 @@ In axes fixed in inertia, with τ = s − t and D = p(s) − p(t) − τ v(t) �
     ∂(½d²)/∂(p, v, g) = [qᵀ, τ qᵀ, ½τ² qᵀ],  q = p(s) − p_anchor         (nonlinear, 9)
     r_4 R̄ᵀ = [p⁗ᵀ, 4p⃛ᵀ, 6a_Iᵀ], the fourth derivative of Dᵀ(p + τv + ½τ²g)     (reduced pair, 9; Proposition 1)
 A window is observable exactly when the 13 functions {1, τ, τ², τ³, Dᵢ, τDᵢ, τ²Dᵢ} are linearly independent on it.
+All rows of one window come from the same places: a Visit keeps them, so that the path is evaluated once.
 """
 
 import math
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.signals import Signal, bandwidth_until, bent
+from rangenav.observability import quadrature
+from rangenav.signals import Signal, bent
 
-PANEL_NODES = 32
-PANEL_TURN = 36.0
-"""rad of the fastest tone that one panel of 32 Gauss nodes integrates to rounding (squares too: exact to k = 63)."""
-MAX_NODES = 1024
-"""Nodes in one window; more would ask for more memory than a live page may use."""
+CHUNK = 4096
+"""Rows weighted and reduced at once: half a megabyte stays in the cache, all windows together cost twice the time."""
+ROUNDING = 64 * np.finfo(float).eps
+"""Absolute error of a row per metre of path amplitude, when D is a small difference of large positions."""
+TALLEST = 512
+"""Rows of one QR decomposition. From about 700 rows of 13 on, OpenBLAS wakes its threads for it: five windows then take
+0.17 ms on a machine with nothing else to do, and 130 to 230 ms on one whose cores are busy."""
+Moment = Literal["start", "end"]
 
 
-def count(window: float, bandwidth: float) -> int:
-    """How many nodes a window takes."""
-    return PANEL_NODES * max(1, math.ceil(bandwidth * window / PANEL_TURN))
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Visit:
+    """Where a path is during w windows, k times in each: at quadrature nodes, or where ranges were taken."""
+
+    start: Float[Array, "w"]
+    """s"""
+    window: float
+    tau: Float[Array, "v k"]
+    """s since each start; one row for all windows (v = 1), or w rows."""
+    weight: Float[Array, "v k"]
+    """Of each time in a mean over its window."""
+    place: Float[Array, "w 3 k"]
+    """m, inertial; axes before times, so that sums run along the long side."""
+    bent: Float[Array, "w 3 k"]
+    """m, without the path's offset and drift: they cancel in D, and beforehand they cost no digits."""
+    position: Float[Array, "2 w 3"]
+    """Of the bent path, at the windows' starts and ends."""
+    velocity: Float[Array, "2 w 3"]
+    rounding: float
+    """The rows' absolute error."""
 
 
-@lru_cache(maxsize=64)
-def quadrature(window: float, bandwidth: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
-    """Nodes τ in [0, window] and weights that sum to one: composite Gauss–Legendre, fine enough for the bandwidth."""
-    panels = count(window, bandwidth) // PANEL_NODES
-    if panels * PANEL_NODES > MAX_NODES:
-        longest = MAX_NODES // PANEL_NODES * PANEL_TURN / bandwidth
-        raise ValueError(
-            f"requirement.window must be at most {longest:.3g} s for tones of {bandwidth:g} rad/s, got {window:g} s"
+def visit(path: Signal, start: Float[Array, "w"], window: float) -> Visit:
+    """The windows at their quadrature nodes, and at both ends with no weight."""
+    tau, weight = quadrature.nodes(path, start, window)
+    ends = np.zeros((len(tau), 1))
+    return visit_at(
+        path,
+        start,
+        window,
+        tau=np.concatenate([ends, tau, ends + window], axis=1),
+        weight=np.concatenate([ends, weight, ends], axis=1),
+    )
+
+
+def visit_at(
+    path: Signal, start: Float[Array, "w"], window: float, *, tau: Float[Array, "v k"], weight: Float[Array, "v k"]
+) -> Visit:
+    """The windows at chosen times. The path is evaluated without its straight part, which is then added."""
+    curve, time, ends = bent(path), start[:, None] + tau, np.stack([start, start + window])
+    places = _axes_first(curve(time))
+    offset, drift = (path(start[:1], order) - curve(start[:1], order) for order in (0, 1))
+    return Visit(
+        start=start,
+        window=window,
+        tau=tau,
+        weight=weight,
+        place=places + offset[..., None] + drift[..., None] * (time - start[0])[:, None],
+        bent=places,
+        position=curve(ends),
+        velocity=curve(ends, 1),
+        rounding=rounding(path, start, window),
+    )
+
+
+def rounding(path: Signal, start: Float[Array, "w"], window: float) -> float:
+    """The rows' absolute rounding error: positions of size |p| and velocities times δ are subtracted in D.
+
+    A path that no bound is known of, because it drifts or jumps, is as large as it is seen to be.
+    """
+    path = bent(path)
+    sizes = [path.bound(order) for order in (0, 1)]
+    if not math.isfinite(sum(sizes)):
+        time = np.append(start, start[-1] + window)
+        sizes = [float(np.linalg.norm(path(time, order), axis=-1).max()) for order in (0, 1)]
+    return ROUNDING * (sizes[0] + window * sizes[1])
+
+
+def triangles(
+    seen: Visit, weight: Float[Array, "v k"], made: Callable[[Visit], Float[Array, "_ k n"]]
+) -> Float[Array, "w r n"]:
+    """R of the QR decomposition of each window's weighted rows, which `made` makes of a visit: RᵀR = Σ weight hᵀh."""
+    root = np.broadcast_to(np.sqrt(weight), (len(seen.start), weight.shape[1]))
+    found = []
+    for inside, part in _parts(seen):
+        matrix = made(part)
+        matrix *= root[inside, :, None]
+        found.append(_triangle(matrix))
+    return np.concatenate(found)
+
+
+def _triangle(matrix: Float[Array, "w k n"]) -> Float[Array, "w r n"]:
+    """R, of tall matrices by blocks of rows and then of the blocks' own triangles."""
+    if matrix.shape[1] > TALLEST:
+        blocks = [matrix[:, first : first + TALLEST] for first in range(0, matrix.shape[1], TALLEST)]
+        matrix = np.concatenate([np.linalg.qr(block, mode="r") for block in blocks], axis=1)
+    return np.asarray(np.linalg.qr(matrix, mode="r"))
+
+
+def _parts(seen: Visit) -> Iterator[tuple[slice, Visit]]:
+    """A few windows after the other."""
+    each = max(1, CHUNK // seen.tau.shape[1])
+    for first in range(0, len(seen.start), each):
+        inside = slice(first, first + each)
+        yield (
+            inside,
+            replace(
+                seen,
+                start=seen.start[inside],
+                tau=seen.tau if len(seen.tau) == 1 else seen.tau[inside],
+                weight=seen.weight if len(seen.weight) == 1 else seen.weight[inside],
+                place=seen.place[inside],
+                bent=seen.bent[inside],
+                position=seen.position[:, inside],
+                velocity=seen.velocity[:, inside],
+            ),
         )
-    nodes, weights = np.polynomial.legendre.leggauss(PANEL_NODES)
-    tau = (np.arange(panels)[:, None] + (nodes + 1) / 2).ravel() * (window / panels)
-    return tau, np.tile(weights / (2 * panels), panels)
 
 
-def nodes(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
-    """The quadrature for windows of a path: fine enough for what is present until the last of them ends."""
-    return quadrature(window, bandwidth_until(path, float(np.max(start)) + window))
+def lifted_of(seen: Visit, gravity: Vec3, moment: Moment) -> Float[Array, "w k 13"]:
+    """Rows 𝒞Φ for the state at the start or the end of each window."""
+    end = int(moment == "end")
+    tau = _since(seen, moment)
+    return _lifted(_departure(seen.bent, seen.position[end], seen.velocity[end], gravity, tau), tau)
 
 
-def lifted(path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]) -> Float[Array, "w k 13"]:
+def nonlinear_of(seen: Visit, anchor: Vec3, moment: Moment) -> Float[Array, "w k 9"]:
+    """Rows of ½d² for position, velocity and gravity at the start or the end of each window."""
+    return _nonlinear(seen.place - np.asarray(anchor)[:, None], _since(seen, moment))
+
+
+def lifted(
+    path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
+) -> Float[Array, "w k 13"]:
     """Rows 𝒞Φ(t + τ, t) for each reference time t (s); τ may be negative (what past ranges say about now)."""
-    D = _departure(path, gravity, reference, tau)
-    rows = np.empty((len(reference), len(tau), 13))
-    rows[..., 0], rows[..., 1], rows[..., 2], rows[..., 3] = 1.0, tau, tau**2 / 2, tau**3 / 6
-    rows[..., 4:7] = D
-    rows[..., 7:10] = tau[:, None] * D
-    rows[..., 10:13] = tau[:, None] ** 2 / 2 * D
-    return rows
+    curve = bent(path)
+    places = _axes_first(curve(reference[:, None] + tau))
+    return _lifted(_departure(places, curve(reference), curve(reference, 1), gravity, tau), tau)
 
 
 def nonlinear(
-    path: Signal, anchor: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]
+    path: Signal, anchor: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 9"]:
     """Rows of ½d² with respect to (p, v, g) at each reference time, linearised at the true motion."""
-    q = path(reference[:, None] + tau) - np.asarray(anchor)
-    return np.concatenate([q, tau[:, None] * q, tau[:, None] ** 2 / 2 * q], axis=-1)
+    return _nonlinear(_axes_first(path(reference[:, None] + tau) - np.asarray(anchor)), tau)
 
 
-def reduced(path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "k"]) -> Float[Array, "w k 9"]:
+def reduced(
+    path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
+) -> Float[Array, "w k 9"]:
     """Rows of the reduced pair, r_4 = [p⁗ᵀ, 4 p⃛ᵀ, 6 a_Iᵀ] in inertial axes, carried to the reference time."""
     time = reference[:, None] + tau
     return carry(path(time, 4), 4 * path(time, 3), 6 * (path(time, 2) - np.asarray(gravity)), tau)
 
 
 def carry(
-    first: Float[Array, "w k 3"], second: Float[Array, "w k 3"], third: Float[Array, "w k 3"], tau: Float[Array, "k"]
+    first: Float[Array, "w k 3"], second: Float[Array, "w k 3"], third: Float[Array, "w k 3"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 9"]:
     """Rows on (p, v, g) at the window's start from rows on (p, v, g) at τ: p + τv + ½τ²g, v + τg, g."""
-    s = tau[:, None]
+    s = tau[..., None]
     return np.concatenate([first, s * first + second, s**2 / 2 * first + s * second + third], axis=-1)
 
 
-def _departure(path: Signal, gravity: Vec3, reference: Array, tau: Array) -> Array:
-    """D = p(t+τ) − p(t) − τ v(t) − ½τ² g, (w, k, 3). Offset and drift cancel in it, so they are left out beforehand."""
-    path = bent(path)
-    position, velocity = path(reference)[:, None], path(reference, 1)[:, None]
-    s = tau[:, None]
-    return path(reference[:, None] + tau) - position - s * velocity - s**2 / 2 * np.asarray(gravity)
+def _since(seen: Visit, moment: Moment) -> Array:
+    return seen.tau - seen.window if moment == "end" else seen.tau
+
+
+def _axes_first(vectors: Float[Array, "w k 3"]) -> Float[Array, "w 3 k"]:
+    return np.ascontiguousarray(vectors.swapaxes(1, 2))
+
+
+def _departure(places: Array, position: Array, velocity: Array, gravity: Vec3, tau: Array) -> Array:
+    """D = p(t+τ) − p(t) − τ v(t) − ½τ² g, (w, 3, k)."""
+    s = tau[..., None, :]
+    return places - position[..., None] - s * velocity[..., None] - s**2 / 2 * np.asarray(gravity)[:, None]
+
+
+def _lifted(D: Array, tau: Array) -> Array:
+    half = tau**2 / 2
+    columns = np.empty((len(D), 13, D.shape[-1]))
+    columns[:, 0], columns[:, 1], columns[:, 2], columns[:, 3] = 1.0, tau, half, half * tau / 3
+    columns[:, 4:7], columns[:, 7:10], columns[:, 10:13] = D, tau[..., None, :] * D, half[..., None, :] * D
+    return columns.swapaxes(1, 2)
+
+
+def _nonlinear(q: Array, tau: Array) -> Array:
+    s = tau[..., None, :]
+    return np.concatenate([q, s * q, s**2 / 2 * q], axis=1).swapaxes(1, 2)

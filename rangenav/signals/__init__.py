@@ -1,11 +1,12 @@
 """Signals in R³ whose every derivative comes from one call, `signal(t, order)`: families, and edits of them.
 
-A signal is a value (frozen, hashable, a tagged table in a file) that the library asks five things:
+A signal is a value (frozen, hashable, a tagged table in a file) that the library asks six things:
     signal(t, order)     the derivative at times t, exact and not differenced
     signal.bandwidth     rad/s, for the panels of a quadrature; `bandwidth_until` where a formula has none for all time
     signal.bound(order)  a bound of the derivative's norm at every t ≥ 0, no sample; infinite if none is known
     signal.period        s after which all that bends repeats; 0 if nothing bends, None if it does not repeat
     bent(signal)         the signal without its straight part
+    jet(signal, t, k)    the derivatives 0 to k in one pass
 """
 
 from rangenav.signals.checks import operations, refuse_fallen, refuse_wild, refuse_work
@@ -23,6 +24,7 @@ from rangenav.signals.edits import (
 from rangenav.signals.families import Family, Signal, Sum, bandwidth_until
 from rangenav.signals.flown import Attitude, Flown
 from rangenav.signals.formula import Formula
+from rangenav.signals.jets import jet
 from rangenav.signals.multisine import AXES, Multisine, Tone
 from rangenav.signals.polynomials import Piece, Polynomials
 from rangenav.signals.waypoints import MinimumSnap, Waypoint, Waypoints
@@ -49,6 +51,7 @@ __all__ = [
     "bandwidth_until",
     "bent",
     "centred",
+    "jet",
     "mapped",
     "mirrored",
     "moved",

@@ -96,6 +96,11 @@ class Jumps:
     """Of position to snap, after minus before: m, m/s … m/s⁴ for a path."""
 
 
+def pieces(signal: Polynomials) -> Pieces:
+    """What the signal is made of, in times since t = 0."""
+    return _pieces(signal)
+
+
 def jumps(signal: Polynomials) -> Jumps:
     """The jumps C⁰ to C⁴. At the ends the signal stands still before and after, or meets its own beginning."""
     found = _pieces(signal)

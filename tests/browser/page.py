@@ -33,6 +33,7 @@ INPUT_PAUSE = 0.08
 """s between inputs: viser's page sends at most one per 50 ms and panel."""
 PATIENCE = 60.0
 """s: a busy machine that renders in software may need seconds for a frame."""
+VERDICT = "of 13"
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
@@ -46,12 +47,23 @@ class Server:
     """The command, as a user starts it."""
 
     def __init__(self, *arguments: str) -> None:
-        command = [sys.executable, "-m", "explorer", "--no-browser", "--port", "0", *arguments]
+        self._arguments = arguments
+        self._start(0)
+
+    def _start(self, port: int) -> None:
+        command = [sys.executable, "-m", "explorer", "--no-browser", "--port", str(port), *self._arguments]
         self._began = time.monotonic()
         self._process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         assert self._process.stdout is not None
         self.url = self._process.stdout.readline().strip()
         self.seconds_to_answer = time.monotonic() - self._began
+
+    def crash_and_restart(self) -> None:
+        """Killed without a chance to tidy up, and started again at the same address."""
+        port = self.port
+        self._process.kill()
+        self._process.communicate()
+        self._start(port)
 
     @property
     def port(self) -> int:
@@ -95,10 +107,23 @@ def launch(playwright: Playwright) -> Browser:
 class Visitor:
     """One tab on the page."""
 
-    def __init__(self, browser: Browser, url: str, *, width: int = 1366, height: int = 768, density: float = 1) -> None:
+    def __init__(
+        self,
+        browser: Browser,
+        url: str,
+        *,
+        width: int = 1366,
+        height: int = 768,
+        density: float = 1,
+        beside: "Visitor | None" = None,
+        says: str = VERDICT,
+    ) -> None:
+        """`beside` another one it is a second tab of the same browser; the page is drawn when it says `says`."""
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
-        context = browser.new_context(viewport={"width": width, "height": height}, device_scale_factor=density)
+        self._says, self._alone = says, beside is None
+        size, scale = {"width": width, "height": height}, density
+        context = beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
         self.page: Page = context.new_page()
         self.page.on("console", self._listen)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -113,16 +138,27 @@ class Visitor:
     def wait_until_drawn(self, timeout: float = PATIENCE) -> None:
         """Until the first verdict is on the page."""
         self.page.wait_for_function(READY, timeout=timeout * 1000)
-        self.page.wait_for_function("() => document.body.innerText.includes('of 13')", timeout=timeout * 1000)
+        self.wait_for_text(self._says, timeout)
 
     def reload(self) -> None:
         """As with the browser's button."""
         self.page.reload()
         self.wait_until_drawn()
 
+    @contextmanager
+    def reconnecting(self) -> Iterator[None]:
+        """For a block that ends the connection: afterwards the page has been built anew over another one."""
+        self.page.evaluate("() => { window.__viserMutable.nodeRefFromName['/path'].userData.old = true }")
+        yield
+        self.page.wait_for_function(
+            "() => { const path = window.__viserMutable.nodeRefFromName['/path']; return path && !path.userData.old }",
+            timeout=PATIENCE * 1000,
+        )
+        self.wait_until_drawn()
+
     def close(self) -> None:
         """Close the tab."""
-        self.page.context.close()
+        self.page.context.close() if self._alone else self.page.close()
 
     def text(self) -> str:
         """Everything written on the page."""
@@ -158,6 +194,17 @@ class Visitor:
         field.click()
         field.fill(text)
         time.sleep(INPUT_PAUSE)
+
+    def type_text(self, label: str, text: str) -> None:
+        """Put a text into the box beside a label."""
+        field = self.beside(label).locator("input, textarea").first
+        field.click()
+        field.fill(text)
+        time.sleep(INPUT_PAUSE)
+
+    def typed(self, label: str) -> str:
+        """What the text box beside a label holds."""
+        return self.beside(label).locator("input, textarea").first.input_value()
 
     def number(self, label: str) -> str:
         """What the number box beside a label shows."""
@@ -197,6 +244,12 @@ class Visitor:
             "(name) => { const p = window.__viserMutable.nodeRefFromName[name].position; return [p.x, p.y, p.z] }"
         )
         return self.page.evaluate(expression, name)
+
+    def wait_for_node(self, name: str, timeout: float = PATIENCE) -> None:
+        """Until a node of the scene is drawn."""
+        self.page.wait_for_function(
+            "name => window.__viserMutable.nodeRefFromName[name]", arg=name, timeout=timeout * 1000
+        )
 
     def screen_position(self, name: str, offset: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> tuple[float, float]:
         """Where on the page (CSS px) a node of the scene is seen, or a point (m) in its own axes."""

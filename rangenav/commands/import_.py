@@ -1,0 +1,79 @@
+"""`rangenav import`: another tool's path as a preset, with what the file did not say asked and not assumed."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from rangenav import preset as presets
+from rangenav.commands.output import print_json, print_table
+from rangenav.inputs import Vec3, require
+
+ReadFormat = Literal["preset", "reference", "polynomial", "tum", "euroc", "log", "mat"]
+
+
+def import_(
+    path: tyro.conf.Positional[Path],
+    *,
+    from_: Annotated[ReadFormat, tyro.conf.arg(name="from")],
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PRESET.toml")],
+    duration: float | None = None,
+    frame: Literal["z-up", "z-down"] | None = None,
+    knots: float | None = None,
+    anchor: Vec3 = (0.0, 0.0, 0.0),
+    json: bool = False,
+) -> None:
+    """Make a preset of another tool's path, and say what its motion lets one range tell.
+
+    Args:
+        path: The file to read; for euroc a ground-truth csv.
+        from_: Its format.
+        output: The preset to write.
+        duration: Seconds of it to fly; all by default.
+        frame: Which way z points, where the format does not say.
+        knots: Seconds between the knots through sampled poses; as wide as stays within a centimetre by default.
+        anchor: Where the anchor stands (m), which no path says.
+        json: Print one JSON object.
+    """
+    from rangenav import formats
+    from rangenav.formats.presets import as_preset
+
+    require(output.suffix == ".toml", f"-o must name a file that ends in .toml, got {output}")
+    if from_ == "preset":
+        presets.save(presets.load(path), output)
+        return print_json({"preset": str(output)}) if json else None
+    confirm = {} if frame is None else {"frame": frame}
+    found = formats.read(path, from_, confirm=confirm, knots=knots)
+    made = as_preset(found, duration=duration, anchor=anchor)
+    report = _report(found, made, output)
+    presets.save(made, output)
+    return print_json(report) if json else print_table(f"{found.source}: {report['verdict']}", report)
+
+
+def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
+    from rangenav import analysis
+    from rangenav.signals import Flown
+
+    seen = analysis.analyse(made)
+    flown = isinstance(made.angular_velocity, Flown)
+    report: dict[str, Any] = {
+        "preset": str(output),
+        "format": found.format,
+        "rows": found.rows,
+        "rate": found.rate,
+        "duration": found.duration,
+        "frame": found.frame,
+        "fit_error": found.fit_error,
+        "findings": list(found.findings),
+        "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",
+        "excitation": {"window": made.requirement.window, "mu": seen.mu, "floor": seen.mu_floor},
+        "rank": seen.rank,
+        "verdict": seen.verdict,
+    }
+    if found.rate is None:
+        report["rate_reason"] = "null: pieces and no samples"
+    if found.fit_error is None:
+        report["fit_error_reason"] = "null: the path is the file's own"
+    if found.unjudged is not None:
+        report |= {"excitation": None, "rank": None, "verdict": "not judged", "reason": f"null: {found.unjudged}"}
+    return report

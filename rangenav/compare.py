@@ -1,0 +1,88 @@
+"""Estimators side by side on one record: the cascade, its refinement, and the extended Kalman filter.
+
+The filter is asked twice: from the cascade's own start, and from the truth with a small covariance, which nobody has
+but which shows how good it is where it works. Errors are `rangenav.errors.Errors` for all of them: in body axes.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from rangenav import baselines, cascade, errors, record, refine, strapdown
+from rangenav.cascade import Estimate, Setting
+from rangenav.errors import Errors
+from rangenav.model import POSITION
+from rangenav.record import Record, Summary
+from rangenav.strapdown import STATES, Track
+
+CASCADE, REFINEMENT = "cascade", "refinement of the whole record"
+EKF, EKF_TRUTH = "EKF, the cascade's start", "EKF, started at the truth"
+TRUTH_SIGMA = 0.1
+"""m, m/s and rad: 1 σ with which the filter starts at the truth."""
+WRONG_PLACE = 5.0
+"""A final error of so many of its own σ belongs to another minimum."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Contender:
+    """What one estimator made of the record."""
+
+    name: str
+    estimate: Estimate
+    errors: Errors
+    summary: Summary
+    words: str
+    """How it went, in one sentence."""
+
+
+def compare(of: Record) -> tuple[Contender, ...]:
+    """All contenders on one record. Times are of this one run: of the first ever, compiling included."""
+    setting = Setting(world=of.preset.world, sensors=of.preset.sensors, gains=of.preset.gains, form=of.form)
+    moved, z = of.truth.motion, of.measurements
+    start = cascade.start(of.preset.guess, state=of.truth.state[0], rotation=moved.rotation[0], world=of.preset.world)
+    truth = (moved.position[0], moved.velocity[0], moved.rotation[0])
+    near = np.eye(STATES) * TRUTH_SIGMA**2
+    began = time.perf_counter()
+    refined = refine.refine(z, of.estimate, setting)
+    seconds = time.perf_counter() - began
+    return (
+        Contender(
+            name=CASCADE,
+            estimate=of.estimate,
+            errors=of.errors,
+            summary=of.summary,
+            words=_words(of.estimate, of.errors, of.summary),
+        ),
+        _contender(REFINEMENT, refined.track, of, seconds, words=refined.words),
+        _filtered(EKF, lambda: baselines.ekf(z, start, setting), of),
+        _filtered(EKF_TRUTH, lambda: baselines.filtered(z, truth, near, setting), of),
+    )
+
+
+def _filtered(name: str, run: Callable[[], Track], of: Record) -> Contender:
+    began = time.perf_counter()
+    track = run()
+    return _contender(name, track, of, time.perf_counter() - began)
+
+
+def _contender(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Contender:
+    with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
+        estimate = strapdown.lifted(track, of.measurements, of.preset.world)
+        found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
+        summary = record.summarise(estimate, found, seconds)
+        words = words or _words(estimate, found, summary)
+    return Contender(name=name, estimate=estimate, errors=found, summary=summary, words=words)
+
+
+def _words(estimate: Estimate, errors: Errors, summary: Summary) -> str:
+    """Settled, in a wrong place, or not a number: told from the truth, so for simulated records only."""
+    lost = np.flatnonzero(~np.isfinite(errors.position))
+    if len(lost):
+        return f"not a number from t = {estimate.time[lost[0]]:.3g} s on"
+    if summary.settle_position_s is not None:
+        return f"within {record.SETTLED_POSITION:g} m from t = {summary.settle_position_s:.3g} s on"
+    sigma = float(np.linalg.norm(estimate.std[-1, POSITION]))
+    off = f"{summary.final_position:.2g} m off at the end, its own σ {sigma:.2g} m"
+    return f"in a wrong place: {off}" if summary.final_position > WRONG_PLACE * sigma else f"not settled: {off}"

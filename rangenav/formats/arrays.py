@@ -1,0 +1,69 @@
+"""Lossless arrays of a run, in the preset's own frame: NPZ, MATLAB .mat (v5, a struct), and plain CSV of t, p, v, a."""
+
+import io
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rangenav import __version__, preset, record
+from rangenav.formats.runs import Run, quaternions, run_of
+from rangenav.formats.written import Written, write_bytes, write_text
+from rangenav.preset import Preset
+
+FIELDS = ("time", "position", "velocity", "acceleration", "jerk", "snap", "rotation", "angular_velocity")
+MEASURED = ("gyro", "accel", "mag", "range_time", "range")
+UNITS = (
+    "s, m, rad, m/s², unit magnetic vector; gyro, accel, mag, angular_velocity in body axes; rotation body to inertial"
+)
+NAME = "rangenav"
+"""Of the struct in a .mat file."""
+
+
+def write_npz(chosen: Preset, path: Path) -> Written:
+    """Every array of the run, estimate included, named as by `rangenav simulate --save`."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = Path(folder) / "run.npz"
+        record.save(record.run(chosen), made)
+        write_bytes(path, made.read_bytes())
+    return Written(files=(path,), frame=_frame(run_of(chosen)))
+
+
+def write_mat(chosen: Preset, path: Path) -> Written:
+    """One struct: meta, truth and measurements; quaternions wxyz, body to inertial."""
+    from scipy.io import savemat
+
+    run = run_of(chosen)
+    content: dict[str, Any] = {name: getattr(run, name) for name in (*FIELDS, *MEASURED)}
+    for name in ("time", "range_time", "range"):
+        content[name] = content[name][:, None]
+    content["quaternion_wxyz"] = quaternions(run)
+    content["meta"] = {
+        "format": f"rangenav {__version__}",
+        "units": UNITS,
+        "frame": _frame(run),
+        "gravity": np.array(run.gravity),
+        "magnetic": np.array(run.magnetic),
+        "anchor": np.array(run.anchor),
+        "seed": float(chosen.seed),
+        "preset": preset.dumps(chosen),
+    }
+    data = io.BytesIO()
+    savemat(data, {NAME: content}, do_compression=True, oned_as="column")
+    write_bytes(path, data.getvalue())
+    return Written(files=(path,), frame=_frame(run), figures={"rows": len(run.time)})
+
+
+def write_csv(chosen: Preset, path: Path) -> Written:
+    """What everybody can open: t, p, v, a."""
+    run = run_of(chosen)
+    names = ["t", *(f"{name}_{axis}" for name in "pva" for axis in "xyz")]
+    table = np.column_stack([run.time, run.position, run.velocity, run.acceleration])
+    rows = [",".join(repr(value) for value in row) for row in table.tolist()]
+    write_text(path, "\n".join([",".join(names), *rows, ""]))
+    return Written(files=(path,), frame=_frame(run), figures={"rows": len(rows)})
+
+
+def _frame(run: Run) -> str:
+    return run.frame or "gravity ({:g}, {:g}, {:g})".format(*run.gravity)

@@ -1,0 +1,182 @@
+"""EuRoC folders: mav0/imu0, mav0/state_groundtruth_estimate0, and beside them mag0 and uwb0 for field and ranges.
+
+    truth  #timestamp [ns], p (m), q wxyz, v (m/s), b_w, b_a: 17 columns, body to a z-up world
+    imu0   #timestamp [ns], w (rad/s), a (m/s²)
+mag0 and uwb0 are no part of EuRoC: `ns, m_x, m_y, m_z` (unit vector) and `ns, range [m]`. Stamps begin at one second.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy import ndarray as Array
+
+from rangenav.formats import knotted, log, recorded, text
+from rangenav.formats.imported import Imported, increasing, spacing
+from rangenav.formats.recorded import Raw
+from rangenav.formats.runs import nanoseconds, quaternions, upright_run
+from rangenav.formats.text import Table
+from rangenav.formats.written import Written, new_folder, write_text
+from rangenav.inputs import require
+from rangenav.preset import Preset
+
+FIRST = 1.0
+"""s, the stamp of t = 0."""
+TRUTH, IMU, MAG, UWB = "state_groundtruth_estimate0", "imu0", "mag0", "uwb0"
+POSITION = tuple(f"p_RS_R_{axis}" for axis in "xyz")
+ATTITUDE = tuple(f"q_RS_{axis}" for axis in "wxyz")
+VELOCITY = tuple(f"v_RS_R_{axis}" for axis in "xyz")
+GYRO, ACCEL = tuple(f"w_RS_S_{axis}" for axis in "xyz"), tuple(f"a_RS_S_{axis}" for axis in "xyz")
+BIASES = tuple(f"b_{kind}_RS_S_{axis}" for kind in "wa" for axis in "xyz")
+HEADERS = {
+    TRUTH: (
+        *(f"{name} [m]" for name in POSITION),
+        *(f"{name} []" for name in ATTITUDE),
+        *(f"{name} [m s^-1]" for name in VELOCITY),
+        *(f"{name} [rad s^-1]" for name in BIASES[:3]),
+        *(f"{name} [m s^-2]" for name in BIASES[3:]),
+    ),
+    IMU: (*(f"{name} [rad s^-1]" for name in GYRO), *(f"{name} [m s^-2]" for name in ACCEL)),
+    MAG: tuple(f"m_{axis} []" for axis in "xyz"),
+    UWB: ("range [m]",),
+}
+LEAST_ROWS = 8
+LARGEST = 1e6
+
+
+def read(path: Path, *, confirm: Mapping[str, str], knots: float | None) -> Imported:
+    """A folder's flight, or the path of one truth file. Raises ValueError naming file, line and column."""
+    if not path.is_dir():
+        data = text.contents(path)
+        if b"p_RS_R_x" in data[:4096]:
+            return parse_truth(data, source=path.name, knots=knots)
+        return log.parse(data, source=path.name, confirm=confirm)
+    root = path / "mav0" if (path / "mav0").is_dir() else path
+    names = {name: root / name / "data.csv" for name in (IMU, TRUTH, MAG, UWB)}
+    require(names[IMU].is_file(), f"{path}: no {IMU}/data.csv in it")
+    found = {name: text.contents(file) for name, file in names.items() if file.is_file()}
+    return parse(found, source=path.name, confirm=confirm)
+
+
+def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> Imported:
+    """The flight of a folder whose files are given by the names of their sensors."""
+    imu = _table(files[IMU], f"{source}/{IMU}")
+    time = _seconds(imu)
+    sides = {name: _table(files[name], f"{source}/{name}") for name in (TRUTH, MAG, UWB) if name in files}
+    rotation = position = None
+    if TRUTH in sides:
+        position = _onto(time, sides[TRUTH], POSITION)
+        rotation = log.attitude(_onto(time, sides[TRUTH], ATTITUDE), source)
+    return recorded.flight(
+        Raw(
+            table=imu,
+            format="euroc",
+            time=time,
+            gyro=_columns(imu, GYRO),
+            accel=_columns(imu, ACCEL),
+            mag=_onto(time, sides[MAG], ("m_x", "m_y", "m_z")) if MAG in sides else None,
+            ranges=_ranges(sides[UWB]) if UWB in sides else None,
+            rotation=rotation,
+            position=position,
+            stated={"time": "s", "gyro": "rad/s", "accel": "m/s2", "mag": "1"},
+            frame="z-up",
+        ),
+        confirm,
+    )
+
+
+def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
+    """The path of a ground-truth file, as a curve through knots."""
+    table = _table(data, source)
+    time, position = _seconds(table), _columns(table, POSITION)
+    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows are no path")
+    text.refuse_missing(np.column_stack([time, position]), table, "a stamp or position")
+    increasing(time, table)
+    require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
+    findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; ns, m, z-up as the format has it"]
+    rate = spacing(time, table, findings)
+    curve = knotted.knotted(time, position, spacing=knots, source=source)
+    findings.append(curve.words)
+    return Imported(
+        source=source,
+        format="euroc",
+        rows=len(time),
+        rate=rate,
+        duration=float(time[-1] - time[0]),
+        frame="z-up",
+        findings=tuple(findings),
+        path=curve.path,
+        fit_error=curve.largest,
+        unjudged=knotted.unjudged(time, position),
+    )
+
+
+def write(preset: Preset, path: Path) -> Written:
+    """Write the folder of a run: truth, IMU, magnetometer and ranges."""
+    new_folder(path)
+    run = upright_run(preset)
+    sampled = ~np.isnan(run.mag).any(axis=-1)
+    zero = np.zeros_like(run.gyro)
+    tables = {
+        TRUTH: (run.time, np.column_stack([run.position, quaternions(run), run.velocity, zero, zero])),
+        IMU: (run.time, np.column_stack([run.gyro, run.accel])),
+        MAG: (run.time[sampled], run.mag[sampled]),
+        UWB: (run.range_time, run.range[:, None]),
+    }
+    files = []
+    for name, (time, table) in tables.items():
+        folder = path / "mav0" / name
+        folder.mkdir(parents=True)
+        stamps = nanoseconds(time + FIRST)
+        rows = [f"{stamp}," + ",".join(map(repr, row)) for stamp, row in zip(stamps, table.tolist(), strict=True)]
+        header = ",".join(["#timestamp [ns]", *HEADERS[name]])
+        write_text(folder / "data.csv", "\n".join([header, *rows, ""]))
+        files.append(folder / "data.csv")
+    notes = ("mag0 and uwb0 are no part of EuRoC", f"stamps begin at {FIRST:g} s")
+    return Written(files=tuple(files), frame="z-up", notes=notes, figures={"rows": len(run.time)})
+
+
+def _table(data: bytes, source: str) -> Table:
+    return text.table(data, source=source, marked=True)
+
+
+def _seconds(table: Table) -> Array:
+    """Stamps in s; nanoseconds since 1970 keep a quarter of a microsecond in double precision."""
+    rule = f"{table.source}: the first column must be #timestamp [ns], got {table.names[0][:40]!r}"
+    require(table.names[0].startswith("timestamp"), rule)
+    return table.values[:, 0] * 1e-9
+
+
+def _columns(table: Table, names: tuple[str, ...]) -> Array:
+    """Columns by their names without units."""
+    plain = [name.split("[")[0].strip() for name in table.names]
+    missing = [name for name in names if name not in plain]
+    require(not missing, f"{table.source}: no column named {', '.join(missing)}")
+    return table.values[:, [plain.index(name) for name in names]]
+
+
+def _ranges(table: Table) -> tuple[Array, Array]:
+    stamps, distance = _seconds(table), _columns(table, ("range",))[:, 0]
+    text.refuse_missing(np.column_stack([stamps, distance]), table, "a stamp or range")
+    increasing(stamps, table)
+    return stamps, distance
+
+
+def _onto(time: Array, table: Table, names: tuple[str, ...]) -> Array:
+    """Rows of another sensor on the IMU's stamps; NaN where it has none within half an IMU step."""
+    stamps, values = _seconds(table), _columns(table, names)
+    found = np.full((len(time), len(names)), np.nan)
+    steps = np.diff(time)
+    if not np.isfinite(steps).any():
+        return found
+    half = max(float(np.nanmedian(steps)) / 2, 0.0)
+    k = (
+        np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1)
+        if len(stamps) > 1
+        else np.zeros(len(time), dtype=int)
+    )
+    if len(stamps) > 1:
+        k = np.where(np.abs(stamps[k - 1] - time) <= np.abs(stamps[k] - time), k - 1, k)
+    near = np.abs(stamps[k] - time) <= half
+    found[near] = values[k[near]]
+    return found

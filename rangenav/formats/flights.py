@@ -1,0 +1,90 @@
+"""A recorded flight: what a logger leaves behind, in SI; its part between two times, and synthetic ranges for it."""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from rangenav.inputs import Vec3, require
+from rangenav.sensors import Measurements
+
+Frame = Literal["z-up", "z-down"]
+SYNTHETIC_RATE = 50.0
+"""Hz; what a radio manages."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Flight:
+    """A recorded flight in SI units, as a logger left it; what it lacks is None."""
+
+    time: Float[Array, "n"]
+    """s from the first sample, increasing."""
+    gyro: Float[Array, "n 3"]
+    """rad/s, body."""
+    accel: Float[Array, "n 3"]
+    """m/s², body: apparent acceleration."""
+    mag: Float[Array, "n 3"] | None
+    """Body; NaN between samples. Unit length over the record's median, whatever unit it was in."""
+    range_time: Float[Array, "m"]
+    """s"""
+    range: Float[Array, "m"]
+    """m"""
+    rotation: Float[Array, "n 3 3"] | None = None
+    """Truth, body to inertial; NaN where unknown."""
+    position: Float[Array, "n 3"] | None = None
+    """Truth (m, inertial); NaN where unknown."""
+    moving: Bool[Array, "n"] | None = None
+    """Samples that the file marks as movement."""
+    frame: Frame = "z-up"
+    gravity: Vec3 | None = None
+    """m/s², inertial, if the file says."""
+    magnetic: Vec3 | None = None
+    anchor: Vec3 | None = None
+
+
+def measurements(flight: Flight) -> Measurements:
+    """The record as the observers take it; without a magnetometer its column is empty."""
+    mag = np.full_like(flight.gyro, np.nan) if flight.mag is None else flight.mag
+    return Measurements(
+        time=flight.time,
+        gyro=flight.gyro,
+        accel=flight.accel,
+        mag=mag,
+        range_time=flight.range_time,
+        range=flight.range,
+    )
+
+
+def with_ranges(flight: Flight, anchor: Vec3, *, sigma: float, seed: int, rate: float = SYNTHETIC_RATE) -> Flight:
+    """The record with synthetic ranges to a point (m), on those stamps near `rate` (Hz) where the position is known."""
+    require(flight.position is not None, "synthetic ranges need a true position in the file")
+    assert flight.position is not None
+    known = np.flatnonzero(np.isfinite(flight.position).all(axis=-1))
+    require(len(known) > 1, "synthetic ranges need a true position in the file")
+    stride = max(1, round(1 / (rate * float(np.median(np.diff(flight.time))))))
+    k = known[known % stride == 0]
+    noise = sigma * np.random.default_rng(seed).standard_normal(len(k))
+    distance = np.linalg.norm(flight.position[k] - np.asarray(anchor), axis=-1)
+    return replace(flight, range_time=flight.time[k], range=distance + noise, anchor=anchor)
+
+
+def between(flight: Flight, begin: float, end: float) -> Flight:
+    """The part of a record from begin to end (s); its own stamps are kept."""
+    inside = (flight.time >= begin) & (flight.time <= end)
+    require(int(inside.sum()) >= 2, f"no samples between {begin:g} s and {end:g} s")
+    ranged = (flight.range_time >= begin) & (flight.range_time <= end)
+    optional = {
+        name: None if getattr(flight, name) is None else getattr(flight, name)[inside]
+        for name in ("mag", "rotation", "position", "moving")
+    }
+    return replace(
+        flight,
+        time=flight.time[inside],
+        gyro=flight.gyro[inside],
+        accel=flight.accel[inside],
+        range_time=flight.range_time[ranged],
+        range=flight.range[ranged],
+        **optional,
+    )

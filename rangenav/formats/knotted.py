@@ -1,0 +1,118 @@
+"""Sampled positions as a path: a C⁸ curve through knots, each the value of a parabola fitted to the samples around it.
+
+Poses printed to tenths of a millimetre a hundred times a second do not hold their own fourth derivative (a step of ε
+becomes up to 16 ε/h⁴ = 160 000 m/s⁴), so the snap of such a path is the knots' and not the flight's: excitation is
+never judged from it. What it is good for is its shape, with the largest distance from the file's positions said.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.inputs import require, require_within
+from rangenav.signals import Waypoint, Waypoints
+from rangenav.signals.waypoints import MAX_POINTS
+
+SPACINGS = (0.5, 0.25, 0.1, 0.05)
+"""s between knots, tried in this order where none was asked for: few knots smooth, many follow."""
+CLOSE = 0.01
+"""m; the widest spacing that stays this near to every position is taken, else the nearest one."""
+MIN_SPACING, MAX_SPACING = 0.02, 60.0
+LEAST_KNOTS = 4
+SNAP_OF_NOISE = 16.0
+"""Fourth differences weigh five samples by 1, 4, 6, 4, 1."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Knotted:
+    """A curve near the samples."""
+
+    path: Waypoints
+    spacing: float
+    """s"""
+    rms: float
+    """m"""
+    largest: float
+    """m"""
+
+    @property
+    def words(self) -> str:
+        """What became of the positions."""
+        near = f"{1e3 * self.largest:.3g} mm from the file's positions at most ({1e3 * self.rms:.2g} mm rms)"
+        return f"path through knots every {self.spacing:g} s, {near}"
+
+
+def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> Knotted:
+    """The curve through knots `spacing` apart (s), or as far apart as it can be to stay within a centimetre.
+
+    It starts and ends at rest, as every such curve does: a record that begins in flight is met less well there.
+    """
+    if spacing is not None:
+        return _knotted(time, position, spacing, source)
+    length = float(time[-1] - time[0])
+    tried = [wide for wide in SPACINGS if length / wide < MAX_POINTS - 1] or [length / (MAX_POINTS - 2)]
+    found: list[Knotted] = []
+    refusal = None
+    for wide in tried:
+        try:
+            found.append(_knotted(time, position, wide, source))
+        except ValueError as error:  # too few samples for knots as close as this, or too short for knots as wide
+            refusal = error
+            continue
+        if found[-1].largest <= CLOSE:
+            break
+    if not found and refusal is not None:
+        raise refusal
+    return min(found, key=lambda one: one.largest)
+
+
+def _knotted(time: Array, position: Array, spacing: float, source: str) -> Knotted:
+    require_within("spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
+    length = float(time[-1] - time[0])
+    count = int(length / spacing) + 1
+    rule = (
+        f"{source}: {length:.3g} s make {count} knots {spacing:g} s apart, {LEAST_KNOTS} to {MAX_POINTS} are possible"
+    )
+    require(LEAST_KNOTS <= count <= MAX_POINTS, rule)
+    at = time[0] + np.linspace(0, length, count)
+    points = []
+    for k, moment in enumerate(at):
+        value = _local(time, position, moment, length / (count - 1))
+        require(value is not None, f"{source}: no samples around the knot at {moment:.3g} s: choose wider knots")
+        assert value is not None
+        points.append(Waypoint(time=float(at[k] - time[0]), value=value))
+    path = Waypoints(points=tuple(points))
+    error = np.linalg.norm(path(time - time[0]) - position, axis=-1)
+    return Knotted(path=path, spacing=spacing, rms=float(np.sqrt(np.mean(error**2))), largest=float(error.max()))
+
+
+def unjudged(time: Float[Array, "n"], position: Float[Array, "n 3"]) -> str:
+    """Why excitation cannot be judged from these positions, with the number."""
+    quantum, step = _quantum(position), float(np.median(np.diff(time)))
+    noise = SNAP_OF_NOISE * quantum / step**4
+    return (
+        f"positions in steps of {quantum:.1g} m every {1e3 * step:.3g} ms leave some {noise:.1g} m/s⁴ of rounding in "
+        "the snap: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
+    )
+
+
+def _local(time: Array, position: Array, moment: float, width: float) -> tuple[float, float, float] | None:
+    """The value at a moment of the parabola that fits the samples within half a knot's spacing of it."""
+    first, last = np.searchsorted(time, [moment - width / 2, moment + width / 2 + 1e-9])
+    if last - first < 1:
+        return None
+    degree = min(2, last - first - 1)
+    s = (time[first:last] - moment) / width
+    basis = s[:, None] ** np.arange(degree + 1)
+    x, y, z = np.linalg.lstsq(basis, position[first:last], rcond=None)[0][0].tolist()
+    return x, y, z
+
+
+def _quantum(position: Array) -> float:
+    """The last decimal that the file prints, from the values themselves: 1e-9 to 1 m."""
+    for decimals in range(10):
+        if np.allclose(position * 10.0**decimals, np.rint(position * 10.0**decimals), rtol=0, atol=1e-4):
+            return 10.0**-decimals
+    return 1e-9

@@ -1,0 +1,177 @@
+"""uav_trajectories polynomials (Crazyflie, Crazyswarm): `duration,x^0..x^7,y^0..,z^0..,yaw^0..7`, m, s, rad, z-up.
+
+Read: exactly, with every jump of position or velocity at a knot named. Written: pieces of degree 7 through position to
+jerk of the ramped path, at most 31 (the firmware's memory), cut short after one window if there are too few for all of
+it; the distance from the path and what the excitation has changed by are measured on the printed numbers.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.formats import hermite, ramped, text
+from rangenav.formats.imported import Imported
+from rangenav.formats.ramped import Ramped
+from rangenav.formats.upright import upright
+from rangenav.formats.written import Written, write_text
+from rangenav.inputs import require
+from rangenav.observability import excitation
+from rangenav.preset import Preset
+from rangenav.signals import Piece, Polynomials, Signal, bandwidth_until, polynomials
+from rangenav.signals.waypoints import MinimumSnap
+
+MAX_SEGMENTS = 31
+"""Of 132 bytes each, in the Crazyflie's 4 kB trajectory memory."""
+PER_TURN = 3
+"""Pieces for a turn of the path's fastest motion."""
+RAMP_PIECES = 4
+"""At least, for each ramp."""
+NAMES = ("duration", *(f"{axis}^{power}" for axis in ("x", "y", "z", "yaw") for power in range(8)))
+LEAST_LENGTH = 0.01
+"""s; the firmware's clock ticks in milliseconds."""
+WORST_FIT = 0.01
+"""m; a file farther from its path than a centimetre is not that path."""
+SAMPLES = 2001
+WINDOWS = 101
+
+
+def parse(data: bytes, *, source: str) -> Imported:
+    """The path of a file. Raises ValueError naming line and column."""
+    table = text.table(data, source=source)
+    names = tuple(name.lower() for name in table.names)
+    rule = f"{source}: a polynomial file has the columns duration, x^0 to x^7, y^0, z^0 and yaw^0 to yaw^7"
+    require(set(names) == set(NAMES) and len(names) == len(NAMES), rule)
+    values = table.values[:, [names.index(name) for name in NAMES]]
+    text.refuse_missing(values, table, "a coefficient or duration")
+    try:
+        path = Polynomials(pieces=tuple(_piece(row) for row in values))
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+    findings = [f"{len(values)} pieces, {values[:, 0].sum():.4g} s, m, s and rad, z-up as the format has it"]
+    if len(values) > MAX_SEGMENTS:
+        findings.append(f"{len(values)} pieces are more than the {MAX_SEGMENTS} a Crazyflie holds")
+    complaints = polynomials.complaints(path)
+    findings += complaints
+    if np.any(values[:, 25:]):
+        findings.append("yaw is not zero and is kept with the pieces, but the path does not use it")
+    return Imported(
+        source=source,
+        format="polynomial",
+        rows=len(values),
+        rate=None,
+        duration=float(values[:, 0].sum()),
+        frame="z-up",
+        findings=tuple(findings),
+        path=path,
+        unjudged=f"{complaints[0]}: no vehicle flies that, so its snap is not what a flight would excite"
+        if complaints
+        else None,
+    )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Fit:
+    """What the pieces keep of the path."""
+
+    distance: float
+    """m, the largest."""
+    mu: float
+    """m²/s⁷ on the worst steady window of the file."""
+    mu_path: float
+    """The same windows of the path itself."""
+
+
+def write(preset: Preset, path: Path) -> Written:
+    """Write the ramped path as at most 31 pieces. Raises ValueError if those cannot follow one window of it."""
+    turned = upright(preset)
+    course, pieces = fitted(turned)
+    table = np.array([[p.duration, *p.x, *p.y, *p.z, *p.yaw] for p in pieces.pieces])
+    rows = [",".join(f"{value:.10g}" for value in row) for row in table]
+    data = "\n".join([",".join(NAMES), *rows, ""])
+    read = parse(data.encode(), source=path.name).path
+    assert isinstance(read, Polynomials)
+    fit = fitness(read, course, turned)
+    rule = f"{MAX_SEGMENTS} pieces stray {fit.distance:.2g} m from this path: it turns too fast for the format"
+    require(fit.distance <= WORST_FIT, rule)
+    write_text(path, data)
+    change = f"{fit.mu / fit.mu_path - 1:+.2%}" if fit.mu_path > 0 else "none"
+    notes = [f"{len(rows)} pieces, {1e3 * fit.distance:.2g} mm from the path at most, μ changed by {change}"]
+    if course.duration < preset.duration:
+        notes.append(
+            f"the first {course.duration:.4g} s of {preset.duration:.4g} s: {MAX_SEGMENTS} pieces hold no more"
+        )
+    figures = {"pieces": len(rows), "fit_error": fit.distance, "mu": fit.mu, "mu_path": fit.mu_path}
+    return Written(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures=figures)
+
+
+def fitness(pieces: Polynomials, course: Ramped, preset: Preset) -> Fit:
+    """Distance and excitation of the written pieces against the path (z-up)."""
+    t = np.linspace(0, course.end, SAMPLES)
+    distance = float(np.linalg.norm(pieces(t) - course(t), axis=-1).max())
+    begin, end = course.steady
+    window = min(preset.requirement.window, end - begin)
+    start = np.linspace(begin, end - window, WINDOWS)
+    mu, own = _least(pieces, start, window), _least(course.path, start - course.ramp / 2, window)
+    return Fit(distance=distance, mu=mu, mu_path=own)
+
+
+def _least(path: Signal, start: Array, window: float) -> float:
+    """μ over the windows, 0 where it is rounding."""
+    values = excitation.eigenvalues(path, start, window)
+    least = float(values[:, 0].min())
+    return least if least > excitation.floor(values) else 0.0
+
+
+def fitted(preset: Preset) -> tuple[Ramped, Polynomials]:
+    """The course and its pieces: a path that is such pieces already, and rests at its ends, is written as it is."""
+    window, path = preset.requirement.window, preset.path
+    own = _own_pieces(path)
+    if own is not None and len(own.pieces) <= MAX_SEGMENTS:
+        length = sum(piece.duration for piece in own.pieces)
+        if length <= preset.duration * (1 + 1e-9):
+            course = ramped.ramped(own, length, window=0.0)
+            if course.ramp == 0:
+                return course, own
+    step = 2 * np.pi / bandwidth_until(path, preset.duration) / PER_TURN if path.period != 0 else np.inf
+    course = ramped.ramped(path, preset.duration, window=window)
+    ramp_pieces = max(RAMP_PIECES, int(np.ceil(course.ramp / step))) if course.ramp else 0
+    left = MAX_SEGMENTS - 2 * ramp_pieces
+    longest = max(left, 0) * step
+    rule = (
+        f"{MAX_SEGMENTS} pieces, each {step:.2g} s of this path, hold no window of {window:g} s between two ramps: "
+        "it turns too fast for the format"
+    )
+    require(longest >= window * (1 - 1e-9), rule)
+    if longest < preset.duration - course.ramp:
+        course = Ramped(path=path, duration=longest + course.ramp, ramp=course.ramp)
+    return course, _hermite(course, preset, ramp_pieces, left, step)
+
+
+def _hermite(course: Ramped, preset: Preset, ramp_pieces: int, left: int, step: float) -> Polynomials:
+    begin, end = course.steady
+    middle = max(1, min(left, int(np.ceil((end - begin) / step - 1e-9)) if np.isfinite(step) else 1))
+    parts = [np.linspace(begin, end, middle + 1)]
+    if course.ramp:
+        parts = [
+            np.linspace(0, begin, ramp_pieces + 1)[:-1],
+            parts[0],
+            np.linspace(end, course.end, ramp_pieces + 1)[1:],
+        ]
+    knots = np.concatenate(parts)
+    derivatives = np.stack([course(knots, order) for order in range(4)], axis=1)
+    turn = np.stack(ramped.yaw(preset.angular_velocity, course, knots), axis=1)
+    return hermite.polynomials(knots, derivatives, yaw=turn)
+
+
+def _own_pieces(path: Signal) -> Polynomials | None:
+    if isinstance(path, MinimumSnap) and path.period is None:
+        return polynomials.from_minimum_snap(path)
+    return path if isinstance(path, Polynomials) and path.ends == "hold" else None
+
+
+def _piece(row: Float[Array, "33"]) -> Piece:
+    x, y, z, yaw = (tuple(row[first : first + 8].tolist()) for first in (1, 9, 17, 25))
+    return Piece(duration=float(row[0]), x=x, y=y, z=z, yaw=yaw)

@@ -1,0 +1,71 @@
+"""TUM trajectories: `t x y z qx qy qz qw`, seconds, blanks between, # for comments. Which way z points is not said.
+
+Read: positions only, as a curve through knots (see `knotted`); written: the true poses of a run, z-up, relative time.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from rangenav.formats import knotted, text
+from rangenav.formats.imported import Imported, Question, answer, increasing, spacing
+from rangenav.formats.runs import quaternions, upright_run
+from rangenav.formats.written import Written, write_text
+from rangenav.inputs import require
+from rangenav.preset import Preset
+
+NAMES = ("t", "x", "y", "z", "qx", "qy", "qz", "qw")
+FRAMES = ("z-up", "z-down")
+LEAST_ROWS = 8
+LARGEST = 1e5
+"""m"""
+
+
+def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> Imported:
+    """The path of a file. Raises ValueError naming line and column."""
+    table = text.table(data, source=source, separator=None, names=NAMES)
+    text.refuse_missing(table.values, table, "a number")
+    time, position = table.values[:, 0], table.values[:, 1:4]
+    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} poses are no path")
+    increasing(time, table)
+    require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
+    findings = [f"{len(time)} poses, {time[-1] - time[0]:.4g} s; m and s as the format has it"]
+    rate = spacing(time, table, findings)
+    off = np.abs(np.linalg.norm(table.values[:, 4:], axis=-1) - 1) > 1e-2
+    if off.any():
+        findings.append(f"{int(off.sum())} quaternions are not of unit length; the path does not need them")
+    curve = knotted.knotted(time, position, spacing=knots, source=source)
+    findings.append(curve.words)
+    frame = answer(confirm, "frame", FRAMES)
+    question = Question(
+        key="frame",
+        flag="--frame",
+        asks="which way does z point",
+        options=FRAMES,
+        suggestion="z-up",
+        evidence="poses do not say, ROS and motion capture are z-up",
+    )
+    return Imported(
+        source=source,
+        format="tum",
+        rows=len(time),
+        rate=rate,
+        duration=float(time[-1] - time[0]),
+        frame="z-down" if frame == "z-down" else "z-up",
+        findings=tuple(findings),
+        questions=() if frame else (question,),
+        path=curve.path,
+        fit_error=curve.largest,
+        unjudged=knotted.unjudged(time, position),
+    )
+
+
+def write(preset: Preset, path: Path) -> Written:
+    """Write the true poses of the preset's run at the IMU's rate."""
+    run = upright_run(preset)
+    q = np.roll(quaternions(run), -1, axis=-1)
+    table = np.column_stack([run.time, run.position, q])
+    rows = [" ".join(f"{value:.9f}" for value in row) for row in table]
+    write_text(path, "\n".join(["# t x y z qx qy qz qw (s, m, z-up, body to world)", *rows, ""]))
+    return Written(files=(path,), frame="z-up", figures={"rows": len(rows)})

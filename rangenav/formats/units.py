@@ -1,0 +1,134 @@
+"""Units of a recorded flight: what a header states, what the numbers suggest, and never a conversion nobody confirmed.
+
+The wild has gyros in deg/s, accelerometers in g and magnetometers in µT, often under the same column names. SI that is
+stated is taken; everything else becomes a question with its evidence: the size of gravity at rest, the strength of the
+earth's field, and for the gyro whether the magnetic vector turns as fast as it says: ṁ = −ω × m.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+UNITS: dict[str, dict[str, float]] = {
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
+    "gyro": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "accel": {"m/s2": 1.0, "g": 9.80665, "mg": 9.80665e-3},
+    "mag": {"1": 1.0, "T": 1.0, "mT": 1.0, "uT": 1.0, "nT": 1.0, "G": 1.0},
+    "range": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
+}
+"""Factors to SI; the magnetic vector is only used for its direction, so it is divided by its own length instead."""
+SI = {"time": "s", "gyro": "rad/s", "accel": "m/s2", "mag": "1", "range": "m"}
+FLAGS = {kind: f"--{kind}-unit" for kind in UNITS}
+WORDS = {
+    "time": "the stamps",
+    "gyro": "the gyro",
+    "accel": "the accelerometer",
+    "mag": "the magnetometer",
+    "range": "the ranges",
+}
+SPELLINGS = {
+    "sec": "s", "seconds": "s", "µs": "us", "μs": "us",
+    "rad s^-1": "rad/s", "rads": "rad/s", "rps": "rad/s", "dps": "deg/s", "°/s": "deg/s", "deg s^-1": "deg/s",
+    "m s^-2": "m/s2", "m/s^2": "m/s2", "m/s²": "m/s2", "mps2": "m/s2", "ms2": "m/s2",
+    "µt": "uT", "μt": "uT", "ut": "uT", "gauss": "G", "tesla": "T", "t": "T", "nt": "nT", "mt": "mT",
+}  # fmt: skip
+BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]\s*$")
+FIELD_STRENGTH = {"uT": (15.0, 90.0), "G": (0.15, 0.9), "T": (1.5e-5, 9e-5), "mT": (0.015, 0.09), "nT": (1.5e4, 9e4)}
+"""The earth's field in each unit, with room for iron nearby."""
+NEAR = 0.35
+"""Relative; an accelerometer shaken about still has its median length this near to gravity."""
+LAG = 0.05
+"""s over which the magnetic vector is watched turning."""
+PAIRS = 4000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Guess:
+    """What the numbers suggest, and why."""
+
+    unit: str | None
+    evidence: str
+
+
+def split(name: str) -> tuple[str, str | None]:
+    """A column's name without its unit, and the unit in brackets if there is one: `Gyroscope X (deg/s)`."""
+    found = BRACKETED.search(name)
+    return (name[: found.start()].strip(), spelled(found[1].strip())) if found else (name.strip(), None)
+
+
+def spelled(unit: str) -> str:
+    """One spelling for each unit; what is not known stays as it is."""
+    return SPELLINGS.get(unit.lower(), unit)
+
+
+def guess(kind: str, values: Float[Array, "n c"], *, time: Float[Array, "n"], turning: Array | None = None) -> Guess:
+    """The unit that the numbers suggest; for the gyro `turning` is the vector that should turn against it."""
+    sizes = np.linalg.norm(values, axis=-1)
+    sizes = sizes[np.isfinite(sizes)]
+    size = float(np.median(sizes)) if len(sizes) else 0.0
+    match kind:
+        case "gyro":
+            return _gyro(values, time, turning)
+        case "accel":
+            return _accel(size)
+        case "mag":
+            return _mag(size)
+        case "time":
+            return _time(time)
+        case _:
+            return Guess(unit=None, evidence=f"their median is {size:.3g}")
+
+
+def _accel(size: float) -> Guess:
+    for unit, factor in UNITS["accel"].items():
+        if abs(size * factor / 9.81 - 1) < NEAR:
+            return Guess(unit=unit, evidence=f"its median length is {size:.3g}, which is gravity in {unit}")
+    return Guess(unit=None, evidence=f"its median length is {size:.3g}, which is gravity in no unit known")
+
+
+def _mag(size: float) -> Guess:
+    if abs(size - 1) < 0.1:
+        return Guess(unit="1", evidence=f"its median length is {size:.3g}")
+    for unit, (low, high) in FIELD_STRENGTH.items():
+        if low <= size <= high:
+            return Guess(unit=unit, evidence=f"its median length is {size:.3g}, the earth's field in {unit}")
+    return Guess(unit=None, evidence=f"its median length is {size:.3g}, the earth's field in no unit known")
+
+
+def _time(time: Array) -> Guess:
+    step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    for unit, (low, high) in {"s": (1e-4, 0.5), "ms": (0.5, 500.0), "us": (500.0, 5e5), "ns": (5e5, 1e9)}.items():
+        if low <= step < high:
+            return Guess(unit=unit, evidence=f"their usual step is {step:.3g}, a usual rate in {unit}")
+    return Guess(unit=None, evidence=f"their usual step is {step:.3g}")
+
+
+def _gyro(gyro: Array, time: Array, turning: Array | None) -> Guess:
+    """Regress the change of a vector fixed in inertia on −ω × it: the slope is the unit."""
+    if turning is None or len(time) < 3:
+        return Guess(unit=None, evidence="nothing tells it")
+    lag = max(1, round(LAG / max(float(np.median(np.diff(time))), 1e-6)))
+    if len(time) <= lag:
+        return Guess(unit=None, evidence="the record is too short to tell it")
+    k = np.unique(np.linspace(0, len(time) - lag - 1, min(PAIRS, len(time) - lag)).astype(int))
+    running = np.concatenate([np.zeros((1, 3)), np.cumsum(np.nan_to_num(gyro), axis=0)])
+    mean = (running[k + lag] - running[k]) / lag
+    middle = (turning[k] + turning[k + lag]) / 2
+    told = -np.cross(mean, middle) * (time[k + lag] - time[k])[:, None]
+    seen = turning[k + lag] - turning[k]
+    known = np.isfinite(told).all(axis=-1) & np.isfinite(seen).all(axis=-1)
+    told, seen = told[known], seen[known]
+    power = float(np.sum(told**2))
+    if power == 0 or not math.isfinite(power):
+        return Guess(unit=None, evidence="nothing turns in this record")
+    slope = float(np.sum(told * seen)) / power
+    named = {unit: abs(slope / factor - 1) for unit, factor in UNITS["gyro"].items()}
+    unit = min(named, key=lambda one: named[one])
+    said = f"the field turns {slope:.3g} times as fast as the gyro says"
+    if named[unit] > 2 * NEAR:
+        return Guess(unit=None, evidence=f"{said}: in no unit known, are all axes the same body's?")
+    return Guess(unit=unit, evidence=f"{said}, which is {unit}")

@@ -1,0 +1,74 @@
+"""Knots: the times at which a derivative of a signal may jump, and what the signal is between them.
+
+Waypoints, minimum-snap curves and polynomials are one polynomial between neighbouring knots, tones and formulas have no
+knots, and a Sum has those of both parts.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.signals import piecewise, polynomials, waypoints
+from rangenav.signals.families import Family, Signal, Sum, bandwidth_until
+from rangenav.signals.piecewise import Pieces
+from rangenav.signals.polynomials import Polynomials
+from rangenav.signals.waypoints import MinimumSnap, Waypoints
+
+SAME = 1e-11
+"""s; knots nearer than this are one, told apart by rounding: two parts of a sum may share theirs."""
+
+
+def pieces(signal: Signal) -> Iterator[Pieces]:
+    """The piecewise polynomials that a signal is made of: none, one, or in a Sum two."""
+    return (made for made in map(_pieces, _parts(signal)) if made is not None)
+
+
+def has_pieces(signal: Signal) -> bool:
+    """Whether any part is made of pieces."""
+    return any(True for _ in pieces(signal))
+
+
+def knots(signal: Signal, first: float, last: float) -> Float[Array, "k"]:
+    """All knots strictly between two times (s), repetitions included, increasing."""
+    found = np.sort(np.concatenate([np.zeros(0), *(piecewise.between(p, first, last) for p in pieces(signal))]))
+    return found[np.diff(found, prepend=-np.inf) > SAME]
+
+
+def most(signal: Signal, length: float) -> float:
+    """A bound on how many knots a stretch of `length` seconds has, known before any is made."""
+    return sum(piecewise.most_between(p, length) for p in pieces(signal))
+
+
+def degree(signal: Signal) -> int:
+    """Of the polynomials between knots; 0 if there are none."""
+    return max((len(p.tables) - 1 for p in pieces(signal)), default=0)
+
+
+def bandwidth_besides(signal: Signal, time: float) -> float:
+    """The highest frequency (rad/s), from 0 to a time (s), in the parts that are no polynomials; 0 without such."""
+    return max((bandwidth_until(part, time) for part in _parts(signal) if _pieces(part) is None), default=0.0)
+
+
+def bounds_between(signal: Signal, order: int, time: Float[Array, "n"]) -> Float[Array, "n"]:
+    """Bounds on a derivative's norm (order 2 or more) from each time (s) to the knots before and after it."""
+    found = np.zeros(len(time))
+    for part in _parts(signal):
+        made = _pieces(part)
+        found += part.bound(order) if made is None else piecewise.hulls(made, order, time)
+    return found
+
+
+def _parts(signal: Signal) -> Iterator[Family]:
+    return iter((signal.base, signal.wiggle) if isinstance(signal, Sum) else (signal,))
+
+
+def _pieces(part: Family) -> Pieces | None:
+    match part:
+        case Waypoints() | MinimumSnap():
+            return waypoints.pieces(part)
+        case Polynomials():
+            return polynomials.pieces(part)
+        case _:
+            return None
