@@ -7,6 +7,7 @@ from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLI
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
 """The dashes of what the paper's misprints give."""
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 class Group(NamedTuple):
@@ -37,15 +38,18 @@ def _eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ..
     return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in looks)
 
 
-def _limit(label: str, color: str, dash: plots.Dash) -> Curve:
+def _limit(label: str, color: str, dash: plots.Dash, unit: str | None = None) -> Curve:
     """What the chosen vehicle allows, in the colour of the quantity."""
-    return Curve(label=label, color=color, dash=dash, width=2.0)
+    return Curve(label=label, color=color, dash=dash, width=2.0, unit=unit)
 
 
 def _spectrum() -> tuple[Curve, ...]:
-    """The least and greatest eigenvalue by name, the eleven between them thin and unnamed, the floor filled."""
+    """The least and greatest eigenvalue by name, the eleven between them thin and together, the floor filled."""
     least = Curve(label="λ₁", color=plots.VERMILLION, width=2.0)
-    between = tuple(Curve(label="", color=plots.SKY, width=1.0) for _ in range(plots.STATES - 2))
+    names = [f"λ{str(k).translate(SUBSCRIPTS)}" for k in range(2, plots.STATES)]
+    between = tuple(
+        Curve(label="λ₂ …" if name == "λ₂" else "", name=name, color=plots.SKY, width=1.0) for name in names
+    )
     greatest = Curve(label="λ₁₃", color=plots.BLUE, width=2.0, dash=DASHED)
     floor = Curve(label="floor", color=plots.GREY, width=2.0, filled=True)
     return (least, *between, greatest, floor)
@@ -121,7 +125,7 @@ SIGNALS = Group(
             name="innovation",
             title="Innovation",
             unit="in its own σ",
-            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION),),
+            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION, unit=""),),
             draw=plots.innovation,
             words=words.INNOVATION,
             log=False,
@@ -152,10 +156,10 @@ SIGNALS = Group(
             title="Thrust/weight and body rate",
             unit="1, rad/s",
             curves=(
-                Curve(label="thrust/weight", color=plots.BLUE),
-                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED),
-                _limit("thrust limit", plots.BLUE, DASH_DOT),
-                _limit("|ω| limit", plots.ORANGE, DOTTED),
+                Curve(label="thrust/weight", color=plots.BLUE, unit=""),
+                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED, unit="rad/s"),
+                _limit("thrust limit", plots.BLUE, DASH_DOT, ""),
+                _limit("|ω| limit", plots.ORANGE, DOTTED, "rad/s"),
             ),
             draw=plots.effort,
             words=words.EFFORT,
