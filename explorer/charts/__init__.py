@@ -37,13 +37,16 @@ class _Chart:
     off: set[int] = field(default_factory=set)
     """Named columns that the visitor has switched off."""
     drawing: Drawing | None = None
-    looks: tuple[curves.Range, tuple[int, ...], float, frozenset[int]] | None = None
+    duration: float = 0.0
+    """s, that the time axis spans."""
+    looks: tuple[object, ...] = ()
     """What the axes and visible curves were made for: changing those rebuilds the chart in the browser."""
 
     def draw(self, picture: Picture) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
         self.drawing = drawing = self.plot.draw(picture)
-        self._dress(drawing, float(picture.motion.time[-1]))
+        self.duration = float(picture.motion.time[-1])
+        self._dress(drawing)
         time, values = curves.decimate(drawing.time, drawing.drawn)
         self.handle.data = (time, *np.ascontiguousarray(values.T))
 
@@ -51,19 +54,20 @@ class _Chart:
         """Show or hide a curve of the legend, and those that go with it."""
         self.off ^= {column}
         if self.drawing is not None:
-            self._dress(self.drawing, self.looks[2])
+            self._dress(self.drawing)
 
     def unseen(self, drawing: Drawing) -> tuple[int, ...]:
         """Columns that are not drawn: there is nothing to show, or the visitor has switched them off."""
         return (*drawing.hidden, *(i for column in sorted(self.off) for i in self.plot.together(column)))
 
-    def _dress(self, drawing: Drawing, duration: float) -> None:
+    def _dress(self, drawing: Drawing) -> None:
+        """Assign axes and legend, and which curves there are, if they are not as they were."""
         off = frozenset(self.off)
-        looks = (drawing.axis, drawing.hidden, duration, off)
+        looks = (drawing.axis, drawing.hidden, self.duration, off)
         if looks != self.looks:
             self.looks = looks
             self.handle.series = series(self.plot.curves, self.unseen(drawing))
-            self.handle.scales = scales(self.plot, drawing.axis, duration)
+            self.handle.scales = scales(self.plot, drawing.axis, self.duration)
             self.handle.axes = axes(self.plot, drawing.axis)
             self.header.content = markup.header(self.plot, height=self.height, hidden=drawing.hidden, off=off)
 
@@ -130,12 +134,12 @@ class Charts:
 
         Raises ValueError with one sentence if there is no such plot, nothing in it, or too much."""
         chart = next((chart for chart in self._all() if chart.plot.name == name), None)
-        if chart is None or chart.drawing is None or chart.looks is None:
+        if chart is None or chart.drawing is None:
             raise ValueError(f"there is no plot {name!r} yet")
         unseen = chart.unseen(chart.drawing)
         columns = tuple(i for i in range(len(chart.plot.curves)) if i not in unseen)
         export.refuse(chart.plot, chart.drawing, columns)
-        return partial(export.WRITERS[kind], chart.plot, chart.drawing, columns, chart.looks[2])
+        return partial(export.WRITERS[kind], chart.plot, chart.drawing, columns, chart.duration)
 
     def show_paper_figures(self) -> None:
         """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab, so in the

@@ -9,7 +9,7 @@ import io
 import math
 import threading
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -26,7 +26,12 @@ SIZE, DOTS = (7.2, 3.6), 200
 """Inches, as wide as a text column; and dots to the inch."""
 TINT = 0x38 / 255
 """Of what lies below a filled curve, as on the page."""
-LOOKS = {"svg.hashsalt": "rangenav", "lines.scale_dashes": False, "agg.path.chunksize": 20_000, "font.size": 9.0}
+LOOKS: dict[Any, Any] = {
+    "svg.hashsalt": "rangenav",
+    "lines.scale_dashes": False,
+    "agg.path.chunksize": 20_000,
+    "font.size": 9.0,
+}
 """The same plot gives the same bytes; dashes are in points, as the page's are in pixels; long curves are no error."""
 _ONE_AT_A_TIME = threading.Lock()
 """matplotlib keeps settings and fonts for a whole program."""
@@ -76,16 +81,19 @@ def _picture(
         figure = Figure(figsize=SIZE, layout="constrained")
         axes = figure.add_subplot()
         for i in columns:
-            _draw(axes, plot.curves[i], drawing.time, drawing.drawn[:, i], drawing.axis[0])
+            _draw(axes, plot.curves[i], drawing, i)
         _frame(axes, plot, drawing.axis, duration)
         figure.legend(loc="outside upper right", ncols=4, frameon=False)
         figure.savefig(written, format=kind, dpi=DOTS, metadata=metadata)
     return written.getvalue()
 
 
-def _draw(axes: "Axes", curve: Curve, time: np.ndarray, values: np.ndarray, bottom: float) -> None:
+def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> None:
+    time, values, (bottom, top) = drawing.time, drawing.drawn[:, column], drawing.axis
     dashes = (0, curve.dash) if curve.dash else "solid"
     label = curve.label or f"_{curve.name}"  # matplotlib keeps such a name out of the legend
+    if not np.any((values >= bottom) & (values <= top)):
+        label += " (blind)" if np.any(np.isposinf(drawing.read[:, column])) else " (outside)"
     axes.plot(time, values, label=label, color=curve.color, linewidth=curve.width, linestyle=dashes)
     if curve.filled:
         axes.fill_between(time, values, bottom, color=curve.color, alpha=TINT, linewidth=0)

@@ -44,9 +44,9 @@ SCRIPT = """if (!window.rnPointer) {
     const share = box ? Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1).toFixed(4) : '';
     if (share !== place) { place = share; tell(); }
   };
-  addEventListener('pointermove', move(event => event.target.closest('.u-over')));
+  window.addEventListener('pointermove', move(event => event.target.closest('.u-over')));
   document.documentElement.addEventListener('pointerleave', move(() => null));
-  addEventListener('click', event => {
+  window.addEventListener('click', event => {
     const entry = event.target.closest('[data-curve]');
     if (entry) { clicks.push(Date.now() + ':' + entry.dataset.curve); tell(); }
   });

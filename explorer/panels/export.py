@@ -1,4 +1,4 @@
-"""The Export tab: any plot as CSV, SVG or PNG, and the lines of Python that compute what is on the page in a notebook."""
+"""The Export tab: any plot as CSV, SVG or PNG, and the lines of Python that compute the same in a notebook."""
 
 import html
 import threading
@@ -10,7 +10,7 @@ from typing import Literal
 
 from explorer.panels import presets
 from explorer.panels.sheet import Section, Sheet
-from explorer.settings import Printed, Settings
+from explorer.settings import Settings
 
 Kind = Literal["csv", "svg", "png"]
 PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."
