@@ -21,6 +21,7 @@ import viser
 from explorer import compute
 from explorer.access import accept_values_only
 from explorer.charts import TITLES, Charts
+from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
 from explorer.jobs import Jobs
@@ -37,6 +38,7 @@ from explorer.settings import Settings, effective
 from explorer.store import Store, Unsaved
 from explorer.visitor import Slots, seat_of
 from explorer.warming import Warming
+from rangenav import twin
 from rangenav.preset import Preset
 
 NARROW = 1600
@@ -46,6 +48,8 @@ CANVAS_PATIENCE = 1.5
 PROGRESS_PERIOD = 0.1
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
+REST = 0.3
+"""s without another picture, after which what takes longer is drawn too."""
 PAPER = "paper"
 
 log = logging.getLogger(__name__)
@@ -73,6 +77,7 @@ class Session:
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
         self._refused, self._drags = False, 0
+        self._rests_at: float | None = None
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
         self._playback = Playback(house.shipped[house.first].duration)
@@ -100,12 +105,14 @@ class Session:
                     self._wake.clear()
                     self._react()
                 self._animate()
+                self._draw_later(time.monotonic())
                 self._keeping.write(time.monotonic())
         self._leave()
 
     def _patience(self, now: float) -> float | None:
         """How long (s) to sleep if nothing happens: until the next frame, or until work should be written."""
-        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now)) if wait is not None]
+        later = None if self._rests_at is None else max(0.0, self._rests_at - now)
+        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now), later) if wait is not None]
         return min(waits, default=None)
 
     def _leave(self) -> None:
@@ -131,7 +138,7 @@ class Session:
             ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._chosen, send=self._send))
         self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
-        self._scene = Scene(client)
+        self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
         self._restore()
@@ -180,6 +187,7 @@ class Session:
             pressed = self._sheet.carry_out()
             self._jobs.deliver()
             hold = self._follow_handles()
+            self._follow_twin()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
@@ -201,6 +209,12 @@ class Session:
             else:
                 self._dock.move_waypoint(grab.index, grab.position)
         return drag if grabs else None
+
+    def _follow_twin(self) -> None:
+        """Take over where the evil twin was dragged to."""
+        point = self._scene.twin_dragged()
+        if point is not None and self._picture is not None:
+            self._dock.twin_turn = twin.turn_towards(self._picture.preset, point, time=self._playback.time)
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
@@ -252,6 +266,17 @@ class Session:
         with self._client.atomic():
             self._scene.draw(picture, dragging=self._handles.dragging)
             self._draw_handles()
+        self._rests_at = time.monotonic() + REST
+
+    def _draw_later(self, now: float) -> None:
+        """When nothing has moved for a moment: what takes as long to find as all else together."""
+        if self._rests_at is None or self._picture is None or now < self._rests_at or self._wake.is_set():
+            return
+        self._rests_at = None
+        deep = look(self._picture)
+        with self._client.atomic():
+            self._charts.draw_later(self._picture)
+            self._scene.draw_later(self._picture, deep)
 
     def _animate(self) -> None:
         """Move everything to the playhead."""

@@ -15,9 +15,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import viser
 
 from explorer.access import open_server
-from explorer.charts import catalogue, export
+from explorer.charts import Charts, catalogue, export
 from explorer.charts.plots import Drawing, Plot
 from explorer.compute import Picture, compute
 from explorer.panels import presets
@@ -27,6 +28,7 @@ from explorer.settings import Printed, Settings
 from explorer.warming import Warming
 from rangenav import preset
 from tests.house import house
+from tests.sent import Page
 from tests.test_scene import picture
 from tests.wire import Wire
 
@@ -136,6 +138,21 @@ def test_the_floor_is_drawn_and_a_curve_that_is_not_shown_is_not():
     assert (len(_patches(some, grey)), len(_patches(some, blue))) == (1, 0)
 
 
+def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    charts, seen, other = Charts(Page(server).client, narrow=False), picture("paper-slow"), picture("circle")
+    charts.draw(seen)
+    with pytest.raises(ValueError, match="no plot 'scaled' yet"):
+        charts.plan("scaled", "csv")
+    charts.draw_later(seen)
+    assert charts.plan("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
+    charts.draw(other)
+    assert charts.plan("position", "csv")()
+    with pytest.raises(ValueError, match="Scaled spectrum: still shows an earlier state"):
+        charts.plan("scaled", "csv")
+    server.stop()
+
+
 def test_nothing_to_write_and_too_much_are_refused():
     plot = ALL["position"]
     drawing = plot.draw(picture("paper-slow"))
@@ -193,7 +210,7 @@ def tab() -> Iterator[Wire]:
     Sessions(server, house(server, warming))
     warming.start()
     visitor = Wire(server.get_port())
-    visitor.wait_for_text("of 13")
+    visitor.wait_for_text("estimate off by")
     yield visitor
     visitor.close()
     server.stop()

@@ -21,6 +21,7 @@ from explorer.panels.sensors import OWN, Chosen, SensorsPanel
 from explorer.panels.sheet import Complaint, Section, Sheet
 from explorer.settings import Printed, Settings, effective
 from rangenav import analysis, preset, sensors
+from rangenav.attitude import Schedule
 from rangenav.sensors import Noise, Sensors, Unmodelled
 from rangenav.sensors.catalogue import CATALOGUE, SensorSet
 from tests.wire import Wire
@@ -73,7 +74,7 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
     )
     noise = msgspec.structs.replace(p.sensors.noise, gyro=0.0, accel=1e-9, range=900.0)
     sensing = msgspec.structs.replace(p.sensors, imu_rate=3333.0, range_rate=1234.5, noise=noise)
-    attitude = msgspec.structs.replace(p.gains.attitude, k1=999.0, rho1=1e-6)
+    attitude = msgspec.structs.replace(p.gains.attitude, k1=999.0, rho1=1e-6, schedule=Schedule(steady=0.123))
     changed = msgspec.structs.replace(
         p,
         path=msgspec.structs.replace(p.path, tones=tones, offset=(1e-7, -3e4, 0.1)),

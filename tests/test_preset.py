@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from rangenav import motion, preset, signals
 from rangenav.analysis import analyse
-from rangenav.attitude import K1_RANGE, RHO_RANGE, AttitudeGains
-from rangenav.cascade import Gains, Guess
+from rangenav.attitude import HALFWAY_RANGE, K1_RANGE, MEMORY_RANGE, RHO_RANGE, AttitudeGains, Schedule
+from rangenav.gains import Gains, Guess
 from rangenav.motion import World
 from rangenav.observability import excitation
 from rangenav.preset import Preset, Requirement
@@ -92,7 +92,17 @@ presets = st.builds(
         mode=st.sampled_from(["constant", "noise-matched"]),
         riccati=st.builds(RiccatiGains, q=st.floats(*Q_RANGE), v=blocks(V_RANGE), p0=blocks(P0_RANGE)),
         attitude=st.builds(
-            AttitudeGains, k1=st.floats(*K1_RANGE), rho1=st.floats(*RHO_RANGE), rho2=st.floats(*RHO_RANGE)
+            AttitudeGains,
+            k1=st.floats(1.0, K1_RANGE[1]),
+            rho1=st.floats(*RHO_RANGE),
+            rho2=st.floats(*RHO_RANGE),
+            schedule=st.none()
+            | st.builds(
+                Schedule,
+                steady=st.floats(K1_RANGE[0], 1.0),
+                halfway=st.floats(*HALFWAY_RANGE),
+                memory=st.floats(*MEMORY_RANGE),
+            ),
         ),
     ),
     guess=st.builds(
@@ -103,7 +113,10 @@ presets = st.builds(
         attitude_angle=st.floats(-math.pi, math.pi),
     ),
     requirement=st.builds(
-        Requirement, window=st.floats(0.05, 2), mu=st.floats(5e-324, 1.7e308), position_sigma=st.floats(5e-324, 1.7e308)
+        Requirement,
+        window=st.floats(0.05, 1.9),
+        mu=st.floats(5e-324, 1.7e308),
+        position_sigma=st.floats(5e-324, 1.7e308),
     ),
 )
 
@@ -327,6 +340,12 @@ REFUSALS = [
         edited("xi = 0.001", "xi = 0.0"), "v.xi must lie between 1e-06 and 100", "$.gains.riccati", id="v = 0"
     ),
     pytest.param(edited("k1 = 4.0", "k1 = -4.0"), "k1 must lie between", "$.gains.attitude", id="negative k1"),
+    pytest.param(
+        edited("[guess]", "[gains.attitude.schedule]\nsteady = 5.0\n[guess]"),
+        "schedule.steady must not exceed k1 (4), got 5",
+        "$.gains.attitude",
+        id="schedule upside down",
+    ),
     pytest.param(edited("_axis = [0.0", "_axis = [1e200"), "must be shorter than 1e9", "$.guess", id="axis too long"),
     pytest.param(edited("_angle = 1.57", "_angle = 15.7"), "attitude_angle must lie in", "$.guess", id="angle over π"),
     pytest.param(

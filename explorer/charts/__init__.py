@@ -19,7 +19,30 @@ HEIGHT, NARROW_HEIGHT = 168, 108
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
 TITLES = {plot.name: plot.title for group in catalogue.GROUPS for plot in group.plots}
 """Of all plots, by their names."""
+FOLLOWS = "Follows as soon as nothing moves."
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
+ICONS |= {"In depth": Icon.MICROSCOPE, "Twin": Icon.GHOST}
+
+
+@dataclass(eq=False)
+class _Said:
+    """The sentences above the plots of a group."""
+
+    group: Group
+    handle: GuiHtmlHandle
+
+    def draw(self, picture: Picture) -> None:
+        assert self.group.say is not None
+        self._show(self.group.say(picture))
+
+    def wait(self) -> None:
+        """What is below belongs to an earlier picture, and says so."""
+        self._show((FOLLOWS,))
+
+    def _show(self, sentences: tuple[str, ...]) -> None:
+        content = markup.sentences(sentences)
+        if content != self.handle.content:
+            self.handle.content = content
 
 
 def _nothing() -> None:
@@ -37,6 +60,8 @@ class _Chart:
     off: set[int] = field(default_factory=set)
     """Named columns that the visitor has switched off."""
     drawing: Drawing | None = None
+    picture: Picture | None = None
+    """What it was drawn from."""
     duration: float = 0.0
     """s, that the time axis spans."""
     looks: tuple[object, ...] = ()
@@ -44,7 +69,8 @@ class _Chart:
 
     def draw(self, picture: Picture) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
-        self.drawing = drawing = self.plot.draw(picture)
+        self.drawing, self.picture = self.plot.draw(picture), picture
+        drawing = self.drawing
         self.duration = float(picture.motion.time[-1])
         self._dress(drawing)
         time, values = curves.decimate(drawing.time, drawing.drawn)
@@ -105,6 +131,12 @@ class Charts:
             column.draw(picture)
         self.cursor(picture, self._time)
 
+    def draw_later(self, picture: Picture) -> None:
+        """Show what takes as long as all else together; for when nothing moves."""
+        for column in self._columns:
+            column.draw_later(picture)
+        self.cursor(picture, self._time)
+
     def cursor(self, picture: Picture, time: float) -> None:
         """Move the shared time cursor, and say the values there, or where the mouse is: one small message for each
         column. Curves whose legend entries were clicked come and go."""
@@ -117,11 +149,11 @@ class Charts:
         duration, place = float(picture.motion.time[-1]), self._pointer.place
         hovered = None if place is None else (place, f"{place * duration:.2f} s")
         moment = time if place is None else place * duration
-        fraction = float(np.clip(time / duration, 0.0, 1.0))
+        fraction, window = float(np.clip(time / duration, 0.0, 1.0)), window_at(picture, time)
         for i, column in enumerate(self._columns):
             said = sentence(picture, time) if i == 0 else ""
             values = [entry for chart in column.charts for entry in chart.values(moment)]
-            column.live.content = markup.live(fraction, values, said, hovered)
+            column.live.content = markup.live(fraction, window, values, said, hovered)
 
     def show_all(self) -> None:
         """Bring back every curve that was switched off."""
@@ -136,6 +168,8 @@ class Charts:
         chart = next((chart for chart in self._all() if chart.plot.name == name), None)
         if chart is None or chart.drawing is None:
             raise ValueError(f"there is no plot {name!r} yet")
+        if chart.picture is not self._picture:
+            raise ValueError(f"{chart.plot.title}: still shows an earlier state; it follows as soon as nothing moves")
         unseen = chart.unseen(chart.drawing)
         columns = tuple(i for i in range(len(chart.plot.curves)) if i not in unseen)
         export.refuse(chart.plot, chart.drawing, columns)
@@ -150,6 +184,7 @@ class Charts:
             first.keep_only_first_tab()
             if self._picture is not None:
                 self.draw(self._picture)
+                self.draw_later(self._picture)
 
     def _all(self) -> list[_Chart]:
         return [chart for column in self._columns for chart in column.charts]
@@ -164,6 +199,7 @@ class _Column:
         self.panel: PanelHandle = client.gui.add_panel()
         self._tabs: list[GuiTabHandle] = []
         self._charts: list[list[_Chart]] = []
+        self._said: list[list[_Said]] = []
         self._add_tab(groups[0])
         with self._tabs[0]:
             pointer.add_to(client.gui)
@@ -173,14 +209,29 @@ class _Column:
         self.panel.dock_left()
 
     def draw(self, picture: Picture) -> None:
-        for chart in self.charts:
+        for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
+            if group.later:
+                for sentences in said:
+                    sentences.wait()
+            else:
+                self._draw_group(picture, charts, said)
+
+    def draw_later(self, picture: Picture) -> None:
+        for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
+            if group.later:
+                self._draw_group(picture, charts, said)
+
+    def _draw_group(self, picture: Picture, charts: list[_Chart], said: list[_Said]) -> None:
+        for chart in charts:
             chart.draw(picture)
+        for sentences in said:
+            sentences.draw(picture)
 
     def keep_only_first_tab(self) -> None:
         """Remove all tabs but the first, and add them again behind it."""
         for tab in self._tabs[1:]:
             tab.remove()
-        del self._tabs[1:], self._charts[1:]
+        del self._tabs[1:], self._charts[1:], self._said[1:]
         for group in self._groups[1:]:
             self._add_tab(group)
 
@@ -193,6 +244,7 @@ class _Column:
         tab = self.panel.add_tab(group.title, ICONS[group.title])
         self._tabs.append(tab)
         with tab:
+            self._said.append([_Said(group, self._client.gui.add_html(""))] if group.say else [])
             self._charts.append(
                 [_add_chart(self._client, plot, self._height, self._off[plot.name]) for plot in group.plots]
             )
@@ -260,6 +312,12 @@ def sentence(picture: Picture, time: float) -> str:
         f"<b>{time:.2f} s</b> · {curves.number(distance)} m from the anchor · "
         f"estimate off by <b>{position} m</b>, <b>{attitude}°</b>"
     )
+
+
+def window_at(picture: Picture, time: float) -> tuple[float, float]:
+    """Start and length, as shares of the duration, of the window that starts at a time, or of the last one before."""
+    duration, length = float(picture.motion.time[-1]), picture.preset.requirement.window
+    return float(np.clip(time, 0.0, duration - length)) / duration, length / duration
 
 
 def _read_at(drawing: Drawing, time: float) -> np.ndarray:

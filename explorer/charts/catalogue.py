@@ -1,9 +1,12 @@
-"""All plots of the page, in the three groups that become dock panels or tabs."""
+"""All plots of the page, in the groups that become dock panels or tabs."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
-from explorer.charts import plots, words
+from explorer.charts import depth, plots, words
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
+from explorer.compute import Picture
+from rangenav.observability.functions import NAMES
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
 """The dashes of what the paper's misprints give."""
@@ -15,6 +18,10 @@ class Group(NamedTuple):
 
     title: str
     plots: tuple[Plot, ...]
+    say: Callable[[Picture], tuple[str, ...]] | None = None
+    """Plain sentences above the plots, if there is something to say."""
+    later: bool = False
+    """Drawn only when nothing moves: they take as long as all others together."""
 
 
 def _error(name: str, title: str, unit: str, draw: plots.Callable, text: words.Words) -> Plot:
@@ -43,16 +50,35 @@ def _limit(label: str, color: str, dash: plots.Dash, unit: str | None = None) ->
     return Curve(label=label, color=color, dash=dash, width=2.0, unit=unit)
 
 
-def _spectrum() -> tuple[Curve, ...]:
-    """The least and greatest eigenvalue by name, the eleven between them thin and together, the floor filled."""
-    least = Curve(label="λ₁", color=plots.VERMILLION, width=2.0)
-    names = [f"λ{str(k).translate(SUBSCRIPTS)}" for k in range(2, plots.STATES)]
-    between = tuple(
-        Curve(label="λ₂ …" if name == "λ₂" else "", name=name, color=plots.SKY, width=1.0) for name in names
+def _spectrum(least: str, greatest: str, floor: str, unit: str | None = None) -> tuple[Curve, ...]:
+    """The least and greatest by name, the eleven between them thin and together, the floor filled."""
+    numbers = range(2, plots.STATES) if least.endswith("₁") else range(plots.STATES - 1, 1, -1)
+    names = [f"{least[0]}{str(k).translate(SUBSCRIPTS)}" for k in numbers]
+    labels = [f"{names[0]} …", *("" for _ in names[1:])]
+    between = zip(labels, names, strict=True)
+    return (
+        Curve(label=least, color=plots.VERMILLION, width=2.0, unit=unit),
+        *(Curve(label=label, name=name, color=plots.SKY, width=1.0, unit=unit) for label, name in between),
+        Curve(label=greatest, color=plots.BLUE, width=2.0, dash=DASHED, unit=unit),
+        Curve(label=floor, color=plots.GREY, width=2.0, filled=True, unit=unit),
     )
-    greatest = Curve(label="λ₁₃", color=plots.BLUE, width=2.0, dash=DASHED)
-    floor = Curve(label="floor", color=plots.GREY, width=2.0, filled=True)
-    return (least, *between, greatest, floor)
+
+
+def _functions() -> tuple[Curve, ...]:
+    """Powers of τ grey; D by axis in its colour and width, by power of τ in its dash."""
+    powers = zip(NAMES[:4], (SPARSE, LONG_DOT, DASH_DOT, LONG), strict=True)
+    axes = ((plots.VERMILLION, 1.25), (plots.GREEN, 1.75), (plots.BLUE, 2.5))
+    looks = zip(NAMES[4:], [(dash, *axis) for dash in (SOLID, DASHED, DOTTED) for axis in axes], strict=True)
+    return (
+        *(Curve(label=name, color=plots.GREY, dash=dash, width=1.0, unit="") for name, dash in powers),
+        *(Curve(label=name, color=color, dash=dash, width=width, unit="") for name, (dash, color, width) in looks),
+    )
+
+
+def _by_length(goal: str) -> tuple[Curve, ...]:
+    first = Curve(label="from 0 s", color=plots.BLUE, dash=DASHED)
+    worst = Curve(label="worst", color=plots.VERMILLION, width=2.0)
+    return (first, worst, Curve(label=goal, color=plots.GREY, dash=DASH_DOT))
 
 
 ERRORS = Group(
@@ -87,6 +113,7 @@ OBSERVABILITY = Group(
             name="excitation",
             title="PE eigenvalues",
             unit="m²/s⁷, by window start",
+            across="window start",
             curves=(
                 *_eigenvalues("", (SOLID, DASHED, DOTTED)),
                 Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
@@ -99,7 +126,8 @@ OBSERVABILITY = Group(
             name="gramian",
             title="Gramian spectrum",
             unit="SI, by window start",
-            curves=_spectrum(),
+            across="window start",
+            curves=_spectrum("λ₁", "λ₁₃", "floor"),
             draw=plots.gramian,
             words=words.GRAMIAN,
         ),
@@ -107,6 +135,7 @@ OBSERVABILITY = Group(
             name="predicted",
             title="Predicted σ",
             unit="m, by window start",
+            across="window start",
             curves=(
                 Curve(label="lifted", color=plots.BLUE, dash=DASHED, width=2.0),
                 Curve(label="nonlinear", color=plots.GREEN, dash=DOTTED, width=2.0),
@@ -167,4 +196,107 @@ SIGNALS = Group(
         ),
     ),
 )
-GROUPS = (ERRORS, OBSERVABILITY, SIGNALS)
+DEPTH = Group(
+    "In depth",
+    (
+        Plot(
+            name="rank-by-length",
+            title="Rank by window length",
+            unit="of 13",
+            across="window length",
+            curves=_by_length("all"),
+            draw=depth.rank_by_length,
+            words=words.RANK_BY_LENGTH,
+            log=False,
+        ),
+        Plot(
+            name="sigma-by-length",
+            title="Predicted σ by window length",
+            unit="m",
+            across="window length",
+            curves=_by_length("wanted"),
+            draw=depth.sigma_by_length,
+            words=words.SIGMA_BY_LENGTH,
+        ),
+        Plot(
+            name="scaled",
+            title="Scaled spectrum",
+            unit="by window start",
+            across="window start",
+            curves=_spectrum("s₁₃", "s₁", "tolerance", unit=""),
+            draw=depth.scaled,
+            words=words.SCALED,
+        ),
+        Plot(
+            name="functions",
+            title="The 13 functions",
+            unit="over their peaks, by τ",
+            across="τ",
+            curves=_functions(),
+            draw=depth.functions,
+            words=words.FUNCTIONS,
+            log=False,
+        ),
+    ),
+    depth.say_depth,
+    later=True,
+)
+TWIN = Group(
+    "Twin",
+    (
+        Plot(
+            name="twin-range",
+            title="Range of the evil twin",
+            unit="m",
+            curves=(
+                Curve(label="true", color=plots.BLUE, width=2.5),
+                Curve(label="twin", color=plots.PURPLE, dash=DASHED),
+            ),
+            draw=depth.ranges,
+            words=words.TWIN_RANGE,
+            log=False,
+        ),
+        Plot(
+            name="twin-apart",
+            title="How far off, and unseen",
+            unit="m",
+            curves=(
+                Curve(label="apart", color=plots.PURPLE, dash=DASHED, width=2.0),
+                Curve(label="range differs", color=plots.VERMILLION),
+                Curve(label="tolerance", color=plots.GREY, dash=DASH_DOT),
+            ),
+            draw=depth.apart,
+            words=words.TWIN_APART,
+        ),
+        Plot(
+            name="phi-both",
+            title="|φ| derived and printed",
+            unit="m/s⁴",
+            curves=(
+                Curve(label="derived", color=plots.BLUE, width=2.0),
+                Curve(label="printed", color=plots.ORANGE, dash=LONG),
+            ),
+            draw=depth.phi,
+            words=words.PHI_BOTH,
+            log=False,
+        ),
+        Plot(
+            name="pe-both",
+            title="PE as printed",
+            unit="m²/s⁷, by window start",
+            across="window start",
+            curves=(
+                Curve(label="derived", color=plots.BLUE, width=2.0),
+                Curve(label="φ printed", color=plots.ORANGE, dash=DASHED),
+                Curve(label="body axes", color=plots.GREEN, dash=DOTTED),
+                Curve(label="both", color=plots.VERMILLION, dash=LONG, width=2.0),
+                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+            ),
+            draw=depth.certificates,
+            words=words.CERTIFICATES,
+        ),
+    ),
+    depth.say_twin,
+    later=True,
+)
+GROUPS = (ERRORS, OBSERVABILITY, DEPTH, TWIN, SIGNALS)

@@ -51,7 +51,7 @@ def table(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> by
     """CSV in UTF-8: one line of names with their units, then every sample to the last digit."""
     written = io.StringIO()
     names = (_named(_name(plot.curves[i]), _unit(plot, plot.curves[i])) for i in columns)
-    csv.writer(written, lineterminator="\n").writerow([_named(*_time(plot)), *names])
+    csv.writer(written, lineterminator="\n").writerow([_named(plot.across, "s"), *names])
     values = np.column_stack([drawing.time, drawing.read[:, columns]])
     written.writelines(",".join(map(_cell, row)) + "\n" for row in values.tolist())
     return written.getvalue().encode()
@@ -110,12 +110,8 @@ def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> Non
     axes.set_ylim(*axis)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.set_title(plot.title, loc="left", fontsize="medium", fontweight="bold")
-    axes.set_xlabel(_named(*_time(plot)))
-    axes.set_ylabel(plot.unit.partition(", by ")[0])
-
-
-def _time(plot: Plot) -> tuple[str, str]:
-    return ("window start" if plot.unit.endswith("by window start") else "t"), "s"
+    axes.set_xlabel(_named(plot.across, "s"))
+    axes.set_ylabel(plot.unit.partition(f", by {plot.across}")[0])
 
 
 def _name(curve: Curve) -> str:

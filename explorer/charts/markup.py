@@ -8,6 +8,7 @@ buttons that pointer.py listens to.
 """
 
 from collections.abc import Iterable
+from html import escape
 
 from explorer.charts.plots import Curve, Plot
 from explorer.charts.pointer import curve_id
@@ -21,9 +22,13 @@ MARGIN = 10
 BORDER = 1
 LEFT = MARGIN + BORDER + AXIS_WIDTH
 RIGHT = MARGIN + BORDER + PADDING[1]
+ACROSS = f"(100% - {LEFT + RIGHT}px)"
+"""The length of a time axis, for CSS."""
 FRACTION = "--tcur"
 HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
 """Where the mouse is on the time axis, and what time that is: unset while it is on no plot."""
+WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
+"""Where the window that is looked at begins, and its length, as shares of the duration: a band over every plot."""
 STYLE = f"""<style>
 .rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: 12px; line-height: 1.35; }}
 .rn-plot details {{ padding: 0 {MARGIN}px; }}
@@ -48,6 +53,7 @@ STYLE = f"""<style>
 .rn-at {{ position: absolute; bottom: -{AXIS_HEIGHT - 3}px; transform: translateX(-50%); padding: 0 4px;
   border-radius: 3px; background: #333; color: #fff; font-size: 11px; font-variant-numeric: tabular-nums; }}
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
+.rn-window {{ position: absolute; top: 0; bottom: 0; background: #56B4E9; opacity: .13; }}
 .rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
   font-size: 11px; opacity: .65; }}
 </style>"""
@@ -65,6 +71,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[i
     legend = "".join(_entry(plot, i, on=i not in off) for i in plot.named if i not in hidden)
     top = MARGIN - 7 + BORDER + PADDING[0]
     inside = height - PADDING[0] - AXIS_HEIGHT
+    span = f"calc(var({WINDOW_SPAN}, 0) * {ACROSS})"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.words.note}</div>' if plot.words.note else ""
@@ -75,6 +82,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[i
         f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
+        f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};width:{span}"></div>'
         f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
         f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
     )
@@ -82,7 +90,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[i
 
 def _left(fraction: str, otherwise: str) -> str:
     """Where a share of the time axis lies, for CSS."""
-    return f"calc({LEFT}px + var({fraction}, {otherwise}) * (100% - {LEFT + RIGHT}px))"
+    return f"calc({LEFT}px + var({fraction}, {otherwise}) * {ACROSS})"
 
 
 def _entry(plot: Plot, column: int, *, on: bool) -> str:
@@ -103,10 +111,24 @@ def _line(curve: Curve) -> str:
     return f'<svg width="18" height="10">{line}</svg>'
 
 
-def live(fraction: float, values: Iterable[tuple[str, str]], sentence: str, hovered: tuple[float, str] | None) -> str:
-    """The one element that changes as time moves: the cursor's place, the values in the legends, a sentence, and where
-    the mouse is on the time axis with the time there."""
-    assigned = "".join(f'{name}:"{text}";' for name, text in values)
+def sentences(lines: Iterable[str]) -> str:
+    """Plain sentences above the plots of a tab."""
+    return "".join(
+        f'<div style="padding:2px {MARGIN}px;font-size:12px;line-height:1.35">{escape(line)}</div>' for line in lines
+    )
+
+
+def live(
+    fraction: float,
+    window: tuple[float, float],
+    values: Iterable[tuple[str, str]],
+    sentence: str,
+    hovered: tuple[float, str] | None,
+) -> str:
+    """The one element that changes as time moves: the places of cursor and window, the legends' values, a sentence,
+    and where the mouse is on the time axis with the time there."""
+    assigned = f"{WINDOW_FROM}:{window[0]:.5f};{WINDOW_SPAN}:{window[1]:.5f};"
+    assigned += "".join(f'{name}:"{text}";' for name, text in values)
     if hovered is not None:
         assigned += f'{HOVERED}:{hovered[0]:.4f};{HOVERED_TIME}:"{hovered[1]}";'
     said = (

@@ -71,6 +71,8 @@ class Plot:
     draw: Callable[[Picture], Drawing]
     words: words.Words
     log: bool = True
+    across: str = "t"
+    """What (in s) runs along its axis, which is as long as the time axis of all."""
 
     @property
     def named(self) -> tuple[int, ...]:

@@ -22,7 +22,7 @@ from explorer.charts.plots import Plot
 LABEL = "pointer"
 LONGEST = 500
 """Characters; an honest text has fewer than a hundred."""
-PLACE, CLICK = re.compile(r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"), re.compile(r"(\d{1,16}):([a-z_]{1,40}-\d{1,3})")
+PLACE, CLICK = re.compile(r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
 MAX_CLICKS = 64
 """Remembered while the session is busy; of more, the oldest are dropped."""
 MARK_ORDER, BOX_ORDER = -3.0, -2.0

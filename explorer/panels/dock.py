@@ -100,6 +100,7 @@ class Dock:
             time_scale=moved.time_scale,
             printed=self.printed.read(),
             drafts=self.motion.drafts(),
+            twin_turn=self.twin_turn,
         )
 
     @contextmanager
@@ -121,7 +122,7 @@ class Dock:
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
-        self._written = settings
+        self._written, self.twin_turn = settings, settings.twin_turn
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)
