@@ -76,7 +76,7 @@ class Session:
         self._client, self._house, self._shipped = client, house, house.shipped
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._refused, self._drags = False, 0
+        self._drags = 0
         self._rests_at: float | None = None
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
@@ -174,10 +174,10 @@ class Session:
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
-        self._refused = not self._took_in()
+        shown = self._took_in()
         self._sheet.refresh()
         self._dock.progress.draw()
-        if self._refused:
+        if not shown:
             self._draw_handles()
 
     def _took_in(self) -> bool:
@@ -193,6 +193,7 @@ class Session:
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
+                self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
@@ -232,10 +233,18 @@ class Session:
         self._charts.show_paper_figures()
 
     def _undo(self) -> None:
-        """One step back; what cannot be shown is itself a step."""
-        before = self._history.now if self._refused else self._history.undo()
+        """One step back; what is not shown, because it cannot be or because it has only just come, is itself a step."""
+        shown = self._history.now
+        before = self._history.undo() if self._chosen() == shown else shown
         if before is not None:
             self._dock.write(before)
+
+    def _chosen(self) -> Settings | None:
+        """What the controls say now, None if that is no valid input."""
+        try:
+            return self._dock.read()
+        except (Refused, ValueError):
+            return None
 
     def _redo(self) -> None:
         after = self._history.redo()
