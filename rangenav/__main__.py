@@ -13,11 +13,14 @@ from typing import NoReturn
 import tyro
 
 from rangenav.commands.analyze import analyze
+from rangenav.commands.certify import certify
 from rangenav.commands.export import export
 from rangenav.commands.import_ import import_
 from rangenav.commands.listing import list_presets
 from rangenav.commands.log import log
+from rangenav.commands.repair import repair
 from rangenav.commands.simulate import simulate
+from rangenav.commands.verify import verify
 
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
@@ -26,6 +29,9 @@ app.command(simulate)
 app.command(export)
 app.command(name="import")(import_)
 app.command(log)
+app.command(certify)
+app.command(verify)
+app.command(repair)
 
 
 def fail(sentence: str) -> NoReturn:
@@ -50,6 +56,7 @@ def main() -> None:
     except SystemExit as stop:
         if stop.code == 2:
             fail(usage_error(complaint.getvalue()))
+        print(complaint.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
         raise
 
 
