@@ -1,4 +1,4 @@
-"""A preset's card: its path as a small drawing, its badge, its story, and what was found about it. Everything escaped."""
+"""A preset's card: its path as a small drawing, its badge, its story, what was found about it; all text escaped."""
 
 import html
 from functools import lru_cache
@@ -29,14 +29,17 @@ EXPECTED = {
 LINE = '<polyline points="{}" fill="none" stroke="#0072b2" stroke-width="1.5" stroke-linejoin="round"/>'
 ANCHOR = '<path d="M{x:.1f} {y:.1f}m0-4l4 7h-8z" fill="#d55e00"/>'
 STYLE = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em;overflow-wrap:anywhere"
-FIGURE = '<figure style="margin:0;text-align:center">{}<figcaption style="color:#666;font-size:0.8em">{}</figcaption></figure>'
+CAPTION = '<figcaption style="color:#666;font-size:0.8em">{}</figcaption>'
+FIGURE = f'<figure style="margin:0;text-align:center">{{}}{CAPTION}</figure>'
+BOX = (
+    f'<svg width="{SIDE}" height="{SIDE}" style="border:1px solid #ccc;border-radius:4px" role="img" aria-label="{{}}">'
+)
 
 
 def card(shown: Preset, found: Found | None, *, changed: bool) -> str:
     """The card as HTML; `found` None means that the certificate is being computed."""
-    said = [
-        f'<div style="font-weight:600">{html.escape(shown.title)}{" • changed, not saved" if changed else ""}</div>'
-    ]
+    title = html.escape(shown.title) + (" • changed, not saved" if changed else "")
+    said = [f'<div style="font-weight:600">{title}</div>']
     said += [_badge(shown, found), f"<div>{html.escape(shown.story)}</div>" if shown.story else ""]
     said.append(f'<div style="color:#555"><b>{EXPECTED[shown.expect]}</b>{_figures(shown, found)}</div>')
     pictures = f'<div style="display:flex;gap:0.8em;padding:0.3em 0">{drawings(shown)}</div>'
@@ -74,8 +77,7 @@ def _svg(places: Float[Array, "n 2"], anchor: Float[Array, "2"], words: str) -> 
     stands = ANCHOR.format(x=x, y=y) if 0 <= x <= SIDE and 0 <= y <= SIDE else ""
     x, y = spot(places[0])
     start = f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="#0072b2"/>'
-    box = f'<svg width="{SIDE}" height="{SIDE}" role="img" aria-label="{words}" style="border:1px solid #ccc;border-radius:4px">'
-    return f"{box}{stands}{line}{start}</svg>"
+    return f"{BOX.format(words)}{stands}{line}{start}</svg>"
 
 
 def _badge(shown: Preset, found: Found | None) -> str:

@@ -32,6 +32,7 @@ KEEP = (
 )
 TIDY = "Of the preset chosen above, if it is yours. What is deleted goes to a trash and can be brought back."
 UPLOAD = "A preset file (.toml); it joins your library and is opened."
+NOTE = '<div style="padding:0 0.9em 0.5em;font-size:0.85em;overflow-wrap:anywhere">{}</div>'
 LONGEST_TYPED = 4 * MAX_TITLE
 
 
@@ -59,6 +60,7 @@ class PresetsPanel:
         self._sheet, self._shelf, self._page = sheet, shelf, page
         self._section = section = Section(sheet)
         self._shown, self._changed, self._deleted = "", False, ""
+        self._words: dict[str, str] = {}
         with section:
             self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
             self._card = sheet.gui.add_html("")
@@ -116,16 +118,17 @@ class PresetsPanel:
 
     def _offer(self) -> None:
         """Bring the menu up to date; what is chosen there may be called otherwise now."""
-        self._choice.offer(self._shelf.words(self._shown))
-        self._choice.show(self._shown)
+        words = self._shelf.words(self._shown)
+        if words != self._words:
+            self._words = words
+            self._choice.offer(words)
+            self._choice.show(self._shown)
 
     def _draw_card(self) -> None:
         shown, found = self._shelf.presets[self._shown], self._shelf.badge(self._shown, self._sheet.note)
         content = card(shown, found, changed=self._changed)
         if self._shelf.complaint:
-            content += (
-                f'<div style="padding:0 0.9em 0.5em;font-size:0.8em">⚠ {html.escape(self._shelf.complaint)}</div>'
-            )
+            content += NOTE.format(f"⚠ {html.escape(self._shelf.complaint)}")
         if content != self._card.content:
             self._card.content = content
 
@@ -202,7 +205,7 @@ class PresetsPanel:
         return file_of(self._shown)
 
     def _say(self, sentence: str) -> None:
-        self._said.content = f'<div style="padding:0 0.9em 0.5em;font-size:0.85em">✓ {html.escape(sentence)}</div>'
+        self._said.content = NOTE.format(f"✓ {html.escape(sentence)}")
         self._said.visible = True
 
 
