@@ -127,7 +127,12 @@ class Session:
         canvas = client.camera.image_width
         self._sheet, self._jobs = Sheet(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
-            undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
+            undo=self._undo,
+            redo=self._redo,
+            again=self._again,
+            paper=self._paper,
+            download=self._download,
+            send=self._send,
         )
         self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
@@ -233,7 +238,10 @@ class Session:
     def _download(self) -> None:
         settings = self._dock.read()
         name = presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin])
-        self._client.send_file_download(name, presets.document(settings), save_immediately=True)
+        self._send(name, presets.document(settings))
+
+    def _send(self, name: str, content: bytes) -> None:
+        self._client.send_file_download(name, content, save_immediately=True)
 
     def _draw(self, picture: Picture) -> None:
         self._picture = picture

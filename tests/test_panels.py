@@ -35,6 +35,10 @@ def _nothing() -> None:
     """For controls that nobody moves."""
 
 
+def _unsent(name: str, content: bytes) -> None:
+    """For downloads that nobody asks for."""
+
+
 @pytest.fixture(scope="module")
 def client() -> Iterator[viser.ClientHandle]:
     server = open_server("127.0.0.1", 0)
@@ -48,7 +52,7 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing)
+    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing, send=_unsent)
     return Dock(
         Sheet(client.gui, _nothing), Shelf(SHIPPED, Library(), Certifying()), "paper-slow", requests, Jobs(_nothing)
     )

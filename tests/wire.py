@@ -72,6 +72,9 @@ class Wire:
         self.nodes: dict[str, dict[str, Any]] = {}
         """Position, visibility and properties of every node of the scene, by its name; "owner" is echoed to viser."""
         self.storage = storage or Storage()
+        self.downloads: dict[str, bytes] = {}
+        """What the page was given to save, by its name; whole ones only."""
+        self._coming: dict[str, tuple[str, int, list[bytes]]] = {}
         self.on_plot: Callable[[str], object] = lambda uuid: None
         """Called, in the listener's thread, with the id of a plot that has been given other data."""
         self.dock = 0
@@ -109,6 +112,15 @@ class Wire:
                 self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": option}})
                 return
         raise LookupError(f"no button {option!r} in a row {label!r}")
+
+    def upload(self, label: str, name: Any, content: bytes, *, part: int = 2**19, **said: Any) -> None:
+        """Hand over a file as the page would; `said` replaces what is said about it."""
+        parts = [content[k : k + part] for k in range(0, len(content), part)]
+        whose = {"source_component_uuid": self.find(label), "transfer_uuid": f"{name}-{time.monotonic()}"}
+        about = {"filename": name, "mime_type": "", "part_count": len(parts), "size_bytes": len(content)}
+        self.send({"type": "FileTransferStartUpload", **whose, **about, **said})
+        for k, piece in enumerate(parts):
+            self.send({"type": "FileTransferPart", **whose, "part_index": k, "content": piece})
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
@@ -207,6 +219,13 @@ class Wire:
             self.dock = self.dock or message["width"] or 0
         elif name == "NotificationShowMessage":
             self.notifications.append(f"{message['props']['title']}: {message['props']['body']}")
+        elif name == "FileTransferStartDownload":
+            self._coming[message["transfer_uuid"]] = message["filename"], message["part_count"], []
+        elif name == "FileTransferPart" and message["transfer_uuid"] in self._coming:
+            filename, count, parts = self._coming[message["transfer_uuid"]]
+            parts.append(message["content"])
+            if len(parts) == count:
+                self.downloads[filename] = b"".join(parts)
         elif name.startswith("Gui") and "props" in message:
             self.elements[message["uuid"]] = message["props"] | {"value": message.get("value")}
         elif "props" in message and "name" in message:

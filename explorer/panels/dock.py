@@ -10,15 +10,20 @@ import viser
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.exporting import ExportPanel
+from explorer.panels.flights import FlightPanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
+from explorer.panels.importing import ImportPanel
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.printed import PrintedPanel
 from explorer.panels.progress import ProgressPanel
+from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
+from explorer.parcel import Send
 from explorer.settings import Drafts, Settings
 from explorer.shelf import Shelf
 from explorer.uploads import Uploads
@@ -43,6 +48,7 @@ class Requests:
     again: Action
     paper: Action
     download: Action
+    send: Send
 
 
 class Dock:
@@ -68,7 +74,12 @@ class Dock:
             self.guess = GuessPanel(sheet)
         with tabs.add_tab("Presets"):
             asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
-            self.presets = PresetsPanel(sheet, shelf, self, Uploads(gui, sheet.do), **asked)
+            uploads = Uploads(gui, sheet.do)
+            self.presets = PresetsPanel(sheet, shelf, self, uploads, **asked)
+            RepairPanel(sheet, self, jobs)
+            ExportPanel(sheet, shelf, self, jobs, requests.send)
+            ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
+            flights = FlightPanel(sheet, jobs)
             self.printed = PrintedPanel(sheet)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):

@@ -9,6 +9,7 @@ import msgspec
 from explorer.compute import Picture
 from explorer.panels.card import card
 from explorer.panels.controls import Choice, Text
+from explorer.panels.notes import NOTE
 from explorer.panels.sheet import Action, Refused, Section, Sheet
 from explorer.settings import Settings, effective
 from explorer.shelf import MINE, Shelf, titled
@@ -32,7 +33,6 @@ KEEP = (
 )
 TIDY = "Of the preset chosen above, if it is yours. What is deleted goes to a trash and can be brought back."
 UPLOAD = "A preset file (.toml); it joins your library and is opened."
-NOTE = '<div style="padding:0 0.9em 0.5em;font-size:0.85em;overflow-wrap:anywhere">{}</div>'
 LONGEST_TYPED = 4 * MAX_TITLE
 
 
