@@ -64,6 +64,8 @@ class PresetsPanel:
         with section:
             self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
             self._card = sheet.gui.add_html("")
+        self._keeping = section = Section(sheet)  # its complaints stay until the next thing is asked for
+        with section:
             self._title = Text(section, "title", hint=TITLE, longest=LONGEST_TYPED)
             keep = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
             sheet.buttons("keep", self._guarded(keep), hint=KEEP)
@@ -109,7 +111,7 @@ class PresetsPanel:
     def open(self, name: str) -> None:
         """Put a preset on the page. Raises Refused, and what is there stays, if its file cannot be read any more."""
         try:
-            with self._section.catching():
+            with self._keeping.catching():
                 settings = self._shelf.open(name)
         except Refused:
             self._choice.show(self._shown)
@@ -137,7 +139,7 @@ class PresetsPanel:
 
         def guard(action: Action) -> Action:
             def guarded() -> None:
-                with self._section.catching():
+                with self._keeping.catching():
                     action()
 
             return guarded
@@ -192,7 +194,7 @@ class PresetsPanel:
         self._say(f"{file_of(restored.origin)} is back")
 
     def _upload(self, name: str, content: bytes) -> None:
-        with self._section.catching():
+        with self._keeping.catching():
             self._page.write(self._shelf.add(uploaded(name, content)))
             self._say(f"{name} joined your library as {self._name()}")
 

@@ -33,7 +33,7 @@ class RepairPanel:
 
     def __init__(self, sheet: Sheet, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
-        self._section = section = Section(sheet, "Make it observable", expanded=False)
+        self._section = section = Section(sheet, "Repair", expanded=False)
         self._found: Repair | None = None
         with section:
             self._kind = Choice(section, "by changing", BY, hint=KIND)
