@@ -6,7 +6,8 @@ import msgspec
 import numpy as np
 
 from rangenav import cascade, model, preset, record, so3
-from rangenav.cascade import Gains, Setting, Start
+from rangenav.cascade import Setting, Start
+from rangenav.gains import Gains
 
 RATE, DURATION = 200.0, 20.0
 OFF = 2.0

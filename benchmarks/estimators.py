@@ -18,7 +18,7 @@ from rich.progress import track
 from timing import Target, missing, report, versions
 
 from rangenav import baselines, cascade, record, refine, strapdown
-from rangenav.cascade import Gains
+from rangenav.gains import Gains
 
 PATHS = ("paper", "paper-slow", "lissajous", "soft")
 SEEDS, STARTS, COLD_BATCHES = 10, 20, 10

@@ -20,7 +20,8 @@ from numpy import ndarray as Array
 from explorer.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record, vehicle
 from rangenav.analysis import WINDOWS, Analysis, analyse
-from rangenav.cascade import Gains, Guess
+from rangenav.errors import Errors
+from rangenav.gains import Gains, Guess
 from rangenav.model import Form
 from rangenav.motion import Limits, Motion
 from rangenav.observability import excitation, reduced
@@ -53,7 +54,7 @@ class Picture:
     """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
     measurements: Measurements
     estimate: cascade.Estimate
-    errors: cascade.Errors
+    errors: Errors
     position_estimate: Float[Array, "n 3"]
     """p̂_I (m, inertial)."""
     summary: Summary

@@ -33,9 +33,19 @@ class History:
         """How many steps can be undone, and redone."""
         return max(len(self._past) - 1, 0), len(self._future)
 
-    def note(self, settings: Settings, time: float, *, apart: bool = False, hold: int | None = None) -> None:
-        """Take in what is shown at a time (s). `apart` makes it a step of its own, however soon it comes; what comes
-        under the same number of a `hold`, as while a handle is held, belongs together however late it comes."""
+    def note(
+        self,
+        settings: Settings,
+        time: float,
+        *,
+        shown: float | None = None,
+        apart: bool = False,
+        hold: int | None = None,
+    ) -> None:
+        """Take in what was chosen at a time (s) and shown at another, by default the same: a slow machine that draws
+        for a second between two moves of a slider does not tear them apart. `apart` makes it a step of its own,
+        however soon it comes; what comes under the same number of a `hold`, as while a handle is held, belongs
+        together however late it comes."""
         if settings == self.now:
             return
         parts = frozenset() if self.now is None else frozenset(differing(self.now, settings))
@@ -44,18 +54,18 @@ class History:
             self._past.pop()
         else:
             self._parts = parts
-        self._hold = hold
+        self._hold = None if apart else hold
         self._past.append(settings)
         del self._past[:-DEPTH]
         self._future.clear()
-        self._changed = float("-inf") if apart else time
+        self._changed = float("-inf") if apart else time if shown is None else shown
 
     def undo(self) -> Settings | None:
         """The settings before, None at the beginning."""
         if len(self._past) < 2:
             return None
         self._future.append(self._past.pop())
-        self._changed = float("-inf")
+        self._break()
         return self._past[-1]
 
     def redo(self) -> Settings | None:
@@ -63,8 +73,12 @@ class History:
         if not self._future:
             return None
         self._past.append(self._future.pop())
-        self._changed = float("-inf")
+        self._break()
         return self._past[-1]
+
+    def _break(self) -> None:
+        """Whatever comes next is a step of its own, also while a handle is still held."""
+        self._changed, self._hold = float("-inf"), None
 
 
 def differing(before: Any, after: Any, where: str = "") -> Iterator[str]:

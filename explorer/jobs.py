@@ -11,6 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from rangenav.ensemble import Stopped
+
 T = TypeVar("T")
 Progress = Callable[[float], None]
 """Told how much is done, 0 to 1."""
@@ -18,10 +20,6 @@ Cancelled = Callable[[], bool]
 Work = Callable[[Progress, Cancelled], T]
 NEWS = 0.1
 """s between two looks of the session at how far a job is."""
-
-
-class Stopped(Exception):  # noqa: N818  (no error: it was asked for)
-    """A job may end so when it finds that it was cancelled."""
 
 
 @dataclass(eq=False)

@@ -29,6 +29,9 @@ class Warming:
         except Exception:
             log.exception("the kernels could not be compiled ahead; they will be when first used")
         self.fraction = 1.0
+        from explorer import depth
+
+        depth.load_slow()  # a second that no picture need wait for: only the frozen-time test does
 
     def _progress(self, fraction: float, what: str) -> None:
         self.fraction, self.what = min(fraction, 0.99), what  # done only when the last kernel has returned

@@ -5,65 +5,24 @@ kernel and give the same numbers; `plain.observe()` is the same scheme in numpy.
 stable is not monotone: from x̂ = 0 the position error first peaks.
 """
 
-import math
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model, riccati, so3
-from rangenav.attitude import AttitudeGains
-from rangenav.inputs import Input, Vec3, require
+from rangenav.attitude import MISALIGNED, Schedule
+from rangenav.gains import Gains, Guess
+from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Arrays, Parameters
 from rangenav.motion import World, to_inertial
-from rangenav.riccati import Blocks, RiccatiGains
+from rangenav.riccati import Blocks
 from rangenav.sensors import Measurements, Sensors, check
 
-MAX_OFFSET = 1e4
 NO_PENDING = (np.nan, np.nan)
-
-
-class Gains(Input, frozen=True, kw_only=True):
-    """All gains of the cascade."""
-
-    mode: Literal["constant", "noise-matched"] = "constant"
-    """noise-matched takes q and v from the sensors' noise at the estimate, and reminds it of ξ1 = ½|p|², which the lift
-    forgets; the theorem assumes constant gains and no reminder."""
-    riccati: RiccatiGains = RiccatiGains()
-    attitude: AttitudeGains = AttitudeGains()
-
-
-class Guess(Input, frozen=True, kw_only=True):
-    """Where the observer starts: x̂(0) and R̃(0) = R(0) R̂(0)ᵀ = exp(angle [axis]x)."""
-
-    state: Literal["zero", "truth", "offset"] = "zero"
-    """zero: x̂ = 0; truth: the lifted true state; offset: the lift of the truth plus the offsets below."""
-    position_offset: Vec3 = (0.0, 0.0, 0.0)
-    """m, inertial axes."""
-    velocity_offset: Vec3 = (0.0, 0.0, 0.0)
-    """m/s, inertial axes."""
-    gravity_offset: Vec3 = (0.0, 0.0, 0.0)
-    """m/s², inertial axes."""
-    attitude_axis: Vec3 = (0.0, 1.0, 0.0)
-    """Inertial axes; any length but zero."""
-    attitude_angle: float = 0.0
-    """rad, −π to π."""
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        length = math.hypot(*self.attitude_axis)  # unlike numpy's norm it does not overflow
-        require(length > 1e-9, "attitude_axis must not be the zero vector")
-        require(length < 1e9, f"attitude_axis must be shorter than 1e9, got {length:g}")
-        require(
-            abs(self.attitude_angle) <= np.pi + 1e-12,
-            f"attitude_angle must lie in [-π, π] rad, got {self.attitude_angle:g}",
-        )
-        for name in ("position_offset", "velocity_offset", "gravity_offset"):
-            size = math.hypot(*getattr(self, name))
-            require(size <= MAX_OFFSET, f"{name} must not be longer than {MAX_OFFSET:g}, got {size:g}")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -96,6 +55,8 @@ class Estimate:
     rotation: Float[Array, "n 3 3"]
     innovation: Float[Array, "m 2"]
     """y − ŷ (m²) and its variance P₁₁ + R (m⁴), one row for each range; NaN for a range before the first step."""
+    k1: Float[Array, "n"] | None = None
+    """1/s, the attitude gain in force, constant without a schedule; None of an estimator that has none."""
 
     @property
     def std(self) -> Float[Array, "n 13"]:
@@ -107,17 +68,6 @@ class Estimate:
     def position(self, world: World) -> Float[Array, "n 3"]:
         """p̂_I = p_anchor + R̂ p̂_B (m, inertial axes)."""
         return np.asarray(world.anchor) + to_inertial(self.rotation, self.state[:, model.POSITION])
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Errors:
-    """Norms of the errors over time: the Riccati observer's in body axes (paper, fig. 3), the attitude's (fig. 4)."""
-
-    position: Float[Array, "n"]
-    velocity: Float[Array, "n"]
-    gravity: Float[Array, "n"]
-    attitude: Float[Array, "n"]
-    """rad"""
 
 
 class Sample(NamedTuple):
@@ -158,6 +108,11 @@ class State:
         """R̂."""
         return self.arrays.rotation
 
+    @property
+    def k1(self) -> float:
+        """1/s, the attitude gain in force."""
+        return _kernel().k1(self.arrays, self.parameters)
+
     def _read(self) -> tuple[Array, Array]:
         state, covariance = np.empty(model.STATES), np.empty((3, 3, 3))
         _kernel().read(self.arrays, state, covariance)
@@ -181,6 +136,7 @@ def start(guess: Guess, *, state: Float[Array, "13"], rotation: Float[Array, "3 
 def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
     """The setting in the kernel's terms; `symmetric` where ranges come at the IMU's rate."""
     gains, sensors, world = setting.gains, setting.sensors, setting.world
+    plan = gains.attitude.schedule or Schedule()  # without one its numbers are passed on all the same, and not asked
     matched = gains.mode == "noise-matched"
     v = gains.riccati.v
     floor = riccati.V_RANGE[0]
@@ -193,6 +149,10 @@ def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
         k1=float(gains.attitude.k1),
         rho1=float(gains.attitude.rho1),
         rho2=float(gains.attitude.rho2),
+        scheduled=gains.attitude.schedule is not None,
+        k1_steady=float(plan.steady),
+        halfway=float(plan.halfway),
+        memory=float(plan.memory),
         symmetric=symmetric and not matched,
         matched=matched,
         range_sigma=float(sensors.sigma.range),
@@ -214,6 +174,7 @@ def begin(first: Sample, start: Start, setting: Setting, *, symmetric: bool = Fa
         gyro=np.array(first.gyro, dtype=float),
         accel=np.array(first.accel, dtype=float),
         mag=np.array(expected if missing else first.mag, dtype=float),
+        misaligned=np.array([MISALIGNED]),
         pending=np.array(NO_PENDING),
     )
     at_start = np.asarray(first.range_time) == first.time
@@ -241,6 +202,7 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
     z = measurements
     count, ranges = len(z.time), len(z.range_time)
     state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
+    k1 = np.empty(count)
     estimate = Estimate(
         time=z.time,
         state=np.empty((count, model.STATES)),
@@ -248,28 +210,40 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
         xi_variance=np.empty((count, 4)),
         rotation=np.empty((count, 3, 3)),
         innovation=np.full((ranges, 2), np.nan),
+        k1=k1,
     )
-    skipped = int(np.searchsorted(z.range_time, z.time[0], side="right"))
     _kernel().run(
-        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state,
-        estimate.xi_variance, estimate.covariance, estimate.rotation, estimate.innovation, skipped, state.parameters,
+        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
+        estimate.covariance, estimate.rotation, k1, estimate.innovation, _skipped(z), state.parameters,
     )  # fmt: skip
     return estimate
+
+
+def attitudes(
+    measurements: Measurements, start: Start, setting: Setting, *, rotations: Float[Array, "j 3 3"]
+) -> Float[Array, "j n 3 3"]:
+    """R̂ over a record from many R̂(0), to the last bit what `observe` makes of each; `start` gives x̂(0) for all.
+
+    x̂ does not know R̂, so it is found once: hundreds of starts cost little more than their attitude filters. Raises
+    ValueError if the first magnetometer sample is missing, for then each start would expect another one.
+    """
+    check(measurements)
+    z = measurements
+    require(not np.isnan(z.mag[0]).any(), "many starts need a magnetometer sample at the first IMU sample")
+    state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
+    found = np.empty((len(rotations), len(z.time), 3, 3))
+    found[:, 0] = rotations
+    _kernel().run_attitudes(
+        state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, found, np.empty((len(z.range), 2)),
+        _skipped(z), state.parameters,
+    )  # fmt: skip
+    return found
 
 
 def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:
     """Whether the symmetric scheme applies: every range on an IMU stamp, at the IMU's rate. Gaps do not matter."""
     on_stamp = bool(np.isin(measurements.range_time, measurements.time).all())
     return on_stamp and sensors.range_rate == sensors.imu_rate
-
-
-def errors(estimate: Estimate, *, truth: Float[Array, "n 13"], rotation: Float[Array, "n 3 3"]) -> Errors:
-    """Norms of the body-axes errors and the angle of R̃ = R R̂ᵀ."""
-    difference = estimate.state - truth
-    blocks = (model.POSITION, model.VELOCITY, model.GRAVITY)
-    position, velocity, gravity = (np.linalg.norm(difference[:, block], axis=-1) for block in blocks)
-    attitude_error = so3.angle(rotation @ np.swapaxes(estimate.rotation, -1, -2))
-    return Errors(position=position, velocity=velocity, gravity=gravity, attitude=attitude_error)
 
 
 def _check(time: float, sample: Sample) -> None:
@@ -285,6 +259,11 @@ def _check(time: float, sample: Sample) -> None:
 def _first_sample(z: Measurements) -> Sample:
     due = z.range_time == z.time[0]
     return Sample(z.time[0], z.gyro[0], z.accel[0], z.mag[0], z.range_time[due], z.range[due])
+
+
+def _skipped(z: Measurements) -> int:
+    """How many ranges are not later than the first sample."""
+    return int(np.searchsorted(z.range_time, z.time[0], side="right"))
 
 
 def _floats(vector: Vec3) -> Vec3:

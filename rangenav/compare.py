@@ -1,7 +1,7 @@
 """Estimators side by side on one record: the cascade, its refinement, and the extended Kalman filter.
 
 The filter is asked twice: from the cascade's own start, and from the truth with a small covariance, which nobody has
-but which shows how good it is where it works. Errors are `cascade.Errors` for all of them: in body axes.
+but which shows how good it is where it works. Errors are `rangenav.errors.Errors` for all of them: in body axes.
 """
 
 import time
@@ -10,8 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rangenav import baselines, cascade, record, refine, strapdown
-from rangenav.cascade import Errors, Estimate, Setting
+from rangenav import baselines, cascade, errors, record, refine, strapdown
+from rangenav.cascade import Estimate, Setting
+from rangenav.errors import Errors
 from rangenav.model import POSITION
 from rangenav.record import Record, Summary
 from rangenav.strapdown import STATES, Track
@@ -69,10 +70,10 @@ def _filtered(name: str, run: Callable[[], Track], of: Record) -> Contender:
 def _contender(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Contender:
     with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
-        errors = cascade.errors(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
-        summary = record.summarise(estimate, errors, seconds)
-        words = words or _words(estimate, errors, summary)
-    return Contender(name=name, estimate=estimate, errors=errors, summary=summary, words=words)
+        found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
+        summary = record.summarise(estimate, found, seconds)
+        words = words or _words(estimate, found, summary)
+    return Contender(name=name, estimate=estimate, errors=found, summary=summary, words=words)
 
 
 def _words(estimate: Estimate, errors: Errors, summary: Summary) -> str:

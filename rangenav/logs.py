@@ -16,9 +16,10 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rangenav import cascade, model, motion, so3
 from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Estimate, Gains, Setting, Start
+from rangenav.cascade import Estimate, Setting, Start
 from rangenav.formats import flights
 from rangenav.formats.flights import Flight
+from rangenav.gains import Gains
 from rangenav.inputs import require
 from rangenav.motion import World
 from rangenav.observability import quadrature, spectrum

@@ -22,7 +22,8 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
     mag = np.where(np.isnan(z.mag[0]), R.T @ np.asarray(setting.world.magnetic), z.mag[0])
     pending = _due_at_start(z, x, observer)
     j = int(np.searchsorted(z.range_time, z.time[0], side="right"))
-    rows, innovation = [(x, P, R)], np.full((len(z.range), 2), np.nan)
+    s, chosen = attitude.MISALIGNED, setting.gains.attitude
+    rows, innovation = [(x, P, R, attitude.gain(chosen, s))], np.full((len(z.range), 2), np.nan)
     for k in range(1, len(z.time)):
         gravity = x[GRAVITY]
         if pending is not None:
@@ -47,11 +48,11 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
         if observer.matched:
             x, P = riccati.remind(x, P, t1 - t0)
         new_mag = turned.T @ mag if np.isnan(z.mag[k]).any() else z.mag[k]
-        R = attitude.step(
-            R, gyro, (mag, new_mag), (gravity, x[GRAVITY]), t1 - t0, gains=setting.gains.attitude, world=setting.world
+        R, s = attitude.step(
+            R, s, gyro, (mag, new_mag), (gravity, x[GRAVITY]), t1 - t0, gains=chosen, world=setting.world
         )
         mag = new_mag
-        rows.append((x, P, R))
+        rows.append((x, P, R, attitude.gain(chosen, s)))
     return _estimate(z, rows, innovation)
 
 
@@ -115,7 +116,7 @@ def _due_at_start(z: Measurements, x: Array, observer: _Observer) -> tuple[float
 
 
 def _estimate(z: Measurements, rows: list, innovation: Array) -> Estimate:
-    states, covariances, rotations = (np.array(part) for part in zip(*rows, strict=True))
+    states, covariances, rotations, k1 = (np.array(part) for part in zip(*rows, strict=True))
     blocks = [covariances[:, block, block] for block in (POSITION, VELOCITY, GRAVITY)]
     return Estimate(
         time=z.time,
@@ -123,5 +124,6 @@ def _estimate(z: Measurements, rows: list, innovation: Array) -> Estimate:
         covariance=np.stack(blocks, axis=1),
         xi_variance=np.diagonal(covariances[:, XI, XI], axis1=-2, axis2=-1),
         rotation=rotations,
+        k1=k1,
         innovation=innovation,
     )

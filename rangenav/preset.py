@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from rangenav.cascade import Gains, Guess
+from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import quadrature
@@ -150,6 +150,8 @@ def _encoded(preset: Preset) -> str:
     table["sensors"]["unmodelled"] = _used(preset.sensors.unmodelled)
     if not table["sensors"]["unmodelled"]:
         del table["sensors"]["unmodelled"]
+    if preset.gains.attitude.schedule is None:  # and TOML has no null
+        del table["gains"]["attitude"]["schedule"]
     return msgspec.toml.encode(table).decode()
 
 

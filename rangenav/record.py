@@ -10,8 +10,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import cascade, model, motion
-from rangenav.cascade import Errors, Estimate, Gains, Guess, Setting
+from rangenav import cascade, errors, model, motion
+from rangenav.cascade import Estimate, Setting
+from rangenav.errors import Errors
+from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3
 from rangenav.motion import Motion, World
 from rangenav.observability import excitation
@@ -143,6 +145,11 @@ def simulated(course: Course) -> Truth:
 
 @lru_cache(maxsize=CACHED)
 def measured(course: Course, sensors: Sensors, seed: int) -> Measurements:
+    """As `drawn`; the last few are kept."""
+    return drawn(course, sensors, seed)
+
+
+def drawn(course: Course, sensors: Sensors, seed: int) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
     rng = np.random.default_rng(seed)
     return measure(simulated(course).motion, path=course.path, world=course.world, sensors=sensors, rng=rng)
@@ -162,33 +169,33 @@ def observed(
     began = time.perf_counter()
     estimate = cascade.observe(measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form))
     seconds = time.perf_counter() - began
-    errors = cascade.errors(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    return Outcome(estimate=estimate, errors=errors, summary=summarise(estimate, errors, seconds))
+    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    return Outcome(estimate=estimate, errors=found, summary=summarise(estimate, found, seconds))
 
 
 def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:
     """Peak, settling, steady and final errors of a run."""
-    tail = slice(3 * len(estimate.time) // 4, None)
-    std = estimate.std[-1, model.POSITION]
-
-    def rms(error: Array) -> float:
-        return float(np.sqrt(np.mean(error[tail] ** 2)))
-
+    variances = np.diagonal(estimate.covariance[-1, 0])
     return Summary(
         peak_position=float(errors.position.max()),
         settle_position_s=settled(estimate.time, errors.position, SETTLED_POSITION),
         settle_attitude_s=settled(estimate.time, errors.attitude, SETTLED_ATTITUDE),
-        steady_position=rms(errors.position),
-        steady_velocity=rms(errors.velocity),
-        steady_gravity=rms(errors.gravity),
-        steady_attitude_deg=math.degrees(rms(errors.attitude)),
+        steady_position=steady(errors.position),
+        steady_velocity=steady(errors.velocity),
+        steady_gravity=steady(errors.gravity),
+        steady_attitude_deg=math.degrees(steady(errors.attitude)),
         final_position=float(errors.position[-1]),
         final_velocity=float(errors.velocity[-1]),
         final_gravity=float(errors.gravity[-1]),
         final_attitude_deg=math.degrees(float(errors.attitude[-1])),
-        diverged=not bool(np.all(std < DIVERGED_STD)),
+        diverged=not bool(np.all((variances >= 0) & (variances < DIVERGED_STD**2))),
         microseconds_per_step=seconds / (len(estimate.time) - 1) * 1e6,
     )
+
+
+def steady(error: Float[Array, "n"]) -> float:
+    """Root mean square over the last quarter."""
+    return float(np.sqrt(np.mean(error[3 * len(error) // 4 :] ** 2)))
 
 
 def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> float | None:

@@ -135,7 +135,7 @@ def reversed_track(track: Track) -> Track:
 def lifted(track: Track, measurements: Measurements, world: World) -> Estimate:
     """The track as the cascade's result: the 13-state in body axes, covariances to first order, innovations of y = ½d².
 
-    So `cascade.errors`, `record.summarise` and the plots take it. Its position error is then the cascade's, of
+    So `errors.of`, `record.summarise` and the plots take it. Its position error is then the cascade's, of
     p_B = R̂ᵀ(p̂ − p_anchor): turning everything about the anchor changes no range, and no p_B either.
     """
     gravity = np.broadcast_to(np.asarray(world.gravity, dtype=float), track.position.shape)

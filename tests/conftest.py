@@ -1,6 +1,8 @@
 """What holds for every test: array shapes are checked on every call, and in CI no browser test may be skipped."""
 
+import json
 import os
+import sys
 from collections.abc import Generator
 from pathlib import Path
 
@@ -13,7 +15,7 @@ from tests import shapes
 SOURCE = Path(__file__).parent.parent
 COMPILED = "kernels"
 """numba needs the functions as they are written; a wrapper around each cannot be compiled."""
-NO_VISER = ("explorer.compute", "explorer.settings")
+NO_VISER = ("explorer.compute", "explorer.depth", "explorer.settings")
 """The explorer's arrays are made there; its other modules only hand them on."""
 
 
@@ -47,3 +49,47 @@ def pytest_runtest_makereport(
         report.outcome = "failed"
         report.longrepr = f"{item.nodeid} was skipped, but in CI every browser test must run: {report.longrepr}"
     return report
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    """run(arguments) -> (exit code, stdout, stderr) of the command line, in this process."""
+    from rangenav import __main__ as cli
+
+    def call(*arguments):
+        monkeypatch.setattr(sys, "argv", ["rangenav", *map(str, arguments)])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as stop:
+            code = stop.code
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return call
+
+
+@pytest.fixture
+def answer(run):
+    """answer(arguments) -> the one JSON object on stdout, after success without a word on stderr."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments, "--json")
+        assert (code, err) == (0, "")
+        assert out.endswith("}\n")
+        assert out.count("\n") == 1
+        return json.loads(out, parse_constant=pytest.fail)  # NaN and Infinity are no JSON
+
+    return call
+
+
+@pytest.fixture
+def complaint(run):
+    """complaint(arguments) -> the one line on stderr, after exit 2 and not a word on stdout."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        return err
+
+    return call

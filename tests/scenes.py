@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from msgspec.structs import replace
 
-from rangenav import cascade, model, preset, record
-from rangenav.cascade import Estimate, Gains, Setting, Start
+from rangenav import cascade, errors, model, preset, record
+from rangenav.cascade import Estimate, Setting, Start
+from rangenav.gains import Gains
 from rangenav.preset import Preset
 from rangenav.record import Truth
 from rangenav.sensors import Measurements, Noise, Sensors
@@ -30,8 +31,8 @@ class Scene:
     def observe(self, gains: Gains | None = None, form: model.Form = "derived") -> Estimate:
         return cascade.observe(self.measurements, self.start, self.setting(gains, form))
 
-    def errors(self, estimate: Estimate) -> cascade.Errors:
-        return cascade.errors(estimate, truth=self.truth.state, rotation=self.truth.motion.rotation)
+    def errors(self, estimate: Estimate) -> errors.Errors:
+        return errors.of(estimate, truth=self.truth.state, rotation=self.truth.motion.rotation)
 
 
 def scene(

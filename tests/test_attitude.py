@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from rangenav import attitude, preset, so3
-from rangenav.attitude import AttitudeGains
+from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.motion import World
 from tests.sentences import exactly
 
@@ -29,14 +29,15 @@ def body(rotation, vector):
 
 def filtered(error, h, steps, *, chosen=GAINS, world=WORLD, spin=SPIN):
     """R̃ after each step of a filter that starts with R̃ = error, with exact measurements of a vehicle that turns."""
-    R, estimate, result = START, error.T @ START, [error]
+    R, estimate, misaligned, result = START, error.T @ START, attitude.MISALIGNED, [error]
     for k in range(steps):
         time = np.array([k * h, (k + 0.5) * h, (k + 1) * h])
         gyro = spin(time)
         R_next = R @ so3.exp(h * gyro[1])  # the vehicle itself: turning by the mean rate of the step is all it does
         ends = (R, R_next)
-        estimate = attitude.step(
+        estimate, misaligned = attitude.step(
             estimate,
+            misaligned,
             (gyro[1], gyro[1]),
             (body(ends[0], world.magnetic), body(ends[1], world.magnetic)),
             (body(ends[0], world.gravity), body(ends[1], world.gravity)),
@@ -60,14 +61,14 @@ def test_the_correction_turns_the_estimate_towards_the_truth(w, chosen):
     error = so3.exp(w)
     M = attitude.decay_matrix(chosen, WORLD)
     estimate = error.T @ START
-    sigma = attitude.correction(
+    sigma = attitude.innovation(
         estimate, body(START, WORLD.magnetic), body(START, WORLD.gravity), gains=chosen, world=WORLD
     )
-    # R̂ → R̂ exp(ε σ): the derivative of tr(M(I − R̃)) at ε = 0 is −|σ|²/k1
+    # R̂ → R̂ exp(ε σ): the derivative of tr(M(I − R̃)) at ε = 0 is −|σ|²
     epsilon = 1e-5 / (1 + np.linalg.norm(sigma))
     moved = [START @ (estimate @ so3.exp(sign * epsilon * sigma)).T for sign in (-1, 1)]
     slope = (misalignment(moved[1], M) - misalignment(moved[0], M)) / (2 * epsilon)
-    expected = -float(sigma @ sigma) / chosen.k1
+    expected = -float(sigma @ sigma)
     # rounding of values up to tr M over ε, and the truncation of ε²
     assert slope == pytest.approx(expected, rel=1e-6, abs=1e-9 * np.trace(M) * (1 + np.linalg.norm(sigma)))
 
@@ -133,10 +134,10 @@ def test_the_undesired_equilibria_are_half_turns_about_the_eigenvectors_of_m(cho
 @given(gains)
 def test_at_an_equilibrium_the_correction_vanishes(chosen):
     for error in [np.eye(3), *attitude.equilibria(chosen, WORLD)]:
-        sigma = attitude.correction(
+        sigma = attitude.innovation(
             error.T @ START, body(START, WORLD.magnetic), body(START, WORLD.gravity), gains=chosen, world=WORLD
         )
-        np.testing.assert_allclose(sigma, 0, atol=100 * EPS * chosen.k1 * (chosen.rho1 + chosen.rho2 * 9.81**2))
+        np.testing.assert_allclose(sigma, 0, atol=100 * EPS * (chosen.rho1 + chosen.rho2 * 9.81**2))
 
 
 @given(gains)
@@ -155,8 +156,13 @@ def test_undesired_equilibria_are_left_slowly_but_left(which):
     assert angles[-1] < 1e-3
 
 
-def test_steps_converge_with_order_two_to_the_integrated_filter():
-    """Against Ṙ̂ = R̂ [ω + k1σ]x by DOP853, with a vehicle that turns by a known rotation."""
+PLAN = Schedule(steady=0.3, halfway=0.2, memory=0.4)
+"""Changes k1 much and fast, so that an error in its law would show."""
+
+
+@pytest.mark.parametrize("chosen", [GAINS, AttitudeGains(k1=8.0, schedule=PLAN)], ids=["constant", "scheduled"])
+def test_steps_converge_with_order_two_to_the_integrated_filter(chosen):
+    """Against Ṙ̂ = R̂ [ω + k1σ]x, ṡ = (c − s)/memory by DOP853, with a vehicle that turns by a known rotation."""
     axis_rate = np.array([0.7, -1.1, 0.4])
     start_estimate = so3.exp(np.array([0.5, 1.0, -0.7]))
 
@@ -168,21 +174,63 @@ def test_steps_converge_with_order_two_to_the_integrated_filter():
         return body(R, WORLD.magnetic), body(R, WORLD.gravity)
 
     def rate(t, r):
-        estimate = r.reshape(3, 3)
-        sigma = attitude.correction(estimate, *measured(t), gains=GAINS, world=WORLD)
-        return (estimate @ so3.hat(axis_rate + sigma)).ravel()
+        estimate, s, plan = r[:9].reshape(3, 3), r[9], chosen.schedule or PLAN
+        (m, g), M = measured(t), attitude.decay_matrix(chosen, WORLD)
+        expected = estimate.T @ np.asarray(WORLD.magnetic), estimate.T @ np.asarray(WORLD.gravity)
+        sigma = chosen.rho1 * np.cross(m, expected[0]) + chosen.rho2 * np.cross(g, expected[1])
+        # exact vectors: the disagreement is tr(M(I − R̃))/tr M
+        disagreement = misalignment(truth(t) @ estimate.T, M) / np.trace(M)
+        high = s**2 / (s**2 + plan.halfway**2)
+        k1 = chosen.k1 if chosen.schedule is None else chosen.k1**high * plan.steady ** (1 - high)
+        return np.append((estimate @ so3.hat(axis_rate + k1 * sigma)).ravel(), (disagreement - s) / plan.memory)
 
-    witness = solve_ivp(rate, (0, 0.8), start_estimate.ravel(), method="DOP853", rtol=1e-12, atol=1e-12)
-    exact = witness.y[:, -1].reshape(3, 3)
+    first = np.append(start_estimate.ravel(), attitude.MISALIGNED)
+    witness = solve_ivp(rate, (0, 0.8), first, method="DOP853", rtol=1e-12, atol=1e-12)
+    exact = witness.y[:9, -1].reshape(3, 3)
     counts, errors = np.array([40, 80, 160, 320]), []
     for count in counts:
-        estimate, h = start_estimate, 0.8 / count
+        estimate, s, h = start_estimate, attitude.MISALIGNED, 0.8 / count
         for k in range(count):
             (m0, g0), (m1, g1) = measured(k * h), measured((k + 1) * h)
-            estimate = attitude.step(estimate, (axis_rate, axis_rate), (m0, m1), (g0, g1), h, gains=GAINS, world=WORLD)
+            estimate, s = attitude.step(
+                estimate, s, (axis_rate, axis_rate), (m0, m1), (g0, g1), h, gains=chosen, world=WORLD
+            )
         errors.append(float(so3.angle(exact.T @ estimate)))
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] >= 1.9
     assert errors[-1] < 1e-4
+
+
+@given(vectors, gains)
+def test_exact_vectors_disagree_by_the_function_that_proves_stability(w, chosen):
+    """c = tr(M(I − R̃))/tr M: zero at the truth only, and not at the half turns at which σ vanishes."""
+    M = attitude.decay_matrix(chosen, WORLD)
+    for error in (so3.exp(w), np.eye(3), *attitude.equilibria(chosen, WORLD)):
+        seen = attitude.disagreement(
+            error.T @ START, body(START, WORLD.magnetic), body(START, WORLD.gravity), gains=chosen, world=WORLD
+        )
+        assert seen == pytest.approx(misalignment(error, M) / np.trace(M), abs=100 * EPS)
+
+
+@given(st.tuples(*[st.floats(-1e6, 1e6)] * 3).map(np.array), gains)
+def test_however_wrong_gravity_is_the_disagreement_stays_between_zero_and_two(gravity, chosen):
+    seen = attitude.disagreement(START, body(START, WORLD.magnetic), gravity, gains=chosen, world=WORLD)
+    assert -10 * EPS <= seen <= 2
+
+
+@given(st.lists(st.floats(0, 2), min_size=2, max_size=2).map(sorted), st.floats(1, 1000), st.floats(0.001, 1))
+def test_a_scheduled_gain_rises_with_misalignment_from_its_lower_to_its_upper_end(misaligned, high, low):
+    chosen = AttitudeGains(k1=high, schedule=Schedule(steady=low, halfway=0.05))
+    less, more = (attitude.gain(chosen, s) for s in misaligned)
+    assert low <= less <= more * (1 + 4 * EPS) <= high * (1 + 8 * EPS)
+    assert attitude.gain(chosen, 0.0) == low
+    assert attitude.gain(chosen, 0.05) == pytest.approx(math.sqrt(low * high), rel=1e-12)
+
+
+def test_time_constants_under_a_schedule_are_those_of_its_lower_end():
+    constant = attitude.time_constants(AttitudeGains(k1=0.5), WORLD)
+    np.testing.assert_array_equal(
+        attitude.time_constants(AttitudeGains(schedule=Schedule(steady=0.5)), WORLD), constant
+    )
 
 
 def test_a_raw_weight_of_one_on_gravity_is_stiff_at_thirty_milliseconds_and_the_normalised_one_is_not():
@@ -210,8 +258,23 @@ def test_the_estimate_stays_a_rotation():
         ({"rho1": 1e-7}, "rho1 must lie between 1e-06 and 1000, got 1e-07"),
         ({"rho2": 1e4}, "rho2 must lie between 1e-06 and 1000, got 10000"),
         ({"rho2": math.nan}, "rho2 must be a finite number, got nan"),
+        ({"schedule": Schedule(steady=4.5)}, "schedule.steady must not exceed k1 (4), got 4.5"),
     ],
 )
 def test_gains_outside_their_limits_are_refused_in_one_sentence(fields, sentence):
     with pytest.raises(ValueError, match=exactly(sentence)):
         AttitudeGains(**fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "sentence"),
+    [
+        ({"steady": 0.0}, "steady must lie between 0.001 and 1000, got 0"),
+        ({"halfway": 2.0}, "halfway must lie between 0.0001 and 1, got 2"),
+        ({"memory": 1e-4}, "memory must lie between 0.001 and 100 s, got 0.0001"),
+        ({"memory": math.inf}, "memory must be a finite number, got inf"),
+    ],
+)
+def test_a_schedule_outside_its_limits_is_refused_in_one_sentence(fields, sentence):
+    with pytest.raises(ValueError, match=exactly(sentence)):
+        Schedule(**fields)

@@ -8,7 +8,8 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from rangenav import baselines, cascade, strapdown
-from rangenav.cascade import Gains, Start
+from rangenav.cascade import Start
+from rangenav.gains import Gains
 from rangenav.riccati import Blocks
 from rangenav.sensors import Measurements
 from tests import nine, scenes

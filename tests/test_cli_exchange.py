@@ -1,59 +1,12 @@
 """`rangenav export`, `import` and `log` as people and scripts meet them: files, questions, exit codes, one sentence."""
 
-import json
-import sys
-
 import msgspec
 import numpy as np
 import pytest
 
-from rangenav import __main__ as cli
 from rangenav import formats, preset
 from rangenav.commands import export as exporting
 from tests.shared import shared
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """run(arguments) -> (exit code, stdout, stderr), in this process."""
-
-    def call(*arguments):
-        monkeypatch.setattr(sys, "argv", ["rangenav", *map(str, arguments)])
-        code = 0
-        try:
-            cli.main()
-        except SystemExit as stop:
-            code = stop.code
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return call
-
-
-@pytest.fixture
-def answer(run):
-    """answer(arguments) -> the one JSON object on stdout, after success without a word on stderr."""
-
-    def call(*arguments):
-        code, out, err = run(*arguments, "--json")
-        assert (code, err) == (0, "")
-        assert out.count("\n") == 1
-        return json.loads(out, parse_constant=pytest.fail)
-
-    return call
-
-
-@pytest.fixture
-def complaint(run):
-    """complaint(arguments) -> the one line on stderr, after exit 2 and not a word on stdout."""
-
-    def call(*arguments):
-        code, out, err = run(*arguments)
-        assert (code, out, err.count("\n")) == (2, "", 1)
-        return err
-
-    return call
-
 
 SUFFIX = {"preset": ".toml", "npz": ".npz", "mat": ".mat", "mcap": ".mcap", "bag": "", "euroc": ""}
 

@@ -5,7 +5,8 @@ import time
 
 import pytest
 
-from explorer.jobs import Jobs, Stopped
+from explorer.jobs import Jobs
+from rangenav.ensemble import Stopped
 
 
 def _until(holds, patience: float = 5.0) -> None:

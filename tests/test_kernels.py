@@ -4,11 +4,12 @@ import itertools
 
 import numpy as np
 import pytest
-from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from rangenav import model, plain, preset, riccati
-from rangenav.cascade import Gains, Sample, begin, observe
+from rangenav.attitude import AttitudeGains, Schedule
+from rangenav.cascade import Sample, begin, observe
+from rangenav.gains import Gains
 from rangenav.kernels import cascade as cascade_kernel
 from rangenav.kernels import compiled
 from rangenav.kernels import riccati as kernel
@@ -168,9 +169,10 @@ def test_orthonormal_squares_the_drift_and_finds_the_nearest_rotation():
     assert np.abs(mended - exact).max() < 3e-12  # 1.5 |E|², |E| = 1.2e-6
 
 
+@pytest.mark.parametrize("schedule", [None, Schedule()], ids=["constant k1", "scheduled k1"])
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])
 @pytest.mark.parametrize(("range_rate", "mag_rate"), [(200.0, 200.0), (50.0, 200.0), (333.0, 57.0), (7.0, 11.0)])
-def test_compiled_cascade_and_plain_numpy_agree(mode: str, range_rate: float, mag_rate: float):
+def test_compiled_cascade_and_plain_numpy_agree(mode: str, range_rate: float, mag_rate: float, schedule):
     """Two coordinate systems, one scheme: they differ by rounding only.
 
     It is amplified by the first corrections, which take a variance of 1e4 down to R: 10⁶ times when R = 1/(q h), 2·10⁸
@@ -178,10 +180,10 @@ def test_compiled_cascade_and_plain_numpy_agree(mode: str, range_rate: float, ma
     """
     tolerance = 1e-8 if mode == "constant" else 1e-7
     scene = scenes.scene("paper-slow", duration=6.0, range_rate=range_rate, mag_rate=mag_rate)
-    setting = scene.setting(replace(Gains(), mode=mode))
+    setting = scene.setting(Gains(mode=mode, attitude=AttitudeGains(schedule=schedule)))
     fast = observe(scene.measurements, scene.start, setting)
     slow = plain.observe(scene.measurements, scene.start, setting)
-    for name in ("state", "covariance", "xi_variance", "rotation", "innovation"):
+    for name in ("state", "covariance", "xi_variance", "rotation", "k1", "innovation"):
         one, other = getattr(fast, name), getattr(slow, name)
         scale = np.nanmax(np.abs(other))
         np.testing.assert_allclose(one, other, rtol=0, atol=tolerance * scale, err_msg=name)

@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import least_squares
 
 from rangenav import baselines, cascade, model, refine, so3, strapdown
-from rangenav.cascade import Gains, Setting, Start
+from rangenav.cascade import Setting, Start
+from rangenav.gains import Gains
 from rangenav.kernels import smoother as kernel
 from rangenav.refine import refine as refined
 from rangenav.sensors import Measurements, Noise

@@ -9,7 +9,8 @@ from msgspec.structs import replace
 
 from rangenav import cascade, model, riccati, so3
 from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Gains, Setting, Start
+from rangenav.cascade import Setting, Start
+from rangenav.gains import Gains
 from rangenav.model import STATES
 from rangenav.preset import Preset
 from rangenav.riccati import Blocks, RiccatiGains

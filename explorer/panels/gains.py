@@ -7,8 +7,8 @@ import numpy as np
 from explorer.compute import Picture
 from explorer.panels.controls import Choice, LogDial
 from explorer.panels.sheet import Section, Sheet
-from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Gains
+from rangenav.attitude import AttitudeGains, Schedule
+from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 
 MODES: dict[Literal["constant", "noise-matched"], str] = {
@@ -105,15 +105,19 @@ class _AttitudeFolder:
             hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."
             self._rho2 = LogDial(section, "ρ2", RHO2_LIMITS, hint=hint)
             self._line = sheet.gui.add_markdown("")
+        self._schedule: Schedule | None = None
+        """A preset's schedule of k1 is kept as it is: it has no controls yet."""
 
     def read(self) -> AttitudeGains:
         with self._section.catching():
-            return AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
+            k1, rho1, rho2 = self._k1.read(), self._rho1.read(), self._rho2.read()
+            return AttitudeGains(k1=k1, rho1=rho1, rho2=rho2, schedule=self._schedule)
 
     def write(self, gains: AttitudeGains, base: AttitudeGains) -> None:
         self._k1.write(gains.k1, base.k1)
         self._rho1.write(gains.rho1, base.rho1)
         self._rho2.write(gains.rho2, base.rho2)
+        self._schedule = gains.schedule
 
     def draw(self, picture: Picture) -> None:
         rho2 = picture.preset.gains.attitude.rho2

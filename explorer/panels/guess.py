@@ -5,7 +5,7 @@ from typing import Literal
 
 from explorer.panels.controls import Choice, Dial, Vector
 from explorer.panels.sheet import Section, Sheet
-from rangenav.cascade import Guess
+from rangenav.gains import Guess
 
 STATES: dict[Literal["zero", "truth", "offset"], str] = {
     "zero": "zero",

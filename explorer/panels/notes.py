@@ -4,7 +4,7 @@ import html
 from collections.abc import Iterable, Sequence
 
 NOTE = '<div style="padding:0 0.9em 0.5em;font-size:0.85em;line-height:1.4;overflow-wrap:anywhere">{}</div>'
-CELL = '<{0} style="text-align:left;padding:0.1em 0.8em 0.1em 0;vertical-align:top">{1}</{0}>'
+CELL = '<{0} style="text-align:left;padding:0.1em 0.6em 0.1em 0;vertical-align:top;overflow-wrap:normal">{1}</{0}>'
 
 
 def bullets(sentences: Iterable[str]) -> str:

@@ -21,6 +21,8 @@ BY: dict[Kind, str] = {
     "timescale": "its speed",
     "waypoints": "moving waypoints",
 }
+ROUNDING = 1e-12
+"""m²/s⁷: what no motion is asked for, and less than which is rounding."""
 KIND = "What may be changed about the motion. The vehicle's limits are kept."
 REPAIR = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
 IMPROVE = "Looks for a change that lowers the predicted σ of a motion that is observable already."
@@ -99,11 +101,15 @@ def figures(found: Repair) -> str:
     return table(
         ("", "before (A)", "after (B)"),
         (
-            ("μ (m²/s⁷)", f"{before.mu:.3g}", f"{after.mu:.3g}"),
+            ("μ (m²/s⁷)", _mu(before), _mu(after)),
             ("predicted σ", _sigma(before), _sigma(after)),
             ("required", "", f"μ ≥ {found.after.requirement.mu:.3g}, σ ≤ {found.after.requirement.position_sigma:g} m"),
         ),
     )
+
+
+def _mu(figure: Figures) -> str:
+    return f"{figure.mu:.3g}" if figure.mu > ROUNDING else "nothing"
 
 
 def _sigma(figure: Figures) -> str:

@@ -7,7 +7,7 @@ verify_file(path)   what is wrong with a file and the certificate beside it, a s
 from rangenav.certificate.checking import verify, verify_file
 from rangenav.certificate.checks import gate
 from rangenav.certificate.contents import Certificate, dumps, loads, plain
-from rangenav.certificate.making import READERS, Reader, beside, certify, certify_file, read_preset
+from rangenav.certificate.making import READERS, Reader, beside, certify, certify_file, read_preset, refusal
 
 __all__ = [
     "READERS",
@@ -21,6 +21,7 @@ __all__ = [
     "loads",
     "plain",
     "read_preset",
+    "refusal",
     "verify",
     "verify_file",
 ]

@@ -1,48 +1,37 @@
-"""What μ is at every t, proven: λ_min of W(t) = ∫_t^{t+δ} q qᵀ ds, q = p⁗, between the points of a grid as well.
+"""What μ is at every t, proven: λ_min of W(t) = ∫_t^{t+δ} q qᵀ ds, q = p⁗, on a grid of starts and between its points.
 
-Between neighbouring starts s₀ < s₁, Δ apart, with no knot in (s₀, s₁) nor in (s₀ + δ, s₁ + δ), q is smooth at both ends
-of the window while it slides, so W″(t) = A(t + δ) − A(t), A = q q̇ᵀ + q̇ qᵀ. The eigenvalues of A are q·q̇ ± |q||q̇|, so
-    |nᵀW″n| ≤ c = 2 (|q||q̇|)(window's end) + 2 (|q||q̇|)(window's start)        for every unit n,
-and W differs from the straight line L between W(s₀) and W(s₁) by at most cΔ²/8. λ_min is concave, hence
-    λ_min(W(t)) ≥ λ_min(L(t)) − cΔ²/8 ≥ min(λ_min(W(s₀)), λ_min(W(s₁))) − cΔ²/8,
-    λ_min(W(t)) ≤ max(nᵀW(s₀)n, nᵀW(s₁)n) + cΔ²/8                                  for any unit n.
-Snap that jumps (a minimum-snap curve at its ends, pieces from a file anywhere) makes W′ jump exactly when an end of the
-window crosses a knot. Those starts, every knot and every knot less δ, are put on the grid, so each cell is smooth and
-the above holds with the largest values on the stretches beside the knots. Where even jerk or a lower derivative jumps,
-snap has an impulse j/ε over some ε → 0; for every ε the integral of (n·q)² is at least its part outside the impulses,
-so the part between the knots, which is what is integrated here, stays a lower bound.
+Between grid points λ_min falls below both ends by no more than `between` says, if no end of the window crosses a knot.
+Snap that jumps (a minimum-snap curve at its ends, pieces from a file anywhere) makes W′ jump exactly when one does, so
+those starts, every knot and every knot less δ, are points of the grid, and each cell is smooth. Where even jerk or a
+lower derivative jumps, snap has an impulse j/ε over some ε → 0; for every ε the integral of (n·q)² is at least its part
+outside the impulses, so the part between the knots, which is what is integrated, stays a lower bound.
 
 W itself is summed over small cells by Gauss's rule of m nodes; on a cell of length h it errs, for every unit n, by
     h^{2m+1} (m!)⁴ / ((2m+1) ((2m)!)³) · max|(nᵀqqᵀn)^{(2m)}|,   the last ≤ Σ C(2m, k) |q⁽ᵏ⁾| |q⁽²ᵐ⁻ᵏ⁾|,
 which the same enclosures bound. It is taken off, as is an allowance for rounding.
+From above: λ_min(W(t)) ≤ nᵀW(t)n for any n.
 """
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.certificate import envelope
+from rangenav.certificate.between import Enclosure, Narrow, along, enclosed, fall, rise
 from rangenav.certificate.envelope import UnboundedError
-from rangenav.signals import Signal, mapped, operations
+from rangenav.certificate.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
+from rangenav.signals import Signal
 
-GAUSS = 4
-"""Nodes of a cell."""
-TURN = 0.4
-"""rad of the fastest tone in one cell: Gauss's rule then errs by less than 1e-11 of what is integrated."""
-FIRST_STARTS, FIRST_CELLS = 129, 64
-ROUNDS = 4
+ROUNDS = 8
 """How often the grid is refined where its bound is too weak; twice is usual."""
-MAX_STARTS, MAX_NODES = 40_000, 400_000
-"""Starts of windows, and evaluations of the snap: a second on a small machine."""
+MAX_NARROW = 6
+"""Lines and planes kept at hand: those of the cells whose bound was weakest in the last rounds."""
+MAX_STARTS = 40_000
 SHARE = 0.01
 """The grid is refined until what lies between its points costs this share of the least μ."""
-CHEAP_OPERATIONS = 20
-"""A formula of so many operations costs as much as a few tones; longer ones are evaluated less often."""
-NEAR = 1e-12
-"""Edges nearer than this share of the whole time are one: rounding of knot less δ plus δ."""
 EPSILON = float(np.finfo(float).eps)
 ARITHMETIC = 512.0
 """Units of rounding allowed to one evaluation of the snap, of its largest value; polynomials cancel a hundredfold."""
@@ -79,18 +68,6 @@ class Bounds:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretches:
-    """The snap's enclosures: |q⁽ᵏ⁾| ≤ sizes[k] on each stretch between neighbouring edges."""
-
-    edge: Float[Array, "k"]
-    sizes: Float[Array, "o m"]
-
-    def at(self, time: Float[Array, "n"]) -> Int[Array, "n"]:
-        """The stretch that each time lies in."""
-        return np.clip(np.searchsorted(self.edge, time, side="right") - 1, 0, len(self.edge) - 2)
-
-
-@dataclass(frozen=True, eq=False)
 class _Grid:
     """Windows on a grid of starts."""
 
@@ -99,14 +76,10 @@ class _Grid:
     start: Float[Array, "w"]
     value: Float[Array, "w"]
     """λ_min of each."""
-    vector: Float[Array, "w 3"]
-    """Its eigenvector."""
     matrix: Float[Array, "w 3 3"]
     quadrature: float
     rounding: float
     """What either may be off by, for every unit n and every window."""
-    gap: Float[Array, "c"]
-    """cΔ²/8 of the cell between neighbouring starts."""
 
     @property
     def floor(self) -> float:
@@ -118,23 +91,29 @@ def bounds(path: Signal, window: float, end: float) -> Bounds:
 
     Raises UnboundedError, saying why, if nothing bounds the snap's derivatives or if it would be too much work.
     """
-    until = end + window
-    edge = envelope.stretches(path, until)
-    known = _Stretches(edge, envelope.envelope(path, edge, range(4, 5 + 2 * GAUSS)))
+    known = enclosed(path, end + window, 2 * GAUSS)
     if not np.isfinite(known.sizes).all():
         raise UnboundedError("nothing is known to bound the path's snap and its derivatives")
-    start = np.concatenate([np.linspace(0, end, FIRST_STARTS), edge, edge - window])
-    start = _apart(np.clip(start, 0, end), until)
-    grid = _windows(path, window, start, known, TURN)
+    grid = _windows(path, window, first_starts(window, end, known.edge), known, TURN)
+    narrow = _narrow(path, grid.matrix[int(np.argmin(grid.value))], known)
+    gap = fall(grid.start, grid.matrix, window, known, narrow)
     for _ in range(ROUNDS):
-        finer = _finer(path, window, grid, known)
+        finer = _finer(path, window, grid, gap, known)
         if finer is None:
             break
-        grid = finer
-    return _summary(path, window, grid, known)
+        worst = int(np.argmin(np.minimum(grid.value[1:], grid.value[:-1]) - gap))
+        narrow = (*narrow, *_narrow(path, grid.matrix[worst], known))[-MAX_NARROW:]
+        grid, gap = finer, fall(finer.start, finer.matrix, window, known, narrow)
+    return _summary(path, window, grid, gap, known)
 
 
-def _finer(path: Signal, window: float, grid: _Grid, known: _Stretches) -> _Grid | None:
+def _narrow(path: Signal, matrix: Float[Array, "3 3"], known: Enclosure) -> tuple[Narrow, ...]:
+    """The line and the plane in which one window is excited least."""
+    vectors = np.linalg.eigh(matrix)[1]
+    return along(path, vectors[:, :1], known), along(path, vectors[:, :2], known)
+
+
+def _finer(path: Signal, window: float, grid: _Grid, gap: Float[Array, "c"], known: Enclosure) -> _Grid | None:
     """More starts and smaller cells where they help; None where they do not, or would be too much work."""
     least = float(grid.value.min())
     if least <= BELIEVED * grid.rounding:
@@ -142,8 +121,8 @@ def _finer(path: Signal, window: float, grid: _Grid, known: _Stretches) -> _Grid
     turn, share = grid.turn, grid.quadrature / (QUADRATURE_SHARE * least)
     if share > 1:
         turn *= max(MOST_FINER, share ** (-0.5 / GAUSS))
-    cells = _most_nodes(path) / GAUSS - _cells(path, float(grid.start[-1]) + window, turn)
-    start = _refined(grid, most=min(MAX_STARTS, int(cells / 2) - 2 * len(known.edge)))
+    spare = most_nodes(path) / GAUSS - cells(path, float(grid.start[-1]) + window, turn)
+    start = _refined(grid, gap, most=min(MAX_STARTS, int(spare / 2) - 2 * len(known.edge)))
     if len(start) == len(grid.start) and share <= 1:
         return None
     try:
@@ -152,49 +131,25 @@ def _finer(path: Signal, window: float, grid: _Grid, known: _Stretches) -> _Grid
         return None
 
 
-def _windows(path: Signal, window: float, start: Array, known: _Stretches, turn: float) -> _Grid:
-    """W on every window, as the difference of two sums over cells."""
-    until = float(start[-1]) + window
-    count = _cells(path, until, turn)
-    nodes = GAUSS * (count + 2 * len(start) + len(known.edge))
-    if nodes > _most_nodes(path):
-        raise UnboundedError(f"a grid over {until:.4g} s of this path would be too much work ({nodes} evaluations)")
-    cell = _apart(np.concatenate([start, start + window, known.edge, np.linspace(0, until, count + 1)]), until)
-    length = np.diff(cell)
-    node, weight = np.polynomial.legendre.leggauss(GAUSS)
-    snap = (
-        path(cell[:-1, None] + length[:, None] * (node + 1) / 2, 4) * np.sqrt(length[:, None] * weight / 2)[..., None]
-    )
-    total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(snap.transpose(0, 2, 1) @ snap, axis=0)])
-    first, last = _nearest(cell, start), _nearest(cell, start + window)
-    value, vector = np.linalg.eigh(total[last] - total[first])
-    error = np.concatenate(
-        [[0.0], np.cumsum(_quadrature(known)[known.at(cell[:-1] + length / 2)] * length ** (2 * GAUSS + 1))]
-    )
+def _windows(path: Signal, window: float, start: Array, known: Enclosure, turn: float) -> _Grid:
+    """W on every window, and what it may be off by."""
+    found = sums(path, window, start, known.edge, turn)
+    until, length = float(start[-1]) + window, np.diff(found.edge)
+    there = known.at(found.edge[:-1] + length / 2)
+    error = np.concatenate([[0.0], np.cumsum(_quadrature(known)[there] * length ** (2 * GAUSS + 1))])
     evaluated = EPSILON * (ARITHMETIC + envelope.turning(path, until) * until)
     return _Grid(
         turn=turn,
         start=start,
-        value=value[:, 0],
-        vector=vector[:, :, 0],
-        matrix=total[last] - total[first],
-        quadrature=float(np.max(error[last] - error[first])),
+        value=np.linalg.eigvalsh(found.matrix)[:, 0],
+        matrix=found.matrix,
+        quadrature=float(np.max(error[found.last] - error[found.first])),
         rounding=2 * (evaluated * window + NEAR * until) * float(known.sizes[0].max()) ** 2
-        + len(cell) * EPSILON * float(np.trace(total[-1])),
-        gap=_gap(start, window, known),
+        + additions(len(found.edge)) * EPSILON * found.trace,
     )
 
 
-def _cells(path: Signal, until: float, turn: float) -> int:
-    """Cells that the fastest tone asks for, besides those that starts and knots make, and in any case some."""
-    return math.ceil(max(FIRST_CELLS * TURN, envelope.turning(path, until) * until) / turn)
-
-
-def _most_nodes(path: Signal) -> float:
-    return MAX_NODES / (1 + operations(path) / CHEAP_OPERATIONS)
-
-
-def _quadrature(known: _Stretches) -> Float[Array, "m"]:
+def _quadrature(known: Enclosure) -> Float[Array, "m"]:
     """What Gauss's rule errs by on a cell, over h^{2m+1}, on each stretch."""
     m = GAUSS
     factor = math.factorial(m) ** 4 / ((2 * m + 1) * math.factorial(2 * m) ** 3)
@@ -202,21 +157,15 @@ def _quadrature(known: _Stretches) -> Float[Array, "m"]:
     return factor * np.einsum("k,km,km->m", binomial, known.sizes, known.sizes[::-1])
 
 
-def _gap(start: Array, window: float, known: _Stretches) -> Float[Array, "c"]:
-    middle, step = (start[1:] + start[:-1]) / 2, np.diff(start)
-    rate = known.sizes[0] * known.sizes[1]
-    return (rate[known.at(middle)] + rate[known.at(middle + window)]) * step**2 / 4
-
-
-def _refined(grid: _Grid, *, most: int) -> Float[Array, "w"]:
+def _refined(grid: _Grid, gap: Float[Array, "c"], *, most: int) -> Float[Array, "w"]:
     """More starts where the bound lies further below the least value than the share allows; at most so many."""
     if most <= len(grid.start):
         return grid.start
     least, share = float(grid.value.min()), SHARE
     above = np.minimum(grid.value[1:], grid.value[:-1]) - least
     while True:
-        needed = np.ceil(np.sqrt(grid.gap / (above / 2 + share * least)))
-        parts = np.where(grid.gap > above + share * least, needed, 1.0)
+        needed = np.ceil(np.sqrt(gap / (above / 2 + share * least)))
+        parts = np.where(gap > above + share * least, needed, 1.0)
         if parts.sum() < most:
             break
         share *= 4
@@ -227,16 +176,15 @@ def _refined(grid: _Grid, *, most: int) -> Float[Array, "w"]:
     return np.append(start, grid.start[-1])
 
 
-def _summary(path: Signal, window: float, grid: _Grid, known: _Stretches) -> Bounds:
+def _summary(path: Signal, window: float, grid: _Grid, gap: Float[Array, "c"], known: Enclosure) -> Bounds:
     least = float(grid.value.min())
     k = int(np.argmax(grid.value <= least + TIE * abs(least) + grid.floor))
     direction = _least_direction(grid.matrix[k], grid.floor)
-    lower = float(np.min(np.minimum(grid.value[1:], grid.value[:-1]) - grid.gap)) - grid.floor
-    fixed = [_along(path, window, n, known) for n in (direction, *np.eye(3))]
+    lower = float(np.min(np.minimum(grid.value[1:], grid.value[:-1]) - gap)) - grid.floor
     return Bounds(
         lower=max(0.0, lower),
         upper=max(0.0, float(grid.value[k])) + grid.floor,
-        upper_everywhere=min(_along_worst(grid), *fixed),
+        upper_everywhere=min(_most_along(path, window, n, grid, known) for n in (direction, *np.eye(3))),
         found=max(0.0, float(grid.value[k])),
         at=float(grid.start[k]),
         direction=direction,
@@ -257,19 +205,12 @@ def _least_direction(matrix: Float[Array, "3 3"], floor: float) -> Float[Array, 
     return oriented(seen[:, k] / size[k])
 
 
-def _along_worst(grid: _Grid) -> float:
-    """The largest over all cells of max(nᵀW(s₀)n, nᵀW(s₁)n) + cΔ²/8, with n the better one of both ends' directions."""
-    both = []
-    for n in (grid.vector[:-1], grid.vector[1:]):
-        ends = [np.einsum("wi,wij,wj->w", n, matrix, n) for matrix in (grid.matrix[:-1], grid.matrix[1:])]
-        both.append(np.maximum(*ends))
-    return max(0.0, float(np.max(np.minimum(*both) + grid.gap))) + grid.floor
-
-
-def _along(path: Signal, window: float, n: Float[Array, "3"], known: _Stretches) -> float:
-    """λ_min ≤ nᵀWn ≤ δ max (n·p⁗)² for one direction and all time: a plane has next to none along its normal."""
-    projected = mapped(path, np.outer([1.0, 0.0, 0.0], n), np.zeros(3))
-    return window * float(envelope.envelope(projected, known.edge, range(4, 5)).max()) ** 2
+def _most_along(path: Signal, window: float, n: Float[Array, "3"], grid: _Grid, known: Enclosure) -> float:
+    """λ_min ≤ nᵀWn for every window: at most what two neighbours have and it may rise between them, or δ max (n·q)²."""
+    narrow = along(path, n[:, None], known)
+    there = np.einsum("i,wij,j->w", n, grid.matrix, n)
+    most = np.max(np.maximum(there[1:], there[:-1]) + rise(grid.start, window, known, narrow))
+    return min(max(0.0, float(most)) + grid.floor, window * float(narrow.sizes[0].max()) ** 2)
 
 
 def oriented(vector: Float[Array, "3"]) -> Float[Array, "3"]:
@@ -277,14 +218,3 @@ def oriented(vector: Float[Array, "3"]) -> Float[Array, "3"]:
     size = np.abs(vector)
     k = int(np.argmax(size >= (1 - TIE) * size.max()))
     return vector + 0.0 if vector[k] > 0 else -vector + 0.0
-
-
-def _apart(time: Array, until: float) -> Float[Array, "n"]:
-    """Sorted, without those that rounding has made two of one."""
-    time = np.sort(time)
-    return time[np.diff(time, prepend=-np.inf) > NEAR * until]
-
-
-def _nearest(edge: Array, time: Array) -> Int[Array, "n"]:
-    after = np.clip(np.searchsorted(edge, time), 1, len(edge) - 1)
-    return after - (time - edge[after - 1] < edge[after] - time)

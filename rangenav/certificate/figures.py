@@ -10,8 +10,11 @@ import numpy as np
 
 from rangenav import motion, vehicle
 from rangenav.certificate import envelope
-from rangenav.observability import accuracy, excitation
+from rangenav.certificate.envelope import UnboundedError
+from rangenav.certificate.sums import least
+from rangenav.observability import accuracy
 from rangenav.preset import Preset
+from rangenav.signals import Signal
 from rangenav.vehicle import THRUST_MARGIN, Demands, Vehicle
 
 WINDOWS = 24
@@ -43,7 +46,7 @@ class Figures:
 
 
 def figures(preset: Preset) -> Figures:
-    """The quick look. Raises ValueError where the motion cannot be flown at all."""
+    """The quick look. Raises ValueError where the motion cannot be flown at all, or would be too much work."""
     path, window = preset.path, preset.requirement.window
     last = preset.duration - window
     edges = envelope.knots(path, preset.duration)
@@ -62,10 +65,18 @@ def figures(preset: Preset) -> Figures:
         share=ranging.arriving,
     )[:, 0]
     return Figures(
-        mu=max(BLIND_MU, float(excitation.eigenvalues(path, start, window)[:, 0].min())),
+        mu=max(BLIND_MU, _least(path, window, last)),
         sigma=float(np.max(np.nan_to_num(sigma, nan=np.inf))),
         excess=excess(demanded(preset), preset.vehicle),
     )
+
+
+def _least(path: Signal, window: float, last: float) -> float:
+    """λ_min of the least sampled window: over a period where there is one, and it is not too long to look at."""
+    try:
+        return least(path, window, path.period or last)
+    except UnboundedError:
+        return least(path, window, last)
 
 
 def demanded(preset: Preset) -> Demands:

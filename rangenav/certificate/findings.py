@@ -34,18 +34,24 @@ SIGMA_TIE = 1e-3
 
 def excited(preset: Preset) -> tuple[Claim, contents.Excitation]:
     """μ over every window at any t where the path repeats, else over every window of the flight."""
-    period, why = preset.path.period, None
+    period, why, needed = preset.path.period, "the path does not repeat", preset.requirement.mu
+    every: Bounds | None = None
     if period is not None:
         try:
             end = period or _last(preset)  # a period of 0: nothing bends, and one window is as good as another
-            return _bounded(preset, bounds(preset.path, preset.requirement.window, end), EVERY, None)
+            every = bounds(preset.path, preset.requirement.window, end)
+            if every.lower >= needed or every.found < needed:
+                return _bounded(preset, every, EVERY, None)
+            why = f"over the period of {period:.4g} s no less than {every.lower:.4g} m²/s⁷ can be shown"
         except UnboundedError as error:
             why = str(error)
     try:
         found = bounds(preset.path, preset.requirement.window, _last(preset))
-        return _bounded(preset, found, FLIGHT, why or "the path does not repeat")
     except UnboundedError as error:
         return _sampled(preset, str(error))
+    if every is not None and found.lower < needed:
+        return _bounded(preset, every, EVERY, None)
+    return _bounded(preset, found, FLIGHT, why)
 
 
 def _last(preset: Preset) -> float:

@@ -60,6 +60,11 @@ def certify_file(name_or_path: str | Path) -> Certificate:
     return certify(read_bytes(path), source=path.name)
 
 
+def refusal(preset: Preset) -> str | None:
+    """Why a preset may not be exported, one sentence; None if it may."""
+    return checks.gate(certify(presets.dumps(preset).encode(), source="preset"))
+
+
 def read_bytes(path: Path) -> bytes:
     """All bytes of a file that is no larger than a preset may be. Raises ValueError."""
     try:

@@ -17,6 +17,7 @@ from numpy import ndarray as Array
 
 from rangenav import signals
 from rangenav.certificate.bounds import oriented
+from rangenav.certificate.envelope import UnboundedError
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
 from rangenav.observability import blindness, excitation
 from rangenav.preset import Preset
@@ -57,7 +58,10 @@ class Added:
 
 def remedy(preset: Preset, at: float) -> str | None:
     """A sentence on what would meet the requirement; `at` (s) starts the window that is excited least."""
-    found = figures(preset)
+    try:
+        found = figures(preset)
+    except UnboundedError:
+        return None
     if max(shortfall(found, preset).values()) > 0:
         added = smallest_tones(preset, at)
         return None if added is None else f"add {described(added)}"

@@ -1,5 +1,6 @@
 """`rangenav repair`: the smallest change that makes a motion observable, as a new preset."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -31,7 +32,11 @@ def repair(
 
     require(output is None or output.suffix == ".toml", f"--output must name a file that ends in .toml, got {output}")
     chosen = presets.load(preset)
-    found = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)
+    try:
+        found = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)
+    except repairing.CannotRepairError as error:
+        print(f"{preset}: {error}", file=sys.stderr)
+        raise SystemExit(1) from None
     if output is not None:
         presets.save(found.after, output)
     report = repairing.report(found, name=preset)

@@ -106,8 +106,10 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
         mx, my, mz = rot.apply(old, mag0[0], mag0[1], mag0[2])
         new_mag = rot.apply_inverse(turned, mx, my, mz)
     gravity1 = rot.apply_inverse(turned, x[10], x[11], x[12])
-    rotation = rot.load(s.rotation)
-    rot.store(attitude.step(rotation, s.gyro, gyro1, mag0, new_mag, gravity0, gravity1, interval, p), s.rotation)
+    rotation, s.misaligned[0] = attitude.step(
+        rot.load(s.rotation), s.misaligned[0], s.gyro, gyro1, mag0, new_mag, gravity0, gravity1, interval, p
+    )
+    rot.store(rotation, s.rotation)
     for i in range(3):
         s.gyro[i], s.accel[i], s.mag[i] = gyro1[i], accel1[i], new_mag[i]
 
@@ -133,15 +135,13 @@ def read(s, state, covariance):
 
 @kernel
 def run(
-    s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, innovation, first, p
-):
+    s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, gains, innovation,
+    first, p
+):  # fmt: skip
     """Run a whole record from its range number `first` on, writing the estimate at every IMU sample."""
-    count = len(range_time)
     for k in range(len(time)):
         if k > 0:
-            last = first
-            while last < count and range_time[last] <= time[k]:
-                last += 1
+            last = due(range_time, first, time[k])
             advance(
                 s, time[k - 1], time[k], gyro[k], accel[k], mag[k], range_time, distance, first, last, innovation, p
             )
@@ -150,3 +150,45 @@ def run(
         for i in range(4):
             xi_variance[k, i] = s.P[14 * i]
         rot.store(rot.load(s.rotation), rotations[k])
+        gains[k] = attitude.gain(s.misaligned[0], p)
+
+
+@kernel
+def k1(s, p):
+    """The attitude gain in force."""
+    return attitude.gain(s.misaligned[0], p)
+
+
+@kernel
+def due(range_time, first, time):
+    """One past the last range, from number `first` on, that is stamped at or before `time`."""
+    while first < len(range_time) and range_time[first] <= time:
+        first += 1
+    return first
+
+
+@kernel
+def run_attitudes(s, time, gyro, accel, mag, range_time, distance, rotations, innovation, first, p):
+    """Run a whole record once for x̂ and, beside it, one attitude filter from each R̂(0) in rotations[:, 0].
+
+    rotations[j, k] ← R̂ of filter j at sample k. The cascade makes it possible: nothing flows back from R̂ into x̂.
+    """
+    misaligned = np.full(len(rotations), s.misaligned[0])
+    for k in range(1, len(time)):
+        last = due(range_time, first, time[k])
+        mag0, gravity0 = (s.mag[0], s.mag[1], s.mag[2]), gravity(s)
+        advance(s, time[k - 1], time[k], gyro[k], accel[k], mag[k], range_time, distance, first, last, innovation, p)
+        gravity1, h = gravity(s), time[k] - time[k - 1]
+        for j in range(len(rotations)):
+            r = rot.load(rotations[j, k - 1])
+            r, misaligned[j] = attitude.step(
+                r, misaligned[j], gyro[k - 1], gyro[k], mag0, s.mag, gravity0, gravity1, h, p
+            )
+            rot.store(r, rotations[j, k])
+        first = last
+
+
+@kernel
+def gravity(s):
+    """ĝ_B"""
+    return rot.apply_inverse(rot.load(s.turned), s.x[10], s.x[11], s.x[12])

@@ -29,6 +29,11 @@ class Parameters(NamedTuple):
     k1: float
     rho1: float
     rho2: float
+    scheduled: bool
+    """k1 falls from `k1` to `k1_steady` as the vectors agree; else it stays and the next three are not asked."""
+    k1_steady: float
+    halfway: float
+    memory: float
     symmetric: bool
     """Halve each correction around the reading of the estimate."""
     matched: bool
@@ -53,6 +58,8 @@ class Arrays(NamedTuple):
     accel: np.ndarray
     mag: np.ndarray
     """The last one measured, carried along by the gyro between samples."""
+    misaligned: np.ndarray
+    """1: what the schedule of k1 goes by."""
     pending: np.ndarray
     """(y, variance) of a correction due at the start of the next interval; NaN if none."""
 

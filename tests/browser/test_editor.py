@@ -2,52 +2,15 @@
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.page import PATIENCE, Server, Visitor, chromium, served, why_not
+from tests.browser.conftest import COARSE
+from tests.browser.page import PATIENCE, Visitor, served
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
-]
-COARSE = 0.5
-"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
 TABLE = "points: t x y z"
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[Server]:
-    with served() as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as running:
-        yield running
-
-
-@pytest.fixture
-def wide(server: Server, browser: Browser) -> Iterator[Visitor]:
-    """On a screen that has all plots on view."""
-    tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
-    tab.dismiss_notifications()
-    yield tab
-    assert tab.complaints == []
-    tab.close()
-
-
-@pytest.fixture
-def visitor(server: Server, browser: Browser) -> Iterator[Visitor]:
-    tab = Visitor(browser, server.url, density=COARSE)
-    tab.dismiss_notifications()
-    yield tab
-    assert tab.complaints == []
-    tab.close()
 
 
 def _until(holds: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:

@@ -1,0 +1,90 @@
+"""A sphere of starts: how long the attitude takes from R̃(0) = exp(angle [axis]x), for axes all around.
+
+"Almost global" (paper, theorem) hides that starts near the undesired equilibria linger, half turns about the
+eigenvectors of M = ρ1 mmᵀ + ρ2 ggᵀ; here one sees where they are and how large. One record, one x̂, one attitude filter
+for each axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import record, so3
+from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
+from rangenav.ensemble.runs import attitude_errors, batch, grid
+from rangenav.inputs import require, require_within
+from rangenav.preset import Preset
+
+MAX_AXES = 2000
+GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
+"""rad, between one axis and the next as seen from the pole: no two of them ever line up."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Basin:
+    """What became of each start, a row for each axis."""
+
+    angle: float
+    """rad, of R̃(0)."""
+    axis: Float[Array, "a 3"]
+    """Unit vectors, inertial axes: R̃(0) = exp(angle [axis]x)."""
+    settle: Float[Array, "a"]
+    """s from when on the attitude error stays below 5°; infinite where it does not."""
+    final: Float[Array, "a"]
+    """rad, at the end."""
+    time: Float[Array, "t"]
+    """s, the grid of the curves."""
+    attitude: Float[Array, "a t"]
+    """rad"""
+
+
+def basin(
+    preset: Preset,
+    angle: float,
+    axes: int = 300,
+    *,
+    progress: Progress = lambda _: None,
+    cancelled: Cancelled = lambda: False,
+) -> Basin:
+    """Settling from starts at `angle` (rad, 0 to π) from the truth, about `axes` axes all around; x̂(0) is the preset's.
+
+    Raises ValueError if that is too much work, and ensemble.Stopped when it is cancelled.
+    """
+    require_within("angle", angle, 0.0, np.pi + 1e-12, "rad")
+    require(1 <= axes <= MAX_AXES, f"the number of axes must lie between 1 and {MAX_AXES}, got {axes}")
+    refuse_work(preset, axes)
+    course = record.course_of(preset)
+    truth, z = record.simulated(course), record.drawn(course, preset.sensors, preset.seed)
+    axis, chosen = sphere(axes), grid(len(z.time))
+    rotations = so3.exp(-angle * axis) @ truth.motion.rotation[0]
+    size = batch(len(z.time))
+
+    def run(first: int) -> list[tuple[float, float, Array]]:
+        errors = attitude_errors(preset, truth, z, rotations[first : first + size])
+        return [(_settled(z.time, error), float(error[-1]), error[chosen]) for error in errors]
+
+    jobs = each(run, range(0, axes, size), samples=len(z.time), progress=progress, cancelled=cancelled)
+    settle, final, curves = zip(*(row for job in jobs for row in job), strict=True)
+    return Basin(
+        angle=angle,
+        axis=axis,
+        settle=np.array(settle),
+        final=np.array(final),
+        time=z.time[chosen],
+        attitude=np.array(curves),
+    )
+
+
+def sphere(count: int) -> Float[Array, "a 3"]:
+    """Points spread evenly over the unit sphere: a spiral by the golden angle through slices of equal area."""
+    k = np.arange(count)
+    z = 1 - (2 * k + 1) / count
+    radius, turn = np.sqrt(1 - z**2), GOLDEN_ANGLE * k
+    return np.column_stack([radius * np.cos(turn), radius * np.sin(turn), z])
+
+
+def _settled(time: Array, error: Array) -> float:
+    found = record.settled(time, error, record.SETTLED_ATTITUDE)
+    return np.inf if found is None else found

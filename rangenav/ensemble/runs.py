@@ -1,0 +1,249 @@
+"""Many runs of one preset: what noise alone changes (`seeds`), and what the start changes (`starts`).
+
+Curves are kept on a grid of 401 times; every figure (settling, steady errors) comes from all samples.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from msgspec.structs import replace
+from numpy import ndarray as Array
+from scipy.spatial.transform import Rotation
+
+from rangenav import cascade, consistency, model, record
+from rangenav.cascade import Setting
+from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
+from rangenav.errors import angles
+from rangenav.gains import Guess
+from rangenav.preset import Preset
+from rangenav.record import Outcome, Truth
+from rangenav.sensors import Measurements
+
+GRID = 401
+"""Times at which errors are kept: as many as a plot can tell apart."""
+STARTS_PER_RECORD = 10
+"""Random starts that share one record of measurements and so one x̂, which does not know the attitude."""
+BATCH = 64_000
+"""Attitudes (starts × samples) kept at once: 5 MB, and a dozen starts share the 2 ms of their x̂."""
+HOLD = 1.0
+"""s at the end of a run over which an error must stay small to count as held."""
+TENTHS = (0.1, 0.5, 0.9)
+SHARED_FIGURES = ("steady_position", "steady_velocity", "steady_gravity", "peak_position")
+"""Of a summary, those that the attitude has no part in."""
+
+
+class Spread(NamedTuple):
+    """The middle of many figures; infinite where that many runs never got there."""
+
+    low: float
+    """A tenth of the runs lie below."""
+    median: float
+    high: float
+    """A tenth of the runs lie above."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Band:
+    """The middle of many curves."""
+
+    low: Float[Array, "t"]
+    """A tenth of the runs lie below."""
+    median: Float[Array, "t"]
+    high: Float[Array, "t"]
+    """A tenth of the runs lie above."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ensemble:
+    """What became of each run, a row for each; errors as in `record`: norms in body axes, SI, attitude in rad."""
+
+    time: Float[Array, "t"]
+    """s, the grid of the curves."""
+    seed: Int[Array, "s"]
+    position: Float[Array, "s t"]
+    velocity: Float[Array, "s t"]
+    gravity: Float[Array, "s t"]
+    attitude: Float[Array, "s t"]
+    sigma: Float[Array, "s t"]
+    """m, the observer's own 1-σ position as sqrt(trace); NaN where P has diverged."""
+    nees: Float[Array, "s t"]
+    """Normalised square of the position error, three degrees of freedom."""
+    nis: Float[Array, "s t"]
+    """Mean normalised square of the innovations since the time before; NaN without any."""
+    nis_count: Int[Array, "s t"]
+    """How many innovations that were."""
+    settle_position: Float[Array, "s"]
+    """s, as in `record.Summary`; infinite where it does not settle."""
+    settle_attitude: Float[Array, "s"]
+    steady_position: Float[Array, "s"]
+    """RMSE over the last quarter, as all steady ones."""
+    steady_velocity: Float[Array, "s"]
+    steady_gravity: Float[Array, "s"]
+    steady_attitude_deg: Float[Array, "s"]
+    peak_position: Float[Array, "s"]
+    held: Bool[Array, "s"]
+    """Both errors stayed below 0.3 m and 5° over the last second."""
+
+    @property
+    def settled(self) -> Bool[Array, "s"]:
+        """Runs whose position and attitude both settle."""
+        return np.isfinite(self.settle_position) & np.isfinite(self.settle_attitude)
+
+    def band(self, curve: Literal["position", "velocity", "gravity", "attitude", "sigma"]) -> Band:
+        """Median and 10–90 % over the runs at each time."""
+        low, median, high = _middle(getattr(self, curve))
+        return Band(low=low, median=median, high=high)
+
+    @property
+    def position_consistency(self) -> consistency.Consistency:
+        """NEES averaged over the runs; meant for `seeds`, since random starts share their records."""
+        return consistency.averaged(self.nees, self.time, freedom=3)
+
+    @property
+    def innovation_consistency(self) -> consistency.Consistency:
+        """NIS averaged over the runs and over the ranges since the time before; meant for `seeds`."""
+        return consistency.averaged(self.nis, self.time, count=self.nis_count, freedom=1)
+
+
+def seeds(
+    preset: Preset,
+    count: int,
+    *,
+    form: model.Form = "derived",
+    progress: Progress = lambda _: None,
+    cancelled: Cancelled = lambda: False,
+) -> Ensemble:
+    """`count` runs with seeds counted up from the preset's; each is what `record.run_seed` gives, to the last bit.
+
+    Raises ValueError if that is too much work, and Stopped when it is cancelled.
+    """
+    truth = _truth(preset, count)
+
+    def run(seed: int) -> dict[str, Array]:
+        z, outcome = _observed(preset, truth, seed, form)
+        return _rows(truth, z, outcome, outcome.errors.attitude[None], seed)
+
+    numbers = range(preset.seed, preset.seed + count)
+    return _gathered(truth, each(run, numbers, samples=_samples(truth), progress=progress, cancelled=cancelled))
+
+
+def starts(
+    preset: Preset,
+    count: int,
+    rng: np.random.Generator,
+    *,
+    progress: Progress = lambda _: None,
+    cancelled: Cancelled = lambda: False,
+) -> Ensemble:
+    """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), ten on each record of noise. Raises as `seeds` does."""
+    truth = _truth(preset, count)
+    rotations = Rotation.from_quat(rng.standard_normal((count, 4))).as_matrix()  # normal in R⁴: no preferred direction
+    preset = replace(preset, guess=Guess())
+
+    def run(k: int) -> dict[str, Array]:
+        seed, some = preset.seed + k, rotations[STARTS_PER_RECORD * k : STARTS_PER_RECORD * (k + 1)]
+        z, outcome = _observed(preset, truth, seed, "derived")
+        return _rows(truth, z, outcome, attitude_errors(preset, truth, z, some), seed)
+
+    records = range(-(-count // STARTS_PER_RECORD))
+    return _gathered(truth, each(run, records, samples=_samples(truth), progress=progress, cancelled=cancelled))
+
+
+def attitude_errors(
+    preset: Preset, truth: Truth, measurements: Measurements, rotations: Float[Array, "j 3 3"]
+) -> Float[Array, "j n"]:
+    """Angle of R̃ (rad) over a record, from each of many R̂(0)."""
+    setting = Setting(world=preset.world, sensors=preset.sensors, gains=preset.gains)
+    guessed = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
+    some = batch(_samples(truth))
+    parts = [rotations[k : k + some] for k in range(0, len(rotations), some)]
+    found = (cascade.attitudes(measurements, guessed, setting, rotations=part) for part in parts)
+    return np.concatenate([angles(attitudes, truth.motion.rotation) for attitudes in found])
+
+
+def spread(figures: Float[Array, "s"]) -> Spread:
+    """Median and 10–90 % of one figure over the runs."""
+    return Spread(*(float(value) for value in _middle(figures)))
+
+
+def grid(count: int) -> Int[Array, "t"]:
+    """Up to 401 of `count` samples, first and last among them."""
+    return np.unique(np.linspace(0, count - 1, GRID).round().astype(int))
+
+
+def batch(samples: int) -> int:
+    """How many attitudes may be followed together over so many samples."""
+    return max(1, BATCH // samples)
+
+
+def _samples(truth: Truth) -> int:
+    return len(truth.motion.time)
+
+
+def _truth(preset: Preset, count: int) -> Truth:
+    refuse_work(preset, count)
+    return record.simulated(record.course_of(preset))
+
+
+def _observed(preset: Preset, truth: Truth, seed: int, form: model.Form) -> tuple[Measurements, Outcome]:
+    """One run, drawn anew: the records that the page keeps stay where they are."""
+    z = record.drawn(record.course_of(preset), preset.sensors, seed)
+    return z, record.observed(truth, z, preset.world, preset.sensors, preset.gains, preset.guess, form)
+
+
+def _rows(
+    truth: Truth, z: Measurements, outcome: Outcome, attitude: Float[Array, "j n"], seed: int
+) -> dict[str, Array]:
+    """Rows of every field of an ensemble: one x̂ and the attitude errors from each of several starts."""
+    estimate, errors, summary, chosen = outcome.estimate, outcome.errors, outcome.summary, grid(len(z.time))
+    last = z.time >= z.time[-1] - HOLD
+    held = (attitude[:, last] < record.SETTLED_ATTITUDE).all(axis=1)
+    settled = [record.settled(z.time, angle, record.SETTLED_ATTITUDE) for angle in attitude]
+    P = estimate.covariance[chosen, 0]
+    nis, count = _binned(consistency.innovations(estimate.innovation), z.range_time, z.time[chosen])
+    with np.errstate(invalid="ignore"):
+        sigma = np.sqrt(np.trace(P, axis1=-2, axis2=-1))
+    shared = {
+        "seed": seed,
+        **{name: getattr(errors, name)[chosen] for name in ("position", "velocity", "gravity")},
+        "sigma": sigma,
+        "nees": consistency.errors((estimate.state - truth.state)[chosen, model.POSITION], P),
+        "nis": nis,
+        "nis_count": count,
+        "settle_position": _or_never(summary.settle_position_s),
+        **{name: getattr(summary, name) for name in SHARED_FIGURES},
+    }
+    return {
+        **{name: np.stack([np.asarray(value)] * len(attitude)) for name, value in shared.items()},
+        "attitude": attitude[:, chosen],
+        "settle_attitude": np.array([_or_never(time) for time in settled]),
+        "steady_attitude_deg": np.array([math.degrees(record.steady(angle)) for angle in attitude]),
+        "held": np.asarray(held & np.all(errors.position[last] < record.SETTLED_POSITION)),
+    }
+
+
+def _or_never(time: float | None) -> float:
+    return np.inf if time is None else time
+
+
+def _binned(square: Array, time: Array, ends: Array) -> tuple[Array, Array]:
+    """Mean and number of the finite values that fall in (the end before, this end]."""
+    seen = np.isfinite(square) & (time <= ends[-1])
+    bins = np.searchsorted(ends, time[seen])
+    count = np.bincount(bins, minlength=len(ends))
+    total = np.bincount(bins, weights=square[seen], minlength=len(ends))
+    return np.where(count > 0, total / np.maximum(count, 1), np.nan), count
+
+
+def _gathered(truth: Truth, runs: list[dict[str, Array]]) -> Ensemble:
+    time = truth.motion.time
+    columns = {name: np.concatenate([rows[name] for rows in runs]) for name in runs[0]}
+    return Ensemble(time=time[grid(len(time))], **columns)
+
+
+def _middle(values: Array) -> Array:
+    """10, 50 and 90 % along the first axis; one of the values itself, so that infinite ones do no harm."""
+    return np.quantile(np.where(np.isnan(values), np.inf, values), TENTHS, axis=0, method="inverted_cdf")

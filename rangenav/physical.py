@@ -1,0 +1,202 @@
+"""The gains in physical words: what noise, prior and time constants the paper's q, v, p0, k1, ρ1, ρ2 stand for.
+
+At a typical distance d from the anchor and speed s, with range rate f_d, IMU rate f and g, m from the world:
+    q    = f_d / (d²σ² + ½σ⁴)                           range noise σ: the variance of y = ½d²
+    v_ξ  = σ_a² (d² + 4s² + 9|g|²) / 4f                  accel noise into ξ2, ξ3, ξ4, a mean over the four
+    v_v  = velocity_factor (σ_a² + ⅔ s² σ_ω²) / f        accel noise itself, gyro noise as v × η
+    v_p, v_g = position_factor ⅔ d² σ_ω² / f,  ⅔ |g|² σ_ω² / f       gyro noise as p × η, g × η
+    p0   = b²/3 of a box of half-width b;  p0_ξ = xi_factor × the mean variance of ξ1…ξ4 in the boxes
+    1/T  = k1 ρ1 |m|² 2w sin²θ / (1 + w + √((1−w)² + 4w cos²θ)),  w = ρ2|g|²/(ρ1|m|²),  θ between m and g
+Twelve numbers stand for twelve: what has no physical name is a factor that is kept (1: as the noise says), so paper →
+physical → paper changes nothing. The second time constant is not asked: with the first and w it follows, and found from
+both, k1ρ1 and k1ρ2 would be roots of a quadratic that loses half of its digits where they are equal.
+"""
+
+import math
+from typing import Literal
+
+import numpy as np
+from msgspec.structs import asdict
+
+from rangenav.attitude import K1_RANGE, RHO_RANGE, AttitudeGains, Schedule
+from rangenav.gains import Gains
+from rangenav.inputs import Input, require, require_within
+from rangenav.motion import World
+from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
+from rangenav.sensors import Sensors
+from rangenav.signals import Signal
+
+NEAREST = 0.1
+"""m; a path that stays nearer to the anchor than this counts as this far: a typical distance must tell something."""
+MOMENTS = 500
+"""Points of a path whose mean square makes it typical."""
+ROUNDING = 1e-12
+"""A gain that misses an end of its range by this share, the rounding of a conversion, is that end."""
+
+
+class Typical(Input, frozen=True, kw_only=True):
+    """The state for which noise is turned into gains; in noise-matched mode the observer does that at its estimate."""
+
+    distance: float
+    """m, from the anchor."""
+    speed: float
+    """m/s"""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require_within("distance", self.distance, 1e-3, 1e5, "m")
+        require_within("speed", self.speed, 0.0, 1e4, "m/s")
+
+
+class PhysicalGains(Input, frozen=True, kw_only=True):
+    """The gains of the cascade, in physical words; noise is the standard deviation of one sample, as in `Noise`."""
+
+    mode: Literal["constant", "noise-matched"] = "constant"
+    range_sigma: float
+    """m"""
+    accel_sigma: float
+    """m/s²"""
+    gyro_sigma: float
+    """rad/s"""
+    position_factor: float
+    """How many times the process noise of the position exceeds what the gyro's noise alone makes of it."""
+    velocity_factor: float
+    """The same of the velocity, and of the whole IMU's noise."""
+    position_box: float
+    """m; the truth is taken to lie anywhere within ± this of the guess, on each axis."""
+    velocity_box: float
+    """m/s"""
+    gravity_box: float
+    """m/s²"""
+    xi_factor: float
+    """How many times the initial variance of ξ exceeds what the three boxes make of it."""
+    attitude_time: float
+    """s, the slowest time constant of a small attitude error; under a schedule, that at its upper end."""
+    gravity_weight: float
+    """ρ2|g|²/(ρ1|m|²): what the direction of gravity counts beside that of the magnetic field."""
+    rho1: float
+    """Kept as it is: only the products k1ρ1 and k1ρ2 do anything."""
+    schedule: Schedule | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, value in asdict(self).items():
+            if isinstance(value, float):
+                require(value > 0, f"{name} must be positive, got {value:g}")
+
+
+def typical(path: Signal, world: World, duration: float) -> Typical:
+    """Root mean squares of distance and speed over a path; a distance of at least 0.1 m."""
+    time = np.linspace(0, duration, MOMENTS)
+    distance, speed = (
+        float(np.sqrt(np.mean(np.sum(vectors**2, axis=-1))))
+        for vectors in (path(time) - np.asarray(world.anchor), path(time, 1))
+    )
+    return Typical(distance=max(distance, NEAREST), speed=speed)
+
+
+def to_physical(gains: Gains, at: Typical, *, world: World, sensors: Sensors) -> PhysicalGains:
+    """What the paper's gains stand for."""
+    riccati, attitude = gains.riccati, gains.attitude
+    v, p0 = riccati.v, riccati.p0
+    accel2 = v.xi / _accel_into_xi(at, world)
+    gyro2 = v.gravity / _gyro_into(_length(world.gravity))
+    boxes = [math.sqrt(3 * variance) for variance in (p0.position, p0.velocity, p0.gravity)]
+    weight = attitude.rho2 * _length(world.gravity) ** 2 / (attitude.rho1 * _length(world.magnetic) ** 2)
+    return PhysicalGains(
+        mode=gains.mode,
+        range_sigma=_range_sigma(sensors.range_rate / riccati.q, at.distance),
+        accel_sigma=math.sqrt(accel2 * sensors.imu_rate),
+        gyro_sigma=math.sqrt(gyro2 * sensors.imu_rate),
+        position_factor=v.position / (_gyro_into(at.distance) * gyro2),
+        velocity_factor=v.velocity / (accel2 + _gyro_into(at.speed) * gyro2),
+        position_box=boxes[0],
+        velocity_box=boxes[1],
+        gravity_box=boxes[2],
+        xi_factor=p0.xi / _xi_variance(*boxes),
+        attitude_time=1 / (attitude.k1 * attitude.rho1 * _slow_share(weight, world)),
+        gravity_weight=weight,
+        rho1=attitude.rho1,
+        schedule=attitude.schedule,
+    )
+
+
+def to_paper(chosen: PhysicalGains, at: Typical, *, world: World, sensors: Sensors) -> Gains:
+    """The paper's gains that stand for this. Raises ValueError naming what asks for a gain outside its range."""
+    p = chosen
+    accel2, gyro2 = p.accel_sigma**2 / sensors.imu_rate, p.gyro_sigma**2 / sensors.imu_rate
+    variance = at.distance**2 * p.range_sigma**2 + p.range_sigma**4 / 2
+    boxes = (p.position_box, p.velocity_box, p.gravity_box)
+    velocity = p.velocity_factor * (accel2 + _gyro_into(at.speed) * gyro2)
+    rho2 = p.gravity_weight * p.rho1 * _length(world.magnetic) ** 2 / _length(world.gravity) ** 2
+    k1 = 1 / (p.attitude_time * p.rho1 * _slow_share(p.gravity_weight, world))
+    return Gains(
+        mode=p.mode,
+        riccati=RiccatiGains(
+            q=_within("range_sigma", "q", sensors.range_rate / variance, Q_RANGE),
+            v=Blocks(
+                xi=_within("accel_sigma", "v.xi", accel2 * _accel_into_xi(at, world), V_RANGE),
+                position=_within(
+                    "gyro_sigma with position_factor",
+                    "v.position",
+                    p.position_factor * _gyro_into(at.distance) * gyro2,
+                    V_RANGE,
+                ),
+                velocity=_within("velocity_factor with both sigmas", "v.velocity", velocity, V_RANGE),
+                gravity=_within("gyro_sigma", "v.gravity", _gyro_into(_length(world.gravity)) * gyro2, V_RANGE),
+            ),
+            p0=Blocks(
+                xi=_within("xi_factor with the boxes", "p0.xi", p.xi_factor * _xi_variance(*boxes), P0_RANGE),
+                position=_within("position_box", "p0.position", p.position_box**2 / 3, P0_RANGE),
+                velocity=_within("velocity_box", "p0.velocity", p.velocity_box**2 / 3, P0_RANGE),
+                gravity=_within("gravity_box", "p0.gravity", p.gravity_box**2 / 3, P0_RANGE),
+            ),
+        ),
+        attitude=AttitudeGains(
+            k1=_within("attitude_time", "k1", k1, K1_RANGE),
+            rho1=_within("rho1", "rho1", p.rho1, RHO_RANGE),
+            rho2=_within("gravity_weight", "rho2", rho2, RHO_RANGE),
+            schedule=p.schedule,
+        ),
+    )
+
+
+def _range_sigma(variance: float, distance: float) -> float:
+    """The σ with d²σ² + ½σ⁴ = variance, written without a difference."""
+    return math.sqrt(2 * variance / (distance**2 + math.sqrt(distance**4 + 2 * variance)))
+
+
+def _accel_into_xi(at: Typical, world: World) -> float:
+    """Accel noise reaches ξ2, ξ3, ξ4 along p, 2v, 3g and ξ1 not at all."""
+    return (at.distance**2 + 4 * at.speed**2 + 9 * _length(world.gravity) ** 2) / 4
+
+
+def _gyro_into(length: float) -> float:
+    """u × η has no part along u and η's own size across it: on average over the axes ⅔|u|²."""
+    return 2 / 3 * length**2
+
+
+def _xi_variance(p: float, v: float, g: float) -> float:
+    """Mean variance of ½|p|², p·v, |v|² + p·g and 3 v·g for vectors anywhere in boxes of half-width p, v, g."""
+    return (p**4 / 15 + (p * v) ** 2 / 3 + 4 * v**4 / 15 + (p * g) ** 2 / 3 + 3 * (v * g) ** 2) / 4
+
+
+def _slow_share(weight: float, world: World) -> float:
+    """The slowest rate over k1ρ1: M's smaller nonzero eigenvalue over ρ1, the root written without a difference."""
+    m, g = np.asarray(world.magnetic), np.asarray(world.gravity)
+    sizes = _length(world.magnetic) * _length(world.gravity)
+    sine2, cosine2 = float(np.sum(np.cross(m, g) ** 2)) / sizes**2, float(m @ g) ** 2 / sizes**2
+    root = math.sqrt((1 - weight) ** 2 + 4 * weight * cosine2)
+    return _length(world.magnetic) ** 2 * 2 * weight * sine2 / (1 + weight + root)
+
+
+def _length(vector: tuple[float, float, float]) -> float:
+    return math.hypot(*vector)
+
+
+def _within(asked: str, name: str, value: float, limits: tuple[float, float]) -> float:
+    """The value, or an end of the range that it misses by rounding only."""
+    low, high = limits
+    close = low * (1 - ROUNDING) <= value <= high * (1 + ROUNDING)
+    require(close, f"{asked} asks for {name} = {value:g}, which must lie between {low:g} and {high:g}")
+    return min(max(value, low), high)

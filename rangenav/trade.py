@@ -1,0 +1,134 @@
+"""What gains reach on several records, soon settled and exact afterwards, and the curve where one costs the other.
+
+s and e are geometric means over the records: the seconds until position and attitude stay below 0.3 m and 5°, and the
+RMSE over the last quarter. The first record starts as the preset says, the others as far from the true attitude about
+axes drawn all around: judged from one axis only, gains look good that are good for that axis (the magnetometer alone
+corrects the presets' own in 0.3 s, and nothing about its own direction).
+"""
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal, NamedTuple
+
+import numpy as np
+from msgspec.structs import replace
+
+from rangenav import cascade, ensemble, errors, record
+from rangenav.cascade import Setting, Start
+from rangenav.ensemble import Cancelled
+from rangenav.gains import Gains
+from rangenav.preset import Preset
+from rangenav.record import Truth
+from rangenav.sensors import Measurements
+
+SOONEST = 0.05
+"""s; who settles before this settles at once."""
+NEVER = 2.0
+"""A run that does not settle counts as settling after this many durations."""
+WORST = 1e6
+"""An error that is not finite, or a larger one, counts as this many times what counts as settled."""
+Measure = Literal["settle", "settle_position", "settle_attitude", "steady", "steady_position", "steady_attitude"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """Gains, and what they reach on some seeds (geometric means)."""
+
+    gains: Gains
+    settled: float
+    """Share of the runs in which position and attitude settle."""
+    settle_position: float
+    """s; a run that never settles counts as twice the duration."""
+    settle_attitude: float
+    """s"""
+    steady_position: float
+    """m"""
+    steady_attitude: float
+    """rad"""
+
+    @property
+    def settle(self) -> float:
+        """s, of both."""
+        return math.sqrt(self.settle_position * self.settle_attitude)
+
+    @property
+    def steady(self) -> float:
+        """Of both, in units of what counts as settled."""
+        position = self.steady_position / record.SETTLED_POSITION
+        return math.sqrt(position * self.steady_attitude / record.SETTLED_ATTITUDE)
+
+    def objective(self, steadiness: float) -> float:
+        """J"""
+        return (1 - steadiness) * math.log(self.settle) + steadiness * math.log(self.steady)
+
+
+class Run(NamedTuple):
+    """One record, and where its observers start."""
+
+    truth: Truth
+    measurements: Measurements
+    start: Start
+
+
+def front(seen: tuple[Point, ...], settle: Measure, steady: Measure) -> tuple[Point, ...]:
+    """The trade-off curve: those of the points that no other beats in both measures, soonest first."""
+    kept: list[Point] = []
+    for point in sorted(seen, key=lambda point: (getattr(point, settle), getattr(point, steady))):
+        if not kept or getattr(point, steady) < getattr(kept[-1], steady):
+            kept.append(point)
+    return tuple(kept)
+
+
+def runs(preset: Preset, first: int, count: int) -> list[Run]:
+    """Records of `count` seeds; all but the first begin about an axis of their own, as far from the true attitude."""
+    course = record.course_of(preset)
+    truth, rng = record.simulated(course), np.random.default_rng(first)
+    axes = rng.standard_normal((count, 3))  # normal in R³: no preferred direction
+    axes[0] = preset.guess.attitude_axis
+    runs = []
+    for k, axis in enumerate(axes.tolist()):
+        guess = replace(preset.guess, attitude_axis=tuple(axis))
+        start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
+        runs.append(Run(truth, record.drawn(course, preset.sensors, first + k), start))
+    return runs
+
+
+def score(gains: Gains, runs: list[Run], *, preset: Preset, cancelled: Cancelled) -> Point:
+    """What gains reach on some runs of a preset. Raises ensemble.Stopped when it is cancelled."""
+    setting = Setting(world=preset.world, sensors=preset.sensors, gains=gains)
+    reached = ensemble.each(
+        partial(_reached, setting),
+        runs,
+        samples=len(runs[0].measurements.time),
+        progress=lambda _: None,
+        cancelled=cancelled,
+    )
+    settle, steady = (np.array(part) for part in zip(*reached, strict=True))
+    ends = NEVER * preset.duration
+    settles = np.exp(np.mean(np.log(np.where(np.isfinite(settle), np.maximum(settle, SOONEST), ends)), axis=0))
+    limits = np.array([record.SETTLED_POSITION, record.SETTLED_ATTITUDE])
+    bounded = np.clip(np.where(np.isnan(steady), np.inf, steady), limits / WORST, limits * WORST)
+    steadies = np.exp(np.mean(np.log(bounded), axis=0))
+    return Point(
+        gains=gains,
+        settled=float(np.mean(np.isfinite(settle).all(axis=1))),
+        settle_position=float(settles[0]),
+        settle_attitude=float(settles[1]),
+        steady_position=float(steadies[0]),
+        steady_attitude=float(steadies[1]),
+    )
+
+
+def _reached(setting: Setting, run: Run) -> tuple[list[float], list[float]]:
+    """Settling times, infinite for never, and steady errors of position and attitude."""
+    estimate, truth = cascade.observe(run.measurements, run.start, setting), run.truth
+    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    settle, steady = [], []
+    limits = (record.SETTLED_POSITION, record.SETTLED_ATTITUDE)
+    for error, limit in zip((found.position, found.attitude), limits, strict=True):
+        at = record.settled(estimate.time, error, limit)
+        settle.append(np.inf if at is None else at)
+        with np.errstate(over="ignore", invalid="ignore"):
+            steady.append(record.steady(error))
+    return settle, steady

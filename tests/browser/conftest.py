@@ -1,0 +1,53 @@
+"""A server and a browser for a file of tests; and what every browser test needs."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser
+
+from tests.browser.page import Server, Visitor, chromium, served, why_not
+
+COARSE = 0.5
+"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Everything in this folder drives a browser, and is skipped where there is none."""
+    for item in items:
+        if "tests/browser" in item.path.as_posix():
+            item.add_marker(pytest.mark.browser)
+            item.add_marker(pytest.mark.skipif(why_not() is not None, reason=str(why_not())))
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Server]:
+    """The command as a user starts it."""
+    with served() as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    """A headless Chromium."""
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture
+def visitor(server: Server, browser: Browser) -> Iterator[Visitor]:
+    """One tab, which must not complain."""
+    tab = Visitor(browser, server.url, density=COARSE)
+    tab.dismiss_notifications()
+    yield tab
+    assert tab.complaints == []
+    tab.close()
+
+
+@pytest.fixture
+def wide(server: Server, browser: Browser) -> Iterator[Visitor]:
+    """One tab on a screen that has all plots on view."""
+    tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
+    tab.dismiss_notifications()
+    yield tab
+    assert tab.complaints == []
+    tab.close()
