@@ -45,8 +45,10 @@ def data(tmp_path: Path, sessions: tuple[int, Sessions]) -> Library:
 def _visitor(sessions: tuple[int, Sessions]) -> Editing:
     port, made = sessions
     tab = Wire(port)
-    tab.wait_for_text("of 13")
-    return Editing(tab, list(made._of.values())[-1])
+    tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
+    session = list(made._of.values())[-1]
+    tab.wait_for(lambda: session._picture is not None and "t (s)" in str(tab.elements), "the first picture")
+    return Editing(tab, session)
 
 
 @pytest.fixture
