@@ -21,7 +21,7 @@ import viser
 from explorer import compute
 from explorer.access import accept_values_only
 from explorer.certifying import Certifying
-from explorer.charts import Charts
+from explorer.charts import TITLES, Charts
 from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
@@ -30,6 +30,7 @@ from explorer.keeping import Keeping
 from explorer.library import Library
 from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
+from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.timeline import TimelinePanel
 from explorer.playback import Playback
@@ -143,7 +144,10 @@ class Session:
         )
         self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
-        self._charts = Charts(client, narrow=narrow)
+        self._charts = Charts(client, narrow=narrow, note=self._wake.set)
+        with self._dock.tabs.add_tab("Export"):
+            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
+        self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
@@ -260,9 +264,13 @@ class Session:
             self._dock.write(after)
 
     def _download(self) -> None:
-        settings = self._dock.read()
-        name = presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin])
+        name, settings = self._named()
         self._send(name, presets.document(settings))
+
+    def _named(self) -> tuple[str, Settings]:
+        """What is chosen, and the name of its file."""
+        settings = self._dock.read()
+        return presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
 
     def _send(self, name: str, content: bytes) -> None:
         self._client.send_file_download(name, content, save_immediately=True)

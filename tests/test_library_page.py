@@ -243,8 +243,8 @@ def test_names_are_for_reading_only():
 
 
 def _zip(page: Editing, name: str) -> zipfile.ZipFile:
-    page.tab.wait_for(lambda: name in page.tab.downloads, name)
-    return zipfile.ZipFile(io.BytesIO(page.tab.downloads[name]))
+    page.tab.wait_for(lambda: name in dict(page.tab.downloads), name)
+    return zipfile.ZipFile(io.BytesIO(dict(page.tab.downloads)[name]))
 
 
 def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editing, tmp_path: Path):
@@ -265,7 +265,7 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     page.press("Export as a zip")
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
-    assert page.tab.downloads == {}
+    assert page.tab.downloads == []
     page.set("even if uncertified", True)
     page.set("with", "TUM trajectory")
     page.press("Export as a zip")

@@ -10,7 +10,7 @@ import viser
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
-from explorer.panels.exporting import ExportPanel
+from explorer.panels.exporting import PackPanel
 from explorer.panels.flights import FlightPanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
@@ -61,7 +61,7 @@ class Dock:
         steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
         sheet.buttons("", steps, hint=HISTORY_HINT)
         _commands(sheet, requests)
-        tabs = gui.add_tab_group()
+        self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(sheet, self._edit_path)
         with tabs.add_tab("World"):
@@ -77,7 +77,7 @@ class Dock:
             uploads = Uploads(gui, sheet.do)
             self.presets = PresetsPanel(sheet, shelf, self, uploads, **asked)
             RepairPanel(sheet, self, jobs)
-            ExportPanel(sheet, shelf, self, jobs, requests.send)
+            PackPanel(sheet, shelf, self, jobs, requests.send)
             ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
             flights = FlightPanel(sheet, jobs)
             self.printed = PrintedPanel(sheet)

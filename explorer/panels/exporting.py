@@ -30,12 +30,12 @@ MARKED = (
 )
 
 
-class ExportPanel:
+class PackPanel:
     """A format, a switch and a button."""
 
     def __init__(self, sheet: Sheet, shelf: Shelf, page: Page, jobs: Jobs, send: Send) -> None:
         self._shelf, self._page, self._jobs, self._send = shelf, page, jobs, send
-        self._section = section = Section(sheet, "Export", expanded=False)
+        self._section = section = Section(sheet, "Certified files", expanded=False)
         with section:
             self._format = Choice(section, "with", FORMATS, hint=WHAT)
             self._marked = Switch(section, "even if uncertified", hint=MARKED)
