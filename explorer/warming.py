@@ -2,7 +2,10 @@
 
 import logging
 import threading
+import time
 
+AFTERTHOUGHT = 3.0
+"""s: the first pictures are drawn before the processor is given to what nobody has asked for yet."""
 log = logging.getLogger(__name__)
 
 
@@ -29,6 +32,11 @@ class Warming:
         except Exception:
             log.exception("the kernels could not be compiled ahead; they will be when first used")
         self.fraction = 1.0
+        time.sleep(AFTERTHOUGHT)
+        try:
+            compute.warm_up_estimators()
+        except Exception:
+            log.exception("the estimators beside the cascade could not be compiled ahead")
 
     def _progress(self, fraction: float, what: str) -> None:
         self.fraction, self.what = min(fraction, 0.99), what  # done only when the last kernel has returned

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, GuiUplotHandle, Icon, PanelHandle, uplot
 
-from explorer.charts import catalogue, curves, markup
+from explorer.beside import NOTHING, Beside
+from explorer.charts import catalogue, curves, markup, overlay
 from explorer.charts.catalogue import Group
+from explorer.charts.overlay import Pinned
 from explorer.charts.plots import Curve, Drawing, Plot
 from explorer.compute import Picture
 
@@ -14,6 +16,8 @@ NARROW_WIDTH = 360
 """px of a single column."""
 HEIGHT, NARROW_HEIGHT = 172, 108
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
+BAND_TINT = "38"
+"""Opacity, hexadecimal."""
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
 
 
@@ -21,26 +25,36 @@ ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.W
 class _Chart:
     """One plot on the page, and what it shows."""
 
-    plot: Plot
+    base: Plot
     height: int
     header: GuiHtmlHandle
     handle: GuiUplotHandle
+    plot: Plot
+    """The base with the curves of what stands beside the picture, if anything does."""
     drawing: Drawing | None = None
+    pinned: Pinned | None = None
     looks: tuple[object, ...] = ()
     """What the axes and visible curves were made for: changing those rebuilds the chart in the browser."""
+    bands: tuple[tuple[int, int], ...] = ()
 
-    def draw(self, picture: Picture) -> None:
+    def draw(self, picture: Picture, beside: Beside) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
-        self.drawing = drawing = self.plot.draw(picture)
-        looks = (drawing.axis, drawing.hidden, float(picture.motion.time[-1]))
+        self.pinned = overlay.pinned(self.base, beside.pinned, self.pinned)
+        self.plot, self.drawing = plot, drawing = overlay.over(self.base, picture, beside, self.pinned)
+        time, values = curves.decimate(drawing.time, drawing.drawn)
+        data = (time, *np.ascontiguousarray(values.T))
+        looks = (drawing.axis, drawing.hidden, float(picture.motion.time[-1]), plot.curves, plot.bands)
         if looks != self.looks:
             self.looks = looks
-            self.handle.series = series(self.plot.curves, drawing.hidden)
-            self.handle.scales = scales(self.plot, drawing.axis, looks[2])
-            self.handle.axes = axes(self.plot, drawing.axis)
-            self.header.content = markup.header(self.plot, height=self.height, hidden=drawing.hidden)
-        time, values = curves.decimate(drawing.time, drawing.drawn)
-        self.handle.data = (time, *np.ascontiguousarray(values.T))
+            if len(data) > len(self.handle.series):  # a chart must never have more curves than data
+                self.handle.data = data
+            if plot.bands != self.bands:
+                self.bands, self.handle.bands = plot.bands, tinted(plot)
+            self.handle.series = series(plot.curves, drawing.hidden)
+            self.handle.scales = scales(plot, drawing.axis, looks[2])
+            self.handle.axes = axes(plot, drawing.axis)
+            self.header.content = markup.header(plot, height=self.height, hidden=drawing.hidden)
+        self.handle.data = data
 
     def values(self, time: float) -> list[tuple[str, str]]:
         """The text of each curve in the legend at a time; a window counts until the next one starts."""
@@ -59,6 +73,7 @@ class Charts:
         self._narrow = narrow
         self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None
+        self._beside = NOTHING
         self._time = 0.0
         errors, *others = catalogue.GROUPS
         columns = [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]
@@ -67,11 +82,11 @@ class Charts:
         if narrow:  # a second column always opens at viser's own width, so two columns keep that
             self._columns[0].panel.set_width(NARROW_WIDTH)
 
-    def draw(self, picture: Picture) -> None:
-        """Show another picture; the cursor stays at its time."""
-        self._picture = picture
+    def draw(self, picture: Picture, beside: Beside = NOTHING) -> None:
+        """Show another picture and what stands beside it; the cursor stays at its time."""
+        self._picture, self._beside = picture, beside
         for column in self._columns:
-            column.draw(picture)
+            column.draw(picture, beside)
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
@@ -89,7 +104,7 @@ class Charts:
         if self._narrow:
             first.keep_only_first_tab()
             if self._picture is not None:
-                self.draw(self._picture)
+                self.draw(self._picture, self._beside)
 
 
 class _Column:
@@ -107,9 +122,9 @@ class _Column:
             self._add_tab(group)
         self.panel.dock_left()
 
-    def draw(self, picture: Picture) -> None:
+    def draw(self, picture: Picture, beside: Beside) -> None:
         for chart in self._all():
-            chart.draw(picture)
+            chart.draw(picture, beside)
 
     def cursor(self, fraction: float, time: float, said: str) -> None:
         values = [entry for chart in self._all() for entry in chart.values(time)]
@@ -148,7 +163,7 @@ def _add_chart(client: ClientHandle, plot: Plot, height: int) -> _Chart:
         height=height,
         padding=markup.PADDING,
     )
-    return _Chart(plot=plot, height=height, header=header, handle=handle)
+    return _Chart(base=plot, plot=plot, height=height, header=header, handle=handle)
 
 
 def series(lines: tuple[Curve, ...], hidden: tuple[int, ...]) -> tuple[uplot.Series, ...]:
@@ -163,6 +178,12 @@ def _line(curve: Curve, *, show: bool) -> uplot.Series:
     if curve.filled:
         line["fill"] = f"{curve.color}38"
     return line
+
+
+def tinted(plot: Plot) -> tuple[uplot.Band, ...] | None:
+    """uPlot's description of what is tinted between two curves."""
+    fills = ((upper, lower, f"{plot.curves[upper].color}{BAND_TINT}") for upper, lower in plot.bands)
+    return tuple(uplot.Band(series=(upper + 1, lower + 1), fill=fill) for upper, lower, fill in fills) or None
 
 
 def scales(plot: Plot, axis: curves.Range, duration: float) -> dict[str, uplot.Scale]:

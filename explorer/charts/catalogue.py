@@ -78,6 +78,7 @@ OBSERVABILITY = Group(
             draw=plots.snap,
             words=words.SNAP,
             log=False,
+            again=(3,),
         ),
         Plot(
             name="excitation",
@@ -111,6 +112,7 @@ OBSERVABILITY = Group(
             ),
             draw=plots.predicted,
             words=words.PREDICTED,
+            again=(0, 1),
         ),
     ),
 )
@@ -137,6 +139,7 @@ SIGNALS = Group(
             draw=plots.distance,
             words=words.DISTANCE,
             log=False,
+            again=(1,),
         ),
         Plot(
             name="speed",
@@ -160,6 +163,7 @@ SIGNALS = Group(
             draw=plots.effort,
             words=words.EFFORT,
             log=False,
+            again=(0, 1),
         ),
     ),
 )

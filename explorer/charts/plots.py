@@ -67,6 +67,10 @@ class Plot:
     draw: Callable[[Picture], Drawing]
     words: words.Words
     log: bool = True
+    again: tuple[int, ...] = (0,)
+    """The curves that are drawn once more for a pinned run."""
+    bands: tuple[tuple[int, int], ...] = ()
+    """Pairs of curves, upper and lower, between which the plot is tinted."""
 
 
 def _log(time: Array, columns: tuple[Array, ...], *, low_quantile: float = SMALLEST_SHARE) -> Drawing:

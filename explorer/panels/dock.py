@@ -10,6 +10,7 @@ import viser
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.compare import ComparePanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
 from explorer.panels.presets import PresetsPanel
@@ -69,6 +70,8 @@ class Dock:
                 sheet, presets, again=requests.again, paper=requests.paper, download=requests.download
             )
             self.printed = PrintedPanel(sheet)
+        with tabs.add_tab("Compare"):
+            self.compare = ComparePanel(sheet, jobs)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
             self.progress = ProgressPanel(sheet, jobs)
