@@ -29,8 +29,10 @@ AXES = 3
 class Agreement:
     """Figures of one run, or of many seeds; NaN where there is nothing to judge by."""
 
+    nis: float
+    """Mean."""
     nis_inside: float
-    """Share of the NIS (for seeds: of their means) inside the 95 % band."""
+    """Share of them inside the 95 % band: of single values for a run, of the mean for seeds."""
     nees: float
     """Mean."""
     nees_low: float
@@ -72,6 +74,7 @@ def of_run(picture: Picture) -> Agreement:
     with np.errstate(invalid="ignore"):
         believed = float(np.sqrt(np.mean(np.trace(P, axis1=-2, axis2=-1))))
     return Agreement(
+        nis=_mean(nis),
         nis_inside=_share(nis, nis_low, nis_high),
         nees=_mean(nees),
         nees_low=low,
@@ -91,6 +94,7 @@ def of_seeds(runs: Ensemble, found: Analysis) -> Agreement:
     end = reached.time >= STEADY * float(runs.time[-1])
     cramer_rao, lifted = _predicted(found)
     return Agreement(
+        nis=_mean(nis.mean[_steady(nis.time)]),
         nis_inside=_inside(nis, _steady(nis.time)),
         nees=_mean(nees.mean[part]),
         nees_low=float(np.median(nees.low[part])),

@@ -16,8 +16,8 @@ NARROW_WIDTH = 360
 """px of a single column."""
 HEIGHT, NARROW_HEIGHT = 172, 108
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
-BAND_TINT = "38"
-"""Opacity, hexadecimal."""
+BAND_TINT, HEX = "38", len("#rrggbb")
+"""Opacity, hexadecimal; and how much of a colour stands before its own."""
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
 
 
@@ -182,7 +182,7 @@ def _line(curve: Curve, *, show: bool) -> uplot.Series:
 
 def tinted(plot: Plot) -> tuple[uplot.Band, ...] | None:
     """uPlot's description of what is tinted between two curves."""
-    fills = ((upper, lower, f"{plot.curves[upper].color}{BAND_TINT}") for upper, lower in plot.bands)
+    fills = ((upper, lower, f"{plot.curves[upper].color[:HEX]}{BAND_TINT}") for upper, lower in plot.bands)
     return tuple(uplot.Band(series=(upper + 1, lower + 1), fill=fill) for upper, lower, fill in fills) or None
 
 

@@ -14,6 +14,7 @@ from numpy import ndarray as Array
 
 from explorer.beside import COLORS, PINNED_COLOR, Beside, Name, Rival
 from explorer.charts import curves, plots
+from explorer.charts.curves import Range
 from explorer.charts.plots import Curve, Drawing, Plot
 from explorer.compute import Picture
 from rangenav.ensemble import Ensemble
@@ -26,7 +27,9 @@ RIVALS: dict[Name, Curve] = {
 }
 ERRORS = ("position", "velocity", "gravity", "attitude")
 """Plots that hold the error of this name."""
-EDGE = 0.75
+LIGHTER = "B0"
+"""Opacity, hexadecimal: what a picture's own curves show through where A lies over them."""
+EDGE = 0.5
 """px: the edges of a band."""
 REACH = 100.0
 """A band, or an estimator that went astray, may widen a log axis by so much beyond the runs, and no more."""
@@ -45,7 +48,7 @@ class Layer(NamedTuple):
     curves: tuple[Curve, ...]
     read: Float[Array, "n k"]
     drawn: Float[Array, "n k"]
-    axis: curves.Range
+    axis: Range
     """On which they were drawn."""
     reach: float = np.inf
     """How far they may widen the plot's axis."""
@@ -89,7 +92,12 @@ def _again(plot: Plot, time: Float[Array, "n"], kept: Pinned) -> Layer:
     columns, drawing = list(plot.again), kept.drawing
     several = len(columns) > 1
     looks = tuple(
-        Curve(label=f"A {plot.curves[column].label}" if several else "A", color=PINNED_COLOR, dash=dash, width=1.75)
+        Curve(
+            label=f"A {plot.curves[column].label}" if several else "A",
+            color=f"{PINNED_COLOR}{LIGHTER}",
+            dash=dash,
+            width=1.75,
+        )
         for column, dash in zip(columns, (PINNED_DASH, PINNED_AGAIN_DASH), strict=False)
     )
     away = np.array([column in drawing.hidden for column in columns])
@@ -115,7 +123,7 @@ def _seeds(plot: Plot, time: Float[Array, "n"], runs: Ensemble) -> Layer:
     band = runs.band(plot.name)  # pyright: ignore[reportArgumentType]  (one of ERRORS)
     stacked = np.stack([band.high, band.low, band.median], axis=1)
     read = taken(runs.time, _in_unit(plot, stacked), time)
-    edge = Curve(label="", color=plots.VERMILLION, width=EDGE)
+    edge = Curve(label="", color=f"{plots.VERMILLION}{LIGHTER}", width=EDGE)
     median = Curve(label=f"{len(runs.seed)} seeds", color=plots.GREY, width=2.25)
     axis = curves.decades(read, low_quantile=plots.SMALLEST_SHARE)
     return Layer((edge, edge, median), read, curves.onto_log_axis(read, axis), axis, REACH, band=True)
@@ -136,7 +144,7 @@ def _in_unit(plot: Plot, error: Array) -> Array:
     return np.degrees(error) if plot.name == "attitude" else error
 
 
-def _axis(plot: Plot, own: curves.Range, layers: list[Layer]) -> curves.Range:
+def _axis(plot: Plot, own: Range, layers: list[Layer]) -> Range:
     """An axis for all curves: whole decades stay whole, round ends round."""
     low, high = own
     for layer in layers:
@@ -150,7 +158,7 @@ def _axis(plot: Plot, own: curves.Range, layers: list[Layer]) -> curves.Range:
     return low, high
 
 
-def _placed(read: Array, drawn: Array, before: curves.Range, axis: curves.Range) -> Array:
+def _placed(read: Array, drawn: Array, before: Range, axis: Range) -> Array:
     """Values that were put outside one log axis put outside another; all others as they are."""
     with np.errstate(invalid="ignore"):
         true = np.isfinite(read) & (read > 0)

@@ -93,15 +93,20 @@ def agreement(run: Agreement, many: Agreement | None, count: int, *, matched: bo
     """Innovations and errors against what P expects, and predicted against achieved σ, over the last quarter."""
     columns = [run] if many is None else [run, many]
     lines = _head(["last quarter", "this run", *([f"{count} seeds"] if many is not None else [])])
-    lines += _row(["NIS in its 95 % band", *(_percent(column.nis_inside) for column in columns)])
+    lines += _row(["NIS (1 expected)", *(f"<b>{_number(column.nis)}</b>" for column in columns)])
+    lines += _row(["inside its 95 % band", *(_percent(column.nis_inside) for column in columns)])
     lines += _row(["NEES (3 expected)", *(f"<b>{_number(column.nees)}</b>" for column in columns)])
     lines += _row(["its 95 % band", *(f"{_number(c.nees_low)} – {_number(c.nees_high)}" for c in columns)])
-    lines += _row(["time inside it", *(_percent(column.nees_inside) for column in columns)])
+    lines += _row(["inside it", *(_percent(column.nees_inside) for column in columns)])
     lines += _row(["σ achieved (RMS)", *(f"<b>{_metres(column.reached)}</b>" for column in columns)])
     lines += _row(["σ that P claims", *(_metres(column.believed) for column in columns)])
     lines += _row(["σ predicted, lifted", *(_metres(column.lifted) for column in columns)])
     lines += _row(["σ predicted, nonlinear", *(_metres(column.cramer_rao) for column in columns)])
-    said = "NEES of one run is one draw: many seeds tell." if many is None else f"Over {count} seeds: {many.words}."
+    said = (
+        "Bands here are of single values; many seeds have one of their mean, which is narrow."
+        if many is None
+        else f"The observer is {many.words} (position, {count} seeds; their bands are of the mean)."
+    )
     if not matched:
         said += " With constant gains P follows from q and V, not from the noise: it promises nothing."
     said += " Predictions know one window of ranges and perfect IMU; the observer also remembers what came before."
@@ -127,6 +132,10 @@ def _row(cells: list[str]) -> str:
 
 def _milliseconds(summary: Summary, steps: int) -> float:
     return summary.microseconds_per_step * steps / 1e3
+
+
+def _with(value: float, unit: str) -> str:
+    return _number(value) if math.isinf(value) else f"{_number(value)} {unit}"
 
 
 def _percent(share: float) -> str:

@@ -11,7 +11,7 @@ from viser import LineSegmentsHandle, SceneApi
 from explorer.beside import NAMES, NOTHING, Beside, Name
 from explorer.compute import Picture
 from explorer.scene import stage as stages
-from explorer.scene.colors import GREEN, ORANGE, PURPLE, Color
+from explorer.scene.colors import GREEN, ORANGE, PALE, PURPLE, Color, linear
 from explorer.scene.stage import NO_LINE, Stage
 from explorer.scene.vehicle import Vehicle
 from rangenav.compare import Contender
@@ -22,6 +22,8 @@ PINNED_DASHES = 36
 RIVALS: dict[Name, tuple[Color, int]] = {"EKF": (ORANGE, 7), "refined": (GREEN, 24)}
 THICKNESS, THIN = 2.0, 1.5
 """px; the true path has 3."""
+BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
+"""A colour for each end from the start: the browser cannot turn a line of one colour into one of many."""
 
 
 class Companions:
@@ -29,12 +31,12 @@ class Companions:
 
     def __init__(self, scene: SceneApi) -> None:
         self._ghost = Vehicle(scene, "pinned", PURPLE, opacity=0.35, label_above=False)
-        self._ghost.label.text = "A"
+        self._ghost.label.text, self._ghost.label.anchor = "A", "center-right"  # beside the words of the others
         self._ghost.show(False)
         self._path = _line(scene, "/pinned_path", PURPLE, THIN)
-        self._trail = _line(scene, "/pinned_trail", PURPLE, THICKNESS)
+        self._trail = _line(scene, "/pinned_trail", BLACK_ENDS, THICKNESS)
         self._rivals: dict[Name, LineSegmentsHandle] = {
-            name: _line(scene, f"/{name.lower()}_trail", RIVALS[name][0], THICKNESS) for name in NAMES
+            name: _line(scene, f"/{name.lower()}_trail", BLACK_ENDS, THICKNESS) for name in NAMES
         }
         self._beside: Beside = NOTHING
         self._on: Stage | None = None
@@ -52,11 +54,12 @@ class Companions:
             self._path.visible = other = not _same(a.motion, picture.motion)
             if other:
                 self._path.points = _on_stage(stages.solid(a.motion, on), on)
-            _dash(self._trail, stages.not_astray(a, on), on, PINNED_DASHES)
+            dash(self._trail, stages.not_astray(a, on), on, PURPLE, per_radius=PINNED_DASHES)
         paths = {name: _positions(picture, contender) for name, contender in beside.rivals if contender is not None}
         for name, line in self._rivals.items():
             if name in paths:
-                _dash(line, stages.near(paths[name], picture.motion, on), on, RIVALS[name][1])
+                color, per_radius = RIVALS[name]
+                dash(line, stages.near(paths[name], picture.motion, on), on, color, per_radius=per_radius)
             elif line.visible:
                 line.visible = False
 
@@ -73,15 +76,18 @@ class Companions:
             self._ghost.place(position, rotation)
 
 
-def _line(scene: SceneApi, name: str, color: Color, thickness: float) -> LineSegmentsHandle:
+def _line(scene: SceneApi, name: str, color: Color | Array, thickness: float) -> LineSegmentsHandle:
     return scene.add_line_segments(name, NO_LINE, color, thickness=thickness, thickness_units="screen", visible=False)
 
 
-def _dash(line: LineSegmentsHandle, positions: Float[Array, "n 3"], on: Stage, per_radius: int) -> None:
-    dashes, _ = stages.dashed(positions, on, per_radius=per_radius)
+def dash(line: LineSegmentsHandle, positions: Float[Array, "n 3"], on: Stage, color: Color, *, per_radius: int) -> None:
+    """Draw an estimated path, paler the earlier: it may wander far before it settles."""
+    dashes, progress = stages.dashed(positions, on, per_radius=per_radius)
     line.visible = len(dashes) > 0
     if len(dashes):
-        line.points = dashes.astype(np.float32)
+        early, late = np.array(linear(PALE)), np.array(linear(color))
+        colors = early + progress[..., None] * (late - early)
+        line.points, line.colors = dashes.astype(np.float32), colors.astype(np.uint8)
 
 
 def _positions(picture: Picture, contender: Contender) -> Float[Array, "n 3"]:
