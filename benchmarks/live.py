@@ -145,7 +145,7 @@ def _drags() -> tuple[dict[str, np.ndarray], dict[str, float]]:
 def _drag(port: int) -> tuple[np.ndarray, float]:
     """Places sent at a steady rate: how long each waited for a picture that shows it or a later one."""
     tab = Wire(port)
-    tab.wait_for_text("of 13")
+    tab.wait_for_text("of 13</b>, nonlinear")
     handle = "/handles/waypoint4"
     tab.wait_for(lambda: handle in tab.nodes, "a handle")
     time.sleep(2)

@@ -21,6 +21,7 @@ import viser
 from explorer import compute
 from explorer.access import accept_values_only
 from explorer.charts import Charts
+from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
 from explorer.jobs import Jobs
@@ -36,6 +37,7 @@ from explorer.settings import Settings, effective
 from explorer.store import Store, Unsaved
 from explorer.visitor import Slots, seat_of
 from explorer.warming import Warming
+from rangenav import twin
 from rangenav.preset import Preset
 
 NARROW = 1600
@@ -45,6 +47,8 @@ CANVAS_PATIENCE = 1.5
 PROGRESS_PERIOD = 0.1
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
+REST = 0.3
+"""s without another picture, after which what takes longer is drawn too."""
 PAPER = "paper"
 
 log = logging.getLogger(__name__)
@@ -71,7 +75,8 @@ class Session:
         self._client, self._house, self._shipped = client, house, house.shipped
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._refused, self._drags = False, 0
+        self._drags = 0
+        self._rests_at: float | None = None
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
         self._playback = Playback(house.shipped[house.first].duration)
@@ -99,12 +104,14 @@ class Session:
                     self._wake.clear()
                     self._react()
                 self._animate()
+                self._draw_later(time.monotonic())
                 self._keeping.write(time.monotonic())
         self._leave()
 
     def _patience(self, now: float) -> float | None:
         """How long (s) to sleep if nothing happens: until the next frame, or until work should be written."""
-        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now)) if wait is not None]
+        later = None if self._rests_at is None else max(0.0, self._rests_at - now)
+        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now), later) if wait is not None]
         return min(waits, default=None)
 
     def _leave(self) -> None:
@@ -128,7 +135,7 @@ class Session:
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
-        self._scene = Scene(client)
+        self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
         self._restore()
@@ -164,10 +171,10 @@ class Session:
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
-        self._refused = not self._took_in()
+        shown = self._took_in()
         self._sheet.refresh()
         self._dock.progress.draw()
-        if self._refused:
+        if not shown:
             self._draw_handles()
 
     def _took_in(self) -> bool:
@@ -177,12 +184,14 @@ class Session:
             pressed = self._sheet.carry_out()
             self._jobs.deliver()
             hold = self._follow_handles()
+            self._follow_twin()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             self._dock.compare.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
+                self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
@@ -202,6 +211,12 @@ class Session:
                 self._dock.move_waypoint(grab.index, grab.position)
         return drag if grabs else None
 
+    def _follow_twin(self) -> None:
+        """Take over where the evil twin was dragged to."""
+        point = self._scene.twin_dragged()
+        if point is not None and self._picture is not None:
+            self._dock.twin_turn = twin.turn_towards(self._picture.preset, point, time=self._playback.time)
+
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
             anchor = self._picture.preset.world.anchor
@@ -218,10 +233,18 @@ class Session:
         self._charts.show_paper_figures()
 
     def _undo(self) -> None:
-        """One step back; what cannot be shown is itself a step."""
-        before = self._history.now if self._refused else self._history.undo()
+        """One step back; what is not shown, because it cannot be or because it has only just come, is itself a step."""
+        shown = self._history.now
+        before = self._history.undo() if self._chosen() == shown else shown
         if before is not None:
             self._dock.write(before)
+
+    def _chosen(self) -> Settings | None:
+        """What the controls say now, None if that is no valid input."""
+        try:
+            return self._dock.read()
+        except (Refused, ValueError):
+            return None
 
     def _redo(self) -> None:
         after = self._history.redo()
@@ -247,6 +270,17 @@ class Session:
         with self._client.atomic():
             self._scene.draw(picture, beside, dragging=self._handles.dragging)
             self._draw_handles()
+        self._rests_at = time.monotonic() + REST
+
+    def _draw_later(self, now: float) -> None:
+        """When nothing has moved for a moment: what takes as long to find as all else together."""
+        if self._rests_at is None or self._picture is None or now < self._rests_at or self._wake.is_set():
+            return
+        self._rests_at = None
+        deep = look(self._picture)
+        with self._client.atomic():
+            self._charts.draw_later(self._picture)
+            self._scene.draw_later(self._picture, deep)
 
     def _animate(self) -> None:
         """Move everything to the playhead."""

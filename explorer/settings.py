@@ -55,6 +55,8 @@ class Settings(Input, frozen=True, kw_only=True):
     """The path is run this many times slower."""
     printed: Printed = Printed()
     drafts: Drafts = Drafts()
+    twin_turn: Vec3 | None = None
+    """Where an evil twin that may be turned was dragged to, as a turn about the anchor (rad)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

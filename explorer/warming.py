@@ -32,6 +32,9 @@ class Warming:
         except Exception:
             log.exception("the kernels could not be compiled ahead; they will be when first used")
         self.fraction = 1.0
+        from explorer import depth
+
+        depth.load_slow()  # a second that no picture need wait for: only the frozen-time test does
         time.sleep(AFTERTHOUGHT)
         try:
             compute.warm_up_estimators()

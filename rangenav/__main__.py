@@ -13,6 +13,7 @@ from typing import NoReturn
 import tyro
 
 from rangenav.commands.analyze import analyze
+from rangenav.commands.explain import explain
 from rangenav.commands.export import export
 from rangenav.commands.import_ import import_
 from rangenav.commands.listing import list_presets
@@ -23,6 +24,7 @@ from rangenav.commands.tune import tune
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
 app.command(analyze)
+app.command(explain)
 app.command(simulate)
 app.command(export)
 app.command(name="import")(import_)

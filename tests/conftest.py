@@ -15,7 +15,7 @@ from tests import shapes
 SOURCE = Path(__file__).parent.parent
 COMPILED = "kernels"
 """numba needs the functions as they are written; a wrapper around each cannot be compiled."""
-NO_VISER = ("explorer.compute", "explorer.settings")
+NO_VISER = ("explorer.compute", "explorer.depth", "explorer.settings")
 """The explorer's arrays are made there; its other modules only hand them on."""
 
 

@@ -74,7 +74,7 @@ def test_a_break_of_a_single_sample_is_drawn() -> None:
 def test_the_line_over_the_broken_part_is_told_apart_without_colour_and_hidden_for_a_vehicle_that_can(
     page: Page,
 ) -> None:
-    scene = Scene(page.client)
+    scene = Scene(page.client, lambda: None)
     scene.draw(picture("paper-slow", CRAZYFLIE))
     shown = line(page)
     path = page.scene.get_handle_by_name("/path")
@@ -89,7 +89,7 @@ def test_the_line_over_the_broken_part_is_told_apart_without_colour_and_hidden_f
 
 
 def test_each_worst_place_has_a_marker_there_with_what_is_broken_how_far_and_when(page: Page) -> None:
-    scene, seen = Scene(page.client), picture("paper", CRAZYFLIE)
+    scene, seen = Scene(page.client, lambda: None), picture("paper", CRAZYFLIE)
     scene.draw(seen)
     assert words(page) == [
         "✕ thrust 14.9 × weight at 16.4 s",
@@ -105,7 +105,7 @@ def test_each_worst_place_has_a_marker_there_with_what_is_broken_how_far_and_whe
 
 def test_of_many_broken_limits_three_are_said_and_all_are_drawn(page: Page) -> None:
     weak = replace(HAND_HELD, speed=0.1, acceleration=0.1, jerk=0.1, body_rate=0.01, anchor_distance_min=50.0)
-    scene, seen = Scene(page.client), picture("paper", weak)
+    scene, seen = Scene(page.client, lambda: None), picture("paper", weak)
     scene.draw(seen)
     assert len(seen.breaks) == 5
     assert len(words(page)) == broken.MAX_MARKED

@@ -253,6 +253,8 @@ def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page
     charts, seen = Charts(page.client, narrow=False), picture("paper")
     page.messages.clear()
     charts.draw(seen)
+    assert len(sent(page, "data")) == sum(len(group.plots) for group in catalogue.GROUPS if not group.later)
+    charts.draw_later(seen)
     data = sent(page, "data")
     assert len(data) == len(ALL)
     for arrays in data:

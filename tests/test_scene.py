@@ -54,7 +54,7 @@ def node(page: Page, name: str) -> viser.SceneNodeHandle:
 
 @pytest.mark.parametrize("time", [0.0, 3.2149, 1e9])
 def test_vehicle_and_range_sphere_are_those_of_the_nearest_sample(page: Page, time: float) -> None:
-    scene, seen = Scene(page.client), picture("circle")
+    scene, seen = Scene(page.client, lambda: None), picture("circle")
     scene.draw(seen)
     scene.move(seen, time)
     k = int(np.argmin(np.abs(seen.motion.time - time)))
@@ -66,7 +66,7 @@ def test_vehicle_and_range_sphere_are_those_of_the_nearest_sample(page: Page, ti
 
 
 def test_ghost_stands_at_the_estimate_once_that_has_settled(page: Page) -> None:
-    scene, seen = Scene(page.client), picture("paper")
+    scene, seen = Scene(page.client, lambda: None), picture("paper")
     scene.draw(seen)
     scene.move(seen, seen.preset.duration)
     assert node(page, "/estimate").visible
@@ -78,7 +78,7 @@ def test_ghost_stands_at_the_estimate_once_that_has_settled(page: Page) -> None:
 
 @pytest.mark.parametrize("name", ["hover", "line", "wiggle"])
 def test_an_astronomic_estimate_is_neither_sent_nor_an_error(page: Page, name: str) -> None:
-    scene, seen = Scene(page.client), astronomic(name)
+    scene, seen = Scene(page.client, lambda: None), astronomic(name)
     scene.draw(seen)
     for time in np.linspace(0.0, seen.preset.duration, 33):
         scene.move(seen, float(time))
@@ -94,7 +94,7 @@ def test_an_astronomic_estimate_is_neither_sent_nor_an_error(page: Page, name: s
 
 
 def test_nodes_are_made_once(page: Page) -> None:
-    scene, first, second = Scene(page.client), picture("circle"), picture("hover")
+    scene, first, second = Scene(page.client, lambda: None), picture("circle"), picture("hover")
     made = len(page.messages)
     scene.draw(first)
     scene.draw(second)
@@ -104,7 +104,7 @@ def test_nodes_are_made_once(page: Page) -> None:
 
 
 def test_a_move_is_small(page: Page) -> None:
-    scene, seen = Scene(page.client), picture("soft")
+    scene, seen = Scene(page.client, lambda: None), picture("soft")
     scene.draw(seen)
     before = len(page.messages)
     scene.move(seen, 4.0)
@@ -115,7 +115,7 @@ def test_a_move_is_small(page: Page) -> None:
 
 
 def test_blind_directions_have_arrows_with_a_word_and_observable_paths_have_none(page: Page) -> None:
-    scene = Scene(page.client)
+    scene = Scene(page.client, lambda: None)
     scene.draw(picture("circle"))
     assert node(page, "/blind0").visible
     label = page.scene.get_handle_by_name("/blind0/label")
@@ -127,7 +127,7 @@ def test_blind_directions_have_arrows_with_a_word_and_observable_paths_have_none
 
 
 def test_camera_frames_the_first_path_and_a_much_larger_one_but_not_while_it_is_moved(page: Page) -> None:
-    scene = Scene(page.client)
+    scene = Scene(page.client, lambda: None)
     scene.draw(picture("circle"))
     first = np.array(page.camera.position)
     scene.draw(picture("soft"))  # about as large, and in the same place
@@ -143,7 +143,7 @@ def test_camera_frames_the_first_path_and_a_much_larger_one_but_not_while_it_is_
 
 
 def test_camera_stands_still_during_a_drag_and_after_it_unless_the_path_has_left_the_view(page: Page) -> None:
-    scene = Scene(page.client)
+    scene = Scene(page.client, lambda: None)
     scene.draw(picture("circle"))
     placed = np.array(page.camera.position)
     scene.draw(picture("line"), dragging=True)  # 20 m long, and only its start is in view
@@ -157,7 +157,7 @@ def test_camera_stands_still_during_a_drag_and_after_it_unless_the_path_has_left
 
 
 def test_after_a_drag_a_view_of_a_detail_is_left_to_the_visitor(page: Page) -> None:
-    scene = Scene(page.client)
+    scene = Scene(page.client, lambda: None)
     scene.draw(picture("circle"))
     page.camera.position, page.camera.look_at = (9.0, 9.0, 9.0), (10.0, 10.0, 9.0)
     scene.draw(picture("circle"), dragging=True)
@@ -194,7 +194,7 @@ def test_a_camera_sees_what_is_ahead_of_it_and_inside_its_picture(
 
 
 def test_camera_that_did_not_arrive_is_sent_again_a_few_times_and_one_that_did_is_left_alone(page: Page) -> None:
-    scene = Scene(page.client)
+    scene = Scene(page.client, lambda: None)
     scene.draw(picture("circle"))
     wanted = np.array(page.camera.position)
     page.camera.tell(-wanted)

@@ -18,7 +18,30 @@ HEIGHT, NARROW_HEIGHT = 172, 108
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
 BAND_TINT, HEX = "38", len("#rrggbb")
 """Opacity, hexadecimal; and how much of a colour stands before its own."""
+FOLLOWS = "Follows as soon as nothing moves."
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
+ICONS |= {"In depth": Icon.MICROSCOPE, "Twin": Icon.GHOST}
+
+
+@dataclass(eq=False)
+class _Said:
+    """The sentences above the plots of a group."""
+
+    group: Group
+    handle: GuiHtmlHandle
+
+    def draw(self, picture: Picture) -> None:
+        assert self.group.say is not None
+        self._show(self.group.say(picture))
+
+    def wait(self) -> None:
+        """What is below belongs to an earlier picture, and says so."""
+        self._show((FOLLOWS,))
+
+    def _show(self, sentences: tuple[str, ...]) -> None:
+        content = markup.sentences(sentences)
+        if content != self.handle.content:
+            self.handle.content = content
 
 
 @dataclass(eq=False)
@@ -89,12 +112,19 @@ class Charts:
             column.draw(picture, beside)
         self.cursor(picture, self._time)
 
+    def draw_later(self, picture: Picture) -> None:
+        """Show what takes as long as all else together; for when nothing moves."""
+        for column in self._columns:
+            column.draw_later(picture, self._beside)
+        self.cursor(picture, self._time)
+
     def cursor(self, picture: Picture, time: float) -> None:
         """Move the shared time cursor, and say the values there: one small message for each column."""
         self._time = time
         fraction = float(np.clip(time / picture.motion.time[-1], 0.0, 1.0))
+        window = window_at(picture, time)
         for i, column in enumerate(self._columns):
-            column.cursor(fraction, time, sentence(picture, time) if i == 0 else "")
+            column.cursor(fraction, window, time, sentence(picture, time) if i == 0 else "")
 
     def show_paper_figures(self) -> None:
         """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab, so in the
@@ -105,6 +135,7 @@ class Charts:
             first.keep_only_first_tab()
             if self._picture is not None:
                 self.draw(self._picture, self._beside)
+                self.draw_later(self._picture)
 
 
 class _Column:
@@ -115,6 +146,7 @@ class _Column:
         self.panel: PanelHandle = client.gui.add_panel()
         self._tabs: list[GuiTabHandle] = []
         self._charts: list[list[_Chart]] = []
+        self._said: list[list[_Said]] = []
         self._add_tab(groups[0])
         with self._tabs[0]:
             self._live = client.gui.add_html("", order=-1.0)
@@ -123,18 +155,33 @@ class _Column:
         self.panel.dock_left()
 
     def draw(self, picture: Picture, beside: Beside) -> None:
-        for chart in self._all():
-            chart.draw(picture, beside)
+        for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
+            if group.later:
+                for sentences in said:
+                    sentences.wait()
+            else:
+                self._draw_group(picture, beside, charts, said)
 
-    def cursor(self, fraction: float, time: float, said: str) -> None:
+    def draw_later(self, picture: Picture, beside: Beside) -> None:
+        for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
+            if group.later:
+                self._draw_group(picture, beside, charts, said)
+
+    def _draw_group(self, picture: Picture, beside: Beside, charts: list[_Chart], said: list[_Said]) -> None:
+        for chart in charts:
+            chart.draw(picture, beside)
+        for sentences in said:
+            sentences.draw(picture)
+
+    def cursor(self, fraction: float, window: tuple[float, float], time: float, said: str) -> None:
         values = [entry for chart in self._all() for entry in chart.values(time)]
-        self._live.content = markup.live(fraction, values, said)
+        self._live.content = markup.live(fraction, window, values, said)
 
     def keep_only_first_tab(self) -> None:
         """Remove all tabs but the first, and add them again behind it."""
         for tab in self._tabs[1:]:
             tab.remove()
-        del self._tabs[1:], self._charts[1:]
+        del self._tabs[1:], self._charts[1:], self._said[1:]
         for group in self._groups[1:]:
             self._add_tab(group)
 
@@ -145,6 +192,7 @@ class _Column:
         tab = self.panel.add_tab(group.title, ICONS[group.title])
         self._tabs.append(tab)
         with tab:
+            self._said.append([_Said(group, self._client.gui.add_html(""))] if group.say else [])
             self._charts.append([_add_chart(self._client, plot, self._height) for plot in group.plots])
 
 
@@ -216,6 +264,12 @@ def sentence(picture: Picture, time: float) -> str:
         f"<b>{time:.2f} s</b> · {curves.number(distance)} m from the anchor · "
         f"estimate off by <b>{position} m</b>, <b>{attitude}°</b>"
     )
+
+
+def window_at(picture: Picture, time: float) -> tuple[float, float]:
+    """Start and length, as shares of the duration, of the window that starts at a time, or of the last one before."""
+    duration, length = float(picture.motion.time[-1]), picture.preset.requirement.window
+    return float(np.clip(time, 0.0, duration - length)) / duration, length / duration
 
 
 def _read_at(drawing: Drawing, time: float) -> np.ndarray:

@@ -1,9 +1,12 @@
-"""All plots of the page, in the three groups that become dock panels or tabs."""
+"""All plots of the page, in the groups that become dock panels or tabs."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
-from explorer.charts import plots, words
+from explorer.charts import depth, plots, words
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
+from explorer.compute import Picture
+from rangenav.observability.functions import NAMES
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
 """The dashes of what the paper's misprints give."""
@@ -14,6 +17,10 @@ class Group(NamedTuple):
 
     title: str
     plots: tuple[Plot, ...]
+    say: Callable[[Picture], tuple[str, ...]] | None = None
+    """Plain sentences above the plots, if there is something to say."""
+    later: bool = False
+    """Drawn only when nothing moves: they take as long as all others together."""
 
 
 def _error(name: str, title: str, unit: str, draw: plots.Callable, text: words.Words) -> Plot:
@@ -42,13 +49,31 @@ def _limit(label: str, color: str, dash: plots.Dash) -> Curve:
     return Curve(label=label, color=color, dash=dash, width=2.0)
 
 
-def _spectrum() -> tuple[Curve, ...]:
-    """The least and greatest eigenvalue by name, the eleven between them thin and unnamed, the floor filled."""
-    least = Curve(label="λ₁", color=plots.VERMILLION, width=2.0)
-    between = tuple(Curve(label="", color=plots.SKY, width=1.0) for _ in range(plots.STATES - 2))
-    greatest = Curve(label="λ₁₃", color=plots.BLUE, width=2.0, dash=DASHED)
-    floor = Curve(label="floor", color=plots.GREY, width=2.0, filled=True)
-    return (least, *between, greatest, floor)
+def _spectrum(least: str, greatest: str, floor: str) -> tuple[Curve, ...]:
+    """The least and greatest by name, the eleven between them thin and unnamed, the floor filled."""
+    return (
+        Curve(label=least, color=plots.VERMILLION, width=2.0),
+        *(Curve(label="", color=plots.SKY, width=1.0) for _ in range(plots.STATES - 2)),
+        Curve(label=greatest, color=plots.BLUE, width=2.0, dash=DASHED),
+        Curve(label=floor, color=plots.GREY, width=2.0, filled=True),
+    )
+
+
+def _functions() -> tuple[Curve, ...]:
+    """Powers of τ grey; D by axis in its colour and width, by power of τ in its dash."""
+    powers = zip(NAMES[:4], (SPARSE, LONG_DOT, DASH_DOT, LONG), strict=True)
+    axes = ((plots.VERMILLION, 1.25), (plots.GREEN, 1.75), (plots.BLUE, 2.5))
+    looks = zip(NAMES[4:], [(dash, *axis) for dash in (SOLID, DASHED, DOTTED) for axis in axes], strict=True)
+    return (
+        *(Curve(label=name, color=plots.GREY, dash=dash, width=1.0) for name, dash in powers),
+        *(Curve(label=name, color=color, dash=dash, width=width) for name, (dash, color, width) in looks),
+    )
+
+
+def _by_length(goal: str) -> tuple[Curve, ...]:
+    first = Curve(label="from 0 s", color=plots.BLUE, dash=DASHED)
+    worst = Curve(label="worst", color=plots.VERMILLION, width=2.0)
+    return (first, worst, Curve(label=goal, color=plots.GREY, dash=DASH_DOT))
 
 
 ERRORS = Group(
@@ -96,7 +121,7 @@ OBSERVABILITY = Group(
             name="gramian",
             title="Gramian spectrum",
             unit="SI, by window start",
-            curves=_spectrum(),
+            curves=_spectrum("λ₁", "λ₁₃", "floor"),
             draw=plots.gramian,
             words=words.GRAMIAN,
         ),
@@ -167,4 +192,103 @@ SIGNALS = Group(
         ),
     ),
 )
-GROUPS = (ERRORS, OBSERVABILITY, SIGNALS)
+DEPTH = Group(
+    "In depth",
+    (
+        Plot(
+            name="rank-by-length",
+            title="Rank by window length",
+            unit="of 13",
+            curves=_by_length("all"),
+            draw=depth.rank_by_length,
+            words=words.RANK_BY_LENGTH,
+            log=False,
+        ),
+        Plot(
+            name="sigma-by-length",
+            title="Predicted σ by window length",
+            unit="m",
+            curves=_by_length("wanted"),
+            draw=depth.sigma_by_length,
+            words=words.SIGMA_BY_LENGTH,
+        ),
+        Plot(
+            name="scaled",
+            title="Scaled spectrum",
+            unit="by window start",
+            curves=_spectrum("s₁₃", "s₁", "tolerance"),
+            draw=depth.scaled,
+            words=words.SCALED,
+        ),
+        Plot(
+            name="functions",
+            title="The 13 functions",
+            unit="over their peaks, by τ",
+            curves=_functions(),
+            draw=depth.functions,
+            words=words.FUNCTIONS,
+            log=False,
+            again=(),
+        ),
+    ),
+    depth.say_depth,
+    later=True,
+)
+TWIN = Group(
+    "Twin",
+    (
+        Plot(
+            name="twin-range",
+            title="Range of the evil twin",
+            unit="m",
+            curves=(
+                Curve(label="true", color=plots.BLUE, width=2.5),
+                Curve(label="twin", color=plots.PURPLE, dash=DASHED),
+            ),
+            draw=depth.ranges,
+            words=words.TWIN_RANGE,
+            log=False,
+        ),
+        Plot(
+            name="twin-apart",
+            title="How far off, and unseen",
+            unit="m",
+            curves=(
+                Curve(label="apart", color=plots.PURPLE, dash=DASHED, width=2.0),
+                Curve(label="range differs", color=plots.VERMILLION),
+                Curve(label="tolerance", color=plots.GREY, dash=DASH_DOT),
+            ),
+            draw=depth.apart,
+            words=words.TWIN_APART,
+        ),
+        Plot(
+            name="phi-both",
+            title="|φ| derived and printed",
+            unit="m/s⁴",
+            curves=(
+                Curve(label="derived", color=plots.BLUE, width=2.0),
+                Curve(label="printed", color=plots.ORANGE, dash=LONG),
+            ),
+            draw=depth.phi,
+            words=words.PHI_BOTH,
+            log=False,
+        ),
+        Plot(
+            name="pe-both",
+            title="PE as printed",
+            unit="m²/s⁷, by window start",
+            curves=(
+                Curve(label="derived", color=plots.BLUE, width=2.0),
+                Curve(label="φ printed", color=plots.ORANGE, dash=DASHED),
+                Curve(label="body axes", color=plots.GREEN, dash=DOTTED),
+                Curve(label="both", color=plots.VERMILLION, dash=LONG, width=2.0),
+                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+            ),
+            draw=depth.certificates,
+            words=words.CERTIFICATES,
+        ),
+    ),
+    depth.say_twin,
+    later=True,
+)
+GROUPS = (ERRORS, OBSERVABILITY, DEPTH, TWIN, SIGNALS)

@@ -6,6 +6,7 @@ and f, like every value in the legends, is a CSS variable: one small <style> mov
 """
 
 from collections.abc import Iterable
+from html import escape
 
 from explorer.charts.plots import Curve, Plot
 
@@ -19,6 +20,8 @@ BORDER = 1
 LEFT = MARGIN + BORDER + AXIS_WIDTH
 RIGHT = MARGIN + BORDER + PADDING[1]
 FRACTION = "--tcur"
+WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
+"""Where the window that is looked at begins, and its length, as shares of the duration: a band over every plot."""
 STYLE = f"""<style>
 .rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: 12px; line-height: 1.35; }}
 .rn-plot details {{ padding: 0 {MARGIN}px; }}
@@ -36,6 +39,7 @@ STYLE = f"""<style>
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
 .rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px;
   margin-left: -.75px; background: currentColor; opacity: .55; }}
+.rn-window {{ position: absolute; top: 0; bottom: 0; background: #56B4E9; opacity: .13; }}
 .rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
   font-size: 11px; opacity: .65; }}
 </style>"""
@@ -53,7 +57,9 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
     top = MARGIN - 7 + BORDER + PADDING[0]
     inside = height - PADDING[0] - AXIS_HEIGHT
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
-    left = f"calc({LEFT}px + var({FRACTION}, 0) * (100% - {LEFT + RIGHT}px))"
+    across = f"(100% - {LEFT + RIGHT}px)"
+    left = f"calc({LEFT}px + var({FRACTION}, 0) * {across})"
+    from_, span = f"calc({LEFT}px + var({WINDOW_FROM}, 0) * {across})", f"calc(var({WINDOW_SPAN}, 0) * {across})"
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.words.note}</div>' if plot.words.note else ""
     equation = f'<div class="rn-equation">{plot.words.equation}</div>'
@@ -62,6 +68,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
         f'<summary><div class="rn-title">{title}</div><div class="rn-legend">{legend}</div></summary>'
         f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
+        f'<div class="rn-window" style="left:{from_};width:{span}"></div>'
         f'<div class="rn-cursor" style="left:{left}"></div><span class="rn-seconds">s</span></div></div>'
     )
 
@@ -77,9 +84,17 @@ def _entry(curve: Curve, name: str) -> str:
     )
 
 
-def live(fraction: float, values: Iterable[tuple[str, str]], sentence: str) -> str:
-    """The one element that changes as time moves: the cursor's place, the values in the legends, and a sentence."""
-    assigned = "".join(f'{name}:"{text}";' for name, text in values)
+def sentences(lines: Iterable[str]) -> str:
+    """Plain sentences above the plots of a tab."""
+    return "".join(
+        f'<div style="padding:2px {MARGIN}px;font-size:12px;line-height:1.35">{escape(line)}</div>' for line in lines
+    )
+
+
+def live(fraction: float, window: tuple[float, float], values: Iterable[tuple[str, str]], sentence: str) -> str:
+    """The one element that changes as time moves: the places of cursor and window, the legends' values, a sentence."""
+    assigned = f"{WINDOW_FROM}:{window[0]:.5f};{WINDOW_SPAN}:{window[1]:.5f};"
+    assigned += "".join(f'{name}:"{text}";' for name, text in values)
     said = (
         f'<div style="padding:0 {MARGIN}px;font-size:12px;line-height:1.35;min-height:2.7em">{sentence}</div>'
         if sentence

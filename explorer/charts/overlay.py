@@ -83,7 +83,7 @@ def over(plot: Plot, picture: Picture, beside: Beside, kept: Pinned | None) -> t
 def _layers(plot: Plot, drawing: Drawing, picture: Picture, beside: Beside, kept: Pinned | None) -> list[Layer]:
     errors = plot.name in ERRORS
     found = [_seeds(plot, drawing.time, beside.seeds)] if errors and beside.seeds is not None else []
-    found += [_again(plot, drawing.time, kept)] if kept is not None else []
+    found += [_again(plot, drawing.time, kept)] if kept is not None and plot.again else []
     return found + ([_rival(plot, drawing.time, rival) for rival in beside.rivals] if errors else [])
 
 

@@ -59,6 +59,44 @@ INNOVATION = Words(
 )
 DISTANCE = Words("d = |p − p<sub>anchor</sub>|", "The only position measurement there is: true, and as measured.")
 SPEED = Words("|ṗ|", "Of the true path, and the most that the chosen vehicle may have.")
+RANK_BY_LENGTH = Words(
+    "rank W, &nbsp; W = (1/δ) ∫<sub>t</sub><sup>t+δ</sup> hᵀh ds, &nbsp; δ on the time axis",
+    "How long must I fly? The window that starts with the flight, and the worst of several, as they grow. Rank counts"
+    " singular values above 10⁻¹³ of the largest: what no rounding hides.",
+)
+SIGMA_BY_LENGTH = Words(
+    "σ(δ)² = tr [ (Σ hᵀh / (d²σ<sub>d</sub>² + ½σ<sub>d</sub>⁴))⁻¹ ]<sub>position</sub>",
+    "What the ranges of a window of length δ tell of the position at its end, with a perfect IMU. Rank 13 is not yet"
+    " accuracy: between the two lie metres, or kilometres.",
+)
+SCALED = Words(
+    "s<sub>i</sub>(W<sup>½</sup> diag(1, δ, δ², δ³, I, δI, δ²I)⁻¹)",
+    "The singular values that the rank counts, in units of 1 m and δ. The grey floor is 10⁻¹³ of the largest: below"
+    " lies rounding, and those run along it.",
+)
+FUNCTIONS = Words(
+    "{1, τ, τ²/2, τ³/6, D<sub>i</sub>, τD<sub>i</sub>, ½τ²D<sub>i</sub>}, &nbsp; D = p(t+τ) − p(t) − τv(t) − ½τ²g",
+    "On the window of least rank. It is observable exactly when these are linearly independent: where one is a sum of"
+    " others, the sentence above says which, and along it nothing can be told.",
+)
+TWIN_RANGE = Words(
+    "|p + Δp + Δv t − p<sub>anchor</sub>| = |p − p<sub>anchor</sub>|",
+    "A second motion with the same gyro, accelerometer, magnetometer and range: turned about the anchor, mirrored, or"
+    " found along what the range feels least.",
+)
+TWIN_APART = Words(
+    "|Δp + Δv t|, &nbsp; | |q + Δp + Δv t| − |q| |, &nbsp; q = p − p<sub>anchor</sub>",
+    "The distance between the two motions, and how much their ranges differ: 0, or rounding, if it is exact.",
+)
+PHI_BOTH = Words(
+    "ä + 2ω×ȧ + ω̇×a + ω×(ω×a), &nbsp; printed: ä − ω×ȧ − 2ω×(ω×a)",
+    "The derived one is the snap of the path and does not know how the body turns; the printed one does.",
+)
+CERTIFICATES = Words(
+    "λ<sub>min</sub> ∫<sub>t</sub><sup>t+δ</sup> φφᵀ ds ≥ μ",
+    "As derived; with the printed φ; with the derived φ in body axes; and with both, as the paper has it. Where the"
+    " last one stays above μ and the first does not, it certifies what cannot be observed.",
+)
 EFFORT = Words(
     "|p̈ − g| / |g|, &nbsp; |ω|",
     "How many times its weight the vehicle must push, and how fast it turns (rad/s); and the most of each that the"

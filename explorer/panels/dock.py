@@ -103,15 +103,17 @@ class Dock:
             time_scale=moved.time_scale,
             printed=self.printed.read(),
             drafts=self.motion.drafts(),
+            twin_turn=self.twin_turn,
         )
 
     @contextmanager
     def catching(self) -> Iterator[None]:
         """Say beside its cause, and in the verdict, why no picture can be made; raise Refused."""
+        self.motion.clear()  # first: what a control is refused for may be said in the same places
+        self.sensors.clear()
         try:
             yield
         except Refused as refusal:
-            self._clear()
             self._refuse(refusal.__cause__)
             raise
         except ValueError as error:
@@ -120,11 +122,10 @@ class Dock:
             self._refuse(error)
             raise Refused from error
         self.verdict.complaint.clear()
-        self._clear()
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
-        self._written = settings
+        self._written, self.twin_turn = settings, settings.twin_turn
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)
@@ -186,10 +187,6 @@ class Dock:
             angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
         )
         self.write(msgspec.structs.replace(settings, preset=axes.flipped(settings.preset), drafts=flipped))
-
-    def _clear(self) -> None:
-        self.motion.clear()
-        self.sensors.clear()
 
     def _refuse(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")

@@ -1,5 +1,7 @@
 """The 3-D picture: nodes made once, assigned by draw(picture), moved by move(picture, time). Up is −g."""
 
+from collections.abc import Callable
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -8,6 +10,7 @@ from viser.transforms import SO3
 
 from explorer.beside import NOTHING, Beside
 from explorer.compute import Picture
+from explorer.depth import Depth
 from explorer.scene import stage as stages
 from explorer.scene.arrows import Arrow
 from explorer.scene.beside import Companions
@@ -24,9 +27,12 @@ from explorer.scene.colors import (
     VERMILLION,
     linear,
 )
+from explorer.scene.excitation import ExcitationEllipsoid
 from explorer.scene.stage import NO_LINE, UNSEEN, Stage
+from explorer.scene.twin import TwinGhost
 from explorer.scene.vehicle import Vehicle
 from explorer.scene.view import View
+from rangenav.inputs import Vec3
 from rangenav.observability import blindness
 from rangenav.observability.blindness import Direction
 
@@ -40,7 +46,8 @@ BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
 class Scene:
     """All 3-D nodes of one visitor."""
 
-    def __init__(self, client: ClientHandle) -> None:
+    def __init__(self, client: ClientHandle, note: Callable[[], None]) -> None:
+        """`note` is called from viser's threads when the twin was dragged."""
         self._client = client
         scene = client.scene
         self._time = 0.0
@@ -89,7 +96,12 @@ class Scene:
         self._north = Arrow(scene, "/compass/magnetic", "m", PURPLE)
         self._north_estimate = Arrow(scene, "/compass/magnetic_estimate", "m est.", LIGHT_PURPLE)
         self._far = Arrow(scene, "/compass/far", "", VERMILLION)
+        self._twin, self._excitation = TwinGhost(scene, note), ExcitationEllipsoid(scene)
         self._blind = [Arrow(scene, f"/blind{i}", "", ORANGE, both_ways=True) for i in range(MAX_BLIND)]
+
+    def twin_dragged(self) -> Vec3 | None:
+        """Where the evil twin was dragged to since this was asked last (m)."""
+        return self._twin.dragged()
 
     @property
     def stage(self) -> Stage | None:
@@ -105,9 +117,18 @@ class Scene:
         self._broken.draw(picture.motion, picture.breaks, on)
         self._draw_trail(stages.not_astray(picture, on), on)
         self._magnetic = stages.last_seen(picture.measurements.mag)
-        self._draw_blind(picture.analysis.directions, on)
+        self._draw_blind(picture, on)
+        self._twin.wait()
+        self._excitation.wait()
         self._companions.draw(picture, beside, on)
         self._view.frame(on, picture.motion.position, dragging=dragging)
+        self.move(picture, self._time)
+
+    def draw_later(self, picture: Picture, deep: Depth) -> None:
+        """Show the evil twin and the excitation, which take a while to find; for when nothing moves."""
+        assert self._stage is not None, "draw comes before draw_later"
+        self._twin.draw(picture, deep.twin, self._stage)
+        self._excitation.begin(picture)
         self.move(picture, self._time)
 
     def move(self, picture: Picture, time: float) -> None:
@@ -121,6 +142,8 @@ class Scene:
         self._sphere.scale = max(float(np.linalg.norm(position - picture.preset.world.anchor)), 1e-6)
         self._move_estimate(picture, k)
         self._companions.move(time)
+        self._twin.move(picture, time)
+        self._excitation.move(time, self._stage)
 
     def _move_estimate(self, picture: Picture, k: int) -> None:
         on = self._stage
@@ -200,13 +223,17 @@ class Scene:
             colors = early + progress[..., None] * (late - early)
             self._trail.points, self._trail.colors = dashes.astype(np.float32), colors.astype(np.uint8)
 
-    def _draw_blind(self, directions: tuple[Direction, ...], on: Stage) -> None:
+    def _draw_blind(self, picture: Picture, on: Stage) -> None:
+        """Arrows on the path, in the middle of the window of least rank."""
+        directions: tuple[Direction, ...] = picture.analysis.directions
+        middle = picture.analysis.gramian_at + picture.preset.requirement.window / 2
+        place = picture.preset.path(np.array([middle]))[0]
         for i, arrow in enumerate(self._blind):
             if i >= len(directions):
                 arrow.hide()
                 continue
             arrow.fit(length=0.7 * on.radius, radius=0.006 * on.radius)
-            arrow.place(on.centre)
+            arrow.place(place)
             arrow.say(blind_label(directions[i]))
             arrow.point(directions[i].vector)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
-from viser import SceneApi
+from viser import MeshHandle, SceneApi
 from viser.transforms import SO3
 
 from explorer.scene import airframe
@@ -31,6 +31,11 @@ class Vehicle:
         )
         anchor = "bottom-center" if label_above else "top-center"
         self.label = scene.add_label(f"/{name}/label", name, anchor=anchor, font_screen_scale=0.9)
+
+    @property
+    def parts(self) -> tuple[MeshHandle, ...]:
+        """What a pointer can take hold of."""
+        return self._body, self._rotors
 
     def fit(self, on: Stage) -> None:
         """Take the size of the stage, and stand with the rotors up when R = I."""

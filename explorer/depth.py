@@ -1,0 +1,114 @@
+"""Observability in depth: preset -> Depth, a stage of its own that is cached by its own inputs. No viser here.
+
+horizon    <- path, world, duration, range noise and rate, required σ
+functions  <- path, gravity, the worst window
+twin       <- path, world, duration, range rate, turn
+printed    <- path, angular velocity, world, window, μ
+
+Together 20 to 50 ms when the path changes, nothing when a gain does.
+"""
+
+import threading
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from rangenav import record, twin
+from rangenav.analysis import WINDOWS, analyse, seen
+from rangenav.inputs import Vec3
+from rangenav.observability import ellipsoid, frozen, functions, horizon, printed
+from rangenav.observability.ellipsoid import Ellipsoid
+from rangenav.observability.functions import Functions
+from rangenav.observability.horizon import Horizon
+from rangenav.observability.printed import Comparison
+from rangenav.observability.spectrum import Spectrum
+from rangenav.preset import Preset
+from rangenav.record import Course
+from rangenav.signals import Signal
+from rangenav.twin import Refusal, Twin
+
+CACHED = 4
+ELLIPSOIDS = 256
+"""More than the windows of one path."""
+LOADED = threading.Event()
+"""Set when python-control, which takes a second to import, is there."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Depth:
+    """What lies below the verdict, all of it about one preset."""
+
+    spectrum: Spectrum
+    """Over sliding windows; the analysis' own."""
+    horizon: Horizon
+    """Windows of growing length, from the start of the flight and at the worst."""
+    functions: Functions
+    """On the window of least rank."""
+    twin: Twin | Refusal
+    printed: Comparison
+
+
+def of(preset: Preset, *, turn: Vec3 | None = None) -> Depth:
+    """The depth of a preset; `turn` (rad, about the anchor) drags a twin that may be turned."""
+    found, needed, sensors = analyse(preset), preset.requirement, preset.sensors
+    return Depth(
+        spectrum=seen(preset.path, preset.world.gravity, preset.duration, needed.window).spectrum,
+        horizon=horizon.horizon(
+            preset.path,
+            preset.world,
+            preset.duration,
+            sigma=sensors.sigma.range,
+            rate=sensors.range_rate,
+            share=sensors.arriving,
+            position_sigma=needed.position_sigma,
+        ),
+        functions=_functions(preset.path, preset.world.gravity, found.gramian_at, needed.window),
+        twin=twin.twin(preset, turn=turn),
+        printed=_printed(record.course_of(preset), needed.window, found.mu, found.mu_floor, needed.mu, found.rank),
+    )
+
+
+def excitation_at(preset: Preset, time: float) -> Ellipsoid:
+    """The excitation of the window that starts at a time (s), or of the nearest one that is looked at."""
+    window = preset.requirement.window
+    last = preset.duration - window
+    k = round(min(max(time / last, 0.0), 1.0) * (WINDOWS - 1))
+    return _ellipsoid(preset.path, last * k / (WINDOWS - 1), window)
+
+
+def load_slow() -> None:
+    """Import what the frozen-time test needs; for a thread, after the first picture."""
+    import control  # noqa: F401
+
+    LOADED.set()
+
+
+def frozen_words(preset: Preset) -> str:
+    """The frozen-time ranks at the start of the window of least rank, beside its own; empty until `load_slow`."""
+    if not LOADED.is_set():
+        return ""
+    found = analyse(preset)
+    return _frozen(record.course_of(preset), found.gramian_at, found.rank)
+
+
+@lru_cache(maxsize=CACHED)
+def _functions(path: Signal, gravity: Vec3, start: float, window: float) -> Functions:
+    return functions.functions(path, gravity, start, window)
+
+
+@lru_cache(maxsize=CACHED)
+def _printed(course: Course, window: float, mu: float, floor: float, required: float, rank: int) -> Comparison:
+    start = np.linspace(0, course.duration - window, WINDOWS)
+    moved = record.simulated(course).motion
+    return printed.compare(moved, start, window, mu=mu, floor=floor, required=required, rank=rank)
+
+
+@lru_cache(maxsize=CACHED)
+def _frozen(course: Course, start: float, rank: int) -> str:
+    return frozen.frozen(record.simulated(course).motion, start, windowed=rank).words
+
+
+@lru_cache(maxsize=ELLIPSOIDS)
+def _ellipsoid(path: Signal, start: float, window: float) -> Ellipsoid:
+    return ellipsoid.ellipsoid(path, start, window)

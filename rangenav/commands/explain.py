@@ -1,0 +1,47 @@
+"""`rangenav explain`: why a motion is observable or not, how long it must be flown, and its evil twin."""
+
+from pathlib import Path
+from typing import Annotated
+
+import msgspec
+import tyro
+
+from rangenav import preset as presets
+from rangenav.commands.output import print_json, print_table
+from rangenav.inputs import require
+from rangenav.twin import APART, TOLERANCE
+
+
+def explain(
+    preset: tyro.conf.Positional[str],
+    *,
+    window: float | None = None,
+    tolerance: float = TOLERANCE,
+    apart: float = APART,
+    save: Annotated[Path | None, tyro.conf.arg(metavar="TWIN.toml")] = None,
+    json: bool = False,
+) -> None:
+    """Say why a preset's motion is observable or not, how long it must be flown, and where its evil twin flies.
+
+    Args:
+        preset: A shipped preset's name or a path to a TOML file.
+        window: Window δ in seconds; the preset's own by default.
+        tolerance: How well the twin's range must agree, in metres.
+        apart: How far off the twin must be, in metres (RMS over the flight).
+        save: Write the preset that flies the twin here.
+        json: Print one JSON object.
+    """
+    from rangenav import analysis, explanation, twin
+
+    chosen = presets.load(preset)
+    if window is not None:
+        chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
+    require(save is None or save.suffix == ".toml", f"--save must name a file that ends in .toml, got {save}")
+    found = twin.twin(chosen, tolerance=tolerance, apart=apart)
+    if save is not None:
+        if isinstance(found, twin.Refusal):
+            raise ValueError(f"--save: {preset} has no twin to write: {found.reason}")
+        title = f"Twin of {chosen.title}"[: presets.MAX_TITLE]
+        presets.save(msgspec.structs.replace(chosen, path=found.path, title=title), save)
+    report = explanation.explanation(chosen, found, name=preset)
+    return print_json(report) if json else print_table(f"{chosen.title}: {report['verdict']}", report)

@@ -1,0 +1,59 @@
+"""The excitation of one window as an ellipsoid: {x : xᵀ W⁻¹ x ≤ 1}, W = ∫_t^{t+δ} p⁗ p⁗ᵀ ds (paper, Proposition 1).
+
+Its semi-axes are √λᵢ (m/s^3.5): how strongly the window shakes each direction. Where it is flat nothing excites the
+estimate, and μ is the square of its least semi-axis.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.observability import blindness, excitation
+from rangenav.signals import Signal
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ellipsoid:
+    """The excitation of the window that starts at `start` (s)."""
+
+    start: float
+    window: float
+    eigenvalues: Float[Array, "3"]
+    """m²/s⁷, ascending; what is rounding is 0."""
+    axes: Float[Array, "3 3"]
+    """Columns, in the order of the eigenvalues: a right-handed frame, inertial."""
+    words: str
+
+    @property
+    def semi_axes(self) -> Float[Array, "3"]:
+        """m/s^3.5, ascending."""
+        return np.sqrt(self.eigenvalues)
+
+    @property
+    def weakest(self) -> Float[Array, "3"]:
+        """The unit vector along which the window is excited least."""
+        return self.axes[:, 0]
+
+
+def ellipsoid(path: Signal, start: float, window: float) -> Ellipsoid:
+    """The excitation of the window [start, start + window] (s)."""
+    values, axes = excitation.directions(path, start, window)
+    told = values > blindness.UNEXCITED * values[-1]
+    values = np.where(told, values, 0.0)
+    axes = axes * np.where(axes[np.abs(axes).argmax(axis=0), range(3)] < 0, -1.0, 1.0)
+    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    return Ellipsoid(start=start, window=window, eigenvalues=values, axes=axes, words=_words(values, axes))
+
+
+def _words(values: Array, axes: Array) -> str:
+    weakest, strongest = (blindness.name(np.where(np.abs(n) < 1e-9, 0.0, n)) for n in (axes[:, 0], axes[:, 2]))
+    if values[2] == 0:
+        return "nothing is excited: the path has no snap in this window"
+    if values[0] == 0:
+        count = int(np.sum(values == 0))
+        across = f"but {strongest}" if count == 2 else f"along {weakest}"
+        return f"nothing is excited {across}: the path has no snap there"
+    share = np.sqrt(values[2] / values[0])
+    return f"weakest along {weakest}: μ = {values[0]:.3g} m²/s⁷, shaken {share:.3g} times less than {strongest}"

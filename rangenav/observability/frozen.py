@@ -1,0 +1,79 @@
+"""The frozen-time test, and why it misleads: the rank of (𝒜(t₀), 𝒞) as if ω and a never changed (python-control).
+
+Ranks of 13: in body axes 11, 10 if a ⟂ ω, 5 if a ∥ ω or ω = 0, 4 if a = 0; in turned axes, where ω is gone, 5, and 4 if
+a = 0. Never 13: only variation makes the pair observable. And never what the window says: a body that hovers and turns
+looks like 11, because a frozen 𝒜 takes its own axes' turning for a force that turns, and has 5.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import model
+from rangenav.motion import Motion, to_inertial
+
+RANK_TOLERANCE = 1e-9
+"""Of the observability matrix in the motion's own units, whose last singular value that counts is above 1e-5 of the
+first for angles between ω and a of more than 0.1° from 0° and 90°."""
+SLOWEST, WEAKEST = 1e-9, 1e-9
+"""rad/s and m/s²: less than this is not turning and no specific force."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Frozen:
+    """Ranks at one moment."""
+
+    time: float
+    body: int
+    """Of 13, in body axes."""
+    turned: int
+    """Of 13, in axes turned by the gyro, fixed in inertia."""
+    words: str
+    """Both beside the windowed rank, and why they mislead."""
+
+
+def rank(gyro: Float[Array, "3"], accel: Float[Array, "3"]) -> int:
+    """The rank (of 13) of python-control's observability matrix of the frozen pair.
+
+    In units of time 1/|ω| and length |a|/|ω|², so that the powers of 𝒜 neither overflow nor fade.
+    """
+    import control
+
+    turning, force = float(np.linalg.norm(gyro)), float(np.linalg.norm(accel))
+    gyro = gyro / turning if turning > SLOWEST else np.zeros(3)
+    accel = accel / force if force > WEAKEST else np.zeros(3)
+    A, _ = model.dynamics(gyro, accel, gravity_norm=0.0)  # gravity is an input there, not a part of 𝒜
+    output = np.eye(1, model.STATES)
+    frozen = control.ss(A, np.zeros((model.STATES, 1)), output, 0)
+    assert isinstance(frozen, control.StateSpace)
+    singular = np.linalg.svd(control.obsv(frozen.A, frozen.C), compute_uv=False)
+    return int(np.sum(singular > RANK_TOLERANCE * singular[0]))
+
+
+def frozen(motion: Motion, time: float, *, windowed: int) -> Frozen:
+    """The frozen ranks at the sample nearest to a time (s), beside the rank of the window that starts there."""
+    k = int(np.argmin(np.abs(motion.time - time)))
+    gyro, accel = motion.angular_velocity[k], motion.apparent_acceleration[k]
+    body, at = rank(gyro, accel), float(motion.time[k])
+    turned = rank(np.zeros(3), to_inertial(motion.rotation[k], accel))
+    return Frozen(time=at, body=body, turned=turned, words=_words(at, body, turned, windowed))
+
+
+def _words(time: float, body: int, turned: int, windowed: int) -> str:
+    ranks = f"Frozen at {time:.3g} s: rank {body} of {model.STATES} in body axes, {turned} in turned axes"
+    if windowed == model.STATES:
+        return (
+            f"{ranks}, so it calls unobservable what the window from here sees with rank {windowed}: it takes ω and a "
+            "for constants, and it is their change that tells."
+        )
+    if body > windowed:
+        return (
+            f"{ranks}, more than the {windowed} of the window from here: with ω frozen a force that stays in body axes "
+            "seems to turn for ever, which the true one does not."
+        )
+    return (
+        f"{ranks}; the window from here has {windowed}. They need not agree: the frozen test takes ω and a for "
+        "constants, and knows nothing of their change."
+    )

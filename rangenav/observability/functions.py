@@ -1,0 +1,110 @@
+"""The 13 functions of one window: {1, τ, τ²/2, τ³/6, D, τD, ½τ²D}, D = p(t+τ) − p(t) − τ v(t) − ½τ² g (paper, eq. 7).
+
+A window is observable exactly when they are linearly independent on it. Where they are not, each relation among them is
+a change of the state that no range of the window can tell.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.inputs import Vec3
+from rangenav.observability import rows, spectrum
+from rangenav.signals import Signal
+
+NAMES = (
+    *("1", "τ", "τ²/2", "τ³/6"),
+    *("D_x", "D_y", "D_z"),
+    *("τ D_x", "τ D_y", "τ D_z"),
+    *("½τ² D_x", "½τ² D_y", "½τ² D_z"),
+)
+COORDINATES = ("ξ₁", "ξ₂", "ξ₃", "ξ₄", "p_x", "p_y", "p_z", "v_x", "v_y", "v_z", "g_x", "g_y", "g_z")
+UNITS = ("m²", "m²/s", "m²/s²", "m²/s³", *("m",) * 3, *("m/s",) * 3, *("m/s²",) * 3)
+"""The state that each function carries to the range, inertial axes."""
+POINTS = 201
+"""Of a curve in a plot."""
+MAX_POINTS = 4096
+ABSENT = 1e-6
+"""A coefficient (scaled units) below this is left out of a relation: null vectors are good to 1e-9 or so."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Functions:
+    """The 13 functions on [start, start + window] (s)."""
+
+    start: float
+    tau: Float[Array, "k"]
+    """s, from 0."""
+    values: Float[Array, "k 13"]
+    """SI: s, s², s³; m, m s, m s²."""
+    rank: int
+    """How many of them are linearly independent."""
+    null: Float[Array, "m 13"]
+    """Changes of the 13 coordinates (SI) that no range of the window feels; each has a 1 where the others have 0."""
+    relations: tuple[str, ...]
+    """The same as relations of the functions: each of the dependent ones in terms of those before it."""
+    unseen: tuple[str, ...]
+    """The same in words of the state: `p_z +1 m with ξ₃ +9.81 m²/s²`."""
+
+
+def functions(path: Signal, gravity: Vec3, start: float, window: float, *, points: int = POINTS) -> Functions:
+    """The 13 functions of one window, and what ties them."""
+    if not 2 <= points <= MAX_POINTS:
+        raise ValueError(f"points must lie between 2 and {MAX_POINTS}, got {points}")
+    tau = np.linspace(0.0, window, points)
+    found = spectrum.window_spectra(path, gravity, np.array([start]), window)
+    null, own = _echelon(spectrum.null_basis(found, 0), window)
+    return Functions(
+        start=start,
+        tau=tau,
+        values=rows.lifted(path, gravity, np.array([start]), tau)[0],
+        rank=int(found.rank[0]),
+        null=null,
+        relations=tuple(_relation(vector, k) for vector, k in zip(null, own, strict=True)),
+        unseen=tuple(_unseen(vector, k) for vector, k in zip(null, own, strict=True)),
+    )
+
+
+def _echelon(null_basis: Float[Array, "13 m"], window: float) -> tuple[Float[Array, "m 13"], list[int]]:
+    """The null space in echelon form from the last coordinate back, and the coordinate that each vector has alone."""
+    basis = null_basis.T[:, ::-1].copy()
+    own: list[int] = []
+    for row in range(len(basis)):
+        rest = np.abs(basis[row:])
+        present = rest.max(axis=0) > ABSENT
+        if not present.any():
+            break
+        column = int(np.argmax(present))
+        pivot = row + int(np.argmax(rest[:, column]))
+        basis[[row, pivot]] = basis[[pivot, row]]
+        basis[row] /= basis[row, column]
+        others = np.arange(len(basis)) != row
+        basis[others] -= np.outer(basis[others, column], basis[row])
+        own.append(len(NAMES) - 1 - column)
+    basis = np.where(np.abs(basis[: len(own), ::-1]) > ABSENT, basis[: len(own), ::-1], 0.0)
+    in_si = basis * float(window) ** -spectrum.LIFTED_TIME_POWERS.astype(float)
+    in_si /= in_si[range(len(own)), own][:, None]
+    return in_si[::-1], own[::-1]
+
+
+def _relation(vector: Array, own: int) -> str:
+    """Σ vⱼ fⱼ = 0 with v_own = 1, as `f_own = …`."""
+    terms = [(-float(vector[j]), NAMES[j]) for j in np.flatnonzero(vector) if j != own]
+    if not terms:
+        return f"{NAMES[own]} = 0"
+    text = "".join(f" {'−' if value < 0 else '+'} {_times(abs(value), name)}" for value, name in terms)
+    return f"{NAMES[own]} =" + (text[2:] if text.startswith(" +") else f" −{text[3:]}")
+
+
+def _unseen(vector: Array, own: int) -> str:
+    order = [own, *(j for j in np.flatnonzero(vector) if j != own)]
+    steps = [f"{COORDINATES[j]} {'−' if vector[j] < 0 else '+'}{abs(vector[j]):.3g} {UNITS[j]}" for j in order]
+    return steps[0] if len(steps) == 1 else f"{steps[0]} with {', '.join(steps[1:])}"
+
+
+def _times(size: float, name: str) -> str:
+    if name == "1":
+        return f"{size:.3g}"
+    return name if f"{size:.3g}" == "1" else f"{size:.3g} {name}"

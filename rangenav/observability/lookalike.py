@@ -1,0 +1,176 @@
+"""The straight-line difference that changes the range least: a search along the nonlinear null space.
+
+Two motions with the same IMU record and the same attitude have the same p̈, so they differ by Δp + Δv s and by nothing
+else. What one range thinks of it is
+    e(s) = |q(s) + Δp + Δv s| − |q(s)|,   q = p − p_anchor,
+and its derivative at 0 is q̂ᵀ[Δp + Δv s]: the nonlinear rows (rows.nonlinear) without gravity, which is known here.
+Differences are measured by their RMS over the flight, in the orthonormal basis {1, √3 (2s/T − 1)} on each axis.
+"""
+
+import itertools
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.observability import symmetry
+
+COARSE, FINE, KEPT = 12, 30, 6
+"""Damped Gauss–Newton steps of all starts, then of the best few: within 3% of the best of 400 random starts."""
+FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e6
+"""Against the squared singular values of the range, which are at most 1."""
+EASIER, HARDER = 0.2, 8.0
+"""Of the damping, after a step that helped and after one that did not."""
+NEAREST = 1e-9
+"""m; at the anchor itself a range has no direction: its row is zero, and is divided by this instead of by nothing."""
+BLIND = 1e-7
+"""Metres of range for a metre of difference: below it the range does not feel that difference to first order."""
+UNKNOWNS = 6
+EVERYWHERE = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
+"""The 26 ways from a cube's centre to its corners, edges and faces."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Lookalikes:
+    """Differences that the search ended at, the least changed range first."""
+
+    shift: Float[Array, "n 3"]
+    """Δp (m) at the flight's start."""
+    drift: Float[Array, "n 3"]
+    """Δv (m/s)."""
+    mismatch: Float[Array, "n"]
+    """m: the RMS of e over the moments searched."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Sensitivity:
+    """What the range feels of straight-line differences, to first order."""
+
+    singular: Float[Array, "6"]
+    """RMS metres of range for each metre (RMS) of difference, descending."""
+    shift: Float[Array, "3"]
+    """m: of the least felt difference of 1 m RMS, at the flight's start."""
+    drift: Float[Array, "3"]
+    """m/s: how that difference goes on."""
+
+
+def sensitivity(position: Float[Array, "k 3"], time: Float[Array, "k"], duration: float) -> Sensitivity:
+    """The linearised range over a flight; position (m) is relative to the anchor."""
+    singular, right = _linearised(position, _basis(time, duration))
+    least = right[singular <= max(float(singular[-1]), BLIND)]
+    steadiest = np.linalg.svd(least[:, :3])[0][:, 0] @ least  # of several that are not felt, what drifts least
+    shift, drift = _straight(steadiest[None], duration)
+    return Sensitivity(singular=singular, shift=shift[0], drift=drift[0])
+
+
+def search(
+    position: Float[Array, "k 3"],
+    acceleration: Float[Array, "k 3"],
+    time: Float[Array, "k"],
+    duration: float,
+    *,
+    apart: float,
+) -> Lookalikes:
+    """Differences of at least `apart` (m, RMS) that leave the range alone as well as can be found.
+
+    It starts at mirrors and half turns about the axes of position and acceleration, at the directions that the range
+    feels, both ways, and at steps of `apart` every way.
+    """
+    basis = _basis(time, duration)
+    axes = np.concatenate([np.linalg.svd(v, full_matrices=False)[2] for v in (acceleration, position)])
+    mirrors = np.array([symmetry.mirror(axis) for axis in axes])
+    guesses = position @ np.concatenate([mirrors, -mirrors, -np.eye(3)[None]]) - position
+    _, right = _linearised(position, basis)
+    fitted = np.einsum("kj,gki->gji", basis, guesses).reshape(len(guesses), UNKNOWNS) / len(time)
+    steps = np.concatenate([EVERYWHERE, np.zeros_like(EVERYWHERE)], axis=1)
+    start = _at_least(np.concatenate([fitted, apart * right, -apart * right, apart * steps]), apart)
+    found, cost = _descend(start, position, basis, apart, COARSE)
+    found, cost = _descend(found[np.argsort(cost)[:KEPT]], position, basis, apart, FINE)
+    order = np.argsort(cost)
+    shift, drift = _straight(found[order], duration)
+    return Lookalikes(shift=shift, drift=drift, mismatch=np.sqrt(cost[order]))
+
+
+def rms(shift: Float[Array, "3"], drift: Float[Array, "3"], duration: float) -> float:
+    """m: how far off a straight-line difference is, RMS over the flight."""
+    middle, change = shift + drift * (duration / 2), drift * duration
+    return math.sqrt(float(middle @ middle + change @ change / 12))
+
+
+def _basis(time: Array, duration: float) -> Float[Array, "k 2"]:
+    return np.stack([np.ones_like(time), np.sqrt(3) * (2 * time / duration - 1)], axis=-1)
+
+
+def _straight(z: Array, duration: float) -> tuple[Array, Array]:
+    """Δp and Δv of coordinates in the basis."""
+    mean, slope = z[:, :3], np.sqrt(3) * z[:, 3:]
+    return mean - slope, 2 * slope / duration
+
+
+def _linearised(position: Array, basis: Array) -> tuple[Array, Array]:
+    rows = _rows(position[None], basis)[0] / np.sqrt(len(basis))
+    _, singular, right = np.linalg.svd(rows, full_matrices=False)
+    return singular, right
+
+
+def _rows(moved: Array, basis: Array) -> Float[Array, "n k 6"]:
+    """∂|u|/∂z = ûᵀ ⊗ basis."""
+    unit = moved / np.maximum(_length(moved), NEAREST)[..., None]
+    return (basis[:, :, None] * unit[:, :, None, :]).reshape(*unit.shape[:2], UNKNOWNS)
+
+
+def _change(z: Array, position: Array, basis: Array) -> tuple[Array, Array]:
+    """e for each of many differences, and the moved positions."""
+    moved = position + basis @ z.reshape(-1, 2, 3)
+    return _length(moved) - _length(position), moved
+
+
+def _length(vectors: Array) -> Array:
+    """|v|: a third of the time that np.linalg.norm takes along a last axis of three."""
+    return np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+
+
+def _at_least(z: Array, apart: float) -> Array:
+    """Nearer differences pushed out to `apart`; one of nothing at all has no direction and is left out."""
+    norm = np.linalg.norm(z, axis=-1, keepdims=True)
+    z, norm = z[norm[:, 0] > 0], norm[norm[:, 0] > 0]
+    return z * np.maximum(1.0, apart / norm)
+
+
+def _descend(z: Array, position: Array, basis: Array, apart: float, steps: int) -> tuple[Array, Array]:
+    """Levenberg–Marquardt for all starts at once; where it would come nearer than `apart` it goes along that sphere."""
+    damping = np.full(len(z), FIRST_DAMPING)
+    error, moved = _change(z, position, basis)
+    cost = np.mean(error**2, axis=-1)
+    for _ in range(steps):
+        new = _stepped(z, error, _rows(moved, basis), damping, apart)
+        new_error, new_moved = _change(new, position, basis)
+        new_cost = np.mean(new_error**2, axis=-1)
+        better = new_cost < cost
+        z, cost = np.where(better[:, None], new, z), np.where(better, new_cost, cost)
+        error, moved = np.where(better[:, None], new_error, error), np.where(better[:, None, None], new_moved, moved)
+        damping = np.clip(damping * np.where(better, EASIER, HARDER), LEAST_DAMPING, MOST_DAMPING)
+    return z, cost
+
+
+def _stepped(z: Array, error: Array, rows: Array, damping: Array, apart: float) -> Array:
+    turned = np.swapaxes(rows, 1, 2)
+    gradient, normal = (turned @ error[..., None])[..., 0] / error.shape[1], turned @ rows / error.shape[1]
+    new = z + _damped(normal, gradient, damping)
+    near = np.linalg.norm(new, axis=-1) < apart
+    along = z[near] / np.linalg.norm(z[near], axis=-1, keepdims=True)
+    across = np.eye(UNKNOWNS) - along[:, :, None] * along[:, None, :]
+    flat = (across @ gradient[near, :, None])[..., 0]
+    # the sphere bends: without its part in the curvature the last tenth takes five times as many steps
+    pull = np.einsum("nj,nj->n", gradient[near], z[near]) / np.einsum("nj,nj->n", z[near], z[near])
+    curved = across @ (normal[near] - np.maximum(pull, 0.0)[:, None, None] * np.eye(UNKNOWNS)) @ across
+    aside = _damped(curved, flat, damping[near])
+    new[near] = _at_least(z[near] + (across @ aside[..., None])[..., 0], apart)
+    return new
+
+
+def _damped(normal: Array, gradient: Array, damping: Array) -> Array:
+    matrix = normal + damping[:, None, None] * np.eye(UNKNOWNS)
+    return -np.linalg.solve(matrix, gradient[..., None])[..., 0]

@@ -1,0 +1,69 @@
+"""`rangenav explain` as a person and a script meet it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from rangenav import preset
+from rangenav.commands.output import readable
+from rangenav.twin import Twin, twin
+from tests.test_cli import answer, run
+
+__all__ = ["answer", "run"]  # fixtures
+
+
+@pytest.mark.parametrize("name", ["hover", "circle", "paper-slow"])
+def test_the_report_says_what_the_library_found(answer, name: str):
+    found, p = answer("explain", name), preset.load(name)
+    other = twin(p)
+    assert found["verdict"] == {"hover": "blind", "circle": "blind", "paper-slow": "observable"}[name]
+    assert (found["functions"]["rank"], len(found["functions"]["relations"])) == {
+        "hover": (5, 8),
+        "circle": (11, 2),
+        "paper-slow": (13, 0),
+    }[name]
+    assert found["frozen"]["turned"] == 5
+    assert found["printed"]["false_certificate"] is (name == "circle")
+    if isinstance(other, Twin):
+        assert found["twin"]["kind"] == other.kind
+        assert found["twin"]["shift"] == other.shift.tolist()
+        assert found["horizon"]["full_rank"] == {"from_start": None, "worst": None}
+    else:
+        assert found["twin"]["kind"] is None
+        assert found["twin"]["words"] == other.reason
+        assert 0.5 < found["horizon"]["full_rank"]["from_start"] <= found["horizon"]["full_rank"]["worst"] < 2
+
+
+def test_the_saved_twin_is_a_preset_with_the_same_range_elsewhere(run, tmp_path: Path):
+    file = tmp_path / "twin.toml"
+    code, out, err = run("explain", "circle", "--save", file)
+    assert (code, err) == (0, "")
+    assert "mirrored" in out
+    true, other = preset.load("circle"), preset.load(file)
+    time, anchor = np.linspace(0.0, 20.0, 500), np.asarray(true.world.anchor)
+    ranges = [np.linalg.norm(p.path(time) - anchor, axis=1) for p in (true, other)]
+    np.testing.assert_allclose(*ranges, atol=1e-12)
+    assert np.linalg.norm(other.path(time) - true.path(time), axis=1).min() > 1.0
+    assert other.title == f"Twin of {true.title}"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (("circle", "--apart", "-1"), "apart must lie between 0.01 and 10000 m, got -1"),
+        (("circle", "--save", "twin.txt"), "--save must name a file that ends in .toml, got twin.txt"),
+        (("circle", "--window", "30"), "circle, --window: requirement.window must be shorter than the duration"),
+        (("lissajous", "--save", "twin.toml"), "--save: lissajous has no twin to write: no twin: "),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_2(run, arguments: tuple[str, ...], sentence: str):
+    code, out, err = run("explain", *arguments)
+    assert (code, out) == (2, "")
+    assert err.startswith(sentence)
+    assert err.count("\n") == 1
+
+
+def test_a_negative_number_is_no_rounding_noise():
+    assert readable([-1.5, 0.0, 2.0]) == "-1.5  0  2"
+    assert readable([1e-20, 2.0], 1e-12) == "< floor  2"
