@@ -33,7 +33,7 @@ def sessions() -> Iterator[tuple[int, Sessions]]:
 def comparing(sessions: tuple[int, Sessions]) -> Iterator[tuple[Wire, Session]]:
     port, made = sessions
     tab = Wire(port)
-    tab.wait_for_text("of 13")
+    tab.wait_for_text("13 of 13")
     yield tab, list(made._of.values())[-1]
     tab.close()
 

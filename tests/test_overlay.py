@@ -229,3 +229,11 @@ def test_what_visitors_type_is_escaped(slow: Picture) -> None:
     text = compare_words.differences(named, named, ["<b>"], ["<i>"])
     assert "<img" not in text
     assert "<li><b>" not in text
+
+
+def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd: Beside) -> None:
+    assert crowd.seeds is not None
+    never = dataclasses.replace(crowd.seeds, settle_position=np.full(12, np.inf))
+    text = compare_words.seeds(slow, never, "")
+    assert "never – never<" in text
+    assert "0 of 12 settle" in text

@@ -53,9 +53,7 @@ def seeds(picture: Picture, runs: Ensemble | None, note: str) -> str:
         ("position settled", runs.settle_position, "s"),
     ]
     lines = "".join(
-        _row(
-            [name, f"<b>{_number(middle.median)}</b> {unit}", f"{_number(middle.low)} – {_number(middle.high)} {unit}"]
-        )
+        _row([name, f"<b>{_with(middle.median, unit)}</b>", f"{_with(middle.low, unit)} – {_with(middle.high, unit)}"])
         for name, middle, unit in ((name, spread(values), unit) for name, values, unit in rows)
     )
     return BOX.format(f"{own}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude.")
