@@ -20,7 +20,7 @@ import viser
 
 from explorer import compute
 from explorer.access import accept_values_only
-from explorer.charts import Charts
+from explorer.charts import TITLES, Charts
 from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
@@ -28,6 +28,7 @@ from explorer.jobs import Jobs
 from explorer.keeping import Keeping
 from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
+from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.timeline import TimelinePanel
 from explorer.playback import Playback
@@ -133,7 +134,10 @@ class Session:
         )
         self._dock = Dock(self._sheet, self._shipped, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
-        self._charts = Charts(client, narrow=narrow)
+        self._charts = Charts(client, narrow=narrow, note=self._wake.set)
+        with self._dock.tabs.add_tab("Export"):
+            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
+        self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
@@ -252,9 +256,16 @@ class Session:
             self._dock.write(after)
 
     def _download(self) -> None:
+        name, settings = self._named()
+        self._send(name, presets.document(settings))
+
+    def _named(self) -> tuple[str, Settings]:
+        """What is chosen, and the name of its file."""
         settings = self._dock.read()
-        name = presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin])
-        self._client.send_file_download(name, presets.document(settings), save_immediately=True)
+        return presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin]), settings
+
+    def _send(self, name: str, content: bytes) -> None:
+        self._client.send_file_download(name, content, save_immediately=True)
 
     def _draw(self, picture: Picture) -> None:
         self._picture = picture

@@ -41,7 +41,7 @@ def comparing(sessions: tuple[int, Sessions]) -> Iterator[tuple[Wire, Session]]:
 def labels(session: Session) -> list[set[str]]:
     """The labels of the curves of every plot."""
     charts: Charts = session._charts
-    shown = [chart for column in charts._columns for chart in column._all() if chart.base.again]
+    shown = [chart for column in charts._columns for chart in column.charts if chart.base.again]
     return [{curve.label for curve in chart.plot.curves} for chart in shown]
 
 

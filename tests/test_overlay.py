@@ -119,7 +119,7 @@ def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd:
     assert runs is not None
     more, drawing = over(ERRORS[3], slow, crowd)
     ((upper, lower),) = more.bands
-    high, low, median = drawing.read[:, upper], drawing.read[:, lower], drawing.read[:, upper + 2]
+    high, low, median = drawing.read[:, upper], drawing.read[:, lower], drawing.read[:, upper - 1]
     assert (low <= median).all()
     assert (median <= high).all()
     ends = np.searchsorted(slow.motion.time, runs.time)
@@ -149,7 +149,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
         charts.draw(slow, shown)
         charts.draw_later(slow)
         assert len(sent(page, "data")) >= len(ALL)
-        for handle in (chart.handle for column in charts._columns for chart in column._all()):
+        for handle in (chart.handle for column in charts._columns for chart in column.charts):
             assert len(handle.data) == len(handle.series)
             assert {len(array) for array in handle.data} == {len(handle.data[0])}
             for band in handle.bands or ():
@@ -237,3 +237,15 @@ def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd
     text = compare_words.seeds(slow, never, "")
     assert "never – never<" in text
     assert "0 of 12 settle" in text
+
+
+def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_later(
+    page: Page, slow: Picture, crowd: Beside
+) -> None:
+    charts = Charts(page.client, narrow=False)
+    charts.draw(slow, Beside(seeds=crowd.seeds))
+    chart = charts._columns[0].charts[0]
+    chart.toggle(2)  # the median
+    assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, False, False, False]
+    charts.draw(slow, Beside(pinned=slow))
+    assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, True]

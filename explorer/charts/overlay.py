@@ -53,7 +53,7 @@ class Layer(NamedTuple):
     reach: float = np.inf
     """How far they may widen the plot's axis."""
     band: bool = False
-    """Whether the first two are a band's edges, upper and lower."""
+    """Whether the second and third are the edges of a band; without names, they come and go with the first."""
 
 
 def pinned(plot: Plot, picture: Picture | None, before: Pinned | None) -> Pinned | None:
@@ -74,7 +74,7 @@ def over(plot: Plot, picture: Picture, beside: Beside, kept: Pinned | None) -> t
     parts += [_placed(layer.read, layer.drawn, layer.axis, axis) if plot.log else layer.drawn for layer in layers]
     added = tuple(curve for layer in layers for curve in layer.curves)
     firsts = np.cumsum([len(plot.curves), *(len(layer.curves) for layer in layers)])
-    bands = tuple((int(k), int(k) + 1) for k, layer in zip(firsts, layers, strict=False) if layer.band)
+    bands = tuple((int(k) + 1, int(k) + 2) for k, layer in zip(firsts, layers, strict=False) if layer.band)
     read = np.concatenate([drawing.read, *(layer.read for layer in layers)], axis=1)
     shown = replace(drawing, read=read, drawn=np.concatenate(parts, axis=1), axis=axis)
     return replace(plot, curves=plot.curves + added, bands=plot.bands + bands), shown
@@ -121,12 +121,12 @@ def _rival(plot: Plot, time: Float[Array, "n"], rival: Rival) -> Layer:
 def _seeds(plot: Plot, time: Float[Array, "n"], runs: Ensemble) -> Layer:
     """The middle of many runs."""
     band = runs.band(plot.name)  # pyright: ignore[reportArgumentType]  (one of ERRORS)
-    stacked = np.stack([band.high, band.low, band.median], axis=1)
+    stacked = np.stack([band.median, band.high, band.low], axis=1)
     read = taken(runs.time, _in_unit(plot, stacked), time)
     edge = Curve(label="", color=f"{plots.VERMILLION}{LIGHTER}", width=EDGE)
     median = Curve(label=f"{len(runs.seed)} seeds", color=plots.GREY, width=2.25)
     axis = curves.decades(read, low_quantile=plots.SMALLEST_SHARE)
-    return Layer((edge, edge, median), read, curves.onto_log_axis(read, axis), axis, REACH, band=True)
+    return Layer((median, edge, edge), read, curves.onto_log_axis(read, axis), axis, REACH, band=True)
 
 
 def taken(time: Float[Array, "m"], values: Float[Array, "m k"], at: Float[Array, "n"]) -> Float[Array, "n k"]:

@@ -54,7 +54,7 @@ class Dock:
         steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
         sheet.buttons("", steps, hint=HISTORY_HINT)
         _commands(sheet, requests)
-        tabs = gui.add_tab_group()
+        self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(sheet, self._edit_path)
         with tabs.add_tab("World"):

@@ -17,6 +17,11 @@ FIGURES = (
     "(fig. 4) and the true and estimated path (fig. 5)."
 )
 DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
+EXPECTED = {
+    "observable": "● expected observable",
+    "weak": "▲ expected weak",
+    "unobservable": "✕ expected unobservable",
+}
 
 
 class PresetsPanel:
@@ -47,7 +52,7 @@ class PresetsPanel:
     def write(self, name: str, shown: Preset) -> None:
         """Show a preset's name, story and expectation."""
         self._choice.write(name, name)
-        expected = {"observable": "● expected observable", "unobservable": "✕ expected unobservable"}[shown.expect]
+        expected = EXPECTED[shown.expect]
         style = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em"
         self._story.content = f'<div style="{style}">{html.escape(shown.story)}<br><b>{expected}</b></div>'
 

@@ -36,7 +36,7 @@ def test_seeds_draw_a_band_that_goes_when_a_gain_changes(wide: Visitor):
     wide.wait_for_text("8 seeds of these settings")
     _wait_for_bands(wide, 4)
     data = wide.chart_data("8 seeds")
-    high, low, median = data[-3:]
+    median, high, low = data[-3:]
     assert None not in high + low + median
     mean = [sum(value or 0.0 for value in column) for column in (low, median, high)]
     assert mean == sorted(mean)  # each column is thinned by itself: within a pixel a point of one may pass another's
