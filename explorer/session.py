@@ -135,7 +135,7 @@ class Session:
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow, note=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
-            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._chosen, send=self._send))
+            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._file, send=self._send))
         self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client, self._wake.set)
@@ -252,10 +252,10 @@ class Session:
             self._dock.write(after)
 
     def _download(self) -> None:
-        name, settings = self._chosen()
+        name, settings = self._file()
         self._send(name, presets.document(settings))
 
-    def _chosen(self) -> tuple[str, Settings]:
+    def _file(self) -> tuple[str, Settings]:
         """What is chosen, and the name of its file."""
         settings = self._dock.read()
         return presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin]), settings

@@ -15,7 +15,7 @@ from explorer.compute import Picture
 
 NARROW_WIDTH = 360
 """px of a single column."""
-HEIGHT, NARROW_HEIGHT = 168, 108
+HEIGHT, NARROW_HEIGHT = 162, 102
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
 TITLES = {plot.name: plot.title for group in catalogue.GROUPS for plot in group.plots}
 """Of all plots, by their names."""
