@@ -13,19 +13,21 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import msgspec
 import viser
 
 from explorer import compute
 from explorer.access import accept_values_only
+from explorer.certifying import Certifying
 from explorer.charts import TITLES, Charts
 from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
 from explorer.jobs import Jobs
 from explorer.keeping import Keeping
+from explorer.library import Library
 from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
 from explorer.panels.export import ExportPanel, Sources
@@ -35,6 +37,7 @@ from explorer.playback import Playback
 from explorer.scene import Scene
 from explorer.scene.handles import Handles
 from explorer.settings import Settings, effective
+from explorer.shelf import Shelf
 from explorer.store import Store, Unsaved
 from explorer.visitor import Slots, seat_of
 from explorer.warming import Warming
@@ -67,13 +70,16 @@ class House:
     warming: Warming
     store: Store
     slots: Slots
+    library: Library = field(default_factory=Library)
+    certifying: Certifying = field(default_factory=Certifying)
 
 
 class Session:
     """Made when a tab connects, stopped when it leaves."""
 
     def __init__(self, client: viser.ClientHandle, house: House) -> None:
-        self._client, self._house, self._shipped = client, house, house.shipped
+        self._client, self._house = client, house
+        self._shelf = Shelf(house.shipped, house.library, house.certifying)
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
         self._drags = 0
@@ -129,13 +135,18 @@ class Session:
         canvas = client.camera.image_width
         self._sheet, self._jobs = Sheet(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
-            undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
+            undo=self._undo,
+            redo=self._redo,
+            again=self._again,
+            paper=self._paper,
+            download=self._download,
+            send=self._send,
         )
-        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests, self._jobs)
+        self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
         self._charts = Charts(client, narrow=narrow, note=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
-            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._file, send=self._send))
+            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
         self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client, self._wake.set)
@@ -152,7 +163,7 @@ class Session:
             kept = self._tell(str(reason))
         if kept is None:
             return
-        known = kept.settings.origin in self._shipped
+        known = kept.settings.origin in self._shelf.presets
         settings = kept.settings if known else msgspec.structs.replace(kept.settings, origin=self._house.first)
         if kept.opened == self._house.first or not self._house.asked:
             self._dock.write(settings)
@@ -177,6 +188,7 @@ class Session:
         shown = self._took_in()
         self._sheet.refresh()
         self._dock.progress.draw()
+        self._dock.presets.refresh()
         if not shown:
             self._draw_handles()
 
@@ -223,7 +235,7 @@ class Session:
             self._handles.draw(anchor, self._dock.points, self._scene.stage)
 
     def _open(self, name: str) -> None:
-        self._dock.write(Settings(origin=name, preset=self._shipped[name]))
+        self._dock.presets.open(name)
 
     def _again(self) -> None:
         self._open(self._dock.origin)
@@ -252,13 +264,13 @@ class Session:
             self._dock.write(after)
 
     def _download(self) -> None:
-        name, settings = self._file()
+        name, settings = self._named()
         self._send(name, presets.document(settings))
 
-    def _file(self) -> tuple[str, Settings]:
+    def _named(self) -> tuple[str, Settings]:
         """What is chosen, and the name of its file."""
         settings = self._dock.read()
-        return presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin]), settings
+        return presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
 
     def _send(self, name: str, content: bytes) -> None:
         self._client.send_file_download(name, content, save_immediately=True)

@@ -13,19 +13,25 @@ from typing import NoReturn
 import tyro
 
 from rangenav.commands.analyze import analyze
+from rangenav.commands.certify import certify
 from rangenav.commands.explain import explain
 from rangenav.commands.export import export
 from rangenav.commands.import_ import import_
 from rangenav.commands.listing import list_presets
 from rangenav.commands.log import log
+from rangenav.commands.repair import repair
 from rangenav.commands.simulate import simulate
 from rangenav.commands.tune import tune
+from rangenav.commands.verify import verify
 
 app = tyro.extras.SubcommandApp()
 app.command(name="presets")(list_presets)
 app.command(analyze)
 app.command(explain)
 app.command(simulate)
+app.command(certify)
+app.command(verify)
+app.command(repair)
 app.command(export)
 app.command(name="import")(import_)
 app.command(log)
@@ -54,6 +60,7 @@ def main() -> None:
     except SystemExit as stop:
         if stop.code == 2:
             fail(usage_error(complaint.getvalue()))
+        print(complaint.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
         raise
 
 

@@ -61,7 +61,8 @@ class Preset(Input, frozen=True, kw_only=True):
     title: str
     story: str = ""
     """One sentence: what this motion teaches."""
-    expect: Literal["observable", "unobservable"] = "observable"
+    expect: Literal["observable", "weak", "unobservable"] = "observable"
+    """What is promised: the requirement met; met but for the accuracy; or excitation or rank missing."""
     duration: float = 20.0
     """s"""
     seed: int = 0

@@ -19,6 +19,9 @@ from tests import precise
 
 GRAVITY = (0.0, 0.0, 9.81)
 SHIPPED = [file.stem for file in preset.shipped_files()]
+SINES = [name for name in SHIPPED if isinstance(preset.load(name).path, Multisine)]
+"""Those whose path is also known in fifty digits."""
+REPEATING = [name for name in SHIPPED if preset.load(name).path.period is not None]
 KNOWN_RANKS = {
     "hover": (5, 3),
     "line": (5, 4),
@@ -32,6 +35,13 @@ KNOWN_RANKS = {
     "wiggle": (13, 9),
     "paper": (13, 9),
     "paper-slow": (13, 9),
+    "barrel": (13, 9),
+    "trefoil": (13, 9),
+    "torus": (13, 9),
+    "hand-held": (13, 9),
+    "eight-repaired": (13, 9),
+    "figure-eight": (11, 9),
+    "minimum-snap": (10, 9),
 }
 
 amplitudes = st.floats(0.1, 5.0)
@@ -146,7 +156,7 @@ def test_every_shipped_preset_has_its_known_ranks(name: str):
     assert (found.rank, found.nonlinear_rank) == KNOWN_RANKS[name]
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", SINES)
 def test_spectra_agree_with_fifty_digits_above_their_floor(name: str):
     p = preset.load(name)
     found = analysis.analyse(p)
@@ -245,7 +255,7 @@ def test_slowing_time_scales_the_excitation_of_a_period_by_the_seventh_power(fac
     np.testing.assert_allclose(slow, fast * factor**-7, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", REPEATING)
 def test_the_bound_for_all_t_lies_below_every_window_and_close_to_the_worst(name: str):
     p = preset.load(name)
     bound = excitation.bound_for_all_t(p.path, p.requirement.window)
@@ -475,9 +485,11 @@ def test_accuracy_and_verdict_are_those_of_the_window_worst_for_accuracy(name: s
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_an_excitation_below_its_floor_is_an_unobservable_motion(name: str):
+    """But for one: between its knots a minimum-snap curve is a polynomial, excited everywhere and of rank 10."""
     p = preset.load(name)
     found = analysis.analyse(p)
-    assert (found.mu < found.mu_floor or found.mu == 0) == (p.expect == "unobservable")
+    unexcited = found.mu < found.mu_floor or found.mu == 0
+    assert unexcited == (p.expect == "unobservable" and name != "minimum-snap")
 
 
 def test_three_verdicts():

@@ -12,7 +12,9 @@ import viser
 
 from explorer import compute
 from explorer.access import open_server
+from explorer.certifying import Certifying
 from explorer.jobs import Jobs
+from explorer.library import Library
 from explorer.panels import presets, verdict
 from explorer.panels.controls import Dial, LogDial, Vector
 from explorer.panels.dock import Dock, Requests
@@ -20,6 +22,7 @@ from explorer.panels.printed import ROWS
 from explorer.panels.sensors import OWN, Chosen, SensorsPanel
 from explorer.panels.sheet import Complaint, Section, Sheet
 from explorer.settings import Printed, Settings, effective
+from explorer.shelf import Shelf
 from rangenav import analysis, preset, sensors
 from rangenav.attitude import Schedule
 from rangenav.sensors import Noise, Sensors, Unmodelled
@@ -31,6 +34,10 @@ SHIPPED = preset.shipped()
 
 def _nothing() -> None:
     """For controls that nobody moves."""
+
+
+def _unsent(name: str, content: bytes) -> None:
+    """For downloads that nobody asks for."""
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +53,10 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing)
-    return Dock(Sheet(client.gui, _nothing), SHIPPED, "paper-slow", requests, Jobs(_nothing))
+    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing, send=_unsent)
+    return Dock(
+        Sheet(client.gui, _nothing), Shelf(SHIPPED, Library(), Certifying()), "paper-slow", requests, Jobs(_nothing)
+    )
 
 
 @pytest.fixture(scope="module")

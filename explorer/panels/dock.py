@@ -10,16 +10,23 @@ import viser
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.exporting import PackPanel
+from explorer.panels.flights import FlightPanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
+from explorer.panels.importing import ImportPanel
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.printed import PrintedPanel
 from explorer.panels.progress import ProgressPanel
+from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
+from explorer.parcel import Send
 from explorer.settings import Drafts, Settings
+from explorer.shelf import Shelf
+from explorer.uploads import Uploads
 from rangenav import axes
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
@@ -41,13 +48,14 @@ class Requests:
     again: Action
     paper: Action
     download: Action
+    send: Send
 
 
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, sheet: Sheet, presets: dict[str, Preset], name: str, requests: Requests, jobs: Jobs) -> None:
-        gui, self._presets = sheet.gui, presets
+    def __init__(self, sheet: Sheet, shelf: Shelf, name: str, requests: Requests, jobs: Jobs) -> None:
+        gui, self._presets = sheet.gui, shelf.presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
@@ -65,16 +73,20 @@ class Dock:
             self.gains = GainsPanel(sheet)
             self.guess = GuessPanel(sheet)
         with tabs.add_tab("Presets"):
-            self.presets = PresetsPanel(
-                sheet, presets, again=requests.again, paper=requests.paper, download=requests.download
-            )
+            asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
+            uploads = Uploads(gui, sheet.do)
+            self.presets = PresetsPanel(sheet, shelf, self, uploads, **asked)
+            RepairPanel(sheet, self, jobs)
+            PackPanel(sheet, shelf, self, jobs, requests.send)
+            ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
+            flights = FlightPanel(sheet, jobs)
             self.printed = PrintedPanel(sheet)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
             self.progress = ProgressPanel(sheet, jobs)
             self.verdict = VerdictPanel(gui)
         panel.dock_below(gui.main_panel)
-        self.write(Settings(origin=name, preset=presets[name]))
+        self.write(shelf.open(name))
 
     def read(self) -> Settings:
         """What the visitor has chosen. Raises Refused after saying why beside the control, or ValueError if it does not
@@ -96,6 +108,7 @@ class Dock:
         )
         return Settings(
             origin=self._written.origin,
+            edition=self._written.edition,
             preset=preset,
             time_scale=moved.time_scale,
             printed=self.printed.read(),
@@ -132,7 +145,7 @@ class Dock:
         self.gains.write(p.gains, base.gains)
         self.guess.write(p.guess, base.guess)
         self.printed.write(settings.printed)
-        self.presets.write(settings.origin, self._presets[settings.origin])
+        self.presets.write(settings.origin)
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict and what stands beside the controls."""
@@ -141,6 +154,7 @@ class Dock:
         self.vehicle.draw(picture)
         self.gains.draw(picture)
         self.printed.draw(picture)
+        self.presets.draw(picture)
 
     @property
     def chosen_preset(self) -> str:

@@ -1,0 +1,27 @@
+"""Certificates: what a file's motion lets one range tell, recomputed from its bytes and held against its claim.
+
+certify(bytes)      the certificate of a file's bytes       gate(certificate)    None, or why it may not be exported
+verify_file(path)   what is wrong with a file and the certificate beside it, a sentence each
+"""
+
+from rangenav.certificate.checking import verify, verify_file
+from rangenav.certificate.checks import gate
+from rangenav.certificate.contents import Certificate, dumps, loads, plain
+from rangenav.certificate.making import READERS, Reader, beside, certify, certify_file, read_preset, refusal
+
+__all__ = [
+    "READERS",
+    "Certificate",
+    "Reader",
+    "beside",
+    "certify",
+    "certify_file",
+    "dumps",
+    "gate",
+    "loads",
+    "plain",
+    "read_preset",
+    "refusal",
+    "verify",
+    "verify_file",
+]

@@ -1,0 +1,270 @@
+"""What a certificate says, and its JSON: the same bytes for the same certificate; finite numbers, or null and why.
+
+Lengths in m, times in s, frequencies in rad/s, μ in m²/s⁷ unless a field says otherwise; figures have eight digits, and
+bounds are rounded to the side on which they stay true.
+"""
+
+import math
+from typing import Any, Literal
+
+import msgspec
+
+from rangenav.inputs import Vec3
+
+FORMAT, VERSION = "rangenav-certificate", 1
+DIGITS = 8
+"""Of every figure: more would differ between processors, fewer would not tell presets apart."""
+MAX_BYTES = 200_000
+"""Larger files are no certificates."""
+Expectation = Literal["observable", "weak", "unobservable"]
+Names = Literal["excitation", "rank", "accuracy", "smooth", "vehicle"]
+
+
+class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Base of every part: keys that are not known are refused."""
+
+
+class Artifact(Part, frozen=True, kw_only=True):
+    """The file that is certified, by its bytes."""
+
+    format: str
+    """"preset", or the exchange format it was written in."""
+    sha256: str
+    bytes: int
+
+
+class Tool(Part, frozen=True, kw_only=True):
+    """What computed it; other versions are no failure, they are told."""
+
+    rangenav: str
+    python: str
+    numpy: str
+
+
+class Frame(Part, frozen=True, kw_only=True):
+    """Axes, and the sign of gravity as it enters v̇ = g + R a."""
+
+    gravity: Vec3
+    """m/s²"""
+    up: str
+    """The axis that points away from gravity: "-z" where z points down, or the vector itself."""
+    body: str
+    """Where the attitude comes from: flown along the path, or an angular velocity of its own."""
+
+
+class Claim(Part, frozen=True, kw_only=True):
+    """For which windows the excitation is bounded."""
+
+    starts: Literal["every t >= 0", "every t in [0, duration - window]"]
+    window: float
+    duration: float
+    period: float | None
+    reason: str | msgspec.UnsetType = msgspec.UNSET
+
+
+class Excitation(Part, frozen=True, kw_only=True):
+    """λ_min of ∫p⁗p⁗ᵀ over the windows of the claim."""
+
+    required: float
+    lower: float | None
+    """No window has less: a bound between grid points too."""
+    upper: float | None
+    """The worst window has no more."""
+    upper_everywhere: float | None
+    """No window has more."""
+    found: float | None
+    """On the worst window of the grid; null where it lies below the floor of rounding."""
+    floor: float
+    at: float
+    """Where the worst window starts."""
+    direction: Vec3
+    """Along it that window is excited least."""
+    starts: int
+    """Points of the grid between which the bound holds."""
+    reason: str | msgspec.UnsetType = msgspec.UNSET
+
+
+class Rank(Part, frozen=True, kw_only=True):
+    """Of the lifted Gramian, on sampled windows: between their starts it is not bounded."""
+
+    rank: int
+    of: int
+    tolerance: float
+    """A scaled singular value counts above this share of the largest."""
+    smallest_singular: float | None
+    """The thirteenth on the worst window, in units of 1 m and δ; null where it does not count."""
+    at: float
+    nonlinear: int
+    """Rank of the nonlinear problem, of 9, on its worst window."""
+    windows: int
+    """Sampled; between their starts nothing is claimed."""
+    blind: tuple[str, ...]
+    """What the worst window cannot tell, in words."""
+    reason: str | msgspec.UnsetType = msgspec.UNSET
+
+
+class Sigma(Part, frozen=True, kw_only=True):
+    """Predicted 1-σ as sqrt(trace)."""
+
+    position: float | None
+    """m"""
+    velocity: float | None
+    """m/s"""
+    gravity: float | None
+    """m/s²"""
+    reason: str | msgspec.UnsetType = msgspec.UNSET
+
+
+class Ends(Part, frozen=True, kw_only=True):
+    """At the start and at the end of the window."""
+
+    start: Sigma
+    end: Sigma
+
+
+class Accuracy(Part, frozen=True, kw_only=True):
+    """Predicted on the sampled window worst for the lifted position at its end, from its ranges alone."""
+
+    required: float
+    """m, of the lifted position at the window's end."""
+    at: float
+    range_sigma: float
+    range_rate: float
+    """Hz"""
+    noise: str
+    lifted: Ends
+    nonlinear: Ends
+
+
+class Extremes(Part, frozen=True, kw_only=True):
+    """What the motion asks for on the IMU's samples in [0, duration]."""
+
+    speed: float
+    acceleration: float
+    jerk: float
+    snap: float
+    thrust_to_weight: float
+    tilt_deg: float
+    body_rate: float
+    height_min: float
+    height_max: float
+    """Above the origin of the inertial frame, against gravity."""
+    anchor_distance_min: float
+    rate: float
+    """Hz, of the samples."""
+
+
+class Flying(Part, frozen=True, kw_only=True):
+    """Whether the preset's vehicle can do that."""
+
+    name: str
+    flyable: bool
+    thrust_margin: float
+    """The share of its thrust that is kept in hand."""
+    broken: tuple[str, ...]
+    """A sentence for each limit that is broken."""
+
+
+class Jumps(Part, frozen=True, kw_only=True):
+    """The largest jump of each derivative at any knot in [0, duration]."""
+
+    knots: int
+    position: float
+    velocity: float
+    acceleration: float
+    jerk: float
+    snap: float
+
+
+class Check(Part, frozen=True, kw_only=True):
+    """One requirement."""
+
+    name: Names
+    met: bool
+    proven: bool
+    """Met or missed by a bound, and not by samples."""
+    words: str
+
+
+class Certificate(Part, frozen=True, kw_only=True):
+    """All that was recomputed from the bytes of one file."""
+
+    format: Literal["rangenav-certificate"] = FORMAT
+    version: Literal[1] = VERSION
+    title: str
+    expect: Expectation
+    certified: bool
+    """The checks come out as `expect` says."""
+    meets: bool
+    """All requirements are met, whatever was expected: what an export asks for."""
+    verdict: Literal["blind", "weak", "observable"]
+    checks: tuple[Check, ...]
+    failures: tuple[str, ...]
+    """Why it is not certified, a sentence each."""
+    remedy: str | msgspec.UnsetType = msgspec.UNSET
+    """What change would meet the requirements, where one is asked for and was found."""
+    claim: Claim
+    excitation: Excitation
+    rank: Rank
+    accuracy: Accuracy
+    limits: Extremes
+    vehicle: Flying
+    jumps: Jumps
+    frame: Frame
+    artifact: Artifact
+    context: str | msgspec.UnsetType = msgspec.UNSET
+    """A preset's TOML text that says what the file itself does not hold (world, sensors, requirement, vehicle)."""
+    tool: Tool
+
+
+def plain(certificate: Certificate) -> dict[str, Any]:
+    """Nested dicts and lists. Raises ValueError if a number is not finite: that is an error of ours."""
+    found = msgspec.to_builtins(certificate)
+    _refuse_nonfinite(found, "$")
+    return msgspec.json.decode(msgspec.json.encode(found))  # lists for tuples
+
+
+def dumps(certificate: Certificate) -> bytes:
+    """JSON, indented, ending in a line feed: the same bytes for the same certificate."""
+    return msgspec.json.format(msgspec.json.encode(plain(certificate)), indent=2) + b"\n"
+
+
+def loads(content: bytes, *, source: str) -> Certificate:
+    """A certificate from JSON; errors start with `source`. Raises ValueError with one sentence."""
+    if len(content) > MAX_BYTES:
+        raise ValueError(f"{source}: larger than {MAX_BYTES} bytes, which no certificate is")
+    try:
+        found = msgspec.json.decode(content, type=Certificate)
+        _refuse_nonfinite(msgspec.to_builtins(found), "$")
+    except (msgspec.DecodeError, ValueError) as error:
+        raise ValueError(f"{source}: no certificate: {' '.join(str(error).split())}") from None
+    except RecursionError:
+        raise ValueError(f"{source}: no certificate: nested too deeply") from None
+    return found
+
+
+def figure(value: float, *, toward: Literal[-1, 0, 1] = 0) -> float:
+    """The value to eight digits: the nearest, or the next one below (−1) or above (1), where a bound stays a bound."""
+    if value == 0 or not math.isfinite(value):
+        return value
+    rounded = float(f"{value:.{DIGITS - 1}e}")
+    if toward == 0 or (rounded - value) * toward >= 0:
+        return rounded
+    unit = 10.0 ** (math.floor(math.log10(abs(value))) - DIGITS + 1)
+    return float(f"{rounded + toward * unit:.{DIGITS - 1}e}")
+
+
+def known(value: float) -> float | None:
+    """The figure, None where it is not finite."""
+    return figure(value) if math.isfinite(value) else None
+
+
+def _refuse_nonfinite(value: Any, path: str) -> None:
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{path} is not finite")
+    if isinstance(value, dict):
+        for key, entry in value.items():
+            _refuse_nonfinite(entry, f"{path}.{key}")
+    if isinstance(value, list | tuple):
+        for k, entry in enumerate(value):
+            _refuse_nonfinite(entry, f"{path}[{k}]")

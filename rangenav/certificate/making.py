@@ -1,0 +1,111 @@
+"""A certificate is computed from the bytes of a file, never from the object in memory that they were written from.
+
+The chain is bytes → preset (read again) → bounds of μ, ranks, predicted accuracy, limits, jumps → checks. What cannot
+be bounded says null and why; what is sampled says so. Nothing in it depends on when or where it was made.
+"""
+
+import hashlib
+import platform
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+import rangenav
+from rangenav import preset as presets
+from rangenav.certificate import checks, findings, remedy
+from rangenav.certificate.contents import Artifact, Certificate, Tool
+from rangenav.inputs import require
+from rangenav.preset import Preset
+
+Reader = Callable[[bytes, str, Preset | None], Preset]
+"""(bytes, name for errors, context) → the preset that the bytes, and what they do not hold from the context, make."""
+
+
+def read_preset(content: bytes, source: str, context: Preset | None = None) -> Preset:
+    """A preset file holds everything; there is no context to it. Raises ValueError."""
+    try:
+        return presets.loads(content.decode("utf-8"), source=source)
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{source}: not UTF-8 text (byte {error.start})") from None
+
+
+READERS: Mapping[str, Reader] = {"preset": read_preset}
+"""How the bytes of each format are read again; whoever knows more formats hands over a larger table."""
+
+
+def certify(
+    content: bytes,
+    *,
+    source: str,
+    form: str = "preset",
+    context: Preset | None = None,
+    readers: Mapping[str, Reader] = READERS,
+) -> Certificate:
+    """The certificate of a file's bytes; `source` names it in errors. Raises ValueError if they cannot be read.
+
+    `context` is what a file that holds a path only is judged by: world, sensors, requirement, vehicle.
+    """
+    require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
+    require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes")
+    preset = readers[form](content, source, context)
+    artifact = Artifact(format=form, sha256=hashlib.sha256(content).hexdigest(), bytes=len(content))
+    return _certificate(preset, artifact, msgspec.UNSET if context is None else presets.dumps(context))
+
+
+def certify_file(name_or_path: str | Path) -> Certificate:
+    """The certificate of a shipped preset by its name, or of a preset file by its path. Raises ValueError."""
+    path = presets.find(name_or_path)
+    return certify(read_bytes(path), source=path.name)
+
+
+def refusal(preset: Preset) -> str | None:
+    """Why a preset may not be exported, one sentence; None if it may."""
+    return checks.gate(certify(presets.dumps(preset).encode(), source="preset"))
+
+
+def read_bytes(path: Path) -> bytes:
+    """All bytes of a file that is no larger than a preset may be. Raises ValueError."""
+    try:
+        require(path.stat().st_size <= presets.MAX_BYTES, f"{path.name}: larger than {presets.MAX_BYTES} bytes")
+        return path.read_bytes()
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def beside(path: Path) -> Path:
+    """Where the certificate of a file lies: NAME.certificate.json."""
+    return path.with_name(f"{path.stem}.certificate.json")
+
+
+def _certificate(preset: Preset, artifact: Artifact, context: str | msgspec.UnsetType) -> Certificate:
+    claim, excited = findings.excited(preset)
+    rank = findings.ranked(preset, claim)
+    predicted = findings.predicted(preset)
+    limits, flying = findings.flown(preset)
+    jumps = findings.jumped(preset)
+    found = checks.requirements(excited, rank, predicted, jumps, flying, preset)
+    failed = checks.failures(found, excited, preset.expect)
+    meets = all(check.met for check in found)
+    return Certificate(
+        title=preset.title,
+        expect=preset.expect,
+        certified=not failed,
+        meets=meets,
+        verdict=checks.verdict(rank, predicted),
+        checks=found,
+        failures=failed,
+        remedy=msgspec.UNSET if meets else remedy.remedy(preset, excited.at) or msgspec.UNSET,
+        claim=claim,
+        excitation=excited,
+        rank=rank,
+        accuracy=predicted,
+        limits=limits,
+        vehicle=flying,
+        jumps=jumps,
+        frame=findings.frame(preset),
+        artifact=artifact,
+        context=context,
+        tool=Tool(rangenav=rangenav.__version__, python=platform.python_version(), numpy=np.__version__),
+    )

@@ -1,0 +1,34 @@
+"""`rangenav verify`: files against the certificates beside them."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from rangenav.commands.output import print_json
+from rangenav.inputs import require
+
+
+def verify(
+    files: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE ...")], *, json: bool = False
+) -> None:
+    """Verify presets and exported files against NAME.certificate.json beside them; exit 1 if anything fails.
+
+    Args:
+        files: Shipped presets' names, or paths. Each file's bytes are read again and everything is recomputed.
+        json: Print one JSON object.
+    """
+    from rangenav import certificate
+
+    require(len(files) > 0, "verify: no file was named")
+    failures = {name: certificate.verify_file(name) for name in files}
+    if json:
+        print_json({"files": {name: {"holds": not wrong, "failures": wrong} for name, wrong in failures.items()}})
+    else:
+        for name, wrong in failures.items():
+            print(f"{'✕' if wrong else '✓'} {Path(name).name}")
+    for sentence in [sentence for wrong in failures.values() for sentence in wrong]:
+        print(sentence, file=sys.stderr)
+    if any(failures.values()):
+        raise SystemExit(1)

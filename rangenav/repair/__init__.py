@@ -1,0 +1,307 @@
+"""Repair: the smallest change of a chosen kind that makes a motion observable, within its vehicle's limits.
+
+    repair(preset, by="tones")     the smallest change that meets μ, rank 13 and the predicted σ
+    improve(preset, by="tones")    a change that lowers the predicted σ
+Searches look at samples; what they end with is written, read again and certified, with bounds, and a search that the
+certificate does not confirm is done again with more margin.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import certificate, signals
+from rangenav import preset as presets
+from rangenav.certificate import Certificate, remedy
+from rangenav.certificate.figures import Figures, figures
+from rangenav.inputs import require
+from rangenav.observability import blindness
+from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
+from rangenav.repair import changes
+from rangenav.repair.changes import KINDS, Change, Kind
+from rangenav.repair.search import Budget, CancelledError, Look, Progress, Search, least, sharpest
+from rangenav.vehicle import CRAZYFLIE, FREE, WORDS
+
+EVALUATIONS = 1500
+"""Looks at a motion, some 4 ms each."""
+WORK = 3e8
+"""A formula's looks cost more, and are fewer; in the units of `remedy`."""
+MARGINS = (0.05, 0.12, 0.25)
+"""log; asked of samples beyond what is required, until the certificate's bound confirms it."""
+STAND_IN = CRAZYFLIE
+"""Whose limits a repair keeps, if it can, for a vehicle without any: so that somebody may fly it."""
+IMPROVEMENT = 0.9
+"""σ has to fall to this share to be worth a change."""
+MOST_EFFORT: dict[Kind, float] = {"tones": 1.0, "amplitude": 0.5, "frequency": 0.5, "timescale": 0.5, "waypoints": 0.5}
+"""How far an improvement may change a motion, if nobody says."""
+SLOWING: tuple[Kind, ...] = ("amplitude", "frequency", "timescale")
+"""Kinds of change that can also ask less of a vehicle."""
+NOTHING = "nothing had to be changed"
+REPAIRED, IMPROVED = ", repaired", ", improved"
+NOWHERE = Look(figures=None, violation=np.inf)
+
+
+class CannotRepairError(ValueError):
+    """This kind of change does not do it; the sentence says why."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Repair:
+    """A preset, what was changed about it, and what that achieves."""
+
+    before: Preset
+    after: Preset
+    by: Kind
+    words: str
+    """The change, or that none was needed."""
+    effort: float
+    """How large it is: m (and weights of acceleration) for tones, m for waypoints, log factors for the others."""
+    evaluations: int
+    figures_before: Figures
+    """Sampled; σ is infinite where blind."""
+    figures_after: Figures
+    certificate: Certificate
+    """Of the preset after, from its written bytes."""
+
+
+def repair(
+    preset: Preset,
+    *,
+    by: Kind = "tones",
+    evaluations: int = EVALUATIONS,
+    progress: Progress | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Repair:
+    """The smallest change of one kind that meets the requirement within the vehicle's limits.
+
+    `progress` is told a share and a word, `cancelled` is asked before every look. Raises CannotRepairError with the
+    reason if this kind of change does not do it, CancelledError when cancelled.
+    """
+    require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
+    before = _certified(preset)
+    budget = _budget(preset, evaluations, progress, cancelled)
+    if before.meets:
+        return _result(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
+    _refuse_hopeless(preset, by, before)
+    nearest: list[Look] = []
+    for limited in _limited(preset, by, budget):
+        found = _smallest(limited, by, before.excitation.at, budget, nearest)
+        if found is not None:
+            change, theta = found
+            return _result(
+                preset, _made(change, theta, preset, REPAIRED), by, change.words(theta), change.effort(theta), budget
+            )
+    raise CannotRepairError(_defeat(preset, by, budget, nearest))
+
+
+def improve(
+    preset: Preset,
+    *,
+    by: Kind = "tones",
+    most_effort: float | None = None,
+    evaluations: int = EVALUATIONS,
+    progress: Progress | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Repair:
+    """A change of one kind that lowers the predicted σ, keeping μ, within the vehicle's limits and `most_effort`.
+
+    Raises CannotRepairError if the motion is blind, which is for `repair`, or if σ does not fall by a tenth.
+    """
+    require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
+    found, refused = figures(preset), changes.refusal(by, preset)
+    if refused is not None:
+        raise CannotRepairError(f"{by}: {refused}")
+    if not np.isfinite(found.sigma):
+        raise CannotRepairError(
+            f"{by}: the motion is blind, so there is no predicted error to improve: repair it first"
+        )
+    budget = _budget(preset, evaluations, progress, cancelled)
+    limit = MOST_EFFORT[by] if most_effort is None else most_effort
+    for limited in _limited(preset, by, budget):
+        change = _wide(limited, by)
+        looking = Search(change=change, budget=budget, margin=MARGINS[0], needs=("excitation",))
+        theta = sharpest(looking, limit)
+        if theta is None:
+            continue
+        after = _made(change, change.tidy(theta), preset, IMPROVED)
+        if figures(after).sigma <= IMPROVEMENT * found.sigma:
+            return _result(preset, after, by, change.words(change.tidy(theta)), change.effort(theta), budget)
+    raise CannotRepairError(
+        f"{by}: no change of effort {limit:g} or less, within the limits, lowers the {found.sigma:.3g} m by a tenth"
+    )
+
+
+def report(found: Repair, *, name: str) -> dict[str, Any]:
+    """What `rangenav repair --json` prints."""
+    stated = found.certificate
+
+    def said(figure: Figures) -> dict[str, Any]:
+        blind = not np.isfinite(figure.sigma)
+        told: dict[str, Any] = {"mu": figure.mu, "position_sigma": None if blind else figure.sigma}
+        return told | ({"reason": "position_sigma: null, blind"} if blind else {})
+
+    return {
+        "preset": name,
+        "by": found.by,
+        "words": found.words,
+        "effort": found.effort,
+        "evaluations": found.evaluations,
+        "before": said(found.figures_before),
+        "after": said(found.figures_after)
+        | {
+            "title": found.after.title,
+            "rank": stated.rank.rank,
+            "mu_bound": stated.excitation.lower,
+            "flyable": stated.vehicle.flyable,
+            "thrust_to_weight": stated.limits.thrust_to_weight,
+            "certified": stated.certified,
+        },
+    }
+
+
+def _certified(preset: Preset) -> Certificate:
+    return certificate.certify(presets.dumps(preset).encode(), source="preset")
+
+
+def _budget(
+    preset: Preset, evaluations: int, progress: Progress | None, cancelled: Callable[[], bool] | None
+) -> Budget:
+    work = remedy.WORK_PER_TRY + remedy.WORK_PER_OPERATION * signals.operations(preset.path)
+    most = min(evaluations, int(WORK / work))
+    return Budget(total=most, most=most, progress=progress, cancelled=cancelled)
+
+
+def _limited(preset: Preset, by: Kind, budget: Budget) -> Iterator[Preset]:
+    """The preset with the vehicles whose limits are to be kept: its own, or for a free one the stand-in's first.
+
+    The stand-in gets half of the looks, and none if it cannot fly the path as it is: more of it would be no easier.
+    """
+    if preset.vehicle == FREE:
+        small = msgspec.structs.replace(preset, vehicle=STAND_IN)
+        if by in SLOWING or figures(small).worst_excess <= 0:
+            budget.most = budget.total // 2
+            yield small
+    budget.most = budget.total
+    yield preset
+
+
+def _refuse_hopeless(preset: Preset, by: Kind, before: Certificate) -> None:
+    """What no size or speed changes: a path that has no snap along a direction keeps having none."""
+    refused = changes.refusal(by, preset)
+    along = blindness.name(np.asarray(before.excitation.direction))
+    if refused is None and by in ("amplitude", "timescale") and before.excitation.found is None:
+        change = "larger or smaller" if by == "amplitude" else "faster or slower"
+        refused = (
+            f"the path has no snap along {along} in the {before.claim.window:g} s from t = {before.excitation.at:.4g} "
+            f"s, and {change} it has none either; added tones would give it some"
+        )
+    if refused is None and by not in SLOWING and preset.vehicle != FREE and before.vehicle.broken:
+        refused = f"the path is too much for {preset.vehicle.name} already: {before.vehicle.broken[0]}"
+    if refused is not None:
+        raise CannotRepairError(f"{by}: {refused}")
+
+
+def _smallest(
+    preset: Preset, by: Kind, at: float, budget: Budget, nearest: list[Look]
+) -> tuple[Change, Float[Array, "n"]] | None:
+    """The smallest change that the certificate confirms, with more margin each time that it does not."""
+    for margin in MARGINS:
+        for change in _changes(preset, by, at, budget):
+            looking = Search(change=change, budget=budget, margin=margin)
+            theta = least(looking)
+            nearest.append(min(looking.seen.values(), key=lambda look: look.violation, default=NOWHERE))
+            if theta is None:
+                continue
+            tidy = change.tidy(theta)
+            theta = tidy if looking.look(tidy).violation <= margin / 2 else theta
+            if _certified(change.make(theta)).meets:
+                return change, theta
+            break  # found, but not confirmed: the same again with more margin
+        else:
+            return None
+    return None
+
+
+def _changes(preset: Preset, by: Kind, at: float, budget: Budget) -> Iterator[Change]:
+    """The ways of one kind to try, the simplest first."""
+    if by == "tones":
+        added = remedy.smallest_tones(preset, at, tries=_spent(budget))
+        if added is not None:
+            yield changes.tones(preset, added)
+    elif by == "waypoints":
+        for directions in remedy.directions(preset, at):
+            yield changes.waypoints(preset, directions)
+    if by != "waypoints":
+        yield _wide(preset, by)
+
+
+def _wide(preset: Preset, by: Kind) -> Change:
+    """The kind of change with all its unknowns."""
+    match by:
+        case "tones":
+            return changes.free_tones(preset)
+        case "amplitude":
+            return changes.amplitude(preset)
+        case "frequency":
+            return changes.frequency(preset)
+        case "timescale":
+            return changes.timescale(preset)
+        case "waypoints":
+            return changes.waypoints(preset, tuple(np.eye(3)))
+
+
+def _spent(budget: Budget) -> Iterator[int]:
+    """One for each look that the budget still has, counted when it is taken."""
+    while budget.left > 0:
+        budget.spend()
+        yield budget.left
+
+
+def _made(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) -> Preset:
+    """The changed preset with its own vehicle again, a title, and a story that says what was changed."""
+    title = f"{preset.title}{suffix}"
+    words = change.words(theta)
+    return msgspec.structs.replace(
+        change.make(theta),
+        vehicle=preset.vehicle,
+        expect="observable",
+        title=title if len(title) <= MAX_TITLE else preset.title,
+        story=f"{words[0].upper()}{words[1:]}."[:MAX_STORY],
+    )
+
+
+def _result(before: Preset, after: Preset, by: Kind, words: str, effort: float, budget: Budget) -> Repair:
+    return Repair(
+        before=before,
+        after=after,
+        by=by,
+        words=words,
+        effort=effort,
+        evaluations=budget.used,
+        figures_before=figures(before),
+        figures_after=figures(after),
+        certificate=_certified(after),
+    )
+
+
+def _defeat(preset: Preset, by: Kind, budget: Budget, nearest: list[Look]) -> str:
+    look = min(nearest, key=lambda one: one.violation, default=NOWHERE)
+    said = f"{by}: no change that meets the requirement was found in {budget.used} looks"
+    if look.figures is None:
+        return said
+    sigma, needed = look.figures.sigma, preset.requirement
+    reached = f"σ = {sigma:.3g} m" if np.isfinite(sigma) else "is blind, with σ"
+    said += f"; the nearest has μ = {look.figures.mu:.3g} of {needed.mu:.3g} m²/s⁷ and {reached} of "
+    said += f"{needed.position_sigma:.3g} m"
+    excess = look.figures.excess
+    if look.figures.worst_excess > 0:
+        said += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+    return said
+
+
+__all__ = ["KINDS", "CancelledError", "CannotRepairError", "Kind", "Progress", "Repair", "improve", "repair", "report"]

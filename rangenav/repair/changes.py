@@ -1,0 +1,322 @@
+"""The kinds of change a motion can be repaired by, each as a map θ → preset with a size, from no change at θ = 0.
+
+tones       added sines: amplitude, phase (and frequency, where all of it is searched) of each
+amplitude   one factor per axis, about the middle of the path
+frequency   one factor per frequency of the path's own tones
+timescale   one factor: the same geometry, run slower or faster
+waypoints   moved points, by waves along them
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import msgspec
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from rangenav import signals
+from rangenav.certificate import remedy
+from rangenav.certificate.remedy import STANDARD_GRAVITY, Added, upwards, with_tones
+from rangenav.inputs import Vec3
+from rangenav.observability import blindness
+from rangenav.preset import MAX_DURATION, Preset
+from rangenav.signals import MinimumSnap, Multisine, Signal, Sum, Tone, Waypoints
+
+Kind = Literal["tones", "amplitude", "frequency", "timescale", "waypoints"]
+KINDS: tuple[Kind, ...] = ("tones", "amplitude", "frequency", "timescale", "waypoints")
+LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
+MOST_FACTOR = 4.0
+"""Sizes, frequencies and times are changed by at most this factor; beyond it is another motion."""
+MOST_ACCELERATION = 10.0
+"""m/s², of one added tone: about a weight."""
+MOST_MOVED = 3.0
+"""m, of a waypoint."""
+WAVES = 3
+"""Waypoints are moved along waves of one, two and three turns over the path."""
+BOX_SAMPLES = 401
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Change:
+    """One way of changing a preset. θ = 0 changes nothing."""
+
+    box: Float[Array, "n 2"]
+    """Where θ may lie."""
+    make: Callable[[Array], Preset]
+    """θ → the changed preset. Raises ValueError where there is none."""
+    effort: Callable[[Array], float]
+    """How large the change is."""
+    words: Callable[[Array], str]
+    tidy: Callable[[Array], Array]
+    """θ with numbers that a person would write."""
+    seeds: tuple[Float[Array, "n"], ...]
+    """Ends of rays from no change, along which a first solution is looked for."""
+    grows: Bool[Array, "n"] | None = None
+    """Which unknowns grow along a ray; None: all of them. Frequencies and phases stay."""
+
+    def ray(self, end: Float[Array, "n"], share: float) -> Float[Array, "n"]:
+        """A share of the way from no change to `end`."""
+        return share * end if self.grows is None else np.where(self.grows, share * end, end)
+
+
+def tones(preset: Preset, added: Added) -> Change:
+    """Amplitude and phase of each of the tones that a first search has found; θ = (amplitudes, phases)."""
+    count = len(added.directions)
+    weights = np.array([1 + w**2 / STANDARD_GRAVITY for w in added.frequencies])
+
+    def made(theta: Array) -> tuple[Tone, ...]:
+        return tuple(
+            Tone(axis=axis, amplitude=float(theta[i] * n[k]), frequency=w, phase=float(theta[count + i]))
+            for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
+            for k, axis in enumerate(LETTERS)
+            if n[k] != 0
+        )
+
+    def said(theta: Array) -> str:
+        each = [
+            f"{theta[i]:g} m at {w:g} rad/s along {blindness.name(n)}"
+            for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
+        ]
+        return f"added {'a tone' if count == 1 else 'tones'} of " + " and ".join(each)
+
+    most = [[0.0, 3 * added.amplitude]] * count + [[-math.pi, math.pi]] * count
+    return Change(
+        box=np.array(most),
+        make=lambda theta: _with_path(preset, with_tones(preset.path, made(theta))),
+        effort=lambda theta: float(np.linalg.norm(theta[:count] * weights)),
+        words=said,
+        tidy=lambda theta: np.array([_up(a, 3) for a in theta[:count]] + [round(float(a), 2) for a in theta[count:]]),
+        seeds=(np.array([2 * added.amplitude] * count + [0.0] * count),),
+    )
+
+
+def free_tones(preset: Preset) -> Change:
+    """Three tones, one an axis, with all their numbers; θ = (accelerations, frequencies, phases). For a wide search."""
+    candidates = remedy.candidates(preset)
+    slowest, fastest = 0.5 * candidates[0], 1.5 * candidates[-1]
+    period = preset.path.period
+    step = math.pi / period if period else 0.1  # half the fundamental, so that what repeats still repeats
+
+    def snapped(w: float) -> float:
+        return float(f"{step * max(1, round(w / step)):.12g}")
+
+    def made(theta: Array) -> tuple[Tone, ...]:
+        w = [snapped(float(value)) for value in theta[3:6]]
+        return tuple(
+            Tone(axis=axis, amplitude=float(theta[k]) / w[k] ** 2, frequency=w[k], phase=float(theta[6 + k]))
+            for k, axis in enumerate(LETTERS)
+        )
+
+    def kept(theta: Array) -> tuple[Tone, ...]:
+        return tuple(tone for tone in made(theta) if tone.amplitude >= remedy.LEAST_AMPLITUDE)
+
+    def effort(theta: Array) -> float:
+        return math.hypot(*(tone.amplitude * (1 + tone.frequency**2 / STANDARD_GRAVITY) for tone in made(theta)))
+
+    def said(theta: Array) -> str:
+        each = [f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis}" for tone in kept(theta)]
+        return f"added {'a tone' if len(each) == 1 else 'tones'} of " + " and ".join(each)
+
+    def tidy(theta: Array) -> Array:
+        w = np.array([snapped(float(value)) for value in theta[3:6]])
+        sizes = [_up(float(a), 3) * v**2 for a, v in zip(theta[:3] / w**2, w, strict=True)]
+        return np.concatenate([sizes, w, np.round(theta[6:], 2)])
+
+    box = [[0.0, MOST_ACCELERATION]] * 3 + [[slowest, fastest]] * 3 + [[0.0, 2 * math.pi]] * 3
+    return Change(
+        box=np.array(box),
+        make=lambda theta: _with_path(preset, with_tones(preset.path, kept(theta))),
+        effort=effort,
+        words=said,
+        tidy=tidy,
+        seeds=tuple(
+            np.concatenate([MOST_ACCELERATION * axis, [w] * 3, [0.0] * 3]) for axis in np.eye(3) for w in candidates
+        ),
+        grows=np.array([True] * 3 + [False] * 6),
+    )
+
+
+def amplitude(preset: Preset) -> Change:
+    """The path stretched along each axis about the middle of its box; θ = log factors of x, y, z."""
+    places = preset.path(np.linspace(0, preset.duration, BOX_SAMPLES))
+    middle, size = (places.max(axis=0) + places.min(axis=0)) / 2, np.ptp(places, axis=0)
+    moves = size > 1e-9 * max(1.0, float(size.max()))
+
+    def make(theta: Array) -> Preset:
+        factors = np.where(moves, np.exp(theta), 1.0)
+        return _with_path(preset, signals.mapped(preset.path, np.diag(factors), middle - factors * middle))
+
+    return Change(
+        box=_factors(3),
+        make=make,
+        effort=lambda theta: float(np.linalg.norm(theta[moves])),
+        words=lambda theta: (
+            "scaled " + _listed([f"{a} by {math.exp(t):.3g}" for a, t in zip("xyz", theta, strict=True)])
+        ),
+        tidy=_round_factors,
+        seeds=_corners(np.array([moves, *np.diag(moves)], dtype=float)),
+    )
+
+
+def frequency(preset: Preset) -> Change:
+    """The path's own tones sped up or slowed, each frequency by itself; θ = log factors, in rising order."""
+    found = own_tones(preset.path)
+    own = sorted({tone.frequency for tone in found})
+
+    def make(theta: Array) -> Preset:
+        factors = dict(zip(own, np.exp(theta).tolist(), strict=True))
+        made = tuple(
+            msgspec.structs.replace(tone, frequency=float(f"{tone.frequency * factors[tone.frequency]:.3g}"))
+            for tone in found
+        )
+        return _with_path(preset, _with_own_tones(preset.path, made))
+
+    return Change(
+        box=_factors(len(own)),
+        make=make,
+        effort=lambda theta: float(np.linalg.norm(theta)),
+        words=lambda theta: (
+            "changed "
+            + _listed(
+                [f"{w:g} to {w * math.exp(t):.3g} rad/s" for w, t in zip(own, theta, strict=True) if abs(t) > 1e-3]
+            )
+        ),
+        tidy=lambda theta: np.array(
+            [math.log(float(f"{w * math.exp(t):.3g}") / w) for w, t in zip(own, theta, strict=True)]
+        ),
+        seeds=_corners(np.vstack([np.eye(len(own)), np.ones((1, len(own)))])),
+    )
+
+
+def timescale(preset: Preset) -> Change:
+    """The same geometry run faster or slower; a flight whose path ends gets longer or shorter too. θ = (log factor)."""
+
+    def make(theta: Array) -> Preset:
+        factor = math.exp(float(theta[0]))
+        duration = preset.duration
+        if preset.path.period is None:
+            duration = min(MAX_DURATION, duration * factor)
+        return msgspec.structs.replace(preset, path=signals.slowed(preset.path, factor), duration=duration)
+
+    def said(theta: Array) -> str:
+        factor = math.exp(float(theta[0]))
+        return f"run {factor:.3g} times slower" if factor > 1 else f"run {1 / factor:.3g} times faster"
+
+    return Change(
+        box=_factors(1),
+        make=make,
+        effort=lambda theta: abs(float(theta[0])),
+        words=said,
+        tidy=_round_factors,
+        seeds=_corners(np.ones((1, 1))),
+    )
+
+
+def waypoints(preset: Preset, directions: tuple[Float[Array, "3"], ...]) -> Change:
+    """Waypoints moved along directions, by waves over their numbers; θ = m along each direction and wave."""
+    base = _curve(preset.path)
+    turn = np.arange(len(base.points)) / len(base.points)
+    waves = [wave(2 * math.pi * j * turn) for j in range(1, WAVES + 1) for wave in (np.cos, np.sin)]
+    waves = [wave for wave in waves if np.linalg.norm(wave) > 1e-9]
+    patterns = np.array([np.outer(wave, n) for n in directions for wave in waves])  # (θ, points, 3)
+
+    def moved(theta: Array) -> Array:
+        return np.round(np.tensordot(theta, patterns, axes=1), 3)  # millimetres
+
+    def make(theta: Array) -> Preset:
+        points = tuple(
+            msgspec.structs.replace(point, value=_vec(np.asarray(point.value) + step))
+            for point, step in zip(base.points, moved(theta), strict=True)
+        )
+        return _with_path(preset, _with_curve(preset.path, msgspec.structs.replace(base, points=points)))
+
+    def said(theta: Array) -> str:
+        size = np.linalg.norm(moved(theta), axis=1)
+        return f"moved {int(np.sum(size > 0))} waypoints by up to {size.max():.3g} m"
+
+    count = len(patterns)
+    return Change(
+        box=np.array([[-MOST_MOVED, MOST_MOVED]] * count),
+        make=make,
+        effort=lambda theta: float(np.sqrt(np.mean(np.sum(moved(theta) ** 2, axis=1)))),
+        words=said,
+        tidy=lambda theta: np.round(theta, 3),
+        seeds=tuple(MOST_MOVED * row for row in np.eye(count)),
+    )
+
+
+def own_tones(path: Signal) -> tuple[Tone, ...]:
+    """The tones a path is made of, or those of its wiggle; none for other families."""
+    match path:
+        case Multisine(tones=found) | Sum(wiggle=Multisine(tones=found)):
+            return found
+        case _:
+            return ()
+
+
+def refusal(kind: Kind, preset: Preset) -> str | None:
+    """Why a kind of change cannot be made on a path at all; None if it can be tried."""
+    path = preset.path
+    if kind == "frequency" and not own_tones(path):
+        return "the path has no tones whose frequency could be changed"
+    if kind == "waypoints" and not isinstance(_holder(path), Waypoints | MinimumSnap):
+        return "the path has no waypoints that could be moved"
+    if kind == "tones" and isinstance(path, Sum) and not isinstance(path.wiggle, Multisine):
+        return "the path is a sum already, and neither part of it takes tones"
+    if kind in ("amplitude", "timescale") and path.period == 0:
+        return "the path does not bend, and stays straight at any size and speed"
+    return None
+
+
+def _holder(path: Signal) -> Signal:
+    return path.base if isinstance(path, Sum) else path
+
+
+def _curve(path: Signal) -> Waypoints | MinimumSnap:
+    held = _holder(path)
+    if not isinstance(held, Waypoints | MinimumSnap):
+        raise ValueError("the path has no waypoints that could be moved")
+    return held
+
+
+def _with_curve(path: Signal, curve: Waypoints | MinimumSnap) -> Signal:
+    return msgspec.structs.replace(path, base=curve) if isinstance(path, Sum) else curve
+
+
+def _with_own_tones(path: Signal, made: tuple[Tone, ...]) -> Signal:
+    if isinstance(path, Sum):
+        return msgspec.structs.replace(path, wiggle=msgspec.structs.replace(path.wiggle, tones=made))
+    return msgspec.structs.replace(path, tones=made)
+
+
+def _with_path(preset: Preset, path: Signal) -> Preset:
+    return msgspec.structs.replace(preset, path=path)
+
+
+def _factors(count: int) -> Float[Array, "n 2"]:
+    return np.array([[-1.0, 1.0]] * count) * math.log(MOST_FACTOR)
+
+
+def _corners(rows: Float[Array, "k n"]) -> tuple[Array, ...]:
+    """Up and down along each row, to the edge of what is allowed."""
+    return tuple(sign * math.log(MOST_FACTOR) * row for row in rows for sign in (1, -1) if np.any(row))
+
+
+def _round_factors(theta: Array) -> Array:
+    return np.array([math.log(float(f"{math.exp(t):.3g}")) for t in theta])
+
+
+def _up(value: float, digits: int) -> float:
+    return upwards(value, digits) if value > 0 else 0.0
+
+
+def _listed(parts: list[str]) -> str:
+    return " and ".join(parts)
+
+
+def _vec(vector: Array) -> Vec3:
+    x, y, z = (float(value) for value in vector)
+    return (x, y, z)

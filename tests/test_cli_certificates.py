@@ -1,0 +1,116 @@
+"""certify, verify and repair on the command line: what is written, exit codes, and sentences on stderr."""
+
+import json
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from rangenav import __main__ as cli
+from rangenav import certificate, preset
+
+Call = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Call:
+    """run(arguments) -> (exit code, stdout, stderr), in this process."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["rangenav", *map(str, arguments)])
+        code = 0
+        try:
+            cli.main()
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return call
+
+
+@pytest.fixture
+def soft(tmp_path: Path) -> Path:
+    return Path(shutil.copy(preset.find("soft"), tmp_path / "soft.toml"))
+
+
+def test_certify_writes_what_verify_accepts(run: Call, soft: Path):
+    assert run("certify", soft, "-o", certificate.beside(soft)) == (0, "", "")
+    assert certificate.beside(soft).read_bytes() == certificate.dumps(certificate.certify_file(soft))
+    assert run("verify", soft) == (0, "✓ soft.toml\n", "")
+
+
+def test_certify_shows_a_table_or_prints_one_object(run: Call):
+    code, out, err = run("certify", "circle")
+    assert (code, err) == (0, "")
+    assert "certified, blind" in out
+    assert "✕ excitation: the excitation" in out
+    code, out, err = run("certify", "circle", "--json")
+    assert (code, err, out.count("\n")) == (0, "", 1)
+    assert json.loads(out, parse_constant=pytest.fail) == certificate.plain(certificate.certify_file("circle"))
+
+
+def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(run: Call, soft: Path):
+    soft.write_text(soft.read_text().replace("mu = 50.0", "mu = 500.0"))
+    code, out, err = run("certify", soft, "-o", certificate.beside(soft))
+    assert (code, out) == (1, "")
+    assert err.startswith(f"{soft}: the excitation along ")
+    assert err.endswith("500 m²/s⁷ required\n")
+    code, out, err = run("verify", soft)  # the certificate says so as well, and that is no reason to accept it
+    assert (code, out) == (1, "✕ soft.toml\n")
+    assert err.startswith("soft.toml: the excitation along ")
+
+
+def test_verify_says_one_sentence_for_each_failure_and_goes_on(run: Call, soft: Path, tmp_path: Path):
+    run("certify", soft, "-o", certificate.beside(soft))
+    soft.write_bytes(soft.read_bytes() + b" ")
+    missing = tmp_path / "missing.toml"
+    code, out, err = run("verify", soft, missing, "circle")
+    assert code == 1
+    assert out.splitlines() == ["✕ soft.toml", "✕ missing.toml", "✓ circle"]
+    first, second = err.splitlines()
+    assert first.startswith("soft.toml: its bytes are not those that were certified")
+    assert second == f"{missing}: no such file"
+    code, out, _ = run("verify", soft, "circle", "--json")
+    report = json.loads(out)["files"]
+    assert (code, report["circle"]) == (1, {"holds": True, "failures": []})
+    assert not report[str(soft)]["holds"]
+
+
+def test_repair_writes_a_preset_that_certifies(run: Call, tmp_path: Path):
+    file = tmp_path / "round.toml"
+    code, out, err = run("repair", "circle", "-o", file, "--json")
+    assert (code, err) == (0, "")
+    report = json.loads(out, parse_constant=pytest.fail)
+    assert report["words"] in preset.load(file).story.lower()
+    assert report["after"]["rank"] == 13
+    assert run("certify", file, "-o", certificate.beside(file)) == (0, "", "")
+    code, out, _ = run("repair", file)
+    assert code == 0
+    assert "nothing had to be changed" in out
+
+
+def test_a_repair_that_cannot_be_made_is_a_sentence_and_exit_1(run: Call, tmp_path: Path):
+    code, out, err = run("repair", "circle", "--by", "timescale", "-o", tmp_path / "no.toml")
+    assert (code, out) == (1, "")
+    assert err.startswith("circle: timescale: the path has no snap along z")
+    assert not (tmp_path / "no.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["certify", "papper"], "papper: no such preset; shipped are"),
+        (["certify"], "Missing"),
+        (["certify", "circle", "-o", "nowhere/c.json"], "nowhere/c.json: No such file or directory"),
+        (["verify"], "no file was named"),
+        (["repair", "circle", "--by", "magic"], "magic"),
+        (["repair", "circle", "-o", "new.json"], "--output must name a file that ends in .toml"),
+    ],
+)
+def test_bad_input_is_one_line_on_stderr_and_exit_2(run: Call, arguments: list[str], said: str):
+    code, out, err = run(*arguments)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert said in err

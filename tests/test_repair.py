@@ -1,0 +1,237 @@
+"""Repair: what comes out is certified, flyable and small; what cannot be done is refused with the reason."""
+
+import math
+
+import msgspec
+import numpy as np
+import pytest
+
+from rangenav import certificate, preset, repair, signals
+from rangenav.certificate.figures import figures, shortfall
+from rangenav.certificate.remedy import with_tones
+from rangenav.preset import Preset
+from rangenav.repair import CancelledError, CannotRepairError
+from rangenav.signals import (
+    Flown,
+    Formula,
+    MinimumSnap,
+    Multisine,
+    Signal,
+    Sum,
+    Tone,
+    Waypoint,
+    Waypoints,
+    polynomials,
+)
+from rangenav.vehicle import CRAZYFLIE, FIVE_INCH
+
+replace = msgspec.structs.replace
+SOFT = preset.load("soft")
+EIGHT = Multisine(
+    tones=(Tone(axis="x", amplitude=1.0, frequency=1.5), Tone(axis="y", amplitude=0.5, frequency=3.0)),
+    offset=(0.0, 0.0, 1.0),
+)
+PERIOD = 2 * math.pi / 1.5
+POINTS = tuple(
+    Waypoint(time=k * PERIOD / 8, value=tuple(EIGHT(np.array(k * PERIOD / 8)).tolist()))  # pyright: ignore
+    for k in range(8)
+)
+LOOP, SNAP = Waypoints(points=POINTS, period=PERIOD), MinimumSnap(points=POINTS, period=PERIOD)
+PLANAR: dict[str, Signal] = {
+    "multisine": EIGHT,
+    "waypoints": LOOP,
+    "minimum snap": SNAP,
+    "polynomials": polynomials.from_minimum_snap(SNAP),
+    "formula": Formula(x="sin(1.5*t)", y="sin(1.5*t)*cos(1.5*t)", z="1"),
+}
+
+
+def flown(path: Signal, **fields: object) -> Preset:
+    """A path flown by a Crazyflie, judged as the soft path is: δ = 12 s, μ ≥ 50 m²/s⁷, σ ≤ 0.5 m."""
+    fields = {"vehicle": CRAZYFLIE, "angular_velocity": Flown(), "expect": "unobservable", **fields}
+    return replace(SOFT, path=path, **fields)
+
+
+def held(found: repair.Repair, limits: Preset) -> None:
+    """The new preset meets every requirement, certified from its own bytes, and the vehicle of `limits` can fly it."""
+    again = certificate.certify(preset.dumps(found.after).encode(), source="after")
+    assert again == found.certificate
+    assert (again.certified, again.meets, again.rank.rank) == (True, True, 13)
+    assert again.excitation.lower is not None
+    assert again.excitation.lower >= limits.requirement.mu
+    assert again.accuracy.lifted.end.position is not None
+    assert again.accuracy.lifted.end.position <= limits.requirement.position_sigma
+    flying = replace(found.after, vehicle=limits.vehicle)
+    assert certificate.certify(preset.dumps(flying).encode(), source="after").vehicle.flyable
+    assert found.after.story == f"{found.words[0].upper()}{found.words[1:]}."
+
+
+@pytest.mark.parametrize("name", PLANAR)
+def test_a_planar_figure_eight_of_any_family_is_repaired_by_a_tone(name: str):
+    p = flown(PLANAR[name])
+    found = repair.repair(p)
+    held(found, p)
+    added = found.after.path.wiggle if isinstance(found.after.path, Sum) else found.after.path
+    assert isinstance(added, Multisine)
+    (tone,) = [tone for tone in added.tones if tone.axis == "z"]
+    assert found.words == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z"
+    assert tone.amplitude < 0.1
+    assert found.after.path.period is not None  # so the certificate speaks of every t
+    assert found.certificate.claim.starts == "every t >= 0"
+
+
+def test_the_circle_is_repaired_within_a_small_vehicles_limits():
+    """Its own vehicle is free, but a repair that a small one can fly is preferred."""
+    p = preset.load("circle")
+    found = repair.repair(p)
+    held(found, replace(p, vehicle=replace(CRAZYFLIE, body_rate=None)))
+    assert found.after.vehicle == p.vehicle
+    assert found.certificate.limits.thrust_to_weight < 1.95 / 1.35
+
+
+def test_a_repair_is_not_larger_than_it_must_be():
+    p = flown(EIGHT)
+    found = repair.repair(p)
+    tones = found.after.path.tones  # pyright: ignore
+    smaller = tuple(replace(tone, amplitude=0.85 * tone.amplitude) if tone.axis == "z" else tone for tone in tones)
+    assert not certificate.certify(
+        preset.dumps(replace(found.after, path=Multisine(tones=smaller, offset=EIGHT.offset))).encode(), source="less"
+    ).meets
+    (before, after) = found.figures_before, found.figures_after
+    assert not math.isfinite(before.sigma)
+    assert 0.9 * p.requirement.position_sigma < after.sigma <= p.requirement.position_sigma  # as little as will do
+
+
+def test_nothing_is_changed_about_what_meets_its_requirement():
+    found = repair.repair(SOFT)
+    assert (found.before, found.after, found.words, found.effort) == (SOFT, SOFT, "nothing had to be changed", 0.0)
+
+
+def test_three_missing_directions_take_three_tones_of_different_frequencies():
+    requirement = replace(SOFT.requirement, mu=5.0)
+    p = flown(Multisine(offset=(0.0, 0.0, 1.0)), requirement=requirement)
+    found = repair.repair(p)
+    held(found, p)
+    tones = found.after.path.tones  # pyright: ignore
+    assert sorted({tone.axis for tone in tones}) == ["x", "y", "z"]
+    assert len({tone.frequency for tone in tones}) > 1  # of one frequency they would be an ellipse
+
+
+@pytest.mark.parametrize("by", ["timescale", "amplitude"])
+def test_a_plane_is_not_repaired_by_size_or_speed_and_the_reason_is_said(by: repair.Kind):
+    words = r"the path has no snap along z in the 12 s from t = 0 s, and .* it has none either; added tones would"
+    with pytest.raises(CannotRepairError, match=f"^{by}: {words}"):
+        repair.repair(flown(EIGHT), by=by)
+
+
+@pytest.mark.parametrize(
+    ("path", "by", "words"),
+    [
+        (EIGHT, "waypoints", "the path has no waypoints that could be moved"),
+        (LOOP, "frequency", "the path has no tones whose frequency could be changed"),
+        (Sum(base=EIGHT, wiggle=Formula(x="0.1*sin(t)")), "tones", "the path is a sum already, and neither part"),
+        (Multisine(), "timescale", "the path does not bend, and stays straight at any size and speed"),
+        (signals.slowed(SOFT.path, 0.5), "tones", "the path is too much for Crazyflie 2.1 already: thrust "),
+    ],
+)
+def test_what_a_kind_of_change_cannot_do_is_refused_with_the_reason(path: Signal, by: repair.Kind, words: str):
+    with pytest.raises(CannotRepairError, match=f"^{by}: {words}"):
+        repair.repair(flown(path), by=by)
+
+
+def test_a_search_that_finds_nothing_says_how_near_it_came():
+    asked = replace(SOFT.requirement, position_sigma=1e-3)  # a millimetre
+    with pytest.raises(CannotRepairError) as refused:
+        repair.repair(flown(EIGHT, requirement=asked), evaluations=150)
+    assert "tones: no change that meets the requirement was found in 150 looks; the nearest has μ = " in str(
+        refused.value
+    )
+
+
+def test_a_path_that_is_too_small_is_made_larger():
+    p = flown(signals.scaled(SOFT.path, 0.5, about=(0.0, 0.0, 0.0)), expect="observable")
+    found = repair.repair(p, by="amplitude")
+    held(found, p)
+    assert found.words.startswith("scaled x by ")
+    size = np.ptp(found.after.path(np.linspace(0, 20, 500)), axis=0) / np.ptp(p.path(np.linspace(0, 20, 500)), axis=0)
+    assert size.max() < 1 / 0.5 * 1.1  # no larger than the path that is known to do, and a little
+
+
+def test_a_path_that_is_too_slow_is_run_faster_as_little_as_will_do():
+    p = flown(signals.slowed(SOFT.path, 1.4), expect="observable", vehicle=FIVE_INCH)
+    found = repair.repair(p, by="timescale")
+    held(found, p)
+    factor = math.exp(found.effort)
+    assert found.words == f"run {factor:.3g} times faster"
+    slower = replace(p, path=signals.slowed(p.path, 0.97 / factor * 1.06))
+    assert max(shortfall(figures(slower), slower).values()) > 0
+
+
+def test_frequencies_that_coincide_are_told_apart():
+    """A circle and a z-sine of its own frequency lie in a plane; they need not stay at one frequency."""
+    tones = (*EIGHT.tones, Tone(axis="z", amplitude=0.3, frequency=1.5))
+    p = flown(Multisine(tones=(tones[0], replace(tones[0], axis="y", phase=1.5), replace(tones[2], frequency=1.6))))
+    found = repair.repair(p, by="frequency")
+    held(found, p)
+    assert found.words.startswith("changed ")
+
+
+@pytest.mark.parametrize("path", [LOOP, SNAP])
+def test_a_planar_loop_is_repaired_by_moving_its_waypoints(path: Signal):
+    p = flown(path)
+    found = repair.repair(p, by="waypoints", evaluations=250)
+    held(found, p)
+    moved = np.array([new.value for new in found.after.path.points]) - [old.value for old in POINTS]  # pyright: ignore
+    np.testing.assert_allclose(moved[:, :2], 0.0, atol=1e-12)  # out of the plane, and nowhere else
+    assert 0.01 < np.abs(moved[:, 2]).max() < 0.2
+    assert found.words == f"moved {np.sum(np.abs(moved[:, 2]) > 0)} waypoints by up to {np.abs(moved).max():.3g} m"
+
+
+def test_a_search_can_be_cancelled_at_any_look():
+    looks = iter(range(1000))
+    with pytest.raises(CancelledError):
+        repair.repair(flown(EIGHT), cancelled=lambda: next(looks) >= 5)
+    assert next(looks) == 6  # it stopped at once
+
+
+def test_a_budget_is_kept_and_progress_rises_to_its_end():
+    told: list[float] = []
+    asked = replace(SOFT.requirement, position_sigma=1e-3)
+    with pytest.raises(CannotRepairError):
+        repair.repair(flown(EIGHT, requirement=asked), evaluations=80, progress=lambda share, _: told.append(share))
+    assert told == sorted(told)
+    assert 0 < told[0] <= told[-1] <= 1
+    assert len(told) <= 80
+
+
+@pytest.mark.parametrize("by", ["tones", "amplitude", "timescale"])
+def test_a_motion_is_improved_within_its_limits(by: repair.Kind):
+    p = replace(SOFT, vehicle=CRAZYFLIE, angular_velocity=Flown())
+    found = repair.improve(p, by=by)
+    assert found.figures_after.sigma < 0.9 * found.figures_before.sigma
+    assert found.certificate.meets
+    assert found.certificate.vehicle.flyable
+    assert found.after.title == "Soft three-tone path, improved"
+
+
+def test_what_cannot_be_improved_is_refused():
+    with pytest.raises(CannotRepairError, match="the motion is blind, so there is no predicted error to improve"):
+        repair.improve(flown(EIGHT))
+    with pytest.raises(CannotRepairError, match="no change of effort 1e-06 or less"):
+        repair.improve(replace(SOFT, vehicle=CRAZYFLIE), by="amplitude", most_effort=1e-6)
+
+
+def test_a_report_says_before_and_after():
+    report = repair.report(repair.repair(flown(EIGHT)), name="eight")
+    assert report["before"]["position_sigma"] is None
+    assert report["before"]["reason"] == "position_sigma: null, blind"
+    assert report["after"]["certified"]
+    assert report["after"]["position_sigma"] <= 0.5
+
+
+def test_tones_join_what_a_path_has():
+    tone = Tone(axis="z", amplitude=0.1, frequency=2.0)
+    assert with_tones(EIGHT, (tone,)).tones[-1] == tone  # pyright: ignore
+    once = with_tones(LOOP, (tone,))
+    assert once == Sum(base=LOOP, wiggle=Multisine(tones=(tone,)))
+    assert with_tones(once, (tone,)) == Sum(base=LOOP, wiggle=Multisine(tones=(tone, tone)))
