@@ -17,7 +17,7 @@ from explorer.compute import Picture
 
 NARROW_WIDTH = 360
 """px of a single column."""
-HEIGHT, NARROW_HEIGHT = 168, 108
+HEIGHT, NARROW_HEIGHT = 162, 102
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
 BAND_TINT, HEX = "38", len("#rrggbb")
 """Opacity, hexadecimal; and how much of a colour stands before its own."""
