@@ -3,7 +3,7 @@
 import math
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import msgspec
 import numpy as np
@@ -19,8 +19,6 @@ from tests.house import house
 from tests.wire import Storage, Wire
 
 NOT_SHOWN = "Not shown"
-PRESS = 0.05
-"""s: presses of buttons go through a pool of threads, and may be overtaken."""
 LONGEST_ANSWER = 1.0
 """s that bad input may take to be told, beyond what the machine needs for a good picture."""
 
@@ -46,17 +44,22 @@ class Editing:
 
     def press(self, label: str, option: str | None = None) -> None:
         """Press a button, or one of a row of buttons."""
-        self.tab.press(label, option)
-        self.settle()
+        self._carried_out(lambda: self.tab.press(label, option))
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
-        self.tab.command(label)
+        self._carried_out(lambda: self.tab.command(label))
+
+    def _carried_out(self, ask: Callable[[], None]) -> None:
+        """Ask for something, and wait until it was done: presses go through a pool of threads, and may be overtaken."""
+        sheet = self.session._sheet
+        before = sheet.carried
+        ask()
+        self.tab.wait_for(lambda: sheet.carried > before, "the action")
         self.settle()
 
     def settle(self) -> None:
         """Until the session has taken in all that was sent: it shows a moment only after what came before."""
-        time.sleep(PRESS)
         self._moment = round((self._moment + 0.01) % 9.0, 2)
         self.tab.set("t (s)", self._moment)
         self.tab.wait_for_text(f"<b>{self._moment:.2f} s</b>")
