@@ -145,7 +145,7 @@ def _drags() -> tuple[dict[str, np.ndarray], dict[str, float]]:
 def _drag(port: int) -> tuple[np.ndarray, float]:
     """Places sent at a steady rate: how long each waited for a picture that shows it or a later one."""
     tab = Wire(port)
-    tab.wait_for_text("of 13")
+    tab.wait_for_text("of 13</b>, nonlinear")
     handle = "/handles/waypoint4"
     tab.wait_for(lambda: handle in tab.nodes, "a handle")
     time.sleep(2)
@@ -162,8 +162,8 @@ def _drag(port: int) -> tuple[np.ndarray, float]:
     tab.drag_message(handle, "end", home, place)
     time.sleep(1)
     tab.close()
-    last = drawn[-1][0]  # one plot stands for all that are drawn with it; the box says which place they show
-    pictures = [(moment, shown) for uuid, moment, shown in drawn if uuid == last]
+    first = drawn[0][0]  # one plot stands for all that are drawn with it; the box says which place they show
+    pictures = [(moment, shown) for uuid, moment, shown in drawn if uuid == first]
     waits = [1e3 * (next(m for m, shown in pictures if shown > x - STEP) - moment) for moment, x in sent]
     during = [moment for moment, _ in pictures if began < moment < sent[-1][0]]
     return np.array(waits), len(during) / (sent[-1][0] - began)

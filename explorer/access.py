@@ -181,7 +181,7 @@ def _busy(port: int) -> str:
 
 
 def _drop_unused(gui: viser.GuiApi) -> None:
-    """The page has no uploads and no forms, but viser would collect the former without limit and store them as a
-    control's value, and would pass the latter's messages on to every other visitor."""
+    """The page has no forms, whose messages viser would pass on to every other visitor. Uploads it would collect
+    without limit and store as any control's value: `explorer.uploads` takes its own, for its buttons, and no other."""
     for message in UNUSED_MESSAGES:
         gui._websock_interface.unregister_handler(message)

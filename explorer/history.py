@@ -54,7 +54,7 @@ class History:
             self._past.pop()
         else:
             self._parts = parts
-        self._hold = hold
+        self._hold = None if apart else hold
         self._past.append(settings)
         del self._past[:-DEPTH]
         self._future.clear()
@@ -65,7 +65,7 @@ class History:
         if len(self._past) < 2:
             return None
         self._future.append(self._past.pop())
-        self._changed = float("-inf")
+        self._break()
         return self._past[-1]
 
     def redo(self) -> Settings | None:
@@ -73,8 +73,12 @@ class History:
         if not self._future:
             return None
         self._past.append(self._future.pop())
-        self._changed = float("-inf")
+        self._break()
         return self._past[-1]
+
+    def _break(self) -> None:
+        """Whatever comes next is a step of its own, also while a handle is still held."""
+        self._changed, self._hold = float("-inf"), None
 
 
 def differing(before: Any, after: Any, where: str = "") -> Iterator[str]:

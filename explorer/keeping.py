@@ -23,13 +23,15 @@ class Kept(Input, frozen=True, kw_only=True):
 
 
 class Keeping:
-    """The file of one tab, or none where browser or disk refuse; `tell` is called once with the reason."""
+    """The file of one tab, or none where browser or disk refuse; `tell` is called with the reason when that begins."""
 
     def __init__(self, store: Store, opened: str, tell: Callable[[str], None]) -> None:
         self._store, self._opened, self._tell = store, opened, tell
         self._seat: str | None = None
         self._unwritten: Settings | None = None
         self._written = float("-inf")
+        self._failing = False
+        """Told once; each change is tried again, for a disk may have room later, or the work be smaller."""
 
     def find(self, seat: str | None) -> Kept | None:
         """The work kept under a name, None if there is none; from now on work is kept there."""
@@ -41,7 +43,7 @@ class Keeping:
             found = self._store.load(seat)
             return None if found is None else msgspec.json.decode(found, type=Kept)
         except Unsaved as reason:
-            self._tell(f"{reason}"[:1].upper() + f"{reason}"[1:] + ".")
+            self._tell(_sentence(reason))
         except (msgspec.DecodeError, ValueError, RecursionError) as error:
             self._tell(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
         return None
@@ -64,5 +66,13 @@ class Keeping:
         try:
             self._store.save(self._seat, msgspec.json.encode(Kept(opened=self._opened, settings=settings)))
         except Unsaved as reason:
-            self._seat = None
-            self._tell(f"{reason}"[:1].upper() + f"{reason}"[1:] + ". The page works on; download what you need.")
+            if not self._failing:
+                self._tell(f"{_sentence(reason)} The page works on; download what you need.")
+            self._failing = True
+        else:
+            self._failing = False
+
+
+def _sentence(reason: Unsaved) -> str:
+    words = str(reason)
+    return f"{words[:1].upper()}{words[1:]}."

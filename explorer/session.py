@@ -13,27 +13,31 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import msgspec
 import viser
 
 from explorer import compute
 from explorer.access import accept_values_only
-from explorer.charts import Charts
+from explorer.certifying import Certifying
+from explorer.charts import TITLES, Charts
 from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
 from explorer.jobs import Jobs
 from explorer.keeping import Keeping
+from explorer.library import Library
 from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
+from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.timeline import TimelinePanel
 from explorer.playback import Playback
 from explorer.scene import Scene
 from explorer.scene.handles import Handles
 from explorer.settings import Settings, effective
+from explorer.shelf import Shelf
 from explorer.store import Store, Unsaved
 from explorer.visitor import Slots, seat_of
 from explorer.warming import Warming
@@ -66,16 +70,19 @@ class House:
     warming: Warming
     store: Store
     slots: Slots
+    library: Library = field(default_factory=Library)
+    certifying: Certifying = field(default_factory=Certifying)
 
 
 class Session:
     """Made when a tab connects, stopped when it leaves."""
 
     def __init__(self, client: viser.ClientHandle, house: House) -> None:
-        self._client, self._house, self._shipped = client, house, house.shipped
+        self._client, self._house = client, house
+        self._shelf = Shelf(house.shipped, house.library, house.certifying)
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._refused, self._drags = False, 0
+        self._drags = 0
         self._rests_at: float | None = None
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
@@ -128,11 +135,19 @@ class Session:
         canvas = client.camera.image_width
         self._sheet, self._jobs = Sheet(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
-            undo=self._undo, redo=self._redo, again=self._again, paper=self._paper, download=self._download
+            undo=self._undo,
+            redo=self._redo,
+            again=self._again,
+            paper=self._paper,
+            download=self._download,
+            send=self._send,
         )
-        self._dock = Dock(self._sheet, self._shipped, self._house.first, requests, self._jobs)
+        self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
         narrow = self._window_width(canvas) < NARROW
-        self._charts = Charts(client, narrow=narrow)
+        self._charts = Charts(client, narrow=narrow, note=self._wake.set)
+        with self._dock.tabs.add_tab("Export"):
+            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
+        self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
         self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
@@ -148,7 +163,7 @@ class Session:
             kept = self._tell(str(reason))
         if kept is None:
             return
-        known = kept.settings.origin in self._shipped
+        known = kept.settings.origin in self._shelf.presets
         settings = kept.settings if known else msgspec.structs.replace(kept.settings, origin=self._house.first)
         if kept.opened == self._house.first or not self._house.asked:
             self._dock.write(settings)
@@ -170,10 +185,11 @@ class Session:
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
-        self._refused = not self._took_in()
+        shown = self._took_in()
         self._sheet.refresh()
         self._dock.progress.draw()
-        if self._refused:
+        self._dock.presets.refresh()
+        if not shown:
             self._draw_handles()
 
     def _took_in(self) -> bool:
@@ -189,6 +205,7 @@ class Session:
             settings = self._dock.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
+                self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
@@ -218,7 +235,7 @@ class Session:
             self._handles.draw(anchor, self._dock.points, self._scene.stage)
 
     def _open(self, name: str) -> None:
-        self._dock.write(Settings(origin=name, preset=self._shipped[name]))
+        self._dock.presets.open(name)
 
     def _again(self) -> None:
         self._open(self._dock.origin)
@@ -228,10 +245,18 @@ class Session:
         self._charts.show_paper_figures()
 
     def _undo(self) -> None:
-        """One step back; what cannot be shown is itself a step."""
-        before = self._history.now if self._refused else self._history.undo()
+        """One step back; what is not shown, because it cannot be or because it has only just come, is itself a step."""
+        shown = self._history.now
+        before = self._history.undo() if self._chosen() == shown else shown
         if before is not None:
             self._dock.write(before)
+
+    def _chosen(self) -> Settings | None:
+        """What the controls say now, None if that is no valid input."""
+        try:
+            return self._dock.read()
+        except (Refused, ValueError):
+            return None
 
     def _redo(self) -> None:
         after = self._history.redo()
@@ -239,9 +264,16 @@ class Session:
             self._dock.write(after)
 
     def _download(self) -> None:
+        name, settings = self._named()
+        self._send(name, presets.document(settings))
+
+    def _named(self) -> tuple[str, Settings]:
+        """What is chosen, and the name of its file."""
         settings = self._dock.read()
-        name = presets.file_name(settings.origin, effective(settings), self._shipped[settings.origin])
-        self._client.send_file_download(name, presets.document(settings), save_immediately=True)
+        return presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
+
+    def _send(self, name: str, content: bytes) -> None:
+        self._client.send_file_download(name, content, save_immediately=True)
 
     def _draw(self, picture: Picture) -> None:
         self._picture = picture

@@ -50,6 +50,8 @@ class Settings(Input, frozen=True, kw_only=True):
 
     origin: str = ""
     """The preset it was made from, by name; what differs from that is marked on the page."""
+    edition: str = ""
+    """Which edition of a file of the visitor's own that was, so that no other is ever written over; else empty."""
     preset: Preset
     time_scale: float = 1.0
     """The path is run this many times slower."""

@@ -52,7 +52,7 @@ class Store:
             raise Unsaved(f"your work is not kept: it has {len(work)} bytes, and at most {MAX_BYTES} are kept")
         try:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            _write(path, work)
+            write(path, work)
         except OSError as error:
             raise Unsaved(f"your work is not kept: {self.folder} cannot be written ({error.strerror})") from error
         with self._lock:
@@ -85,7 +85,7 @@ class Store:
         for rank, (written, size, path) in enumerate(kept):
             total += size
             if rank >= MAX_FILES or total > MAX_TOTAL or now - written > MAX_AGE:
-                _unlink(path)
+                unlink(path)
 
     def _files(self) -> list[tuple[float, int, Path]]:
         """When written, how large, and where; files that were left unfinished are removed on the way."""
@@ -102,7 +102,7 @@ class Store:
                 if path.suffix == SUFFIX:
                     found.append((status.st_mtime, status.st_size, path))
                 elif time.time() - status.st_mtime > ABANDONED:
-                    _unlink(path)
+                    unlink(path)
         return found
 
     def _path(self, visitor: str) -> Path:
@@ -122,7 +122,7 @@ def state_folder() -> Path:
     return Path(told) if told else platformdirs.user_state_path("rangenav", appauthor=False)
 
 
-def _write(path: Path, work: bytes) -> None:
+def write(path: Path, work: bytes) -> None:
     """Beside the file, then in its place: a reader, or a crash at any moment, finds the old work or the new."""
     opened, name = tempfile.mkstemp(dir=path.parent, prefix=f"{path.stem}.", suffix=UNFINISHED)  # the owner's alone
     beside = Path(name)
@@ -133,11 +133,11 @@ def _write(path: Path, work: bytes) -> None:
             os.fsync(file.fileno())
         os.replace(beside, path)
     except BaseException:
-        _unlink(beside)
+        unlink(beside)
         raise
 
 
-def _unlink(path: Path) -> None:
+def unlink(path: Path) -> None:
     """Remove a file, if it is there and may be removed."""
     try:
         path.unlink(missing_ok=True)

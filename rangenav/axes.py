@@ -7,14 +7,31 @@ FLU): p → Fp, R → FRF, ω → Fω, g → Fg. It is its own inverse, and noth
 import msgspec
 import numpy as np
 
-from rangenav.inputs import Vec3
+from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import Preset
 from rangenav.sensors import Sensors
-from rangenav.signals import Flown, Signal, Turning, mapped
+from rangenav.signals import Flown, Polynomials, Signal, Sum, Turning, mapped
+from rangenav.signals.polynomials import Coefficients
 
 FLIP = np.diag([1.0, -1.0, -1.0])
 NO_SHIFT = np.zeros(3)
+ALONG = 1e-9
+"""Share of gravity that may lie beside z."""
+
+
+def z_up(world: World) -> bool:
+    """Whether z points up. Raises ValueError if gravity does not lie along it."""
+    x, y, z = world.gravity
+    rule = f"gravity must lie along z to be written z-up, got ({x:g}, {y:g}, {z:g})"
+    require(max(abs(x), abs(y)) <= ALONG * abs(z), rule)
+    return z < 0
+
+
+def upright(preset: Preset) -> Preset:
+    """The same run in a z-up world with forward-left-up body axes, as vehicles and robots have them: a level body stays
+    level and an accelerometer at rest reads +9.81 along z. Raises ValueError if gravity does not lie along z."""
+    return preset if z_up(preset.world) else flipped(preset)
 
 
 def flipped(preset: Preset) -> Preset:
@@ -55,8 +72,15 @@ def flipped_vector(vector: Vec3) -> Vec3:
 
 
 def flipped_signal(signal: Signal) -> Signal:
-    """The signal in the other axes, still of its own family."""
-    return mapped(signal, FLIP, NO_SHIFT)
+    """The signal in the other axes, still of its own family; the yaw of its pieces is about the other z."""
+    if isinstance(signal, Sum):
+        parts = {name: flipped_signal(getattr(signal, name)) for name in ("base", "wiggle")}
+        return msgspec.structs.replace(mapped(signal, FLIP, NO_SHIFT), **parts)
+    turned = mapped(signal, FLIP, NO_SHIFT)
+    if not isinstance(turned, Polynomials):
+        return turned
+    pieces = tuple(msgspec.structs.replace(piece, yaw=_negative(piece.yaw)) for piece in turned.pieces)
+    return msgspec.structs.replace(turned, pieces=pieces)
 
 
 def flipped_turning(turning: Turning) -> Turning:
@@ -64,6 +88,11 @@ def flipped_turning(turning: Turning) -> Turning:
     if isinstance(turning, Flown):
         return Flown(yaw=negated(turning.yaw))
     return flipped_signal(turning)
+
+
+def _negative(yaw: Coefficients) -> Coefficients:
+    a, b, c, d, e, f, g, h = (0.0 - value for value in yaw)
+    return a, b, c, d, e, f, g, h
 
 
 def negated(formula: str) -> str:

@@ -36,6 +36,7 @@ install_import_hook([*_checked_modules(), *NO_VISER], f"{shapes.__name__}.checke
 def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Nothing is written to, or read from, what the person who runs the tests has on this machine."""
     os.environ["RANGENAV_STATE"] = str(tmp_path_factory.mktemp("state"))
+    os.environ["RANGENAV_DATA"] = str(tmp_path_factory.mktemp("data"))
 
 
 @pytest.hookimpl(wrapper=True)

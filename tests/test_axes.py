@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from rangenav import analysis, axes, preset, record
 from rangenav.sensors import Noise, Unmodelled
-from rangenav.signals import Flown
-from tests.families import EXAMPLES
+from rangenav.signals import Flown, Polynomials, Sum
+from tests.families import EXAMPLES, MULTISINE, POLYNOMIALS
 
 SHIPPED = preset.shipped()
 FLIP = np.diag([1.0, -1.0, -1.0])
@@ -57,6 +57,24 @@ def test_a_flown_body_turns_with_its_axes():
     there = record.simulated(record.course_of(axes.flipped(soft))).motion
     assert np.allclose(there.rotation, FLIP @ here.rotation @ FLIP, atol=1e-12)
     assert np.allclose(there.angular_velocity, here.angular_velocity @ FLIP, atol=1e-12)
+
+
+def test_the_yaw_of_pieces_and_biases_turn_with_their_axes_and_upright_is_the_same_turn():
+    pieces = msgspec.structs.replace(POLYNOMIALS.pieces[0], yaw=(0.5, -0.25, 0.0, 0.0, 0.0, 0.0, 0.0, 3.0))
+    path = msgspec.structs.replace(POLYNOMIALS, pieces=(pieces, *POLYNOMIALS.pieces[1:]))
+    for signal in (path, Sum(base=path, wiggle=MULTISINE)):
+        turned = axes.flipped_signal(signal)
+        found = turned.base if isinstance(turned, Sum) else turned
+        assert isinstance(found, Polynomials)
+        assert found.pieces[0].yaw == (-0.5, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0, -3.0)
+        assert axes.flipped_signal(turned) == signal
+    biased = Unmodelled(gyro_bias=(0.01, 0.02, -0.03), lever_arm=(0.1, -0.2, 0.3))
+    p = SHIPPED["soft"]
+    down = msgspec.structs.replace(p, sensors=msgspec.structs.replace(p.sensors, unmodelled=biased))
+    assert down.world.gravity[2] > 0
+    assert axes.upright(down).sensors.unmodelled.gyro_bias == (0.01, -0.02, 0.03)
+    assert axes.upright(down) == axes.flipped(down)
+    assert axes.upright(axes.upright(down)) == axes.upright(down)
 
 
 @given(st.sampled_from(["sin(t)", "-(t)", "-(t) + (2)", "(t)", "-t", "0", " cos(t) "]))

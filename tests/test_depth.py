@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from viser.transforms import SO3
 
 from explorer import depth
-from explorer.charts import Charts, catalogue, markup, window_at
+from explorer.charts import FOLLOWS, Charts, catalogue, markup, window_at
 from explorer.charts import depth as drawings
 from explorer.scene import stage
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label

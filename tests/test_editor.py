@@ -78,7 +78,7 @@ def sessions() -> Iterator[tuple[int, Sessions]]:
 
 def _newest(made: Sessions, tab: Wire) -> Session:
     """The session of a tab that has just connected, once it has drawn."""
-    tab.wait_for_text("of 13")
+    tab.wait_for_text("of 13</b>, nonlinear")
     return list(made._of.values())[-1]
 
 
@@ -396,6 +396,84 @@ def test_durations_beyond_reason_get_a_sentence(editing: Editing, seconds: float
     editing.set("duration (s)", seconds)
     said = " ".join(editing.refusals())
     assert sentence in said if sentence else "requirement.window must be shorter than the duration" in said
+
+
+def _beside(editing: Editing, sentence: str) -> list[str]:
+    """Where a sentence is said other than in the verdict."""
+    return [said for said in editing.refusals() if sentence in said and NOT_SHOWN not in said]
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "sentence"),
+    [
+        ("duration (s)", 0.0, "duration must lie between"),
+        ("noise seed", 1.5, "seed must be a whole number"),
+        ("duration (s)", 3.0, "requirement.window must be shorter"),
+    ],
+)
+def test_a_refused_number_is_told_beside_its_box_and_no_longer_once_it_is_good(
+    editing: Editing, label: str, value: float, sentence: str
+):
+    good = editing.tab.value(label)
+    editing.set(label, value)
+    assert _beside(editing, sentence)
+    editing.settle()
+    assert _beside(editing, sentence)
+    editing.set(label, good)
+    assert editing.refusals() == []
+
+
+def test_a_sentence_about_the_whole_goes_when_another_takes_its_place(editing: Editing):
+    editing.set("w (rad/s)", 1e4)
+    assert _beside(editing, "faster than the IMU")
+    editing.set("range (Hz)", 2000.0)
+    editing.set("IMU (Hz)", 0.0)
+    assert not _beside(editing, "faster than the IMU")
+    assert _beside(editing, "imu_rate must lie")
+
+
+def test_why_a_button_did_nothing_is_told_until_something_else_is_shown(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("ends", "open: at rest at both ends")
+    editing.set("points: t x y z", "0 0 0 0\n20 1 1 1")
+    before = editing.settings
+    editing.press("", "− delete it")
+    assert _beside(editing, "2 to 2000 waypoints")
+    assert editing.settings == before
+    editing.set("q", 1.0)
+    assert not _beside(editing, "2 to 2000 waypoints")
+
+
+def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
+    editing.set("A (m)", 1.5)
+    editing.press("", "− remove this tone")
+    before = editing.settings
+    editing.command("Reset the last control")
+    assert editing.settings == before
+    assert not [said for said in editing.tab.notifications if "Internal error" in said]
+
+
+def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alone(editing: Editing):
+    editing.set("q", 1.0)
+    before = editing.settings
+    time.sleep(0.8)  # longer than a moment
+    sheet, uuid = editing.session._sheet, editing.tab.find("range (Hz)")
+    carry_out, dial = sheet.carry_out, editing.session._dock.sensors._range_rate
+
+    def busy() -> bool:
+        """A change and its undo come while the session is at work, and are seen together."""
+        sheet.carry_out = carry_out  # type: ignore[method-assign]
+        pending = len(sheet._actions)
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 33.0}})
+        editing.tab.wait_for(lambda: dial.read() == 33.0, "the change")
+        editing.tab.command("Undo")
+        editing.tab.wait_for(lambda: len(sheet._actions) > pending, "the undo")
+        return carry_out()
+
+    sheet.carry_out = busy  # type: ignore[method-assign]
+    editing.settle()
+    assert dial.read() == before.preset.sensors.range_rate
+    assert editing.settings == before
 
 
 def test_the_download_of_an_edited_path_is_read_back_exactly(editing: Editing):

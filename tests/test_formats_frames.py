@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from rangenav import motion, preset, record
+from rangenav.axes import upright
 from rangenav.formats import frames, runs
-from rangenav.formats.upright import upright
 from rangenav.signals import Flown
 from tests.families import EXAMPLES
 

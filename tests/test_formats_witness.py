@@ -11,8 +11,8 @@ import pytest
 import scipy.io
 
 from rangenav import formats, motion, preset, record
+from rangenav.axes import upright
 from rangenav.formats import frames, ramped, runs
-from rangenav.formats.upright import upright
 from rangenav.observability import excitation
 from rangenav.signals import polynomials
 

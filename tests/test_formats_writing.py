@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from rangenav import formats, motion, preset, record
+from rangenav.axes import upright
 from rangenav.formats import frames, hermite, ramped, requirement
 from rangenav.formats.polynomial import MAX_SEGMENTS
 from rangenav.formats.presets import as_preset
-from rangenav.formats.upright import upright
 from rangenav.observability import excitation
 from rangenav.signals import Flown, Polynomials
 from tests.families import EXAMPLES

@@ -94,6 +94,20 @@ def test_a_step_apart_stays_apart_however_soon_the_next_one_comes():
     assert history.undo() == _at(1.0)
 
 
+def test_what_is_still_held_after_undo_or_after_a_step_apart_is_another_step():
+    history = History()
+    for k, scale in enumerate((1.0, 2.0)):
+        history.note(_at(scale), 10.0 * k)
+    history.note(_at(3.0), 20.0, hold=0)
+    assert history.undo() == _at(2.0)
+    history.note(_at(4.0), 30.0, hold=0)
+    assert history.undo() == _at(2.0)
+    history.note(_at(5.0), 40.0, apart=True, hold=0)
+    history.note(_at(6.0), 50.0, hold=0)
+    history.note(_at(7.0), 60.0, hold=0)
+    assert [history.undo() for _ in range(3)] == [_at(5.0), _at(2.0), _at(1.0)]
+
+
 def test_a_change_after_undo_forgets_what_was_undone():
     history = History()
     for k, scale in enumerate((1.0, 2.0, 3.0)):

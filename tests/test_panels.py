@@ -12,14 +12,17 @@ import viser
 
 from explorer import compute
 from explorer.access import open_server
+from explorer.certifying import Certifying
 from explorer.jobs import Jobs
+from explorer.library import Library
 from explorer.panels import presets, verdict
-from explorer.panels.controls import Dial, LogDial
+from explorer.panels.controls import Dial, LogDial, Vector
 from explorer.panels.dock import Dock, Requests
 from explorer.panels.printed import ROWS
 from explorer.panels.sensors import OWN, Chosen, SensorsPanel
 from explorer.panels.sheet import Complaint, Section, Sheet
 from explorer.settings import Printed, Settings, effective
+from explorer.shelf import Shelf
 from rangenav import analysis, preset, sensors
 from rangenav.attitude import Schedule
 from rangenav.sensors import Noise, Sensors, Unmodelled
@@ -31,6 +34,10 @@ SHIPPED = preset.shipped()
 
 def _nothing() -> None:
     """For controls that nobody moves."""
+
+
+def _unsent(name: str, content: bytes) -> None:
+    """For downloads that nobody asks for."""
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +53,10 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing)
-    return Dock(Sheet(client.gui, _nothing), SHIPPED, "paper-slow", requests, Jobs(_nothing))
+    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing, send=_unsent)
+    return Dock(
+        Sheet(client.gui, _nothing), Shelf(SHIPPED, Library(), Certifying()), "paper-slow", requests, Jobs(_nothing)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -196,6 +205,25 @@ def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: 
     assert dial.read() == pytest.approx(math.pi / 4, rel=1e-15)
 
 
+def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: viser.ClientHandle):
+    sheet = Sheet(client.gui, _nothing)
+    dial = LogDial(Section(sheet), "n", (1e-3, 10.0), hint="")
+    sheet.refresh()
+    assert sheet._last is None
+    dial._slider.value = 0.5
+    sheet.refresh()
+    assert sheet._last is dial
+
+
+@pytest.mark.parametrize("sent", [(), (1.0, 2.0), (1.0,) * 4, ("a", "b", "c"), (None, 1.0, 2.0)])
+def test_a_vector_that_is_none_is_refused(section: Section, sent: tuple[Any, ...]):
+    """viser casts what a browser sends to the kind that was there; after an empty vector to no kind at all."""
+    vector = Vector(section, "v", step=0.1, hint="", scale=2.0)
+    vector._box._impl.value = sent  # type: ignore[attr-defined]
+    with pytest.raises(ValueError, match="v must have three components"):
+        vector.read()
+
+
 def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
     dial = LogDial(section, "σ", (1e-3, 10.0), hint="", zero_at_left=True)
     assert dial.read() == 0.0
@@ -204,6 +232,11 @@ def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
     assert dial._slider.label == "σ = 0.1"
     dial._slider.value = dial._slider.min
     assert dial.read() == 0.0
+    for value in (1e-3, 1e-7):
+        dial.show(value)
+        assert dial.read() == value
+        dial._slider.value = dial._slider.min
+        assert dial.read() == 0.0
 
 
 def test_a_complaint_is_words_and_a_sign_and_never_html(client: viser.ClientHandle):

@@ -76,6 +76,9 @@ class Wire:
         """Called, in the listener's thread, with the id of a plot that has been given other data."""
         self.dock = 0
         """Width (px) of the first panel that was given one."""
+        self.downloads: list[tuple[str, bytes]] = []
+        """Names and contents of the files that have come."""
+        self._transfers: dict[str, tuple[dict[str, Any], list[bytes]]] = {}
         self.closed_with: int | None = None
         """The code with which the server ended the connection."""
         self._socket = connect(
@@ -109,6 +112,15 @@ class Wire:
                 self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": option}})
                 return
         raise LookupError(f"no button {option!r} in a row {label!r}")
+
+    def upload(self, label: str, name: Any, content: bytes, *, part: int = 2**19, **said: Any) -> None:
+        """Hand over a file as the page would; `said` replaces what is said about it."""
+        parts = [content[k : k + part] for k in range(0, len(content), part)]
+        whose = {"source_component_uuid": self.find(label), "transfer_uuid": f"{name}-{time.monotonic()}"}
+        about = {"filename": name, "mime_type": "", "part_count": len(parts), "size_bytes": len(content)}
+        self.send({"type": "FileTransferStartUpload", **whose, **about, **said})
+        for k, piece in enumerate(parts):
+            self.send({"type": "FileTransferPart", **whose, "part_index": k, "content": piece})
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
@@ -207,6 +219,10 @@ class Wire:
             self.dock = self.dock or message["width"] or 0
         elif name == "NotificationShowMessage":
             self.notifications.append(f"{message['props']['title']}: {message['props']['body']}")
+        elif name == "FileTransferStartDownload":
+            self._transfers[message["transfer_uuid"]] = message, []
+        elif name == "FileTransferPart":
+            self._take_in_part(message)
         elif name.startswith("Gui") and "props" in message:
             self.elements[message["uuid"]] = message["props"] | {"value": message.get("value")}
         elif "props" in message and "name" in message:
@@ -216,6 +232,12 @@ class Wire:
             self._take_in_node(self.nodes[message["name"]], message)
         elif name.startswith("LocalStorage") or name == "RunJavascriptMessage":
             self._keep(message)
+
+    def _take_in_part(self, message: dict[str, Any]) -> None:
+        start, parts = self._transfers[message["transfer_uuid"]]
+        parts.append(message["content"])
+        if len(parts) == start["part_count"]:
+            self.downloads.append((start["filename"], b"".join(parts)))
 
     def _take_in_node(self, node: dict[str, Any], message: dict[str, Any]) -> None:
         if message["type"] == "RemoveSceneNodeMessage":

@@ -1,19 +1,24 @@
 """The plots in the left dock: created once, then assigned. `plots` has the numbers of a Picture, `markup` the HTML."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, GuiUplotHandle, Icon, PanelHandle, uplot
 
-from explorer.charts import catalogue, curves, markup
+from explorer.charts import catalogue, curves, export, markup
 from explorer.charts.catalogue import Group
 from explorer.charts.plots import Curve, Drawing, Plot
+from explorer.charts.pointer import Pointer, curve_id
 from explorer.compute import Picture
 
 NARROW_WIDTH = 360
 """px of a single column."""
-HEIGHT, NARROW_HEIGHT = 172, 108
+HEIGHT, NARROW_HEIGHT = 168, 108
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
+TITLES = {plot.name: plot.title for group in catalogue.GROUPS for plot in group.plots}
+"""Of all plots, by their names."""
 FOLLOWS = "Follows as soon as nothing moves."
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
 ICONS |= {"In depth": Icon.MICROSCOPE, "Twin": Icon.GHOST}
@@ -40,6 +45,10 @@ class _Said:
             self.handle.content = content
 
 
+def _nothing() -> None:
+    """For charts that nobody watches."""
+
+
 @dataclass(eq=False)
 class _Chart:
     """One plot on the page, and what it shows."""
@@ -48,37 +57,61 @@ class _Chart:
     height: int
     header: GuiHtmlHandle
     handle: GuiUplotHandle
+    off: set[int] = field(default_factory=set)
+    """Named columns that the visitor has switched off."""
     drawing: Drawing | None = None
+    picture: Picture | None = None
+    """What it was drawn from."""
+    duration: float = 0.0
+    """s, that the time axis spans."""
     looks: tuple[object, ...] = ()
     """What the axes and visible curves were made for: changing those rebuilds the chart in the browser."""
 
     def draw(self, picture: Picture) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
-        self.drawing = drawing = self.plot.draw(picture)
-        looks = (drawing.axis, drawing.hidden, float(picture.motion.time[-1]))
-        if looks != self.looks:
-            self.looks = looks
-            self.handle.series = series(self.plot.curves, drawing.hidden)
-            self.handle.scales = scales(self.plot, drawing.axis, looks[2])
-            self.handle.axes = axes(self.plot, drawing.axis)
-            self.header.content = markup.header(self.plot, height=self.height, hidden=drawing.hidden)
+        self.drawing, self.picture = self.plot.draw(picture), picture
+        drawing = self.drawing
+        self.duration = float(picture.motion.time[-1])
+        self._dress(drawing)
         time, values = curves.decimate(drawing.time, drawing.drawn)
         self.handle.data = (time, *np.ascontiguousarray(values.T))
+
+    def toggle(self, column: int) -> None:
+        """Show or hide a curve of the legend, and those that go with it."""
+        self.off ^= {column}
+        if self.drawing is not None:
+            self._dress(self.drawing)
+
+    def unseen(self, drawing: Drawing) -> tuple[int, ...]:
+        """Columns that are not drawn: there is nothing to show, or the visitor has switched them off."""
+        return (*drawing.hidden, *(i for column in sorted(self.off) for i in self.plot.together(column)))
+
+    def _dress(self, drawing: Drawing) -> None:
+        """Assign axes and legend, and which curves there are, if they are not as they were."""
+        off = frozenset(self.off)
+        looks = (drawing.axis, drawing.hidden, self.duration, off)
+        if looks != self.looks:
+            self.looks = looks
+            self.handle.series = series(self.plot.curves, self.unseen(drawing))
+            self.handle.scales = scales(self.plot, drawing.axis, self.duration)
+            self.handle.axes = axes(self.plot, drawing.axis)
+            self.header.content = markup.header(self.plot, height=self.height, hidden=drawing.hidden, off=off)
 
     def values(self, time: float) -> list[tuple[str, str]]:
         """The text of each curve in the legend at a time; a window counts until the next one starts."""
         if self.drawing is None:
             return []
         row = _read_at(self.drawing, time)
-        named = [i for i, curve in enumerate(self.plot.curves) if curve.label and i not in self.drawing.hidden]
-        return [(markup.variable(self.plot, i), said(row[i])) for i in named]
+        unseen = self.unseen(self.drawing)
+        return [(markup.variable(self.plot, i), said(row[i])) for i in self.plot.named if i not in unseen]
 
 
 class Charts:
     """All plots of one visitor: two columns beside each other, or one column of tabs."""
 
-    def __init__(self, client: ClientHandle, *, narrow: bool) -> None:
-        self._client = client
+    def __init__(self, client: ClientHandle, *, narrow: bool, note: Callable[[], None] = _nothing) -> None:
+        """`note` is called when the mouse has news; then `cursor` takes it in."""
+        self._client, self._pointer = client, Pointer(note)
         self._narrow = narrow
         self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None
@@ -86,7 +119,8 @@ class Charts:
         errors, *others = catalogue.GROUPS
         columns = [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]
         # The browser puts each new column outermost, whatever viser's documentation says: so the first comes last.
-        self._columns = [_Column(client, groups, height=self._height) for groups in reversed(columns)][::-1]
+        columns = [_Column(client, groups, self._pointer, height=self._height) for groups in reversed(columns)]
+        self._columns = columns[::-1]
         if narrow:  # a second column always opens at viser's own width, so two columns keep that
             self._columns[0].panel.set_width(NARROW_WIDTH)
 
@@ -104,12 +138,42 @@ class Charts:
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
-        """Move the shared time cursor, and say the values there: one small message for each column."""
+        """Move the shared time cursor, and say the values there, or where the mouse is: one small message for each
+        column. Curves whose legend entries were clicked come and go."""
         self._time = time
-        fraction = float(np.clip(time / picture.motion.time[-1], 0.0, 1.0))
-        window = window_at(picture, time)
+        clicked = self._pointer.clicked()
+        for chart in self._all():
+            for column in chart.plot.named:
+                if clicked.count(curve_id(chart.plot, column)) % 2:
+                    chart.toggle(column)
+        duration, place = float(picture.motion.time[-1]), self._pointer.place
+        hovered = None if place is None else (place, f"{place * duration:.2f} s")
+        moment = time if place is None else place * duration
+        fraction, window = float(np.clip(time / duration, 0.0, 1.0)), window_at(picture, time)
         for i, column in enumerate(self._columns):
-            column.cursor(fraction, window, time, sentence(picture, time) if i == 0 else "")
+            said = sentence(picture, time) if i == 0 else ""
+            values = [entry for chart in column.charts for entry in chart.values(moment)]
+            column.live.content = markup.live(fraction, window, values, said, hovered)
+
+    def show_all(self) -> None:
+        """Bring back every curve that was switched off."""
+        for chart in self._all():
+            for column in tuple(chart.off):
+                chart.toggle(column)
+
+    def plan(self, name: str, kind: export.Kind) -> Callable[[], bytes]:
+        """What makes a file of a plot as it is shown now; it may be called in any thread, and takes its time.
+
+        Raises ValueError with one sentence if there is no such plot, nothing in it, or too much."""
+        chart = next((chart for chart in self._all() if chart.plot.name == name), None)
+        if chart is None or chart.drawing is None:
+            raise ValueError(f"there is no plot {name!r} yet")
+        if chart.picture is not self._picture:
+            raise ValueError(f"{chart.plot.title}: still shows an earlier state; it follows as soon as nothing moves")
+        unseen = chart.unseen(chart.drawing)
+        columns = tuple(i for i in range(len(chart.plot.curves)) if i not in unseen)
+        export.refuse(chart.plot, chart.drawing, columns)
+        return partial(export.WRITERS[kind], chart.plot, chart.drawing, columns, chart.duration)
 
     def show_paper_figures(self) -> None:
         """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab, so in the
@@ -122,19 +186,24 @@ class Charts:
                 self.draw(self._picture)
                 self.draw_later(self._picture)
 
+    def _all(self) -> list[_Chart]:
+        return [chart for column in self._columns for chart in column.charts]
+
 
 class _Column:
     """One dock panel, with a tab for each group."""
 
-    def __init__(self, client: ClientHandle, groups: tuple[Group, ...], *, height: int) -> None:
+    def __init__(self, client: ClientHandle, groups: tuple[Group, ...], pointer: Pointer, *, height: int) -> None:
         self._client, self._groups, self._height = client, groups, height
+        self._off: dict[str, set[int]] = {plot.name: set() for group in groups for plot in group.plots}
         self.panel: PanelHandle = client.gui.add_panel()
         self._tabs: list[GuiTabHandle] = []
         self._charts: list[list[_Chart]] = []
         self._said: list[list[_Said]] = []
         self._add_tab(groups[0])
         with self._tabs[0]:
-            self._live = client.gui.add_html("", order=-1.0)
+            pointer.add_to(client.gui)
+            self.live = client.gui.add_html("", order=-1.0)
         for group in groups[1:]:
             self._add_tab(group)
         self.panel.dock_left()
@@ -158,10 +227,6 @@ class _Column:
         for sentences in said:
             sentences.draw(picture)
 
-    def cursor(self, fraction: float, window: tuple[float, float], time: float, said: str) -> None:
-        values = [entry for chart in self._all() for entry in chart.values(time)]
-        self._live.content = markup.live(fraction, window, values, said)
-
     def keep_only_first_tab(self) -> None:
         """Remove all tabs but the first, and add them again behind it."""
         for tab in self._tabs[1:]:
@@ -170,7 +235,9 @@ class _Column:
         for group in self._groups[1:]:
             self._add_tab(group)
 
-    def _all(self) -> list[_Chart]:
+    @property
+    def charts(self) -> list[_Chart]:
+        """Of all tabs."""
         return [chart for charts in self._charts for chart in charts]
 
     def _add_tab(self, group: Group) -> None:
@@ -178,10 +245,12 @@ class _Column:
         self._tabs.append(tab)
         with tab:
             self._said.append([_Said(group, self._client.gui.add_html(""))] if group.say else [])
-            self._charts.append([_add_chart(self._client, plot, self._height) for plot in group.plots])
+            self._charts.append(
+                [_add_chart(self._client, plot, self._height, self._off[plot.name]) for plot in group.plots]
+            )
 
 
-def _add_chart(client: ClientHandle, plot: Plot, height: int) -> _Chart:
+def _add_chart(client: ClientHandle, plot: Plot, height: int, off: set[int]) -> _Chart:
     """An empty plot under its header; the first draw gives it numbers."""
     axis = (0.1, 1.0)
     empty = tuple(np.linspace(0.5, 1.0, 2) for _ in range(1 + len(plot.curves)))
@@ -196,7 +265,7 @@ def _add_chart(client: ClientHandle, plot: Plot, height: int) -> _Chart:
         height=height,
         padding=markup.PADDING,
     )
-    return _Chart(plot=plot, height=height, header=header, handle=handle)
+    return _Chart(plot=plot, height=height, header=header, handle=handle, off=off)
 
 
 def series(lines: tuple[Curve, ...], hidden: tuple[int, ...]) -> tuple[uplot.Series, ...]:

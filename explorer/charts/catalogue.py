@@ -10,6 +10,7 @@ from rangenav.observability.functions import NAMES
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
 """The dashes of what the paper's misprints give."""
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 class Group(NamedTuple):
@@ -44,18 +45,22 @@ def _eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ..
     return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in looks)
 
 
-def _limit(label: str, color: str, dash: plots.Dash) -> Curve:
+def _limit(label: str, color: str, dash: plots.Dash, unit: str | None = None) -> Curve:
     """What the chosen vehicle allows, in the colour of the quantity."""
-    return Curve(label=label, color=color, dash=dash, width=2.0)
+    return Curve(label=label, color=color, dash=dash, width=2.0, unit=unit)
 
 
-def _spectrum(least: str, greatest: str, floor: str) -> tuple[Curve, ...]:
-    """The least and greatest by name, the eleven between them thin and unnamed, the floor filled."""
+def _spectrum(least: str, greatest: str, floor: str, unit: str | None = None) -> tuple[Curve, ...]:
+    """The least and greatest by name, the eleven between them thin and together, the floor filled."""
+    numbers = range(2, plots.STATES) if least.endswith("₁") else range(plots.STATES - 1, 1, -1)
+    names = [f"{least[0]}{str(k).translate(SUBSCRIPTS)}" for k in numbers]
+    labels = [f"{names[0]} …", *("" for _ in names[1:])]
+    between = zip(labels, names, strict=True)
     return (
-        Curve(label=least, color=plots.VERMILLION, width=2.0),
-        *(Curve(label="", color=plots.SKY, width=1.0) for _ in range(plots.STATES - 2)),
-        Curve(label=greatest, color=plots.BLUE, width=2.0, dash=DASHED),
-        Curve(label=floor, color=plots.GREY, width=2.0, filled=True),
+        Curve(label=least, color=plots.VERMILLION, width=2.0, unit=unit),
+        *(Curve(label=label, name=name, color=plots.SKY, width=1.0, unit=unit) for label, name in between),
+        Curve(label=greatest, color=plots.BLUE, width=2.0, dash=DASHED, unit=unit),
+        Curve(label=floor, color=plots.GREY, width=2.0, filled=True, unit=unit),
     )
 
 
@@ -65,8 +70,8 @@ def _functions() -> tuple[Curve, ...]:
     axes = ((plots.VERMILLION, 1.25), (plots.GREEN, 1.75), (plots.BLUE, 2.5))
     looks = zip(NAMES[4:], [(dash, *axis) for dash in (SOLID, DASHED, DOTTED) for axis in axes], strict=True)
     return (
-        *(Curve(label=name, color=plots.GREY, dash=dash, width=1.0) for name, dash in powers),
-        *(Curve(label=name, color=color, dash=dash, width=width) for name, (dash, color, width) in looks),
+        *(Curve(label=name, color=plots.GREY, dash=dash, width=1.0, unit="") for name, dash in powers),
+        *(Curve(label=name, color=color, dash=dash, width=width, unit="") for name, (dash, color, width) in looks),
     )
 
 
@@ -108,6 +113,7 @@ OBSERVABILITY = Group(
             name="excitation",
             title="PE eigenvalues",
             unit="m²/s⁷, by window start",
+            across="window start",
             curves=(
                 *_eigenvalues("", (SOLID, DASHED, DOTTED)),
                 Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
@@ -120,6 +126,7 @@ OBSERVABILITY = Group(
             name="gramian",
             title="Gramian spectrum",
             unit="SI, by window start",
+            across="window start",
             curves=_spectrum("λ₁", "λ₁₃", "floor"),
             draw=plots.gramian,
             words=words.GRAMIAN,
@@ -128,6 +135,7 @@ OBSERVABILITY = Group(
             name="predicted",
             title="Predicted σ",
             unit="m, by window start",
+            across="window start",
             curves=(
                 Curve(label="lifted", color=plots.BLUE, dash=DASHED, width=2.0),
                 Curve(label="nonlinear", color=plots.GREEN, dash=DOTTED, width=2.0),
@@ -146,7 +154,7 @@ SIGNALS = Group(
             name="innovation",
             title="Innovation",
             unit="in its own σ",
-            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION),),
+            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION, unit=""),),
             draw=plots.innovation,
             words=words.INNOVATION,
             log=False,
@@ -177,10 +185,10 @@ SIGNALS = Group(
             title="Thrust/weight and body rate",
             unit="1, rad/s",
             curves=(
-                Curve(label="thrust/weight", color=plots.BLUE),
-                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED),
-                _limit("thrust limit", plots.BLUE, DASH_DOT),
-                _limit("|ω| limit", plots.ORANGE, DOTTED),
+                Curve(label="thrust/weight", color=plots.BLUE, unit=""),
+                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED, unit="rad/s"),
+                _limit("thrust limit", plots.BLUE, DASH_DOT, ""),
+                _limit("|ω| limit", plots.ORANGE, DOTTED, "rad/s"),
             ),
             draw=plots.effort,
             words=words.EFFORT,
@@ -195,6 +203,7 @@ DEPTH = Group(
             name="rank-by-length",
             title="Rank by window length",
             unit="of 13",
+            across="window length",
             curves=_by_length("all"),
             draw=depth.rank_by_length,
             words=words.RANK_BY_LENGTH,
@@ -204,6 +213,7 @@ DEPTH = Group(
             name="sigma-by-length",
             title="Predicted σ by window length",
             unit="m",
+            across="window length",
             curves=_by_length("wanted"),
             draw=depth.sigma_by_length,
             words=words.SIGMA_BY_LENGTH,
@@ -212,7 +222,8 @@ DEPTH = Group(
             name="scaled",
             title="Scaled spectrum",
             unit="by window start",
-            curves=_spectrum("s₁₃", "s₁", "tolerance"),
+            across="window start",
+            curves=_spectrum("s₁₃", "s₁", "tolerance", unit=""),
             draw=depth.scaled,
             words=words.SCALED,
         ),
@@ -220,6 +231,7 @@ DEPTH = Group(
             name="functions",
             title="The 13 functions",
             unit="over their peaks, by τ",
+            across="τ",
             curves=_functions(),
             draw=depth.functions,
             words=words.FUNCTIONS,
@@ -272,6 +284,7 @@ TWIN = Group(
             name="pe-both",
             title="PE as printed",
             unit="m²/s⁷, by window start",
+            across="window start",
             curves=(
                 Curve(label="derived", color=plots.BLUE, width=2.0),
                 Curve(label="φ printed", color=plots.ORANGE, dash=DASHED),

@@ -2,13 +2,16 @@
 
 Nothing here holds text of a visitor. A plot cannot move a line cheaply, so the cursor is a strip of HTML placed at
     left = LEFT + f (width − LEFT − RIGHT),   f = time / duration,
-and f, like every value in the legends, is a CSS variable: one small <style> moves all cursors at once.
+and f, like every value in the legends, is a CSS variable: one small <style> moves all cursors at once. While the mouse
+is on a plot, the legends tell the values there, and all plots say the time in the same way. Entries of a legend are
+buttons that pointer.py listens to.
 """
 
 from collections.abc import Iterable
 from html import escape
 
 from explorer.charts.plots import Curve, Plot
+from explorer.charts.pointer import curve_id
 
 AXIS_WIDTH, AXIS_HEIGHT = 50, 24
 """px that the plots give to their axes: fixed, so that the cursor knows where the time axis begins and ends."""
@@ -19,7 +22,11 @@ MARGIN = 10
 BORDER = 1
 LEFT = MARGIN + BORDER + AXIS_WIDTH
 RIGHT = MARGIN + BORDER + PADDING[1]
+ACROSS = f"(100% - {LEFT + RIGHT}px)"
+"""The length of a time axis, for CSS."""
 FRACTION = "--tcur"
+HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
+"""Where the mouse is on the time axis, and what time that is: unset while it is on no plot."""
 WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
 """Where the window that is looked at begins, and its length, as shares of the duration: a band over every plot."""
 STYLE = f"""<style>
@@ -31,7 +38,11 @@ STYLE = f"""<style>
 .rn-title b {{ font-weight: 600; }} .rn-unit {{ opacity: .65; }}
 .rn-fold {{ margin-left: auto; opacity: .65; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
 .rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-size: 11px; font-variant-numeric: tabular-nums; }}
-.rn-legend span {{ white-space: nowrap; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
+.rn-legend {{ margin: 0 {MARGIN}px; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
+.rn-legend button {{ all: unset; white-space: nowrap; cursor: pointer; }}
+.rn-legend button:hover {{ text-decoration: underline; }}
+.rn-legend button:focus-visible {{ outline: 2px solid #56B4E9; }}
+.rn-legend button[aria-pressed=false] {{ opacity: .5; text-decoration: line-through; }}
 .rn-v {{ display: inline-block; min-width: 43px; font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-note {{ margin: 0 {MARGIN}px; font-size: 11px; line-height: 1.25; opacity: .75; }}
 .rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid #56B4E9; background: rgba(128,128,128,.09); }}
@@ -39,6 +50,9 @@ STYLE = f"""<style>
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
 .rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px;
   margin-left: -.75px; background: currentColor; opacity: .55; }}
+.rn-at {{ position: absolute; bottom: -{AXIS_HEIGHT - 3}px; transform: translateX(-50%); padding: 0 4px;
+  border-radius: 3px; background: #333; color: #fff; font-size: 11px; font-variant-numeric: tabular-nums; }}
+.rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: #56B4E9; opacity: .13; }}
 .rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
   font-size: 11px; opacity: .65; }}
@@ -47,41 +61,54 @@ STYLE = f"""<style>
 
 def variable(plot: Plot, column: int) -> str:
     """The CSS variable that carries the value of a curve at the cursor."""
-    return f"--{plot.name}-{column}"
+    return f"--{curve_id(plot, column)}"
 
 
-def header(plot: Plot, *, height: int, hidden: tuple[int, ...]) -> str:
-    """Title, legend, equation and cursor of a plot `height` px high; assigned again only when curves come or go."""
-    shown = [(i, curve) for i, curve in enumerate(plot.curves) if curve.label and i not in hidden]
-    legend = "".join(_entry(curve, variable(plot, i)) for i, curve in shown)
+def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[int] = frozenset()) -> str:
+    """Title, legend, equation and cursor of a plot `height` px high; assigned again only when curves come or go.
+
+    A hidden curve has no entry; one that the visitor has switched off has one to bring it back."""
+    legend = "".join(_entry(plot, i, on=i not in off) for i in plot.named if i not in hidden)
     top = MARGIN - 7 + BORDER + PADDING[0]
     inside = height - PADDING[0] - AXIS_HEIGHT
+    span = f"calc(var({WINDOW_SPAN}, 0) * {ACROSS})"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
-    across = f"(100% - {LEFT + RIGHT}px)"
-    left = f"calc({LEFT}px + var({FRACTION}, 0) * {across})"
-    from_, span = f"calc({LEFT}px + var({WINDOW_FROM}, 0) * {across})", f"calc(var({WINDOW_SPAN}, 0) * {across})"
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.words.note}</div>' if plot.words.note else ""
     equation = f'<div class="rn-equation">{plot.words.equation}</div>'
     return (
         f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details>'
-        f'<summary><div class="rn-title">{title}</div><div class="rn-legend">{legend}</div></summary>'
-        f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>{note}'
+        f'<summary><div class="rn-title">{title}</div></summary>'
+        f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>'
+        f'<div class="rn-legend">{legend}</div>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
-        f'<div class="rn-window" style="left:{from_};width:{span}"></div>'
-        f'<div class="rn-cursor" style="left:{left}"></div><span class="rn-seconds">s</span></div></div>'
+        f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};width:{span}"></div>'
+        f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
+        f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
     )
 
 
-def _entry(curve: Curve, name: str) -> str:
+def _left(fraction: str, otherwise: str) -> str:
+    """Where a share of the time axis lies, for CSS."""
+    return f"calc({LEFT}px + var({fraction}, {otherwise}) * {ACROSS})"
+
+
+def _entry(plot: Plot, column: int, *, on: bool) -> str:
+    curve = plot.curves[column]
+    return (
+        f'<button type="button" data-curve="{curve_id(plot, column)}" aria-pressed="{str(on).lower()}" '
+        f'title="Show or hide {curve.label}">{_line(curve)}{curve.label} '
+        f'<b class="rn-v" style="--rn-value:var({variable(plot, column)},\'–\');font-weight:500"></b>'
+        f"{curve.unit or ''}</button>"
+    )
+
+
+def _line(curve: Curve) -> str:
     dash = " ".join(f"{length:g}" for length in curve.dash)
     line = (
         f'<path d="M0 5h18" stroke="{curve.color}" stroke-width="{max(curve.width, 2):g}" stroke-dasharray="{dash}"/>'
     )
-    return (
-        f'<span><svg width="18" height="10">{line}</svg>{curve.label} '
-        f'<b class="rn-v" style="--rn-value:var({name},\'–\');font-weight:500"></b></span>'
-    )
+    return f'<svg width="18" height="10">{line}</svg>'
 
 
 def sentences(lines: Iterable[str]) -> str:
@@ -91,10 +118,19 @@ def sentences(lines: Iterable[str]) -> str:
     )
 
 
-def live(fraction: float, window: tuple[float, float], values: Iterable[tuple[str, str]], sentence: str) -> str:
-    """The one element that changes as time moves: the places of cursor and window, the legends' values, a sentence."""
+def live(
+    fraction: float,
+    window: tuple[float, float],
+    values: Iterable[tuple[str, str]],
+    sentence: str,
+    hovered: tuple[float, str] | None,
+) -> str:
+    """The one element that changes as time moves: the places of cursor and window, the legends' values, a sentence,
+    and where the mouse is on the time axis with the time there."""
     assigned = f"{WINDOW_FROM}:{window[0]:.5f};{WINDOW_SPAN}:{window[1]:.5f};"
     assigned += "".join(f'{name}:"{text}";' for name, text in values)
+    if hovered is not None:
+        assigned += f'{HOVERED}:{hovered[0]:.4f};{HOVERED_TIME}:"{hovered[1]}";'
     said = (
         f'<div style="padding:0 {MARGIN}px;font-size:12px;line-height:1.35;min-height:2.7em">{sentence}</div>'
         if sentence

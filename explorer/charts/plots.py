@@ -33,7 +33,7 @@ NEAR = 2.0
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """How one curve looks, and its name in the legend; an empty name keeps it out of the legend."""
+    """How one curve looks, and its name in the legend; one without goes with the named curve before it."""
 
     label: str
     color: str
@@ -41,6 +41,10 @@ class Curve:
     width: float = 1.5
     filled: bool = False
     """Tint everything below the curve."""
+    unit: str | None = None
+    """Where it is not the plot's."""
+    name: str = ""
+    """In files, where it is not the label."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -67,6 +71,18 @@ class Plot:
     draw: Callable[[Picture], Drawing]
     words: words.Words
     log: bool = True
+    across: str = "t"
+    """What (in s) runs along its axis, which is as long as the time axis of all."""
+
+    @property
+    def named(self) -> tuple[int, ...]:
+        """The columns that are in the legend."""
+        return tuple(i for i, curve in enumerate(self.curves) if curve.label)
+
+    def together(self, column: int) -> tuple[int, ...]:
+        """A named column, and those without a name that are shown and hidden with it."""
+        following = [i for i in self.named if i > column]
+        return tuple(range(column, min(following, default=len(self.curves))))
 
 
 def _log(time: Array, columns: tuple[Array, ...], *, low_quantile: float = SMALLEST_SHARE) -> Drawing:

@@ -31,8 +31,8 @@ class Control(ABC, Generic[T]):
     def __init__(self, section: Section, name: str, handle: Any) -> None:
         self.name, self._handle = name, handle
         self._base: T | None = None
-        self._seen: T | None = None
         self._text, self._marked = name, False
+        self._seen = self._value()
         when_moved(handle, section.note)
         section.add(self)
 
@@ -152,6 +152,8 @@ class LogDial(Control[float]):
         at_left = self._zero and value == 0
         self._exact = value
         self._shown = self._slider.min if at_left else round(math.log10(value), LOG_DIGITS)
+        if self._zero and not at_left and self._shown <= self._slider.min:  # leave a place for zero, left of it
+            self._slider.min = self._shown - 1
         _widen(self._slider, self._shown)
         self._slider.value = self._shown
         self._say(value)
@@ -187,10 +189,12 @@ class Vector(Control[Vec3]):
         super().__init__(section, label, self._box)
 
     def read(self) -> Vec3:
-        """The three values. Raises ValueError if the browser sent more or fewer."""
+        """The three values. Raises ValueError if the browser sent none such."""
         value = tuple(self._box.value)
         if len(value) != 3:
             raise ValueError(f"{self._label} must have three components, got {len(value)}")
+        if not all(isinstance(entry, float) for entry in value):
+            raise ValueError(f"{self._label} must have three components that are numbers")
         if value == self._shown:
             return self._exact
         return value[0] / self._scale, value[1] / self._scale, value[2] / self._scale

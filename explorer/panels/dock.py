@@ -10,16 +10,23 @@ import viser
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.exporting import PackPanel
+from explorer.panels.flights import FlightPanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.guess import GuessPanel
+from explorer.panels.importing import ImportPanel
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.printed import PrintedPanel
 from explorer.panels.progress import ProgressPanel
+from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
+from explorer.parcel import Send
 from explorer.settings import Drafts, Settings
+from explorer.shelf import Shelf
+from explorer.uploads import Uploads
 from rangenav import axes
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
@@ -41,19 +48,20 @@ class Requests:
     again: Action
     paper: Action
     download: Action
+    send: Send
 
 
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, sheet: Sheet, presets: dict[str, Preset], name: str, requests: Requests, jobs: Jobs) -> None:
-        gui, self._presets = sheet.gui, presets
+    def __init__(self, sheet: Sheet, shelf: Shelf, name: str, requests: Requests, jobs: Jobs) -> None:
+        gui, self._presets = sheet.gui, shelf.presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
         sheet.buttons("", steps, hint=HISTORY_HINT)
         _commands(sheet, requests)
-        tabs = gui.add_tab_group()
+        self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(sheet, self._edit_path)
         with tabs.add_tab("World"):
@@ -65,16 +73,20 @@ class Dock:
             self.gains = GainsPanel(sheet)
             self.guess = GuessPanel(sheet)
         with tabs.add_tab("Presets"):
-            self.presets = PresetsPanel(
-                sheet, presets, again=requests.again, paper=requests.paper, download=requests.download
-            )
+            asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
+            uploads = Uploads(gui, sheet.do)
+            self.presets = PresetsPanel(sheet, shelf, self, uploads, **asked)
+            RepairPanel(sheet, self, jobs)
+            PackPanel(sheet, shelf, self, jobs, requests.send)
+            ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
+            flights = FlightPanel(sheet, jobs)
             self.printed = PrintedPanel(sheet)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
             self.progress = ProgressPanel(sheet, jobs)
             self.verdict = VerdictPanel(gui)
         panel.dock_below(gui.main_panel)
-        self.write(Settings(origin=name, preset=presets[name]))
+        self.write(shelf.open(name))
 
     def read(self) -> Settings:
         """What the visitor has chosen. Raises Refused after saying why beside the control, or ValueError if it does not
@@ -96,6 +108,7 @@ class Dock:
         )
         return Settings(
             origin=self._written.origin,
+            edition=self._written.edition,
             preset=preset,
             time_scale=moved.time_scale,
             printed=self.printed.read(),
@@ -106,10 +119,11 @@ class Dock:
     @contextmanager
     def catching(self) -> Iterator[None]:
         """Say beside its cause, and in the verdict, why no picture can be made; raise Refused."""
+        self.motion.clear()  # first: what a control is refused for may be said in the same places
+        self.sensors.clear()
         try:
             yield
         except Refused as refusal:
-            self._clear()
             self._refuse(refusal.__cause__)
             raise
         except ValueError as error:
@@ -118,7 +132,6 @@ class Dock:
             self._refuse(error)
             raise Refused from error
         self.verdict.complaint.clear()
-        self._clear()
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
@@ -132,7 +145,7 @@ class Dock:
         self.gains.write(p.gains, base.gains)
         self.guess.write(p.guess, base.guess)
         self.printed.write(settings.printed)
-        self.presets.write(settings.origin, self._presets[settings.origin])
+        self.presets.write(settings.origin)
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict and what stands beside the controls."""
@@ -141,6 +154,7 @@ class Dock:
         self.vehicle.draw(picture)
         self.gains.draw(picture)
         self.printed.draw(picture)
+        self.presets.draw(picture)
 
     @property
     def chosen_preset(self) -> str:
@@ -184,10 +198,6 @@ class Dock:
             angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
         )
         self.write(msgspec.structs.replace(settings, preset=axes.flipped(settings.preset), drafts=flipped))
-
-    def _clear(self) -> None:
-        self.motion.clear()
-        self.sensors.clear()
 
     def _refuse(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")

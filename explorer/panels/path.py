@@ -168,7 +168,7 @@ class WholePath:
         self._duration = duration
 
     def _change(self, edit: Callable[[Signal, Vec3], Signal]) -> None:
-        with self._section.catching():
+        with self._section.answering():
             self._edit(edit)
 
     def _scaled(self, path: Signal, anchor: Vec3) -> Signal:

@@ -1,13 +1,21 @@
-"""The Presets tab: pick one, read what it teaches, reproduce the paper's figures, download what is on the page."""
+"""The Presets tab: pick one, read what it teaches, keep one's own, reproduce the paper's figures, download."""
 
 import html
 import math
+from typing import Protocol
 
-from explorer.panels.controls import Choice
-from explorer.panels.sheet import Action, Section, Sheet
+import msgspec
+
+from explorer.compute import Picture
+from explorer.panels.card import card
+from explorer.panels.controls import Choice, Text
+from explorer.panels.notes import NOTE
+from explorer.panels.sheet import Action, Refused, Section, Sheet
 from explorer.settings import Settings, effective
+from explorer.shelf import MINE, Shelf, titled
+from explorer.uploads import Uploads
 from rangenav import analysis, preset
-from rangenav.preset import Preset
+from rangenav.preset import MAX_TITLE, Preset
 
 PRINTED_START = (
     "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
@@ -17,25 +25,54 @@ FIGURES = (
     "(fig. 4) and the true and estimated path (fig. 5)."
 )
 DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
-EXPECTED = {
-    "observable": "● expected observable",
-    "weak": "▲ expected weak",
-    "unobservable": "✕ expected unobservable",
-}
+PICK = "Every shipped motion with its sensors, gains and requirement; ★ are yours. Ctrl+Z brings back what was there."
+TITLE = "For “save as” and “rename”. Any letters will do; the file's name is made of it."
+KEEP = (
+    "“save” writes what is on the page over your preset, “save as” keeps it as a new one under the title above, "
+    "“duplicate” copies the preset as it was opened."
+)
+TIDY = "Of the preset chosen above, if it is yours. What is deleted goes to a trash and can be brought back."
+UPLOAD = "A preset file (.toml); it joins your library and is opened."
+LONGEST_TYPED = 4 * MAX_TITLE
+
+
+class Page(Protocol):
+    """What these panels need of the dock."""
+
+    def read(self) -> Settings: ...
+    def write(self, settings: Settings) -> None: ...
 
 
 class PresetsPanel:
-    """Picker and buttons."""
+    """Picker, card and buttons."""
 
     def __init__(
-        self, sheet: Sheet, presets: dict[str, Preset], *, again: Action, paper: Action, download: Action
+        self,
+        sheet: Sheet,
+        shelf: Shelf,
+        page: Page,
+        uploads: Uploads,
+        *,
+        again: Action,
+        paper: Action,
+        download: Action,
     ) -> None:
+        self._sheet, self._shelf, self._page = sheet, shelf, page
         self._section = section = Section(sheet)
-        titles = {name: f"{shown.title} ({name})" for name, shown in presets.items()}
+        self._shown, self._changed, self._deleted = "", False, ""
+        self._words: dict[str, str] = {}
         with section:
-            hint = "Every shipped motion, with its sensors, gains and requirement. Ctrl+Z brings back what was there."
-            self._choice = Choice(section, "preset", titles, hint=hint)
-            self._story = sheet.gui.add_html("")
+            self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
+            self._card = sheet.gui.add_html("")
+        self._keeping = section = Section(sheet)  # its complaints stay until the next thing is asked for
+        with section:
+            self._title = Text(section, "title", hint=TITLE, longest=LONGEST_TYPED)
+            keep = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
+            sheet.buttons("keep", self._guarded(keep), hint=KEEP)
+            tidy = {"rename": self._rename, "delete": self._delete, "undo delete": self._restore}
+            sheet.buttons("tidy", self._guarded(tidy), hint=TIDY)
+            self._said = sheet.gui.add_html("", visible=False)
+            uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
             for label, action, hint in (
                 ("Start this preset again", again, "Puts every control back to what the preset says."),
                 ("The paper's figures 3–5", paper, FIGURES),
@@ -43,18 +80,160 @@ class PresetsPanel:
             ):
                 sheet.button(label, action, hint=hint)
                 sheet.command(label, action)
+        sheet.command("Save the preset", self._guarded({"": self._save})[""])
 
     def read(self) -> str:
         """The name of the chosen preset. Raises Refused if the browser sent another."""
         with self._section.catching():
             return self._choice.read()
 
-    def write(self, name: str, shown: Preset) -> None:
-        """Show a preset's name, story and expectation."""
+    def write(self, name: str) -> None:
+        """Show a preset's name, story and badge."""
+        self._shown = name
+        self._offer()
         self._choice.write(name, name)
-        expected = EXPECTED[shown.expect]
-        style = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em"
-        self._story.content = f'<div style="{style}">{html.escape(shown.story)}<br><b>{expected}</b></div>'
+        title = self._shelf.presets[name].title
+        self._title.write(title, title)
+        self._draw_card()
+
+    def draw(self, picture: Picture) -> None:
+        """Say whether what is on the page is what the preset says."""
+        settings = picture.settings
+        self._changed = settings.time_scale != 1.0 or settings.preset != self._shelf.presets[settings.origin]
+        self._draw_card()
+
+    def refresh(self) -> None:
+        """Show what other pages have done to the library, and certificates that have come."""
+        self._shelf.refresh_now_and_then()
+        self._offer()
+        self._draw_card()
+
+    def open(self, name: str) -> None:
+        """Put a preset on the page. Raises Refused, and what is there stays, if its file cannot be read any more."""
+        try:
+            with self._keeping.catching():
+                settings = self._shelf.open(name)
+        except Refused:
+            self._choice.show(self._shown)
+            raise
+        self._page.write(settings)
+
+    def _offer(self) -> None:
+        """Bring the menu up to date; what is chosen there may be called otherwise now."""
+        words = self._shelf.words(self._shown)
+        if words != self._words:
+            self._words = words
+            self._choice.offer(words)
+            self._choice.show(self._shown)
+
+    def _draw_card(self) -> None:
+        shown, found = self._shelf.presets[self._shown], self._shelf.badge(self._shown, self._sheet.note)
+        content = card(shown, found, changed=self._changed)
+        if self._shelf.complaint:
+            content += NOTE.format(f"⚠ {html.escape(self._shelf.complaint)}")
+        if content != self._card.content:
+            self._card.content = content
+
+    def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
+        """Actions that say beside the buttons why they failed."""
+
+        def guard(action: Action) -> Action:
+            def guarded() -> None:
+                with self._keeping.catching():
+                    action()
+
+            return guarded
+
+        return {label: guard(action) for label, action in actions.items()}
+
+    def _save(self) -> None:
+        settings = self._page.read()
+        self._keep(settings, self._shelf.save(settings.origin, kept(settings), edition=settings.edition))
+        self._say(f"saved as {self._name()}")
+
+    def _save_as(self) -> None:
+        settings = self._page.read()
+        self._keep(settings, self._shelf.add(retitled(kept(settings), self._title.read())))
+        self._say(f"saved as {self._name()}")
+
+    def _duplicate(self) -> None:
+        opened = self._shelf.presets[self._shown]
+        copy = self._shelf.add(retitled(opened, f"{opened.title[: MAX_TITLE - 7]}, copy"))
+        if self._changed:
+            self._offer()
+            self._say(f"kept as {file_of(copy.origin)}; the page still shows your changes to {self._name()}")
+        else:
+            self._page.write(copy)
+            self._say(f"kept as {self._name()}, which is open now")
+
+    def _rename(self) -> None:
+        settings, title = self._page.read(), titled(self._title.read())
+        opened = self._shelf.presets[settings.origin]
+        renamed = self._shelf.rename(settings.origin, retitled(opened, title), edition=settings.edition)
+        shown = msgspec.structs.replace(settings.preset, title=title)
+        self._page.write(
+            msgspec.structs.replace(settings, origin=renamed.origin, edition=renamed.edition, preset=shown)
+        )
+        self._say(f"renamed to {self._name()}")
+
+    def _delete(self) -> None:
+        settings = self._page.read()
+        self._deleted = self._shelf.delete(settings.origin, edition=settings.edition)
+        self._say(f"{self._name()} is in the trash; what is on the page stays, and “undo delete” brings it back")
+        self.refresh()
+
+    def _restore(self) -> None:
+        if not self._deleted:
+            raise ValueError("nothing was deleted on this page")
+        restored, self._deleted = self._shelf.restore(self._deleted), ""
+        settings = self._page.read()
+        if settings.origin == restored.origin:
+            self.write(settings.origin)
+        else:
+            self._offer()
+        self._say(f"{file_of(restored.origin)} is back")
+
+    def _upload(self, name: str, content: bytes) -> None:
+        with self._keeping.catching():
+            self._page.write(self._shelf.add(uploaded(name, content)))
+            self._say(f"{name} joined your library as {self._name()}")
+
+    def _keep(self, settings: Settings, now: Settings) -> None:
+        """What was saved is open now; what was entered beside it stays."""
+        printed = msgspec.structs.replace(settings.printed, initial_values=False)  # they are in the path by now
+        self._page.write(msgspec.structs.replace(now, printed=printed, drafts=settings.drafts))
+
+    def _name(self) -> str:
+        return file_of(self._shown)
+
+    def _say(self, sentence: str) -> None:
+        self._said.content = NOTE.format(f"✓ {html.escape(sentence)}")
+        self._said.visible = True
+
+
+def kept(settings: Settings) -> Preset:
+    """What is on the page, as a preset."""
+    return effective(settings)
+
+
+def retitled(shown: Preset, title: str) -> Preset:
+    """The same under another title. Raises ValueError if it is none."""
+    return msgspec.structs.replace(shown, title=titled(title))
+
+
+def uploaded(name: str, content: bytes) -> Preset:
+    """The preset that a visitor has handed over. Raises ValueError naming the file and what is wrong."""
+    if len(content) > preset.MAX_BYTES:
+        raise ValueError(f"{name}: larger than {preset.MAX_BYTES} bytes, which no preset is")
+    try:
+        return preset.loads(content.decode("utf-8-sig"), source=name)
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{name}: not UTF-8 text (byte {error.start}), and no preset") from None
+
+
+def file_of(name: str) -> str:
+    """The file of a preset on the shelf, for reading."""
+    return f"{name.removeprefix(MINE)}.toml" if name.startswith(MINE) else name
 
 
 def document(settings: Settings) -> bytes:
@@ -83,7 +262,8 @@ def verdict_comments(shown: Preset) -> str:
 
 def file_name(name: str, shown: Preset, shipped: Preset) -> str:
     """The name of the download: the shipped preset's, marked if it was changed."""
-    return f"{name}.toml" if shown == shipped else f"{name}-changed.toml"
+    stem = name.rpartition(":")[2]
+    return f"{stem}.toml" if shown == shipped else f"{stem}-changed.toml"
 
 
 def _metres(sigma: float) -> str:

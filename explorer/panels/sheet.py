@@ -7,7 +7,7 @@ action that the session's loop carries out.
 import html
 import re
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any, Protocol
@@ -53,6 +53,10 @@ class Complaint:
     def clear(self) -> None:
         """Nothing to complain about."""
         self._line.visible = False
+
+    def remove(self) -> None:
+        """Take the place itself off the page."""
+        self._line.remove()
 
 
 class Resettable(Protocol):
@@ -104,6 +108,7 @@ class Section:
         """Take it off the page with all that is in it."""
         self.sheet.sections.remove(self)
         self._folder.remove()
+        self.sheet.forget(self._controls)
 
     @contextmanager
     def catching(self, text: str = "") -> Iterator[None]:
@@ -114,6 +119,17 @@ class Section:
             self.complaint.say(str(error), text=text)
             raise Refused from error
         self.complaint.clear()
+
+    @contextmanager
+    def answering(self) -> Iterator[None]:
+        """As `catching`, for what a button asks: reading the controls, which follows at once, leaves the sentence."""
+        self.sheet.forget_answer()
+        try:
+            yield
+        except ValueError as error:
+            with self._folder:
+                self.sheet.answer(Complaint(self.gui, order=COMPLAINTS), str(error))
+            raise Refused from error
 
     def refresh(self) -> Resettable | None:
         """Mark what differs from the preset, offer to reset it; the control that was moved since, if any."""
@@ -132,7 +148,7 @@ class Section:
             control.reset()
 
     def _reset(self, name: str) -> None:
-        for control in self._controls:
+        for control in self._controls if self in self.sheet.sections else ():  # it may have gone since the press
             if name in (control.name, "all"):
                 control.reset()
 
@@ -145,6 +161,7 @@ class Sheet:
         self.sections: list[Section] = []
         self._actions: deque[Action] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
+        self._answer: Complaint | None = None
 
     def do(self, action: Action) -> None:
         """Leave an action for the session's loop; called from viser's threads."""
@@ -164,6 +181,22 @@ class Sheet:
         """Bring marks and reset rows up to date."""
         for section in tuple(self.sections):
             self._last = section.refresh() or self._last
+
+    def answer(self, place: Complaint, sentence: str) -> None:
+        """Say why a button did nothing, until it is forgotten."""
+        self._answer = place
+        place.say(sentence)
+
+    def forget_answer(self) -> None:
+        """Something else was done, or shown."""
+        if self._answer is not None:
+            self._answer.remove()
+            self._answer = None
+
+    def forget(self, controls: Sequence[Resettable]) -> None:
+        """Controls that are no longer on the page."""
+        if self._last in controls:
+            self._last = None
 
     def reset_last(self) -> None:
         """Put back the control that was moved last."""

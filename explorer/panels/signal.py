@@ -53,7 +53,7 @@ class SignalEditor:
     def write(self, signal: Turning, base: Turning | None, drafts: tuple[Turning, ...] = ()) -> None:
         """Show a signal, and keep drafts of others."""
         self._base = base
-        self._held = {kind_of(draft): draft for draft in drafts if kind_of(draft) in self._words}
+        self._held = {self._shown_as(draft): draft for draft in drafts if kind_of(draft) in self._words}
         kind = self._shown_as(signal)
         self._family.write(kind, None if base is None else self._shown_as(base))
         for other, held in self._held.items():
@@ -62,8 +62,9 @@ class SignalEditor:
         self._show(kind, signal)
 
     def drafts(self) -> tuple[Turning, ...]:
-        """The last good signals of the families not in use."""
-        return tuple(held for kind, held in self._held.items() if kind not in (self._kind, "constant"))
+        """The last good signals of the families not in use, as far as they can be told from constants again."""
+        used = self._kind, self._shown_as(self._signal)
+        return tuple(held for kind, held in self._held.items() if kind not in used and kind == self._shown_as(held))
 
     def put(self, signal: Turning) -> None:
         """Show a signal in place of the one that is there; what the preset says stays what it was."""
@@ -85,10 +86,6 @@ class SignalEditor:
         editor = self._editors.get(self._kind)
         if isinstance(editor, PointsEditor):
             editor.move(index, value)
-
-    def complain(self, sentence: str) -> None:
-        """Say beside the family what is wrong with the signal as a whole."""
-        self._section.complaint.say(sentence)
 
     def show(self, visible: bool) -> None:
         """Show or hide all of it."""

@@ -55,8 +55,10 @@ def _words(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
     """Each under its name; a preset's own may be called like another."""
     named: dict[Vehicle, str] = {}
     for one in vehicles:
-        taken = one.name in named.values()
-        named.setdefault(one, f"{one.name} (of the preset)" if taken else one.name)
+        word = one.name
+        while word in named.values():
+            word += " (of the preset)"
+        named.setdefault(one, word)
     return named
 
 

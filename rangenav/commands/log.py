@@ -90,15 +90,15 @@ def log(
     )
     if len(flight.range):
         formats.settled(found, also=(*questions, *(() if place is not None else (_where(),))))
-    noise = _noise(flight)
+    noise = noise_at_rest(flight)
     if begin is not None or end is not None:
         flight = flights.between(flight, begin if begin is not None else 0.0, end if end is not None else math.inf)
     seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
-    report = _understood(found, flight, told) | {"informative": _informative(seen), "verdict": seen.verdict}
+    report = _understood(found, flight, told) | {"informative": informative_report(seen), "verdict": seen.verdict}
     if len(flight.range) and around is not None:
         observed = logs.observe(flight, around, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(around, name)) for name in ("gravity", "magnetic", "anchor")}
-        report["observer"] = _observer(observed)
+        report["observer"] = observer_report(observed)
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     return print_json(report) if json else print_table(f"{found.source}: {seen.words}", report)
@@ -152,7 +152,7 @@ def _where() -> Any:
     )
 
 
-def _noise(flight: Any) -> tuple[float, float, float] | None:
+def noise_at_rest(flight: Any) -> tuple[float, float, float] | None:
     """Noise and bias of the IMU at rest, None if the record does not start still."""
     from rangenav import still
 
@@ -166,7 +166,8 @@ def _noise(flight: Any) -> tuple[float, float, float] | None:
     return rest.gyro_noise, rest.accel_noise, float(np.linalg.norm(rest.gyro_bias))
 
 
-def _informative(seen: Any) -> dict[str, Any]:
+def informative_report(seen: Any) -> dict[str, Any]:
+    """What windows of the record could tell: counts of verdicts, and the worst one."""
     k = seen.worst
     sigma = float(seen.sigma[k])
     known = seen.sigma[np.isfinite(seen.sigma)]
@@ -185,7 +186,8 @@ def _informative(seen: Any) -> dict[str, Any]:
     return report
 
 
-def _observer(observed: Any) -> dict[str, Any]:
+def observer_report(observed: Any) -> dict[str, Any]:
+    """What the observers made of the record; errors by quarters where the file has a truth."""
     time = observed.estimate.time
     report: dict[str, Any] = {
         "final_position": [_finite(value) for value in observed.position[-1]],

@@ -12,10 +12,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.axes import upright
 from rangenav.formats import hermite, ramped, text
 from rangenav.formats.imported import Imported
 from rangenav.formats.ramped import Ramped
-from rangenav.formats.upright import upright
 from rangenav.formats.written import Written, write_text
 from rangenav.inputs import require
 from rangenav.observability import excitation

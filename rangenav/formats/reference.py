@@ -16,10 +16,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import motion
+from rangenav.axes import upright
 from rangenav.formats import frames, hermite, knotted, ramped, text
 from rangenav.formats.imported import Imported, increasing, spacing
 from rangenav.formats.text import Table
-from rangenav.formats.upright import upright
 from rangenav.formats.written import Written, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset

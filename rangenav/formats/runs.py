@@ -6,10 +6,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import record
+from rangenav import axes, record
 from rangenav.formats import frames
 from rangenav.formats.flights import Frame
-from rangenav.formats.upright import flip, frame_of
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
 
@@ -54,7 +53,7 @@ def run_of(preset: Preset) -> Run:
         preset.world,
     )
     try:
-        frame = frame_of(preset)
+        frame = "z-up" if axes.z_up(world) else "z-down"
     except ValueError:
         frame = None
     return Run(
@@ -70,7 +69,7 @@ def run_of(preset: Preset) -> Run:
 def upright_run(preset: Preset) -> Run:
     """The same numbers in a z-up world, forward-left-up body axes. Raises ValueError if gravity lies beside z."""
     run = run_of(preset)
-    if frame_of(preset) == "z-up":
+    if axes.z_up(preset.world):
         return run
     change, turn = frames.Z_UP_Z_DOWN, frames.FRD_FLU
     return replace(
@@ -78,9 +77,7 @@ def upright_run(preset: Preset) -> Run:
         **{name: frames.vector(change, getattr(run, name)) + 0.0 for name in INERTIAL},
         **{name: frames.vector(turn, getattr(run, name)) + 0.0 for name in BODY},
         rotation=change @ run.rotation @ turn,
-        gravity=flip(run.gravity),
-        magnetic=flip(run.magnetic),
-        anchor=flip(run.anchor),
+        **{name: axes.flipped_vector(getattr(run, name)) for name in ("gravity", "magnetic", "anchor")},
         frame="z-up",
     )
 

@@ -33,7 +33,7 @@ INPUT_PAUSE = 0.08
 """s between inputs: viser's page sends at most one per 50 ms and panel."""
 PATIENCE = 60.0
 """s: a busy machine that renders in software may need seconds for a frame."""
-VERDICT = "of 13"
+VERDICT = ", nonlinear "
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"

@@ -132,14 +132,14 @@ class PointsEditor(Generic[F]):
             self._value.show(point.value)
 
     def _insert(self) -> None:
-        with self._one.catching():
+        with self._one.answering():
             self.read()
             made = waypoints.insert(self._signal, self._index)
             self._index += 1
             self._put(made)
 
     def _delete(self) -> None:
-        with self._one.catching():
+        with self._one.answering():
             self.read()
             self._put(waypoints.delete(self._signal, self._index))
 

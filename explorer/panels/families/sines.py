@@ -61,7 +61,7 @@ class SinesEditor:
             return _ToneSection(self._sheet, self._place, axis, self._remove, expanded=expanded)
 
     def _add(self, axis: Axis) -> None:
-        with self._bottom.catching():
+        with self._bottom.answering():
             tones = tuple(tone.read() for tone in self._tones)
             added = Tone(axis=axis, amplitude=NEW[0], frequency=NEW[1])
             Multisine(tones=(*tones, added))  # refuses one too many

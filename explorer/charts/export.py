@@ -1,0 +1,130 @@
+"""A plot as a file: all its samples as CSV, or a picture as it is seen, with the same axes, colours and dashes.
+
+Nothing here is decimated, and nothing knows viser. In a table, a cell is empty where there is no value (after a curve's
+end, or below the floor of rounding), and "inf" where a window is blind.
+"""
+
+import csv
+import io
+import math
+import threading
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from explorer.charts import curves
+from explorer.charts.plots import Curve, Drawing, Plot
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Kind = Literal["csv", "svg", "png"]
+MAX_CELLS = 5_000_000
+"""About 100 MB of text; more helps nobody in a browser."""
+SIZE, DOTS = (7.2, 3.6), 200
+"""Inches, as wide as a text column; and dots to the inch."""
+TINT = 0x38 / 255
+"""Of what lies below a filled curve, as on the page."""
+LOOKS: dict[Any, Any] = {
+    "svg.hashsalt": "rangenav",
+    "lines.scale_dashes": False,
+    "agg.path.chunksize": 20_000,
+    "font.size": 9.0,
+}
+"""The same plot gives the same bytes; dashes are in points, as the page's are in pixels; long curves are no error."""
+_ONE_AT_A_TIME = threading.Lock()
+"""matplotlib keeps settings and fonts for a whole program."""
+Columns = tuple[int, ...]
+
+
+def refuse(plot: Plot, drawing: Drawing, columns: Columns) -> None:
+    """Raise ValueError with one sentence if there is nothing to write, or too much."""
+    if not columns or not len(drawing.time):
+        raise ValueError(f"{plot.title}: no curve of it is shown, so there is nothing to write")
+    cells = len(drawing.time) * (1 + len(columns))
+    if cells > MAX_CELLS:
+        raise ValueError(f"{plot.title}: a file of it would hold {cells} numbers, and may hold {MAX_CELLS}")
+
+
+def table(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
+    """CSV in UTF-8: one line of names with their units, then every sample to the last digit."""
+    written = io.StringIO()
+    names = (_named(_name(plot.curves[i]), _unit(plot, plot.curves[i])) for i in columns)
+    csv.writer(written, lineterminator="\n").writerow([_named(plot.across, "s"), *names])
+    values = np.column_stack([drawing.time, drawing.read[:, columns]])
+    written.writelines(",".join(map(_cell, row)) + "\n" for row in values.tolist())
+    return written.getvalue().encode()
+
+
+def svg(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
+    """A picture of lines."""
+    return _picture(plot, drawing, columns, duration, "svg", {"Date": None})
+
+
+def png(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
+    """A picture of dots."""
+    return _picture(plot, drawing, columns, duration, "png", {})
+
+
+WRITERS: dict[Kind, Callable[[Plot, Drawing, Columns, float], bytes]] = {"csv": table, "svg": svg, "png": png}
+
+
+def _picture(
+    plot: Plot, drawing: Drawing, columns: Columns, duration: float, kind: str, metadata: dict[str, None]
+) -> bytes:
+    from matplotlib import rc_context  # half a second, and only for who wants a picture
+    from matplotlib.figure import Figure
+
+    written = io.BytesIO()
+    with _ONE_AT_A_TIME, rc_context(LOOKS):
+        figure = Figure(figsize=SIZE, layout="constrained")
+        axes = figure.add_subplot()
+        for i in columns:
+            _draw(axes, plot.curves[i], drawing, i)
+        _frame(axes, plot, drawing.axis, duration)
+        figure.legend(loc="outside upper right", ncols=4, frameon=False)
+        figure.savefig(written, format=kind, dpi=DOTS, metadata=metadata)
+    return written.getvalue()
+
+
+def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> None:
+    time, values, (bottom, top) = drawing.time, drawing.drawn[:, column], drawing.axis
+    dashes = (0, curve.dash) if curve.dash else "solid"
+    label = curve.label or f"_{curve.name}"  # matplotlib keeps such a name out of the legend
+    if not np.any((values >= bottom) & (values <= top)):
+        label += " (blind)" if np.any(np.isposinf(drawing.read[:, column])) else " (outside)"
+    axes.plot(time, values, label=label, color=curve.color, linewidth=curve.width, linestyle=dashes)
+    if curve.filled:
+        axes.fill_between(time, values, bottom, color=curve.color, alpha=TINT, linewidth=0)
+
+
+def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> None:
+    """The page's axes, with names and units."""
+    if plot.log:
+        axes.set_yscale("log")
+    places, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
+    axes.set_yticks(places, labels)
+    axes.set_yticks([], minor=True)
+    axes.set_xlim(0.0, duration)
+    axes.set_ylim(*axis)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_title(plot.title, loc="left", fontsize="medium", fontweight="bold")
+    axes.set_xlabel(_named(plot.across, "s"))
+    axes.set_ylabel(plot.unit.partition(f", by {plot.across}")[0])
+
+
+def _name(curve: Curve) -> str:
+    return curve.name or curve.label
+
+
+def _unit(plot: Plot, curve: Curve) -> str:
+    return plot.unit.partition(",")[0] if curve.unit is None else curve.unit
+
+
+def _named(name: str, unit: str) -> str:
+    return f"{name} ({unit})" if unit else name
+
+
+def _cell(value: float) -> str:
+    return "" if math.isnan(value) or value == -math.inf else repr(value)

@@ -1,0 +1,103 @@
+"""What the mouse does on the plots, told to the session: its place on the time axis, and clicks on legend entries.
+
+viser reports neither, and its plots say 1e-6 as 0. So a small script on the page writes both into a text box that
+nobody sees, as if it were typed there:
+
+    0.3712 1712345678901:position-1        place on the time axis (0 … 1), if any, and the clicks of the last second
+
+The newest text counts, each click once by its number; so nothing is lost where viser drops all but the last input of
+50 ms. The script knows of the page only that uPlot calls its drawing area `u-over`, and that viser puts the controls of
+a tab beside each other. Where either should change, the legends go on telling the values at the playhead.
+"""
+
+import re
+import threading
+from collections import deque
+from collections.abc import Callable
+
+import viser
+
+from explorer.charts.plots import Plot
+
+LABEL = "pointer"
+LONGEST = 500
+"""Characters; an honest text has fewer than a hundred."""
+PLACE, CLICK = re.compile(r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
+MAX_CLICKS = 64
+"""Remembered while the session is busy; of more, the oldest are dropped."""
+MARK_ORDER, BOX_ORDER = -3.0, -2.0
+"""viser's order of things in a tab: before all others, the box right behind its mark."""
+SCRIPT = """if (!window.rnPointer) {
+  window.rnPointer = true;
+  const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
+  let place = '', clicks = [];
+  const tell = () => {
+    const mark = document.querySelector('.rn-pointer');
+    const box = mark &amp;&amp; mark.parentElement.nextElementSibling.querySelector('input');
+    if (!box) return;
+    clicks = clicks.filter(click => Date.now() - parseInt(click) &lt; 1000);
+    put.call(box, [place, ...clicks].join(' '));
+    box.dispatchEvent(new Event('input', {bubbles: true}));
+  };
+  const move = plot => event => {
+    const area = plot(event), box = area &amp;&amp; area.getBoundingClientRect();
+    const share = box ? Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1).toFixed(4) : '';
+    if (share !== place) { place = share; tell(); }
+  };
+  window.addEventListener('pointermove', move(event => event.target.closest('.u-over')));
+  document.documentElement.addEventListener('pointerleave', move(() => null));
+  window.addEventListener('click', event => {
+    const entry = event.target.closest('[data-curve]');
+    if (entry) { clicks.push(Date.now() + ':' + entry.dataset.curve); tell(); }
+  });
+}"""
+MARK = (
+    "<style>div:has(> .rn-pointer) + div { display: none }</style>"
+    f'<img class="rn-pointer" alt="" src="data:," style="display:none" onerror="{SCRIPT}">'
+)
+
+
+def curve_id(plot: Plot, column: int) -> str:
+    """The name of a curve, for CSS, the legend and the script."""
+    return f"{plot.name}-{column}"
+
+
+class Pointer:
+    """Where the mouse is on a time axis, and the legend entries clicked since last asked."""
+
+    def __init__(self, note: Callable[[], None]) -> None:
+        """`note` is called from viser's threads when there is news."""
+        self._note, self._lock = note, threading.Lock()
+        self._place: float | None = None
+        self._clicks: deque[str] = deque(maxlen=MAX_CLICKS)
+        self._last = 0
+
+    @property
+    def place(self) -> float | None:
+        """From 0 to 1 along the time axis; None while the mouse is on no plot."""
+        return self._place
+
+    def add_to(self, gui: viser.GuiApi) -> None:
+        """Put the box and the script into the tab that is being filled."""
+        gui.add_html(MARK, order=MARK_ORDER)
+        box = gui.add_text(LABEL, "", order=BOX_ORDER)
+        box.on_update(lambda _: self.hear(box.value))  # the newest text, whichever thread of viser's comes first
+
+    def clicked(self) -> list[str]:
+        """The curves whose entries were clicked since the last call, oldest first."""
+        with self._lock:
+            found = list(self._clicks)
+            self._clicks.clear()
+        return found
+
+    def hear(self, text: str) -> None:
+        """Take in what the script has written. Anything else is no place and no click."""
+        words = text[:LONGEST].split(" ")
+        with self._lock:
+            self._place = float(words[0]) if PLACE.fullmatch(words[0]) else None
+            for word in words[1:]:
+                click = CLICK.fullmatch(word)
+                if click is not None and int(click[1]) > self._last:
+                    self._last = int(click[1])
+                    self._clicks.append(click[2])
+        self._note()

@@ -1,0 +1,115 @@
+"""The Export tab: any plot as CSV, SVG or PNG, and the lines of Python that compute the same in a notebook."""
+
+import html
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import PurePath
+from typing import Literal
+
+from explorer.panels import presets
+from explorer.panels.sheet import Section, Sheet
+from explorer.settings import Settings
+
+Kind = Literal["csv", "svg", "png"]
+PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."
+FILE_HINT = (
+    "CSV: every sample to the last digit, with units in its first line; empty where there is no value or only rounding "
+    "noise, inf where a window is blind. SVG and PNG: the plot as it is on the page."
+)
+LINES_HINT = "“lines” shows and downloads a few lines of Python; “preset file” downloads the file that they read."
+NOT_IN_LINES = {"reduced_row": "row r₄,₂ printed", "attitude_rate": "attitude rate ½"}
+"""Printed switches that change a number beside their control, and nothing in a run or a plot."""
+STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sources:
+    """What only the session knows."""
+
+    plan: Callable[[str, Kind], Callable[[], bytes]]
+    """What makes a file of a plot as it is now, to be called in any thread. Raises ValueError with one sentence."""
+    settings: Callable[[], tuple[str, Settings]]
+    """What is chosen now, and the name of its preset's file."""
+    send: Callable[[str, bytes], None]
+    """Downloads a file."""
+
+
+class ExportPanel:
+    """A picker of plots with its buttons, and the lines of Python."""
+
+    def __init__(self, sheet: Sheet, titles: dict[str, str], sources: Sources) -> None:
+        """`titles` of the plots by their names."""
+        self._sheet, self._sources = sheet, sources
+        self._names = {title: name for name, title in titles.items()}
+        self._worker: threading.Thread | None = None
+        self._plots = Section(sheet, "A plot as a file")
+        with self._plots:
+            self._menu = sheet.gui.add_dropdown("plot", tuple(self._names), hint=PLOT_HINT)
+            kinds: dict[str, Kind] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
+            sheet.buttons("file", {label: partial(self._make, kind) for label, kind in kinds.items()}, hint=FILE_HINT)
+        with Section(sheet, "The same in Python"):
+            sheet.buttons("Python", {"lines": self._lines, "preset file": self._preset}, hint=LINES_HINT)
+            self._shown = sheet.gui.add_html("")
+        sheet.command("Lines of Python for what is on the page", self._lines)
+
+    def _make(self, kind: Kind) -> None:
+        """Write a file in a thread of its own: a picture takes half a second, a long table longer."""
+        with self._plots.catching():
+            if self._worker is not None and self._worker.is_alive():
+                raise ValueError("the file before is still being written; one at a time")
+            plot = self._names.get(self._menu.value, "")
+            write = self._sources.plan(plot, kind)
+        stem = PurePath(self._sources.settings()[0]).stem
+        self._worker = threading.Thread(target=self._work, args=(f"{stem}-{plot}.{kind}", write), daemon=True)
+        self._worker.start()
+
+    def _work(self, name: str, write: Callable[[], bytes]) -> None:
+        try:
+            content = write()
+        except Exception as error:
+            self._sheet.do(partial(_fail, error))
+        else:
+            self._sheet.do(partial(self._sources.send, name, content))
+
+    def _lines(self) -> None:
+        file, settings = self._sources.settings()
+        lines = python_lines(settings, file)
+        left_out = [words for name, words in NOT_IN_LINES.items() if getattr(settings.printed, name)]
+        note = f" The switches not in these lines: {', '.join(left_out)}." if left_out else ""
+        code = f'<pre style="overflow-x:auto;user-select:all">{html.escape(lines)}</pre>'
+        said = f"Run them beside <b>{html.escape(file)}</b>, the preset file.{note}"
+        self._shown.content = f'<div style="{STYLE}">{code}{said}</div>'
+        self._sources.send(f"{PurePath(file).stem}.py", lines.encode())
+
+    def _preset(self) -> None:
+        file, settings = self._sources.settings()
+        self._sources.send(file, presets.document(settings))
+
+
+def python_lines(settings: Settings, file: str) -> str:
+    """At most six lines that compute what is on the page from its preset's file. The file holds the time scale and the
+    printed start already; the other printed switches that change a run or a plot are arguments here."""
+    printed = settings.printed
+    lines = [
+        "from rangenav import analysis, observability, preset, record",
+        f'p = preset.load("{file}")',
+        "flight = record.run(p" + (', form="printed")' if printed.model else ")"),
+        "found = analysis.analyse(p)",
+    ]
+    if printed.excitation or printed.body_axes:
+        switches = f"printed_formula={printed.excitation}, body_axes={printed.body_axes}"
+        moved, windows = "flight.truth.motion", "found.windows.start, found.windows.window"
+        lines += [
+            f"signal = observability.excitation.chosen_signal({moved}, {switches})",
+            f"printed = observability.excitation.sampled_eigenvalues(signal, {moved}.time, {windows})",
+        ]
+    else:
+        lines[0] = "from rangenav import analysis, preset, record"
+        lines.append("found.verdict, found.mu, flight.summary")
+    return "\n".join(lines) + "\n"
+
+
+def _fail(error: Exception) -> None:
+    raise error

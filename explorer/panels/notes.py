@@ -1,0 +1,22 @@
+"""Sentences and small tables below controls, as HTML with everything escaped."""
+
+import html
+from collections.abc import Iterable, Sequence
+
+NOTE = '<div style="padding:0 0.9em 0.5em;font-size:0.85em;line-height:1.4;overflow-wrap:anywhere">{}</div>'
+CELL = '<{0} style="text-align:left;padding:0.1em 0.6em 0.1em 0;vertical-align:top;overflow-wrap:normal">{1}</{0}>'
+
+
+def bullets(sentences: Iterable[str]) -> str:
+    """One line each."""
+    return "".join(f"<div>• {html.escape(sentence)}</div>" for sentence in sentences)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table with a line of names above it."""
+    lines = [_row("th", head) if head else "", *(_row("td", row) for row in rows)]
+    return f'<table style="border-collapse:collapse;font-variant-numeric:tabular-nums">{"".join(lines)}</table>'
+
+
+def _row(kind: str, cells: Sequence[str]) -> str:
+    return f"<tr>{''.join(CELL.format(kind, html.escape(cell)) for cell in cells)}</tr>"

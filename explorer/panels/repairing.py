@@ -1,0 +1,116 @@
+"""Make it observable: the smallest change of a chosen kind that meets the requirement, shown before it is accepted."""
+
+import math
+
+import msgspec
+
+from explorer.jobs import Cancelled, Jobs, Progress
+from explorer.panels.controls import Choice
+from explorer.panels.notes import NOTE, bullets, table
+from explorer.panels.presets import Page
+from explorer.panels.sheet import Section, Sheet
+from explorer.settings import Settings, effective
+from rangenav import repair
+from rangenav.certificate.figures import Figures
+from rangenav.repair import Kind, Repair
+
+BY: dict[Kind, str] = {
+    "tones": "adding tones",
+    "amplitude": "its size",
+    "frequency": "its frequencies",
+    "timescale": "its speed",
+    "waypoints": "moving waypoints",
+}
+ROUNDING = 1e-12
+"""m²/s⁷: what no motion is asked for, and less than which is rounding."""
+KIND = "What may be changed about the motion. The vehicle's limits are kept."
+REPAIR = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
+IMPROVE = "Looks for a change that lowers the predicted σ of a motion that is observable already."
+TAKE = "Puts the changed motion on the page; Ctrl+Z takes it back."
+LEAVE = "Forgets the change; what is on the page stays as it is."
+
+
+class RepairPanel:
+    """A kind of change, two buttons, and the change that was found."""
+
+    def __init__(self, sheet: Sheet, page: Page, jobs: Jobs) -> None:
+        self._page, self._jobs = page, jobs
+        self._section = section = Section(sheet, "Repair", expanded=False)
+        self._found: Repair | None = None
+        with section:
+            self._kind = Choice(section, "by changing", BY, hint=KIND)
+            sheet.button("Make it observable", self._repair, hint=REPAIR)
+            sheet.button("Improve it", self._improve, hint=IMPROVE)
+            self._said = sheet.gui.add_html("", visible=False)
+            self._accept = sheet.button("Accept", self._take, hint=TAKE)
+            self._discard = sheet.button("Discard", self._forget, hint=LEAVE)
+        self._forget()
+        sheet.command("Make it observable", self._repair)
+
+    def _repair(self) -> None:
+        self._start(improve=False)
+
+    def _improve(self) -> None:
+        self._start(improve=True)
+
+    def _start(self, *, improve: bool) -> None:
+        with self._section.catching():
+            shown, by = effective(self._page.read()), self._kind.read()
+        self._forget()
+        search = repair.improve if improve else repair.repair
+
+        def work(progress: Progress, cancelled: Cancelled) -> Repair:
+            return search(shown, by=by, progress=lambda share, _: progress(share), cancelled=cancelled)
+
+        name = "improving the motion" if improve else "making it observable"
+        self._jobs.start(f"{name} by {BY[by]}", work, self._show, self._section.complaint.say)
+
+    def _show(self, found: Repair) -> None:
+        self._found = found
+        self._said.content = NOTE.format(bullets(words(found)) + figures(found))
+        self._said.visible = self._accept.visible = self._discard.visible = True
+
+    def _take(self) -> None:
+        if self._found is not None:
+            self._page.write(accepted(self._page.read(), self._found))
+            self._forget()
+
+    def _forget(self) -> None:
+        self._found = None
+        self._said.visible = self._accept.visible = self._discard.visible = False
+
+
+def accepted(settings: Settings, found: Repair) -> Settings:
+    """The settings with the changed motion in them; time scale and printed start were in what was changed."""
+    printed = msgspec.structs.replace(settings.printed, initial_values=False)
+    return msgspec.structs.replace(settings, preset=found.after, time_scale=1.0, printed=printed)
+
+
+def words(found: Repair) -> tuple[str, ...]:
+    """What was changed, and what the certificate of the result says."""
+    stated = found.certificate
+    held = "certified" if stated.certified else f"not certified: {'; '.join(stated.failures)}"
+    broken = stated.vehicle.broken
+    flown = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
+    return found.words, f"after {found.evaluations} looks: {held}; {flown}"
+
+
+def figures(found: Repair) -> str:
+    """Before and after, side by side."""
+    before, after = found.figures_before, found.figures_after
+    return table(
+        ("", "before (A)", "after (B)"),
+        (
+            ("μ (m²/s⁷)", _mu(before), _mu(after)),
+            ("predicted σ", _sigma(before), _sigma(after)),
+            ("required", "", f"μ ≥ {found.after.requirement.mu:.3g}, σ ≤ {found.after.requirement.position_sigma:g} m"),
+        ),
+    )
+
+
+def _mu(figure: Figures) -> str:
+    return f"{figure.mu:.3g}" if figure.mu > ROUNDING else "nothing"
+
+
+def _sigma(figure: Figures) -> str:
+    return f"{figure.sigma:.3g} m" if math.isfinite(figure.sigma) else "blind"

@@ -1,0 +1,95 @@
+"""Plots under a real mouse: the legends tell what is under it, and a click on an entry hides its curve."""
+
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser
+
+from explorer.charts import catalogue, curves
+from explorer.compute import compute
+from explorer.settings import Settings
+from rangenav import preset
+from tests.browser.page import CHARTS, PATIENCE, Visitor, chromium, served, why_not
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
+]
+COARSE = 0.5
+"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
+TOLD = """selector => Array.from(document.querySelectorAll(selector), found =>
+    getComputedStyle(found, '::after').content.replaceAll('"', ''))"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with chromium() as running:
+        yield running
+
+
+@pytest.fixture
+def visitor(browser: Browser) -> Iterator[Visitor]:
+    with served("--preset", "paper-slow") as server:
+        tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
+        tab.dismiss_notifications()
+        yield tab
+        assert tab.complaints == []
+        tab.close()
+
+
+def _until(holds, what: str) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.05)
+
+
+def _value(visitor: Visitor, curve: str) -> str:
+    return visitor.page.evaluate(TOLD, f'[data-curve="{curve}"] .rn-v')[0]
+
+
+def _hidden(visitor: Visitor) -> int:
+    """How many plots of errors do not show their σ. The page lists a plot that is described anew as its last."""
+    found = f"{CHARTS}.filter(chart => chart.series.some(series => series.label === 'σ by P' && !series.show))"
+    return visitor.page.evaluate(f"() => {found}.length")
+
+
+def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_curve(visitor: Visitor):
+    seen = compute(Settings(preset=preset.load("paper-slow")))
+    area = visitor.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
+    box = area.bounding_box()
+    assert box is not None
+    before = _value(visitor, "position-0")
+    visitor.page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)
+    _until(lambda: visitor.page.evaluate(TOLD, ".rn-at")[0].endswith(" s"), "the time under the mouse")
+    time.sleep(0.5)
+    times = set(visitor.page.evaluate(TOLD, ".rn-at"))
+    assert len(times) == 1  # all plots tell the same
+    moment = float(times.pop().removesuffix(" s"))
+    assert moment == pytest.approx(0.25 * seen.preset.duration, abs=seen.preset.duration / box["width"])
+    k = int(np.searchsorted(seen.motion.time, moment))
+    near = {curves.number(error) for error in seen.errors.position[k - 3 : k + 4]}
+    assert _value(visitor, "position-0") in near
+    gramian = next(plot for plot in catalogue.OBSERVABILITY.plots if plot.name == "gramian").draw(seen)
+    row = int(np.searchsorted(gramian.time, moment + 1e-9)) - 1
+    assert curves.number(gramian.read[row, 0]) == _value(visitor, "gramian-0")
+    assert gramian.read[row, 0] < 1e-3  # which uPlot's own legend would call 0
+
+    visitor.page.locator('[data-curve="position-1"]').click()
+    _until(lambda: _hidden(visitor) == 1, "the curve to go")
+    _until(lambda: _value(visitor, "position-0") == before, "the values at the playhead")
+    assert visitor.page.evaluate(TOLD, ".rn-at")[0] == "none"
+    visitor.tab("Gains")
+    data = visitor.chart_data("σ by P")
+    visitor.nudge("q", "ArrowLeft", times=3)
+    _until(lambda: visitor.chart_data("σ by P") != data, "another picture")
+    assert _hidden(visitor) == 1
+    visitor.tab("Export")
+    time.sleep(0.5)
+    visitor.press("lines")
+    visitor.wait_for_text("record.run(p)")
+    time.sleep(0.5)
+    visitor.page.locator('[data-curve="position-1"]').click()
+    _until(lambda: _hidden(visitor) == 0, "the curve to come back")
