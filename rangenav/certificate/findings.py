@@ -26,6 +26,8 @@ MAX_EVENTS = 100
 Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
 EVERY: Starts = "every t >= 0"
 FLIGHT: Starts = "every t in [0, duration - window]"
+SAME_TIME = 1e-9
+"""Share of the flight; a knot nearer than that to its beginning or end is its beginning or end."""
 SIGMA_TIE = 1e-3
 """Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
 
@@ -223,7 +225,8 @@ def jumped(preset: Preset) -> contents.Jumps:
         once, steps = found.knots, piecewise.jumps(found)
         if found.repeats:
             once = np.mod(once, found.duration)
-        inside = (once < preset.duration) & ((once > 0) | (found.repeats & (found.duration < preset.duration)))
+        end = preset.duration * (1 - SAME_TIME)
+        inside = (once < end) & ((once > SAME_TIME * end) | (found.repeats & (found.duration < end)))
         if inside.any():
             sizes = np.linalg.norm(steps[inside], axis=-1).max(axis=0)
             rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(found, order) for order in piecewise.JUMP_ORDERS]
