@@ -102,6 +102,13 @@ def warm_up(progress: Callable[[float, str], None]) -> None:
     warm.compile_all(progress)
 
 
+def warm_up_estimators() -> None:
+    """The same for what may be switched on beside the cascade, which no picture waits for."""
+    from rangenav.kernels import warm
+
+    warm.compile_estimators(lambda _fraction, _what: None)
+
+
 @lru_cache(maxsize=CACHED)
 def _phi(course: Course) -> tuple[Array, Array]:
     moved = record.simulated(course).motion

@@ -124,6 +124,7 @@ class Session:
     def _leave(self) -> None:
         """Write what is left, and only then give the place in the browser to whoever comes next."""
         self._jobs.cancel()
+        self._dock.compare.stop()
         if self._house.slots.has(self._client.client_id):
             self._keeping.write(time.monotonic(), at_once=True)
         self._house.slots.free(self._client.client_id)
@@ -203,12 +204,15 @@ class Session:
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
+            self._dock.compare.read()
             if self._picture is None or settings != self._picture.settings:
                 self._draw(compute.compute(settings))
                 self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
                 self._keeping.note(settings)
+            elif self._dock.compare.news:
+                self._draw(self._picture)
             return True
         return False
 
@@ -278,14 +282,16 @@ class Session:
     def _draw(self, picture: Picture) -> None:
         self._picture = picture
         self._playback.fit(picture.preset.duration)
+        beside = self._dock.compare.beside(picture)
         with self._client.atomic():
-            self._charts.draw(picture)
+            self._charts.draw(picture, beside)
             self._charts.cursor(picture, self._playback.time)
             self._dock.draw(picture)
+            self._dock.compare.draw(picture, beside)
         self._client.flush()
         time.sleep(HEAD_START)
         with self._client.atomic():
-            self._scene.draw(picture, dragging=self._handles.dragging)
+            self._scene.draw(picture, beside, dragging=self._handles.dragging)
             self._draw_handles()
         self._rests_at = time.monotonic() + REST
 

@@ -2,7 +2,10 @@
 
 import logging
 import threading
+import time
 
+AFTERTHOUGHT = 3.0
+"""s: the first pictures are drawn before the processor is given to what nobody has asked for yet."""
 log = logging.getLogger(__name__)
 
 
@@ -32,6 +35,11 @@ class Warming:
         from explorer import depth
 
         depth.load_slow()  # a second that no picture need wait for: only the frozen-time test does
+        time.sleep(AFTERTHOUGHT)
+        try:
+            compute.warm_up_estimators()
+        except Exception:
+            log.exception("the estimators beside the cascade could not be compiled ahead")
 
     def _progress(self, fraction: float, what: str) -> None:
         self.fraction, self.what = min(fraction, 0.99), what  # done only when the last kernel has returned

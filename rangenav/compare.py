@@ -39,14 +39,9 @@ class Contender:
 
 def compare(of: Record) -> tuple[Contender, ...]:
     """All contenders on one record. Times are of this one run: of the first ever, compiling included."""
-    setting = Setting(world=of.preset.world, sensors=of.preset.sensors, gains=of.preset.gains, form=of.form)
-    moved, z = of.truth.motion, of.measurements
-    start = cascade.start(of.preset.guess, state=of.truth.state[0], rotation=moved.rotation[0], world=of.preset.world)
+    moved, setting = of.truth.motion, _setting(of)
     truth = (moved.position[0], moved.velocity[0], moved.rotation[0])
     near = np.eye(STATES) * TRUTH_SIGMA**2
-    began = time.perf_counter()
-    refined = refine.refine(z, of.estimate, setting)
-    seconds = time.perf_counter() - began
     return (
         Contender(
             name=CASCADE,
@@ -55,10 +50,28 @@ def compare(of: Record) -> tuple[Contender, ...]:
             summary=of.summary,
             words=_words(of.estimate, of.errors, of.summary),
         ),
-        _contender(REFINEMENT, refined.track, of, seconds, words=refined.words),
-        _filtered(EKF, lambda: baselines.ekf(z, start, setting), of),
-        _filtered(EKF_TRUTH, lambda: baselines.filtered(z, truth, near, setting), of),
+        refined(of),
+        filtered(of),
+        _filtered(EKF_TRUTH, lambda: baselines.filtered(of.measurements, truth, near, setting), of),
     )
+
+
+def refined(of: Record) -> Contender:
+    """The whole record refined, starting from the cascade's last estimate."""
+    began = time.perf_counter()
+    found = refine.refine(of.measurements, of.estimate, _setting(of))
+    return _contender(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
+
+
+def filtered(of: Record) -> Contender:
+    """The extended Kalman filter from the cascade's own start."""
+    rotation, world = of.truth.motion.rotation[0], of.preset.world
+    start = cascade.start(of.preset.guess, state=of.truth.state[0], rotation=rotation, world=world)
+    return _filtered(EKF, lambda: baselines.ekf(of.measurements, start, _setting(of)), of)
+
+
+def _setting(of: Record) -> Setting:
+    return Setting(world=of.preset.world, sensors=of.preset.sensors, gains=of.preset.gains, form=of.form)
 
 
 def _filtered(name: str, run: Callable[[], Track], of: Record) -> Contender:

@@ -8,9 +8,6 @@ import pytest
 from rangenav import preset
 from rangenav.commands.output import readable
 from rangenav.twin import Twin, twin
-from tests.test_cli import answer, run
-
-__all__ = ["answer", "run"]  # fixtures
 
 
 @pytest.mark.parametrize("name", ["hover", "circle", "paper-slow"])

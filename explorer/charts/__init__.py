@@ -7,16 +7,20 @@ from functools import partial
 import numpy as np
 from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, GuiUplotHandle, Icon, PanelHandle, uplot
 
-from explorer.charts import catalogue, curves, export, markup
+from explorer.beside import NOTHING, Beside
+from explorer.charts import catalogue, curves, export, markup, overlay
 from explorer.charts.catalogue import Group
+from explorer.charts.overlay import Pinned
 from explorer.charts.plots import Curve, Drawing, Plot
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.compute import Picture
 
 NARROW_WIDTH = 360
 """px of a single column."""
-HEIGHT, NARROW_HEIGHT = 168, 108
+HEIGHT, NARROW_HEIGHT = 162, 102
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
+BAND_TINT, HEX = "38", len("#rrggbb")
+"""Opacity, hexadecimal; and how much of a colour stands before its own."""
 TITLES = {plot.name: plot.title for group in catalogue.GROUPS for plot in group.plots}
 """Of all plots, by their names."""
 FOLLOWS = "Follows as soon as nothing moves."
@@ -53,28 +57,38 @@ def _nothing() -> None:
 class _Chart:
     """One plot on the page, and what it shows."""
 
-    plot: Plot
+    base: Plot
     height: int
     header: GuiHtmlHandle
     handle: GuiUplotHandle
+    plot: Plot
+    """The base with the curves of what stands beside the picture, if anything does."""
     off: set[int] = field(default_factory=set)
     """Named columns that the visitor has switched off."""
     drawing: Drawing | None = None
     picture: Picture | None = None
     """What it was drawn from."""
+    pinned: Pinned | None = None
     duration: float = 0.0
     """s, that the time axis spans."""
     looks: tuple[object, ...] = ()
     """What the axes and visible curves were made for: changing those rebuilds the chart in the browser."""
+    bands: tuple[tuple[int, int], ...] = ()
 
-    def draw(self, picture: Picture) -> None:
+    def draw(self, picture: Picture, beside: Beside) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
-        self.drawing, self.picture = self.plot.draw(picture), picture
-        drawing = self.drawing
+        self.pinned = overlay.pinned(self.base, beside.pinned, self.pinned)
+        plot, drawing = overlay.over(self.base, picture, beside, self.pinned)
+        if plot.curves != self.plot.curves:  # what stood beside has come or gone, and others have its places
+            self.off.difference_update(range(len(self.base.curves), len(self.plot.curves)))
+        self.plot, self.drawing, self.picture = plot, drawing, picture
         self.duration = float(picture.motion.time[-1])
-        self._dress(drawing)
         time, values = curves.decimate(drawing.time, drawing.drawn)
-        self.handle.data = (time, *np.ascontiguousarray(values.T))
+        data = (time, *np.ascontiguousarray(values.T))
+        if len(data) > len(self.handle.series):  # a chart must never have more curves than data
+            self.handle.data = data
+        self._dress(drawing)
+        self.handle.data = data
 
     def toggle(self, column: int) -> None:
         """Show or hide a curve of the legend, and those that go with it."""
@@ -89,9 +103,11 @@ class _Chart:
     def _dress(self, drawing: Drawing) -> None:
         """Assign axes and legend, and which curves there are, if they are not as they were."""
         off = frozenset(self.off)
-        looks = (drawing.axis, drawing.hidden, self.duration, off)
+        looks = (drawing.axis, drawing.hidden, self.duration, off, self.plot.curves)
         if looks != self.looks:
             self.looks = looks
+            if self.plot.bands != self.bands:
+                self.bands, self.handle.bands = self.plot.bands, tinted(self.plot)
             self.handle.series = series(self.plot.curves, self.unseen(drawing))
             self.handle.scales = scales(self.plot, drawing.axis, self.duration)
             self.handle.axes = axes(self.plot, drawing.axis)
@@ -115,6 +131,7 @@ class Charts:
         self._narrow = narrow
         self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None
+        self._beside = NOTHING
         self._time = 0.0
         errors, *others = catalogue.GROUPS
         columns = [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]
@@ -124,17 +141,17 @@ class Charts:
         if narrow:  # a second column always opens at viser's own width, so two columns keep that
             self._columns[0].panel.set_width(NARROW_WIDTH)
 
-    def draw(self, picture: Picture) -> None:
-        """Show another picture; the cursor stays at its time."""
-        self._picture = picture
+    def draw(self, picture: Picture, beside: Beside = NOTHING) -> None:
+        """Show another picture and what stands beside it; the cursor stays at its time."""
+        self._picture, self._beside = picture, beside
         for column in self._columns:
-            column.draw(picture)
+            column.draw(picture, beside)
         self.cursor(picture, self._time)
 
     def draw_later(self, picture: Picture) -> None:
         """Show what takes as long as all else together; for when nothing moves."""
         for column in self._columns:
-            column.draw_later(picture)
+            column.draw_later(picture, self._beside)
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
@@ -183,7 +200,7 @@ class Charts:
         if self._narrow:
             first.keep_only_first_tab()
             if self._picture is not None:
-                self.draw(self._picture)
+                self.draw(self._picture, self._beside)
                 self.draw_later(self._picture)
 
     def _all(self) -> list[_Chart]:
@@ -208,22 +225,22 @@ class _Column:
             self._add_tab(group)
         self.panel.dock_left()
 
-    def draw(self, picture: Picture) -> None:
+    def draw(self, picture: Picture, beside: Beside) -> None:
         for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
             if group.later:
                 for sentences in said:
                     sentences.wait()
             else:
-                self._draw_group(picture, charts, said)
+                self._draw_group(picture, beside, charts, said)
 
-    def draw_later(self, picture: Picture) -> None:
+    def draw_later(self, picture: Picture, beside: Beside) -> None:
         for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
             if group.later:
-                self._draw_group(picture, charts, said)
+                self._draw_group(picture, beside, charts, said)
 
-    def _draw_group(self, picture: Picture, charts: list[_Chart], said: list[_Said]) -> None:
+    def _draw_group(self, picture: Picture, beside: Beside, charts: list[_Chart], said: list[_Said]) -> None:
         for chart in charts:
-            chart.draw(picture)
+            chart.draw(picture, beside)
         for sentences in said:
             sentences.draw(picture)
 
@@ -265,7 +282,7 @@ def _add_chart(client: ClientHandle, plot: Plot, height: int, off: set[int]) -> 
         height=height,
         padding=markup.PADDING,
     )
-    return _Chart(plot=plot, height=height, header=header, handle=handle, off=off)
+    return _Chart(base=plot, plot=plot, height=height, header=header, handle=handle, off=off)
 
 
 def series(lines: tuple[Curve, ...], hidden: tuple[int, ...]) -> tuple[uplot.Series, ...]:
@@ -280,6 +297,12 @@ def _line(curve: Curve, *, show: bool) -> uplot.Series:
     if curve.filled:
         line["fill"] = f"{curve.color}38"
     return line
+
+
+def tinted(plot: Plot) -> tuple[uplot.Band, ...] | None:
+    """uPlot's description of what is tinted between two curves."""
+    fills = ((upper, lower, f"{plot.curves[upper].color[:HEX]}{BAND_TINT}") for upper, lower in plot.bands)
+    return tuple(uplot.Band(series=(upper + 1, lower + 1), fill=fill) for upper, lower, fill in fills) or None
 
 
 def scales(plot: Plot, axis: curves.Range, duration: float) -> dict[str, uplot.Scale]:

@@ -108,6 +108,7 @@ OBSERVABILITY = Group(
             draw=plots.snap,
             words=words.SNAP,
             log=False,
+            again=(3,),
         ),
         Plot(
             name="excitation",
@@ -144,6 +145,7 @@ OBSERVABILITY = Group(
             ),
             draw=plots.predicted,
             words=words.PREDICTED,
+            again=(0, 1),
         ),
     ),
 )
@@ -170,6 +172,7 @@ SIGNALS = Group(
             draw=plots.distance,
             words=words.DISTANCE,
             log=False,
+            again=(1,),
         ),
         Plot(
             name="speed",
@@ -193,6 +196,7 @@ SIGNALS = Group(
             draw=plots.effort,
             words=words.EFFORT,
             log=False,
+            again=(0, 1),
         ),
     ),
 )
@@ -236,6 +240,7 @@ DEPTH = Group(
             draw=depth.functions,
             words=words.FUNCTIONS,
             log=False,
+            again=(),
         ),
     ),
     depth.say_depth,

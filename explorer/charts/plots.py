@@ -71,6 +71,10 @@ class Plot:
     draw: Callable[[Picture], Drawing]
     words: words.Words
     log: bool = True
+    again: tuple[int, ...] = (0,)
+    """The curves that are drawn once more for a pinned run."""
+    bands: tuple[tuple[int, int], ...] = ()
+    """Pairs of curves, upper and lower, between which the plot is tinted."""
     across: str = "t"
     """What (in s) runs along its axis, which is as long as the time axis of all."""
 

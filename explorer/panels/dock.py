@@ -10,6 +10,7 @@ import viser
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.compare import ComparePanel
 from explorer.panels.exporting import PackPanel
 from explorer.panels.flights import FlightPanel
 from explorer.panels.gains import GainsPanel
@@ -81,6 +82,8 @@ class Dock:
             ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
             flights = FlightPanel(sheet, jobs)
             self.printed = PrintedPanel(sheet)
+        with tabs.add_tab("Compare"):
+            self.compare = ComparePanel(sheet, jobs)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
             self.progress = ProgressPanel(sheet, jobs)

@@ -1,6 +1,7 @@
 """The Export tab: any plot as CSV, SVG or PNG, and the lines of Python that compute the same in a notebook."""
 
 import html
+import json
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -94,7 +95,7 @@ def python_lines(settings: Settings, file: str) -> str:
     printed = settings.printed
     lines = [
         "from rangenav import analysis, observability, preset, record",
-        f'p = preset.load("{file}")',
+        f"p = preset.load({json.dumps(file, ensure_ascii=False)})",
         "flight = record.run(p" + (', form="printed")' if printed.model else ")"),
         "found = analysis.analyse(p)",
     ]

@@ -161,6 +161,8 @@ class Sheet:
         self.sections: list[Section] = []
         self._actions: deque[Action] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
+        self.carried = 0
+        """Actions carried out so far."""
         self._answer: Complaint | None = None
 
     def do(self, action: Action) -> None:
@@ -175,6 +177,7 @@ class Sheet:
         for _ in range(count):
             with suppress(Refused):
                 self._actions.popleft()()
+        self.carried += count
         return count > 0
 
     def refresh(self) -> None:

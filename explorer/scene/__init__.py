@@ -8,10 +8,12 @@ from numpy import ndarray as Array
 from viser import ClientHandle
 from viser.transforms import SO3
 
+from explorer.beside import NOTHING, Beside
 from explorer.compute import Picture
 from explorer.depth import Depth
 from explorer.scene import stage as stages
 from explorer.scene.arrows import Arrow
+from explorer.scene.beside import Companions
 from explorer.scene.broken import BrokenPath
 from explorer.scene.colors import (
     BLUE,
@@ -77,6 +79,7 @@ class Scene:
         )
         self._truth = Vehicle(scene, "vehicle", BLUE, opacity=None, label_above=True)
         self._ghost = Vehicle(scene, "estimate", VERMILLION, opacity=0.4, label_above=False)
+        self._companions = Companions(scene)
         self._ellipsoid = scene.add_icosphere(
             "/ellipsoid",
             1.0,
@@ -105,8 +108,9 @@ class Scene:
         """How large the picture drawn last is; None before the first."""
         return self._stage
 
-    def draw(self, picture: Picture, *, dragging: bool = False) -> None:
-        """Show another picture, at the time shown last. While something is dragged the camera stands still."""
+    def draw(self, picture: Picture, beside: Beside = NOTHING, *, dragging: bool = False) -> None:
+        """Show another picture and what stands beside it, at the time shown last. While something is dragged the camera
+        stands still."""
         on = stages.stage(picture)
         self._fit(picture, on)
         self._path.points = stages.solid(picture.motion, on).astype(np.float32)
@@ -116,6 +120,7 @@ class Scene:
         self._draw_blind(picture, on)
         self._twin.wait()
         self._excitation.wait()
+        self._companions.draw(picture, beside, on)
         self._view.frame(on, picture.motion.position, dragging=dragging)
         self.move(picture, self._time)
 
@@ -130,13 +135,13 @@ class Scene:
         """Move everything that moves to the sample nearest to a time."""
         assert self._stage is not None, "draw comes before move"
         self._time = time
-        grid = picture.motion.time
-        k = int(np.clip(np.searchsorted(grid, time - (grid[1] - grid[0]) / 2), 0, len(grid) - 1))
+        k = stages.sample(picture.motion.time, time)
         position, rotation = picture.motion.position[k], picture.motion.rotation[k]
         self._truth.place(position, rotation)
         self._compass.position = position
         self._sphere.scale = max(float(np.linalg.norm(position - picture.preset.world.anchor)), 1e-6)
         self._move_estimate(picture, k)
+        self._companions.move(time)
         self._twin.move(picture, time)
         self._excitation.move(time, self._stage)
 

@@ -107,12 +107,24 @@ def chords(motion: Motion, on: Stage) -> Int[Array, "k"]:
 
 def not_astray(picture: Picture, on: Stage) -> Float[Array, "n 3"]:
     """The estimated path, NaN where it is too far from the truth to be drawn as a curve."""
+    return near(picture.position_estimate, picture.motion, on)
+
+
+def near(positions: Float[Array, "n 3"], motion: Motion, on: Stage) -> Float[Array, "n 3"]:
+    """The same of any estimated path."""
     with np.errstate(over="ignore", invalid="ignore"):
-        astray = ~(np.linalg.norm(picture.position_estimate - picture.motion.position, axis=-1) < ASTRAY * on.radius)
-    return np.where(astray[:, None], np.nan, picture.position_estimate)
+        astray = ~(np.linalg.norm(positions - motion.position, axis=-1) < ASTRAY * on.radius)
+    return np.where(astray[:, None], np.nan, positions)
 
 
-def dashed(positions: Float[Array, "n 3"], on: Stage) -> tuple[Float[Array, "m 2 3"], Float[Array, "m 2"]]:
+def sample(grid: Float[Array, "n"], time: float) -> int:
+    """The sample nearest to a time."""
+    return int(np.clip(np.searchsorted(grid, time - (grid[1] - grid[0]) / 2), 0, len(grid) - 1))
+
+
+def dashed(
+    positions: Float[Array, "n 3"], on: Stage, *, per_radius: int = DASHES_PER_RADIUS
+) -> tuple[Float[Array, "m 2 3"], Float[Array, "m 2"]]:
     """A curve as dashes of equal length along it, and their ends' time (0 to 1); only what is on stage."""
     stride = -(-len(positions) // MAX_POINTS)
     timed = np.column_stack([positions, np.linspace(0.0, 1.0, len(positions))])[::stride]
@@ -121,7 +133,7 @@ def dashed(positions: Float[Array, "n 3"], on: Stage) -> tuple[Float[Array, "m 2
     if not runs:
         return np.empty((0, 2, 3)), np.empty((0, 2))
     length = sum(_along(run)[-1] for run in runs)
-    dash = max(on.radius / DASHES_PER_RADIUS, length / MAX_DASHES)
+    dash = max(on.radius / per_radius, length / MAX_DASHES)
     cut = np.concatenate([_cut(run, dash) for run in runs])
     return cut[..., :3], cut[..., 3]
 
