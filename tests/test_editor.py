@@ -50,6 +50,11 @@ class Editing:
         """Trigger a command of the palette."""
         self._carried_out(lambda: self.tab.command(label))
 
+    def drag(self, handle: str, place: tuple[float, float, float], *, steps: int = 1) -> None:
+        """Drag a handle, once it is there."""
+        self.tab.wait_for(lambda: handle in self.tab.nodes, handle)
+        self.tab.drag(handle, place, steps=steps)
+
     def _carried_out(self, ask: Callable[[], None]) -> None:
         """Ask for something, and wait until it was done: presses go through a pool of threads, and may be overtaken."""
         sheet = self.session._sheet
@@ -448,7 +453,7 @@ def test_why_a_button_did_nothing_is_told_until_something_else_is_shown(editing:
     assert _beside(editing, "2 to 2000 waypoints")
     assert editing.settings == before
     editing.set("q", 1.0)
-    assert not _beside(editing, "2 to 2000 waypoints")
+    editing.tab.wait_for(lambda: not _beside(editing, "2 to 2000 waypoints"), "no complaint")
 
 
 def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
@@ -496,7 +501,7 @@ def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
     editing.set("family", "waypoints")
     before = editing.settings.preset.path
     assert isinstance(before, Waypoints)
-    editing.tab.drag("/handles/waypoint3", (0.2, 0.9, -0.4), steps=5)
+    editing.drag("/handles/waypoint3", (0.2, 0.9, -0.4), steps=5)
     editing.settle()
     path = editing.settings.preset.path
     assert isinstance(path, Waypoints)
@@ -510,7 +515,7 @@ def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
 
 def test_the_anchor_is_dragged_and_the_gramian_stays(editing: Editing):
     before = editing.session._picture
-    editing.tab.drag("/handles/anchor", (0.5, 0.25, -1.0))
+    editing.drag("/handles/anchor", (0.5, 0.25, -1.0))
     editing.settle()
     after = editing.session._picture
     assert before is not None
@@ -528,7 +533,7 @@ def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
     path = editing.settings.preset.path
     assert isinstance(path, Sum)
     assert tuple(first) == pytest.approx(tuple(np.add(path.base.points[0].value, (0, 0, -2))), abs=1e-9)  # type: ignore[union-attr]
-    editing.tab.drag("/handles/waypoint1", (1.5, 0.0, -2.0))
+    editing.drag("/handles/waypoint1", (1.5, 0.0, -2.0))
     editing.settle()
     path = editing.settings.preset.path
     assert path.base.points[0].value == pytest.approx((1.5, 0.0, 0.0), abs=1e-2)  # type: ignore[union-attr]
@@ -536,9 +541,13 @@ def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
 
 def test_a_handle_dragged_to_nonsense_changes_nothing(editing: Editing):
     before = editing.settings
-    editing.tab.drag("/handles/anchor", (math.nan, math.inf, 1e300))
+    editing.drag("/handles/anchor", (math.nan, math.inf, 1e300))
     editing.settle()
     assert editing.settings == before
+
+
+def _until_shown(editing: Editing, expected: Settings) -> None:
+    editing.tab.wait_for(lambda: editing.settings == expected, "the work")
 
 
 def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, Sessions]):
@@ -551,13 +560,13 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
     expected = editing.settings
     tab.close()
     back = Wire(port, storage=storage)
-    assert Editing(back, _newest(made, back)).settings == expected
+    _until_shown(Editing(back, _newest(made, back)), expected)
     back.close()
     server, warming = open_server("127.0.0.1", 0), Warming()
     again = Sessions(server, house(server, warming))
     warming.start()
     later = Wire(server.get_port(), storage=storage)
-    assert Editing(later, _newest(again, later)).settings == expected
+    _until_shown(Editing(later, _newest(again, later)), expected)
     assert later.value("x(t) =") == "cos(3*t)"
     later.close()
     server.stop()

@@ -159,26 +159,28 @@ class Sheet:
     def __init__(self, gui: viser.GuiApi, note: Note) -> None:
         self.gui, self.note = gui, note
         self.sections: list[Section] = []
-        self._actions: deque[Action] = deque(maxlen=MAX_ACTIONS)
+        self._actions: deque[tuple[Action, bool]] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
         self.carried = 0
         """Actions carried out so far."""
         self._answer: Complaint | None = None
 
-    def do(self, action: Action) -> None:
-        """Leave an action for the session's loop; called from viser's threads."""
-        self._actions.append(action)
+    def do(self, action: Action, *, step: bool = True) -> None:
+        """Leave an action for the session's loop; called from viser's threads. Moving in time is no step to undo."""
+        self._actions.append((action, step))
         self.note()
 
     def carry_out(self) -> bool:
-        """Do what was asked for since the last call, oldest first: whether there was anything. A refusal has been said
+        """Do what was asked for since the last call, oldest first: whether a step was among it. A refusal has been said
         where it belongs."""
-        count = len(self._actions)
+        count, stepped = len(self._actions), False
         for _ in range(count):
+            action, step = self._actions.popleft()
+            stepped = stepped or step
             with suppress(Refused):
-                self._actions.popleft()()
+                action()
         self.carried += count
-        return count > 0
+        return stepped
 
     def refresh(self) -> None:
         """Bring marks and reset rows up to date."""

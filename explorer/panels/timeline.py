@@ -65,7 +65,7 @@ class TimelinePanel:
                 self._buttons = sheet.buttons("", named, hint=hint)
                 sheet.gui.add_html(KEEP_CAMERA_STILL)
         panel.float(x=GAP, y=-GAP, width=NARROW_WIDTH if narrow else WIDTH)
-        when_moved(self._scrub, lambda: sheet.do(self._scrubbed))
+        when_moved(self._scrub, lambda: sheet.do(self._scrubbed, step=False))
         for name, (label, key) in KEYS.items():
             sheet.command(label, actions[name], key=key)
 

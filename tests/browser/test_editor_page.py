@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 from playwright.sync_api import Browser
 
 from tests.browser.conftest import COARSE
@@ -104,13 +105,14 @@ def test_dragging_the_anchor_changes_the_predicted_accuracy_and_not_the_gramian(
     visitor.wait_for_text("anchor (m) •")
 
 
-def test_ten_megabytes_in_a_formula_are_refused_and_nothing_is_lost(wide: Visitor):
+def test_two_megabytes_in_a_formula_are_refused_and_nothing_is_lost(wide: Visitor):
     visitor = wide
     visitor.choose("family", "formulas")
     before = visitor.chart_data("norm")
-    visitor.type_text("x(t) =", "7" * 10_000_000)
-    visitor.wait_for_text("at most 20000 characters, got 10000000")
-    assert visitor.chart_data("norm") == before
+    visitor.type_text("x(t) =", "7" * 2_000_000)
+    visitor.wait_for_text("at most 20000 characters, got 2000000")
+    after = visitor.chart_data("norm")  # the last picture may be the formulas' own, which differs in the last digits
+    assert np.allclose(np.array(after, dtype=float), np.array(before, dtype=float), rtol=1e-9, equal_nan=True)
     visitor.type_text("x(t) =", "cos(3*t)")
     visitor.wait_for_no_text("at most 20000 characters")
     _until(lambda: visitor.chart_data("norm") != before, "another φ")
