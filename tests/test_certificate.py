@@ -34,6 +34,11 @@ def certified(p: Preset) -> Certificate:
     return certificate.certify(preset.dumps(p).encode(), source="here.toml")
 
 
+def stored(name: str) -> Certificate:
+    """The certificate that is shipped; another test computes it again."""
+    return contents.loads(certificate.beside(preset.find(name)).read_bytes(), source=name)
+
+
 def check(found: Certificate, name: str) -> contents.Check:
     (one,) = [one for one in found.checks if one.name == name]
     return one
@@ -47,26 +52,26 @@ def test_every_shipped_preset_lies_beside_a_certificate_that_holds(name: str):
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_certificate_is_whole_and_says_what_the_analysis_says(name: str):
     text = certificate.beside(preset.find(name)).read_text(encoding="utf-8")
-    stored = json.loads(text, parse_constant=pytest.fail)
-    assert nulls_without_reason(stored) == []
+    said = json.loads(text, parse_constant=pytest.fail)
+    assert nulls_without_reason(said) == []
     found, p = analysis.analyse(preset.load(name)), preset.load(name)
-    assert stored["certified"]
-    assert (stored["expect"], stored["verdict"], stored["rank"]["rank"]) == (p.expect, found.verdict, found.rank)
-    assert stored["rank"]["nonlinear"] == found.nonlinear_rank
-    sigma = stored["accuracy"]["lifted"]["end"]["position"]
+    assert said["certified"]
+    assert (said["expect"], said["verdict"], said["rank"]["rank"]) == (p.expect, found.verdict, found.rank)
+    assert said["rank"]["nonlinear"] == found.nonlinear_rank
+    sigma = said["accuracy"]["lifted"]["end"]["position"]
     if math.isfinite(found.lifted_end.position):
         assert sigma == pytest.approx(found.lifted_end.position, rel=0.05)  # each on the worst of its own windows
     else:
         assert sigma is None
-    if stored["excitation"]["found"] is not None:
-        assert stored["excitation"]["found"] == pytest.approx(found.mu, rel=0.02)
-        assert 0.98 * stored["excitation"]["found"] <= stored["excitation"]["lower"]
-    assert stored["claim"]["starts"].startswith("every t >= 0") == (p.path.period is not None)
+    if said["excitation"]["found"] is not None:
+        assert said["excitation"]["found"] == pytest.approx(found.mu, rel=0.02)
+        assert 0.98 * said["excitation"]["found"] <= said["excitation"]["lower"]
+    assert said["claim"]["starts"].startswith("every t >= 0") == (p.path.period is not None)
 
 
 def test_the_flight_ready_presets_can_be_flown_with_margin_in_a_bounded_box():
     for name in ("barrel", "trefoil", "torus", "eight-repaired"):
-        p, found = preset.load(name), certificate.certify_file(name)
+        p, found = preset.load(name), stored(name)
         assert isinstance(p.angular_velocity, Flown)
         assert (found.meets, found.vehicle.flyable) == (True, True)
         assert found.accuracy.lifted.end.position is not None
@@ -155,12 +160,12 @@ def test_every_claim_that_is_changed_is_noticed(name: str, monkeypatch: pytest.M
     content = preset.find(name).read_bytes()
     found = certificate.certify(content, source=name)
     monkeypatch.setattr(checking, "certify", lambda *_, **__: found)  # what is found again is always the same
-    stored = contents.plain(found)
+    whole = contents.plain(found)
     loose = {("excitation", "floor"), ("excitation", "starts")}  # allowances, not claims
-    for where in leaves(stored):
+    for where in leaves(whole):
         if where[0] == "tool" or where in loose:
             continue
-        value = place(stored, where)
+        value = place(whole, where)
         if isinstance(value, bool):
             changed: Any = not value
         elif isinstance(value, int):
@@ -171,7 +176,7 @@ def test_every_claim_that_is_changed_is_noticed(name: str, monkeypatch: pytest.M
             changed = 1.0
         else:
             changed = [*value, "words"] if isinstance(value, list) else value + " and more"
-        text = json.dumps(put(stored, where, changed)).encode()
+        text = json.dumps(put(whole, where, changed)).encode()
         try:
             wrong = certificate.verify(content, contents.loads(text, source=name), source=name)
         except ValueError:
@@ -202,11 +207,11 @@ def test_certificates_with_anything_in_them_are_answered_with_sentences(mutation
 def answered(text: bytes) -> None:
     """Whatever a certificate holds, what is said of it are sentences of one line."""
     try:
-        stored = contents.loads(text, source="soft.certificate.json")
+        read = contents.loads(text, source="soft.certificate.json")
     except ValueError as error:
         said = [str(error)]
     else:
-        said = list(certificate.verify(SOFT_BYTES, stored, source="soft.toml"))
+        said = list(certificate.verify(SOFT_BYTES, read, source="soft.toml"))
     assert all(sentence.startswith("soft.") and "\n" not in sentence for sentence in said)
 
 
@@ -244,12 +249,12 @@ def test_expectations_are_held_against_what_is_found():
 
 def test_an_unobservable_motion_is_proven_so_for_every_window_where_that_can_be_had():
     for name in ("circle", "tilted-circle", "vertical-circle", "paper-implied", "figure-eight", "hover", "helix"):
-        found = certificate.certify_file(name)
+        found = stored(name)
         assert check(found, "excitation").proven
         assert found.excitation.upper_everywhere is not None
         assert found.excitation.upper_everywhere < 1e-6
         assert found.claim.starts == "every t >= 0"
-    snap = certificate.certify_file("minimum-snap")  # excited, by a bound, and of rank 10 all the same
+    snap = stored("minimum-snap")  # excited, by a bound, and of rank 10 all the same
     assert (check(snap, "excitation").met, check(snap, "excitation").proven, snap.rank.rank) == (True, True, 10)
 
 
@@ -259,7 +264,7 @@ def test_a_window_inside_one_piece_of_degree_7_has_at_most_rank_10():
     coefficients = np.eye(10)
     assert np.linalg.matrix_rank(coefficients) == 10
     assert p.requirement.window < min(np.diff([point.time for point in p.path.points]))  # pyright: ignore
-    assert certificate.certify_file("minimum-snap").rank.rank == 10
+    assert stored("minimum-snap").rank.rank == 10
 
 
 def test_where_nothing_is_bounded_the_certificate_says_null_and_why():
@@ -315,7 +320,7 @@ def test_a_jump_is_found_and_named():
 
 def test_the_limits_are_those_of_the_textbook():
     """A circle of radius 1 at 2 rad/s: speed 2, acceleration 4, jerk 8, snap 16, leaning atan(4/9.81)."""
-    found = certificate.certify_file("circle").limits
+    found = stored("circle").limits
     assert (found.speed, found.acceleration, found.jerk, found.snap) == pytest.approx((2, 4, 8, 16), rel=1e-6)
     assert found.thrust_to_weight == pytest.approx(math.hypot(1, 4 / 9.81), rel=1e-6)
     assert found.tilt_deg == pytest.approx(math.degrees(math.atan2(4, 9.81)), rel=1e-6)
@@ -352,7 +357,7 @@ def test_the_gate_is_open_for_what_meets_its_requirement_whatever_was_expected()
 )
 def test_the_gate_names_direction_window_and_deficit_and_its_remedy_is_one(name: str):
     """Whoever does what the sentence says gets a motion that meets every requirement; with half of it not."""
-    p, found = preset.load(name), certificate.certify_file(name)
+    p, found = preset.load(name), stored(name)
     said = certificate.gate(found)
     assert said is not None
     window = re.escape(f"the {p.requirement.window:g} s from t = 0 s")

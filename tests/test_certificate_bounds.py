@@ -152,7 +152,7 @@ def test_every_family_is_bounded_below_and_above_its_dense_windows(name: str, wi
     path = EXAMPLES[name]
     end = path.period or 6.0
     found = bounds(path, window, end)
-    exact = dense(path, window, end, envelope.knots(path, end + window))
+    exact = dense(path, window, end, envelope.knots_until(path, end + window))
     assert found.lower <= exact.min() * (1 + 1e-9)
     assert found.lower >= 0.95 * exact.min()
     assert exact.max() <= found.upper_everywhere
@@ -222,8 +222,8 @@ def test_an_envelope_lies_above_every_derivative_between_its_knots(signal: Signa
 def test_knots_repeat_and_those_of_both_parts_of_a_sum_count():
     points = tuple(Waypoint(time=0.5 + k, value=(float(k), 0.0, k % 2)) for k in range(3))
     loop, once = Waypoints(points=points, period=3.0), MinimumSnap(points=points)
-    np.testing.assert_allclose(envelope.knots(loop, 5.0), [0.5, 1.5, 2.5, 3.5, 4.5])
-    np.testing.assert_allclose(envelope.knots(once, 5.0), [0.5, 1.5, 2.5])
+    np.testing.assert_allclose(envelope.knots_until(loop, 5.0), [0.5, 1.5, 2.5, 3.5, 4.5])
+    np.testing.assert_allclose(envelope.knots_until(once, 5.0), [0.5, 1.5, 2.5])
     both = Sum(base=loop, wiggle=MinimumSnap(points=(points[0], Waypoint(time=0.75, value=(0.0, 0.0, 0.0)))))
-    np.testing.assert_allclose(envelope.knots(both, 2.0), [0.5, 0.75, 1.5])
-    assert len(envelope.knots(MULTISINE, 5.0)) == 0
+    np.testing.assert_allclose(envelope.knots_until(both, 2.0), [0.5, 0.75, 1.5])
+    assert len(envelope.knots_until(MULTISINE, 5.0)) == 0

@@ -36,11 +36,15 @@ def test_a_preset_that_misses_its_requirement_is_exported_only_marked(answer, co
     greedy = msgspec.structs.replace(soft, requirement=msgspec.structs.replace(soft.requirement, mu=1e4))
     preset.save(greedy, tmp_path / "greedy.toml")
     asked = ("export", tmp_path / "greedy.toml", "--to", "reference", "-o", tmp_path / "x.csv")
-    assert "less than the required 1e+04 - nothing was written" in complaint(*asked).replace("; ", " - ")
+    said = complaint(*asked)
+    assert "m²/s⁷ required" in said
+    assert "nothing was written (--uncertified writes it all the same, marked)" in said
     assert not (tmp_path / "x.csv").exists()
     said = answer(*asked, "--uncertified")
     assert said["uncertified"]
-    assert any(note.startswith("UNCERTIFIED: its excitation is 141") for note in said["notes"])
+    assert any(
+        note.startswith("UNCERTIFIED: Soft three-tone path: refused: the excitation along ") for note in said["notes"]
+    )
     assert sorted(one.name for one in tmp_path.iterdir()) == ["greedy.toml", "x.uncertified.csv"]
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from rangenav import formats, motion, preset, record
 from rangenav.axes import upright
-from rangenav.formats import frames, hermite, ramped, requirement
+from rangenav.formats import frames, hermite, ramped
 from rangenav.formats.polynomial import MAX_SEGMENTS
 from rangenav.formats.presets import as_preset
 from rangenav.observability import excitation
@@ -245,21 +245,3 @@ def test_without_rosbags_the_extra_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "rosbags.rosbag2", None)
     with pytest.raises(ValueError, match=re.escape('bag and mcap need the extra "ros": pip install "rangenav[ros]"')):
         formats.export(preset.load("soft"), "bag", tmp_path / "bag")
-
-
-# --- the plain check before an export
-
-
-@pytest.mark.parametrize("name", sorted(preset.shipped()))
-def test_shipped_presets_meet_what_they_ask_and_expect(name):
-    assert requirement.unmet(preset.load(name)) is None
-
-
-def test_a_preset_that_misses_its_requirement_or_its_expectation_is_told_so():
-    soft, circle = preset.load("soft"), preset.load("circle")
-    greedy = msgspec.structs.replace(soft, requirement=msgspec.structs.replace(soft.requirement, mu=1e4))
-    assert "less than the required 1e+04" in str(requirement.unmet(greedy))
-    hopeful = msgspec.structs.replace(circle, expect="observable")
-    assert str(requirement.unmet(hopeful)).startswith("blind: rank 11 of 13")
-    timid = msgspec.structs.replace(soft, expect="unobservable")
-    assert "expected unobservable" in str(requirement.unmet(timid))

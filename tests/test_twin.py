@@ -31,6 +31,13 @@ KINDS = {
     "paper-slow": "observable",
     "lissajous": "observable",
     "soft": "observable",
+    "barrel": "observable",
+    "trefoil": "observable",
+    "torus": "observable",
+    "hand-held": "observable",
+    "eight-repaired": "observable",
+    "figure-eight": "mirrored",
+    "minimum-snap": "observable",  # over its three pieces together, of which no single one is
 }
 HOVER, CIRCLE, LINE = preset.load("hover"), preset.load("circle"), preset.load("line")
 EXACT = 1e-9

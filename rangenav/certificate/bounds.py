@@ -19,11 +19,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.certificate import envelope
 from rangenav.certificate.between import Enclosure, Narrow, along, enclosed, fall, rise
 from rangenav.certificate.envelope import UnboundedError
 from rangenav.certificate.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
-from rangenav.signals import Signal
+from rangenav.signals import Signal, knots
 
 ROUNDS = 8
 """How often the grid is refined where its bound is too weak; twice is usual."""
@@ -137,14 +136,15 @@ def _windows(path: Signal, window: float, start: Array, known: Enclosure, turn: 
     until, length = float(start[-1]) + window, np.diff(found.edge)
     there = known.at(found.edge[:-1] + length / 2)
     error = np.concatenate([[0.0], np.cumsum(_quadrature(known)[there] * length ** (2 * GAUSS + 1))])
-    evaluated = EPSILON * (ARITHMETIC + envelope.turning(path, until) * until)
+    shifted = NEAR * until + (knots.SAME if knots.has_pieces(path) else 0.0)  # s, that edges were put together
+    evaluated = EPSILON * (ARITHMETIC + knots.bandwidth_besides(path, until) * until)
     return _Grid(
         turn=turn,
         start=start,
         value=np.linalg.eigvalsh(found.matrix)[:, 0],
         matrix=found.matrix,
         quadrature=float(np.max(error[found.last] - error[found.first])),
-        rounding=2 * (evaluated * window + NEAR * until) * float(known.sizes[0].max()) ** 2
+        rounding=2 * (evaluated * window + shifted) * float(known.sizes[0].max()) ** 2
         + additions(len(found.edge)) * EPSILON * found.trace,
     )
 

@@ -11,29 +11,15 @@ bounds |signal⁽ᵏ⁾|. What jumps at a knot (the snap of a minimum-snap curve
 """
 
 import math
-from functools import lru_cache
 from typing import cast
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.signals import (
-    AXES,
-    Formula,
-    Multisine,
-    Polynomials,
-    Signal,
-    Sum,
-    bandwidth_until,
-    expressions,
-    piecewise,
-    waypoints,
-)
+from rangenav.signals import AXES, Formula, Multisine, Signal, Sum, expressions, knots, piecewise
 from rangenav.signals.intervals import Interval
-from rangenav.signals.piecewise import Pieces
 from rangenav.signals.series import variable
-from rangenav.signals.waypoints import Timed
 
 FORMULA_STRETCHES = 256
 """Stretches on which a formula is enclosed; intervals over a whole flight at once would say nothing."""
@@ -47,46 +33,19 @@ class UnboundedError(ValueError):
     """Nothing bounds the derivatives; the sentence says why."""
 
 
-def pieces_of(signal: Signal) -> Pieces | None:
-    """The polynomials that a signal is made of, None if it is not made of polynomials."""
-    match signal:
-        case Timed():
-            return waypoints.pieces(signal)
-        case Polynomials():
-            return _assembled(signal)
-        case _:
-            return None
-
-
-def knots(signal: Signal, until: float) -> Float[Array, "k"]:
-    """Every time in [0, until] (s) at which a derivative may jump. Raises UnboundedError if they are too many."""
-    if isinstance(signal, Sum):
-        return np.union1d(knots(signal.base, until), knots(signal.wiggle, until))
-    found = pieces_of(signal)
-    if found is None:
-        return np.zeros(0)
-    once = found.knots
-    if found.repeats:
-        first, last = -math.ceil(once[0] / found.duration), math.ceil((until - once[0]) / found.duration)
-        if (last - first + 1) * len(once) > MAX_KNOTS:
-            raise UnboundedError(f"more than {MAX_KNOTS} knots in {until:.4g} s")
-        once = (once[None] + found.duration * np.arange(first, last + 1)[:, None]).ravel()
-    return np.unique(once[(once >= 0) & (once <= until)])
+def knots_until(signal: Signal, until: float) -> Float[Array, "k"]:
+    """Every time between 0 and until (s) at which a derivative may jump. Raises UnboundedError if they are too many."""
+    if knots.most(signal, until) > MAX_KNOTS:
+        raise UnboundedError(f"more than {MAX_KNOTS} knots in {until:.4g} s")
+    return knots.knots(signal, 0.0, until)
 
 
 def stretches(signal: Signal, until: float) -> Float[Array, "k"]:
     """The edges of stretches of [0, until] on each of which one number bounds a derivative well."""
-    edges = np.union1d(knots(signal, until), [0.0, until])
+    edges = np.union1d(knots_until(signal, until), [0.0, until])
     if has_formula(signal):
         edges = np.union1d(edges, np.linspace(0, until, FORMULA_STRETCHES + 1))
     return edges
-
-
-def turning(signal: Signal, until: float) -> float:
-    """The highest frequency (rad/s) of all parts up to a time but the polynomial ones, whose cells are their pieces."""
-    if isinstance(signal, Sum):
-        return max(turning(signal.base, until), turning(signal.wiggle, until))
-    return 0.0 if isinstance(signal, Timed | Polynomials) else bandwidth_until(signal, until)
 
 
 def has_formula(signal: Signal) -> bool:
@@ -111,21 +70,8 @@ def envelope(signal: Signal, edges: Float[Array, "k"], orders: range) -> Float[A
         case Sum():
             return envelope(signal.base, edges, orders) + envelope(signal.wiggle, edges, orders)
         case _:
-            return _hulls(cast(Pieces, pieces_of(signal)), (low + high) / 2, orders)
-
-
-def _hulls(found: Pieces, middle: Float[Array, "m"], orders: range) -> Float[Array, "o m"]:
-    """A polynomial on its piece lies in the hull of its Bernstein coefficients; outside all pieces it stands still."""
-    first, last = found.knots[0], found.knots[-1]
-    time = first + np.mod(middle - first, last - first) if found.repeats else middle
-    piece = np.clip(np.searchsorted(found.knots, time, side="right") - 1, 0, len(found.knots) - 2)
-    still = (time < first) | (time > last)
-    sizes = np.zeros((len(orders), len(middle)))
-    for row, order in enumerate(orders):
-        if order < len(found.tables):
-            hull = np.linalg.norm(piecewise.bernstein(found.tables[order], np.diff(found.knots)), axis=-1).max(axis=0)
-            sizes[row] = np.where(still, 0.0, hull[piece] * ABOVE)
-    return sizes
+            (found,) = knots.pieces(signal)
+            return np.stack([piecewise.hulls(found, order, (low + high) / 2) for order in orders]) * ABOVE
 
 
 def _enclosed(signal: Formula, low: Array, high: Array, orders: range) -> Float[Array, "o m"]:
@@ -151,10 +97,3 @@ def _size(coefficient: object) -> Array | float:
         return abs(float(cast(float, coefficient)))
     largest = np.maximum(np.abs(coefficient.low), np.abs(coefficient.high))
     return np.where(np.isnan(largest), np.inf, largest)
-
-
-@lru_cache(maxsize=16)
-def _assembled(signal: Polynomials) -> Pieces:
-    table = np.array([[piece.x, piece.y, piece.z] for piece in signal.pieces])  # (m, 3, 8)
-    ends = np.concatenate([[0.0], np.cumsum([piece.duration for piece in signal.pieces])])
-    return piecewise.pieces(ends, table.transpose(2, 0, 1), repeats=signal.ends == "repeat")

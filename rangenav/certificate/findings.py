@@ -15,9 +15,9 @@ from rangenav.certificate.contents import Claim, figure, known
 from rangenav.certificate.envelope import UnboundedError
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
-from rangenav.observability import accuracy, blindness, excitation, rows, spectrum
+from rangenav.observability import accuracy, blindness, excitation, spectrum
 from rangenav.preset import Preset
-from rangenav.signals import Flown, Sum, piecewise
+from rangenav.signals import Flown, knots, piecewise
 from rangenav.vehicle import THRUST_MARGIN
 
 WINDOWS = 201
@@ -26,8 +26,8 @@ MAX_EVENTS = 100
 Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
 EVERY: Starts = "every t >= 0"
 FLIGHT: Starts = "every t in [0, duration - window]"
-PANEL_NODES, PANEL_TURN = 16, 8.0
-"""Of one window, for its null space alone: Gauss nodes, and rad of the fastest tone that they integrate to rounding."""
+SAME_TIME = 1e-9
+"""Share of the flight; a knot nearer than that to its beginning or end is its beginning or end."""
 SIGMA_TIE = 1e-3
 """Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
 
@@ -114,7 +114,7 @@ def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
     """Start times in [0, end]: even ones, and those at which a knot enters or leaves the window."""
     window = preset.requirement.window
     try:
-        edges = envelope.knots(preset.path, end + window)
+        edges = envelope.knots_until(preset.path, end + window)
     except UnboundedError:
         edges = np.zeros(0)
     edges = edges[:: 1 + 2 * len(edges) // MAX_EVENTS]
@@ -133,8 +133,7 @@ def ranked(preset: Preset, claim: Claim) -> contents.Rank:
     least = np.where(lifted.rank == rank, lifted.scaled[:, STATES - 1] if rank == STATES else 0.0, np.inf)
     k = _first_near(least, float(least.min()), TIE)
     values, axes = excitation.directions(path, float(start[k]), window)
-    unseen = _null_basis(preset, float(start[k]), rank)
-    blind = blindness.directions(unseen, values, axes) if rank < STATES else ()
+    blind = blindness.directions(spectrum.null_basis(lifted, k), values, axes) if rank < STATES else ()
     return contents.Rank(
         rank=rank,
         of=STATES,
@@ -146,21 +145,6 @@ def ranked(preset: Preset, claim: Claim) -> contents.Rank:
         blind=tuple(direction.words for direction in blind),
         reason=msgspec.UNSET if rank == STATES else "smallest_singular: null, below the tolerance",
     )
-
-
-def _null_basis(preset: Preset, start: float, rank: int) -> Float[Array, "13 k"]:
-    """What one window does not see, in units of 1 m and δ: the last right singular vectors of its rows."""
-    path, window = preset.path, preset.requirement.window
-    panels = 1 + int(envelope.turning(path, start + window) * window / PANEL_TURN)
-    inside = envelope.knots(path, start + window) - start
-    edge = np.union1d(np.linspace(0, window, panels + 1), inside[(inside > 0) & (inside < window)])
-    node, weight = np.polynomial.legendre.leggauss(PANEL_NODES)
-    length = np.diff(edge)
-    tau = (edge[:-1, None] + length[:, None] * (node + 1) / 2).ravel()
-    rows_there = rows.lifted(path, preset.world.gravity, np.array([start]), tau)[0]
-    weighted = rows_there * np.sqrt((length[:, None] * weight / 2).ravel() / window)[:, None]
-    scaled = np.linalg.qr(weighted, mode="r") * window ** -spectrum.LIFTED_TIME_POWERS.astype(float)
-    return np.linalg.svd(scaled)[2][rank:].T
 
 
 def predicted(preset: Preset) -> contents.Accuracy:
@@ -237,15 +221,12 @@ def _most(values: Float[Array, "n"]) -> float:
 def jumped(preset: Preset) -> contents.Jumps:
     """The largest jumps at knots strictly inside the flight."""
     largest, count = np.zeros(len(piecewise.JUMP_ORDERS)), 0
-    parts = (preset.path.base, preset.path.wiggle) if isinstance(preset.path, Sum) else (preset.path,)
-    for part in parts:
-        found = envelope.pieces_of(part)
-        if found is None:
-            continue
+    for found in knots.pieces(preset.path):
         once, steps = found.knots, piecewise.jumps(found)
         if found.repeats:
             once = np.mod(once, found.duration)
-        inside = (once < preset.duration) & ((once > 0) | (found.repeats & (found.duration < preset.duration)))
+        end = preset.duration * (1 - SAME_TIME)
+        inside = (once < end) & ((once > SAME_TIME * end) | (found.repeats & (found.duration < end)))
         if inside.any():
             sizes = np.linalg.norm(steps[inside], axis=-1).max(axis=0)
             rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(found, order) for order in piecewise.JUMP_ORDERS]

@@ -19,12 +19,15 @@ from rangenav.certificate.contents import Artifact, Certificate, Tool
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
+MAX_FILE = 256_000_000
+"""Bytes; ten minutes of every array of a run."""
 Reader = Callable[[bytes, str, Preset | None], Preset]
 """(bytes, name for errors, context) → the preset that the bytes, and what they do not hold from the context, make."""
 
 
 def read_preset(content: bytes, source: str, context: Preset | None = None) -> Preset:
     """A preset file holds everything; there is no context to it. Raises ValueError."""
+    require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes, which no preset is")
     try:
         return presets.loads(content.decode("utf-8"), source=source)
     except UnicodeDecodeError as error:
@@ -48,7 +51,6 @@ def certify(
     `context` is what a file that holds a path only is judged by: world, sensors, requirement, vehicle.
     """
     require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
-    require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes")
     preset = readers[form](content, source, context)
     artifact = Artifact(format=form, sha256=hashlib.sha256(content).hexdigest(), bytes=len(content))
     return _certificate(preset, artifact, msgspec.UNSET if context is None else presets.dumps(context))
@@ -66,9 +68,9 @@ def refusal(preset: Preset) -> str | None:
 
 
 def read_bytes(path: Path) -> bytes:
-    """All bytes of a file that is no larger than a preset may be. Raises ValueError."""
+    """All bytes of a file that is not too large to be read whole. Raises ValueError."""
     try:
-        require(path.stat().st_size <= presets.MAX_BYTES, f"{path.name}: larger than {presets.MAX_BYTES} bytes")
+        require(path.stat().st_size <= MAX_FILE, f"{path.name}: larger than {MAX_FILE} bytes")
         return path.read_bytes()
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None

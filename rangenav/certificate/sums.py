@@ -13,7 +13,7 @@ from numpy import ndarray as Array
 
 from rangenav.certificate import envelope
 from rangenav.certificate.envelope import UnboundedError
-from rangenav.signals import Signal, operations
+from rangenav.signals import Signal, knots, operations
 
 GAUSS = 4
 """Nodes of a cell."""
@@ -81,7 +81,7 @@ def _running(terms: Float[Array, "c 3 3"]) -> Float[Array, "d 3 3"]:
 
 def least(path: Signal, window: float, end: float) -> float:
     """λ_min of the least of some windows that start in [0, end] (s), those at knots among them: a sample, no bound."""
-    edges = envelope.knots(path, end + window)
+    edges = envelope.knots_until(path, end + window)
     found = sums(path, window, first_starts(window, end, edges), edges, TURN)
     return float(np.linalg.eigvalsh(found.matrix)[:, 0].min())
 
@@ -94,7 +94,7 @@ def first_starts(window: float, end: float, edges: Float[Array, "e"]) -> Float[A
 
 def cells(path: Signal, until: float, turn: float) -> int:
     """Cells that the fastest tone asks for, besides those that starts and knots make, and in any case some."""
-    return math.ceil(max(FIRST_CELLS * TURN, envelope.turning(path, until) * until) / turn)
+    return math.ceil(max(FIRST_CELLS * TURN, knots.bandwidth_besides(path, until) * until) / turn)
 
 
 def most_nodes(path: Signal) -> float:

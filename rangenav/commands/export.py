@@ -37,18 +37,36 @@ def export(
         uncertified: Write it although the preset misses its requirement; the name then says so.
         json: Print one JSON object.
     """
-    from rangenav.formats import requirement
+    from rangenav.certificate import exported as certificates
 
+    chosen = presets.load(preset)
     found = exported(
-        presets.load(preset),
+        chosen,
         to,
         output,
         name=preset,
         attitude=attitude,
         uncertified=uncertified,
-        gate=requirement.unmet,
+        gate=lambda asked: certificates.gate(asked, to),
     )
+    if not found["uncertified"]:
+        found |= _certified(chosen, to, found, name=preset)
     return print_json(found) if json else print_table(f"{preset} as {to}", found)
+
+
+def _certified(chosen: Preset, to: str, report: dict[str, Any], *, name: str) -> dict[str, Any]:
+    """The certificate of what was written, beside it. Raises ValueError, and takes the file away, if it fails."""
+    from rangenav.certificate import exported as certificates
+
+    file, steady = Path(report["files"][0]), report.get("steady")
+    ends = None if steady is None else (steady["from"], steady["to"])
+    found = certificates.certified(chosen, to, file, steady=ends)
+    if found is None:
+        return {"certificate": None, "certificate_reason": f"null: a {to} folder has no bytes of its own"}
+    if not found.certified:
+        file.unlink()
+        raise ValueError(f"{name}: as {to} it does not keep what it promises: {'; '.join(found.failures)}")
+    return {"certificate": str(certificates.write_beside(found, file))}
 
 
 def exported(

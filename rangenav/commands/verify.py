@@ -20,9 +20,11 @@ def verify(
         json: Print one JSON object.
     """
     from rangenav import certificate
+    from rangenav.certificate import exported
 
     require(len(files) > 0, "verify: no file was named")
-    failures = {name: certificate.verify_file(name) for name in files}
+    readers = exported.readers()
+    failures = {name: certificate.verify_file(name, readers=readers) for name in files}
     if json:
         print_json({"files": {name: {"holds": not wrong, "failures": wrong} for name, wrong in failures.items()}})
     else:

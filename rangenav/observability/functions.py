@@ -28,6 +28,10 @@ POINTS = 201
 MAX_POINTS = 4096
 ABSENT = 1e-6
 """A coefficient (scaled units) below this is left out of a relation: null vectors are good to 1e-9 or so."""
+DIGITS = range(3, 10)
+"""Of a relation's numbers: the fewest with which it holds on the window. Null vectors are not good to more."""
+HOLDS = 2e-3
+"""A relation as it is written holds to this share of the largest value of its function."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -54,16 +58,17 @@ def functions(path: Signal, gravity: Vec3, start: float, window: float, *, point
     if not 2 <= points <= MAX_POINTS:
         raise ValueError(f"points must lie between 2 and {MAX_POINTS}, got {points}")
     tau = np.linspace(0.0, window, points)
+    values = rows.lifted(path, gravity, np.array([start]), tau)[0]
     found = spectrum.window_spectra(path, gravity, np.array([start]), window)
     null, own = _echelon(spectrum.null_basis(found, 0), window)
     return Functions(
         start=start,
         tau=tau,
-        values=rows.lifted(path, gravity, np.array([start]), tau)[0],
+        values=values,
         rank=int(found.rank[0]),
         null=null,
-        relations=tuple(_relation(vector, k) for vector, k in zip(null, own, strict=True)),
-        unseen=tuple(_unseen(vector, k) for vector, k in zip(null, own, strict=True)),
+        relations=tuple(_relation(*tied, values) for tied in zip(null, own, strict=True)),
+        unseen=tuple(_unseen(*tied, values) for tied in zip(null, own, strict=True)),
     )
 
 
@@ -89,22 +94,35 @@ def _echelon(null_basis: Float[Array, "13 m"], window: float) -> tuple[Float[Arr
     return in_si[::-1], own[::-1]
 
 
-def _relation(vector: Array, own: int) -> str:
+def _relation(vector: Array, own: int, values: Float[Array, "k 13"]) -> str:
     """Σ vⱼ fⱼ = 0 with v_own = 1, as `f_own = …`."""
+    digits = _digits(vector, own, values)
     terms = [(-float(vector[j]), NAMES[j]) for j in np.flatnonzero(vector) if j != own]
     if not terms:
         return f"{NAMES[own]} = 0"
-    text = "".join(f" {'−' if value < 0 else '+'} {_times(abs(value), name)}" for value, name in terms)
+    text = "".join(f" {'−' if value < 0 else '+'} {_times(abs(value), name, digits)}" for value, name in terms)
     return f"{NAMES[own]} =" + (text[2:] if text.startswith(" +") else f" −{text[3:]}")
 
 
-def _unseen(vector: Array, own: int) -> str:
+def _unseen(vector: Array, own: int, values: Float[Array, "k 13"]) -> str:
+    digits = _digits(vector, own, values)
     order = [own, *(j for j in np.flatnonzero(vector) if j != own)]
-    steps = [f"{COORDINATES[j]} {'−' if vector[j] < 0 else '+'}{abs(vector[j]):.3g} {UNITS[j]}" for j in order]
+    steps = [f"{COORDINATES[j]} {'−' if vector[j] < 0 else '+'}{abs(vector[j]):.{digits}g} {UNITS[j]}" for j in order]
     return steps[0] if len(steps) == 1 else f"{steps[0]} with {', '.join(steps[1:])}"
 
 
-def _times(size: float, name: str) -> str:
+def _digits(vector: Array, own: int, values: Float[Array, "k 13"]) -> int:
+    """How many digits a relation needs: between nearly dependent functions, large terms cancel."""
+    bound = HOLDS * np.abs(values[:, own]).max()
+    for digits in DIGITS:
+        written = np.array([float(f"{value:.{digits}g}") for value in vector])
+        if np.abs(values @ (written - vector)).max() <= bound:
+            return digits
+    return DIGITS[-1]
+
+
+def _times(size: float, name: str, digits: int) -> str:
+    number = f"{size:.{digits}g}"
     if name == "1":
-        return f"{size:.3g}"
-    return name if f"{size:.3g}" == "1" else f"{size:.3g} {name}"
+        return number
+    return name if float(number) == 1.0 else f"{number} {name}"

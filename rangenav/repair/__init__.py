@@ -7,25 +7,23 @@ certificate does not confirm is done again with more margin.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
 
 import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import certificate, signals
-from rangenav import preset as presets
+from rangenav import signals
 from rangenav.certificate import Certificate, remedy
-from rangenav.certificate.figures import Figures, figures
+from rangenav.certificate.figures import figures
 from rangenav.inputs import require
 from rangenav.observability import blindness
-from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
-from rangenav.repair import changes
-from rangenav.repair.changes import KINDS, Change, Kind
+from rangenav.preset import Preset
+from rangenav.repair import changes, tones
+from rangenav.repair.change import KINDS, Change, Kind
+from rangenav.repair.outcome import NOWHERE, CannotRepairError, Repair, certified, defeat, made, outcome, report
 from rangenav.repair.search import Budget, CancelledError, Look, Progress, Search, least, sharpest
-from rangenav.vehicle import CRAZYFLIE, FREE, WORDS
+from rangenav.vehicle import CRAZYFLIE, FREE
 
 EVALUATIONS = 1500
 """Looks at a motion, some 4 ms each."""
@@ -43,30 +41,6 @@ SLOWING: tuple[Kind, ...] = ("amplitude", "frequency", "timescale")
 """Kinds of change that can also ask less of a vehicle."""
 NOTHING = "nothing had to be changed"
 REPAIRED, IMPROVED = ", repaired", ", improved"
-NOWHERE = Look(figures=None, violation=np.inf)
-
-
-class CannotRepairError(ValueError):
-    """This kind of change does not do it; the sentence says why."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Repair:
-    """A preset, what was changed about it, and what that achieves."""
-
-    before: Preset
-    after: Preset
-    by: Kind
-    words: str
-    """The change, or that none was needed."""
-    effort: float
-    """How large it is: m (and weights of acceleration) for tones, m for waypoints, log factors for the others."""
-    evaluations: int
-    figures_before: Figures
-    """Sampled; σ is infinite where blind."""
-    figures_after: Figures
-    certificate: Certificate
-    """Of the preset after, from its written bytes."""
 
 
 def repair(
@@ -83,20 +57,20 @@ def repair(
     reason if this kind of change does not do it, CancelledError when cancelled.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
-    before = _certified(preset)
+    before = certified(preset)
     budget = _budget(preset, evaluations, progress, cancelled)
     if before.meets:
-        return _result(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
+        return outcome(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
     _refuse_hopeless(preset, by, before)
     nearest: list[Look] = []
     for limited in _limited(preset, by, budget):
         found = _smallest(limited, by, before.excitation.at, budget, nearest)
         if found is not None:
             change, theta = found
-            return _result(
-                preset, _made(change, theta, preset, REPAIRED), by, change.words(theta), change.effort(theta), budget
+            return outcome(
+                preset, made(change, theta, preset, REPAIRED), by, change.words(theta), change.effort(theta), budget
             )
-    raise CannotRepairError(_defeat(preset, by, budget, nearest))
+    raise CannotRepairError(defeat(preset, by, budget, nearest))
 
 
 def improve(
@@ -128,44 +102,18 @@ def improve(
         theta = sharpest(looking, limit)
         if theta is None:
             continue
-        after = _made(change, change.tidy(theta), preset, IMPROVED)
-        if figures(after).sigma <= IMPROVEMENT * found.sigma:
-            return _result(preset, after, by, change.words(change.tidy(theta)), change.effort(theta), budget)
+        after = made(change, change.tidy(theta), preset, IMPROVED)
+        if figures(after).sigma <= IMPROVEMENT * found.sigma and _kept(after, limited):
+            return outcome(preset, after, by, change.words(change.tidy(theta)), change.effort(theta), budget)
     raise CannotRepairError(
         f"{by}: no change of effort {limit:g} or less, within the limits, lowers the {found.sigma:.3g} m by a tenth"
     )
 
 
-def report(found: Repair, *, name: str) -> dict[str, Any]:
-    """What `rangenav repair --json` prints."""
-    stated = found.certificate
-
-    def said(figure: Figures) -> dict[str, Any]:
-        blind = not np.isfinite(figure.sigma)
-        told: dict[str, Any] = {"mu": figure.mu, "position_sigma": None if blind else figure.sigma}
-        return told | ({"reason": "position_sigma: null, blind"} if blind else {})
-
-    return {
-        "preset": name,
-        "by": found.by,
-        "words": found.words,
-        "effort": found.effort,
-        "evaluations": found.evaluations,
-        "before": said(found.figures_before),
-        "after": said(found.figures_after)
-        | {
-            "title": found.after.title,
-            "rank": stated.rank.rank,
-            "mu_bound": stated.excitation.lower,
-            "flyable": stated.vehicle.flyable,
-            "thrust_to_weight": stated.limits.thrust_to_weight,
-            "certified": stated.certified,
-        },
-    }
-
-
-def _certified(preset: Preset) -> Certificate:
-    return certificate.certify(presets.dumps(preset).encode(), source="preset")
+def _kept(after: Preset, limited: Preset) -> bool:
+    """Whether the certificate confirms that excitation and rank are as required and the limits are kept."""
+    checks = certified(msgspec.structs.replace(after, vehicle=limited.vehicle)).checks
+    return all(one.met for one in checks if one.name != "accuracy")
 
 
 def _budget(
@@ -219,7 +167,7 @@ def _smallest(
                 continue
             tidy = change.tidy(theta)
             theta = tidy if looking.look(tidy).violation <= margin / 2 else theta
-            if _certified(change.make(theta)).meets:
+            if certified(change.make(theta)).meets:
                 return change, theta
             break  # found, but not confirmed: the same again with more margin
         else:
@@ -232,7 +180,7 @@ def _changes(preset: Preset, by: Kind, at: float, budget: Budget) -> Iterator[Ch
     if by == "tones":
         added = remedy.smallest_tones(preset, at, tries=_spent(budget))
         if added is not None:
-            yield changes.tones(preset, added)
+            yield tones.found_tones(preset, added)
     elif by == "waypoints":
         for directions in remedy.directions(preset, at):
             yield changes.waypoints(preset, directions)
@@ -244,7 +192,7 @@ def _wide(preset: Preset, by: Kind) -> Change:
     """The kind of change with all its unknowns."""
     match by:
         case "tones":
-            return changes.free_tones(preset)
+            return tones.free_tones(preset)
         case "amplitude":
             return changes.amplitude(preset)
         case "frequency":
@@ -260,48 +208,6 @@ def _spent(budget: Budget) -> Iterator[int]:
     while budget.left > 0:
         budget.spend()
         yield budget.left
-
-
-def _made(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) -> Preset:
-    """The changed preset with its own vehicle again, a title, and a story that says what was changed."""
-    title = f"{preset.title}{suffix}"
-    words = change.words(theta)
-    return msgspec.structs.replace(
-        change.make(theta),
-        vehicle=preset.vehicle,
-        expect="observable",
-        title=title if len(title) <= MAX_TITLE else preset.title,
-        story=f"{words[0].upper()}{words[1:]}."[:MAX_STORY],
-    )
-
-
-def _result(before: Preset, after: Preset, by: Kind, words: str, effort: float, budget: Budget) -> Repair:
-    return Repair(
-        before=before,
-        after=after,
-        by=by,
-        words=words,
-        effort=effort,
-        evaluations=budget.used,
-        figures_before=figures(before),
-        figures_after=figures(after),
-        certificate=_certified(after),
-    )
-
-
-def _defeat(preset: Preset, by: Kind, budget: Budget, nearest: list[Look]) -> str:
-    look = min(nearest, key=lambda one: one.violation, default=NOWHERE)
-    said = f"{by}: no change that meets the requirement was found in {budget.used} looks"
-    if look.figures is None:
-        return said
-    sigma, needed = look.figures.sigma, preset.requirement
-    reached = f"σ = {sigma:.3g} m" if np.isfinite(sigma) else "is blind, with σ"
-    said += f"; the nearest has μ = {look.figures.mu:.3g} of {needed.mu:.3g} m²/s⁷ and {reached} of "
-    said += f"{needed.position_sigma:.3g} m"
-    excess = look.figures.excess
-    if look.figures.worst_excess > 0:
-        said += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
-    return said
 
 
 __all__ = ["KINDS", "CancelledError", "CannotRepairError", "Kind", "Progress", "Repair", "improve", "repair", "report"]

@@ -1,6 +1,5 @@
-"""The kinds of change a motion can be repaired by, each as a map θ → preset with a size, from no change at θ = 0.
+"""Changes of what a path has already: its size, its tones' frequencies, its speed, its waypoints.
 
-tones       added sines: amplitude, phase (and frequency, where all of it is searched) of each
 amplitude   one factor per axis, about the middle of the path
 frequency   one factor per frequency of the path's own tones
 timescale   one factor: the same geometry, run slower or faster
@@ -8,135 +7,25 @@ waypoints   moved points, by waves along them
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
 
 import msgspec
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import signals
-from rangenav.certificate import remedy
-from rangenav.certificate.remedy import STANDARD_GRAVITY, Added, upwards, with_tones
 from rangenav.inputs import Vec3
-from rangenav.observability import blindness
 from rangenav.preset import MAX_DURATION, Preset
+from rangenav.repair.change import Change, Kind, with_path
 from rangenav.signals import MinimumSnap, Multisine, Signal, Sum, Tone, Waypoints
 
-Kind = Literal["tones", "amplitude", "frequency", "timescale", "waypoints"]
-KINDS: tuple[Kind, ...] = ("tones", "amplitude", "frequency", "timescale", "waypoints")
-LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
 MOST_FACTOR = 4.0
 """Sizes, frequencies and times are changed by at most this factor; beyond it is another motion."""
-MOST_ACCELERATION = 10.0
-"""m/s², of one added tone: about a weight."""
 MOST_MOVED = 3.0
 """m, of a waypoint."""
 WAVES = 3
 """Waypoints are moved along waves of one, two and three turns over the path."""
 BOX_SAMPLES = 401
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Change:
-    """One way of changing a preset. θ = 0 changes nothing."""
-
-    box: Float[Array, "n 2"]
-    """Where θ may lie."""
-    make: Callable[[Array], Preset]
-    """θ → the changed preset. Raises ValueError where there is none."""
-    effort: Callable[[Array], float]
-    """How large the change is."""
-    words: Callable[[Array], str]
-    tidy: Callable[[Array], Array]
-    """θ with numbers that a person would write."""
-    seeds: tuple[Float[Array, "n"], ...]
-    """Ends of rays from no change, along which a first solution is looked for."""
-    grows: Bool[Array, "n"] | None = None
-    """Which unknowns grow along a ray; None: all of them. Frequencies and phases stay."""
-
-    def ray(self, end: Float[Array, "n"], share: float) -> Float[Array, "n"]:
-        """A share of the way from no change to `end`."""
-        return share * end if self.grows is None else np.where(self.grows, share * end, end)
-
-
-def tones(preset: Preset, added: Added) -> Change:
-    """Amplitude and phase of each of the tones that a first search has found; θ = (amplitudes, phases)."""
-    count = len(added.directions)
-    weights = np.array([1 + w**2 / STANDARD_GRAVITY for w in added.frequencies])
-
-    def made(theta: Array) -> tuple[Tone, ...]:
-        return tuple(
-            Tone(axis=axis, amplitude=float(theta[i] * n[k]), frequency=w, phase=float(theta[count + i]))
-            for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
-            for k, axis in enumerate(LETTERS)
-            if n[k] != 0
-        )
-
-    def said(theta: Array) -> str:
-        each = [
-            f"{theta[i]:g} m at {w:g} rad/s along {blindness.name(n)}"
-            for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
-        ]
-        return f"added {'a tone' if count == 1 else 'tones'} of " + " and ".join(each)
-
-    most = [[0.0, 3 * added.amplitude]] * count + [[-math.pi, math.pi]] * count
-    return Change(
-        box=np.array(most),
-        make=lambda theta: _with_path(preset, with_tones(preset.path, made(theta))),
-        effort=lambda theta: float(np.linalg.norm(theta[:count] * weights)),
-        words=said,
-        tidy=lambda theta: np.array([_up(a, 3) for a in theta[:count]] + [round(float(a), 2) for a in theta[count:]]),
-        seeds=(np.array([2 * added.amplitude] * count + [0.0] * count),),
-    )
-
-
-def free_tones(preset: Preset) -> Change:
-    """Three tones, one an axis, with all their numbers; θ = (accelerations, frequencies, phases). For a wide search."""
-    candidates = remedy.candidates(preset)
-    slowest, fastest = 0.5 * candidates[0], 1.5 * candidates[-1]
-    period = preset.path.period
-    step = math.pi / period if period else 0.1  # half the fundamental, so that what repeats still repeats
-
-    def snapped(w: float) -> float:
-        return float(f"{step * max(1, round(w / step)):.12g}")
-
-    def made(theta: Array) -> tuple[Tone, ...]:
-        w = [snapped(float(value)) for value in theta[3:6]]
-        return tuple(
-            Tone(axis=axis, amplitude=float(theta[k]) / w[k] ** 2, frequency=w[k], phase=float(theta[6 + k]))
-            for k, axis in enumerate(LETTERS)
-        )
-
-    def kept(theta: Array) -> tuple[Tone, ...]:
-        return tuple(tone for tone in made(theta) if tone.amplitude >= remedy.LEAST_AMPLITUDE)
-
-    def effort(theta: Array) -> float:
-        return math.hypot(*(tone.amplitude * (1 + tone.frequency**2 / STANDARD_GRAVITY) for tone in made(theta)))
-
-    def said(theta: Array) -> str:
-        each = [f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis}" for tone in kept(theta)]
-        return f"added {'a tone' if len(each) == 1 else 'tones'} of " + " and ".join(each)
-
-    def tidy(theta: Array) -> Array:
-        w = np.array([snapped(float(value)) for value in theta[3:6]])
-        sizes = [_up(float(a), 3) * v**2 for a, v in zip(theta[:3] / w**2, w, strict=True)]
-        return np.concatenate([sizes, w, np.round(theta[6:], 2)])
-
-    box = [[0.0, MOST_ACCELERATION]] * 3 + [[slowest, fastest]] * 3 + [[0.0, 2 * math.pi]] * 3
-    return Change(
-        box=np.array(box),
-        make=lambda theta: _with_path(preset, with_tones(preset.path, kept(theta))),
-        effort=effort,
-        words=said,
-        tidy=tidy,
-        seeds=tuple(
-            np.concatenate([MOST_ACCELERATION * axis, [w] * 3, [0.0] * 3]) for axis in np.eye(3) for w in candidates
-        ),
-        grows=np.array([True] * 3 + [False] * 6),
-    )
 
 
 def amplitude(preset: Preset) -> Change:
@@ -147,7 +36,7 @@ def amplitude(preset: Preset) -> Change:
 
     def make(theta: Array) -> Preset:
         factors = np.where(moves, np.exp(theta), 1.0)
-        return _with_path(preset, signals.mapped(preset.path, np.diag(factors), middle - factors * middle))
+        return with_path(preset, signals.mapped(preset.path, np.diag(factors), middle - factors * middle))
 
     return Change(
         box=_factors(3),
@@ -172,7 +61,7 @@ def frequency(preset: Preset) -> Change:
             msgspec.structs.replace(tone, frequency=float(f"{tone.frequency * factors[tone.frequency]:.3g}"))
             for tone in found
         )
-        return _with_path(preset, _with_own_tones(preset.path, made))
+        return with_path(preset, _with_own_tones(preset.path, made))
 
     return Change(
         box=_factors(len(own)),
@@ -231,7 +120,7 @@ def waypoints(preset: Preset, directions: tuple[Float[Array, "3"], ...]) -> Chan
             msgspec.structs.replace(point, value=_vec(np.asarray(point.value) + step))
             for point, step in zip(base.points, moved(theta), strict=True)
         )
-        return _with_path(preset, _with_curve(preset.path, msgspec.structs.replace(base, points=points)))
+        return with_path(preset, _with_curve(preset.path, msgspec.structs.replace(base, points=points)))
 
     def said(theta: Array) -> str:
         size = np.linalg.norm(moved(theta), axis=1)
@@ -292,10 +181,6 @@ def _with_own_tones(path: Signal, made: tuple[Tone, ...]) -> Signal:
     return msgspec.structs.replace(path, tones=made)
 
 
-def _with_path(preset: Preset, path: Signal) -> Preset:
-    return msgspec.structs.replace(preset, path=path)
-
-
 def _factors(count: int) -> Float[Array, "n 2"]:
     return np.array([[-1.0, 1.0]] * count) * math.log(MOST_FACTOR)
 
@@ -307,10 +192,6 @@ def _corners(rows: Float[Array, "k n"]) -> tuple[Array, ...]:
 
 def _round_factors(theta: Array) -> Array:
     return np.array([math.log(float(f"{math.exp(t):.3g}")) for t in theta])
-
-
-def _up(value: float, digits: int) -> float:
-    return upwards(value, digits) if value > 0 else 0.0
 
 
 def _listed(parts: list[str]) -> str:

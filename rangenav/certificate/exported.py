@@ -1,0 +1,116 @@
+"""Certificates of exported files, recomputed from what was written.
+
+polynomial, reference       the motion that the file itself holds between its two ramps: its own pieces, cut out, and
+                            judged by the preset's world, sensors, requirement and vehicle
+mcap, tum, mat, npz, csv,   a record of one run: the motion cannot be had back from samples with its snap, so the file
+log                         is bound by its hash to the preset it was made from, which is certified
+preset                      as any preset
+Folders (bag, euroc) have no bytes of their own, and no certificate. A file is as long as its path and one ramp, and
+steady from one ramp after its beginning to one before its end: its length less the steady one is two ramps.
+"""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+import msgspec
+import numpy as np
+
+from rangenav import formats
+from rangenav import preset as presets
+from rangenav.axes import upright
+from rangenav.certificate import checks
+from rangenav.certificate.contents import Certificate, dumps
+from rangenav.certificate.making import READERS, Reader, beside, certify, read_bytes
+from rangenav.formats import text
+from rangenav.inputs import require
+from rangenav.preset import Preset
+from rangenav.signals import Flown, Piece, Polynomials
+from rangenav.signals.polynomials import MIN_DURATION, Coefficients
+
+MOTIONS = ("polynomial", "reference")
+RUNS = ("mcap", "tum", "mat", "npz", "csv", "log")
+DEGREE = 7
+
+
+def readers() -> Mapping[str, Reader]:
+    """How the bytes of every format that can be certified are read again."""
+    return {**READERS, **{form: _steady(form) for form in MOTIONS}, **dict.fromkeys(RUNS, _recorded)}
+
+
+def certified(
+    preset: Preset, form: str, file: Path, *, steady: tuple[float, float] | None = None
+) -> Certificate | None:
+    """The certificate of a file that a preset was exported to, from its bytes; None for a format that has none.
+
+    `steady` says from when to when (s, in the file) the path runs at its own speed. Raises ValueError for a file that
+    cannot be read again.
+    """
+    if form not in readers():
+        return None
+    context = None if form == "preset" else preset
+    if form in MOTIONS:
+        begin, end = cast("tuple[float, float]", steady)
+        turning = Flown() if isinstance(preset.angular_velocity, Flown) else preset.angular_velocity
+        context = msgspec.structs.replace(upright(preset), duration=end - begin, angular_velocity=turning)
+    return certify(read_bytes(file), source=file.name, form=form, context=context, readers=readers())
+
+
+def gate(preset: Preset, form: str) -> str | None:
+    """Why a preset may not be exported in a format, one sentence; None if it may.
+
+    What is to be flown must meet every requirement; of a run it is enough that the preset is what it says it is, so
+    that a hover can be studied.
+    """
+    found = certify(presets.dumps(preset).encode(), source="preset")
+    return None if found.certified and form not in MOTIONS else checks.gate(found)
+
+
+def write_beside(found: Certificate, file: Path) -> Path:
+    """Write a certificate where `verify` looks for that of a file."""
+    place = beside(file)
+    place.write_bytes(dumps(found))
+    return place
+
+
+def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
+    """The pieces from `begin` on, for a duration (s), each developed anew about where it starts."""
+    ends = np.cumsum([piece.duration for piece in path.pieces])
+    inside = ends[(ends > begin + MIN_DURATION) & (ends < begin + duration - MIN_DURATION)]
+    knots = np.concatenate([[begin], inside, [begin + duration]])
+    require(duration > MIN_DURATION and knots[-1] <= ends[-1] + MIN_DURATION, "the file ends before its path does")
+    order = np.array([math.factorial(j) for j in range(DEGREE + 1)])
+    middle = (knots[1:] + knots[:-1]) / 2  # where there is no doubt which piece is meant
+    tables = np.stack([path(middle, j) for j in range(DEGREE + 1)], axis=1) / order[:, None]  # (m, 8, 3)
+    pieces = []
+    for table, half in zip(tables, np.diff(knots) / 2, strict=True):
+        shifted = [np.polynomial.Polynomial(axis)(np.polynomial.Polynomial([-half, 1.0])) for axis in table.T]
+        x, y, z = (
+            cast(Coefficients, tuple(np.pad(one.coef, (0, DEGREE + 1 - len(one.coef))).tolist())) for one in shifted
+        )
+        pieces.append(Piece(duration=float(2 * half), x=x, y=y, z=z))
+    return Polynomials(pieces=tuple(pieces))
+
+
+def _steady(form: str) -> Reader:
+    def read(content: bytes, source: str, context: Preset | None) -> Preset:
+        if context is None:
+            raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
+        require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
+        found = formats.parse(content, form, source=source, confirm={})
+        require(found.unjudged is None, f"{source}: {found.unjudged}")
+        path = cast(Polynomials, found.path)
+        ramp = max(0.0, (found.duration - context.duration) / 2)
+        try:
+            return msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
+        except ValueError as error:
+            raise ValueError(f"{source}: {error}") from None
+
+    return read
+
+
+def _recorded(content: bytes, source: str, context: Preset | None) -> Preset:
+    if context is None:
+        raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
+    return context

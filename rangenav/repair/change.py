@@ -1,0 +1,44 @@
+"""One kind of change a motion can be repaired by: a map θ → preset with a size, from no change at θ = 0."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import msgspec
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from rangenav.preset import Preset
+from rangenav.signals import Signal
+
+Kind = Literal["tones", "amplitude", "frequency", "timescale", "waypoints"]
+KINDS: tuple[Kind, ...] = ("tones", "amplitude", "frequency", "timescale", "waypoints")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Change:
+    """One way of changing a preset. θ = 0 changes nothing."""
+
+    box: Float[Array, "n 2"]
+    """Where θ may lie."""
+    make: Callable[[Array], Preset]
+    """θ → the changed preset. Raises ValueError where there is none."""
+    effort: Callable[[Array], float]
+    """How large the change is."""
+    words: Callable[[Array], str]
+    tidy: Callable[[Array], Array]
+    """θ with numbers that a person would write."""
+    seeds: tuple[Float[Array, "n"], ...]
+    """Ends of rays from no change, along which a first solution is looked for."""
+    grows: Bool[Array, "n"] | None = None
+    """Which unknowns grow along a ray; None: all of them. Frequencies and phases stay."""
+
+    def ray(self, end: Float[Array, "n"], share: float) -> Float[Array, "n"]:
+        """A share of the way from no change to `end`."""
+        return share * end if self.grows is None else np.where(self.grows, share * end, end)
+
+
+def with_path(preset: Preset, path: Signal) -> Preset:
+    """The same run along another path. Raises ValueError where that is no run."""
+    return msgspec.structs.replace(preset, path=path)

@@ -1,0 +1,117 @@
+"""What a repair ends with: the changed preset, certified from its written bytes, or why there is none."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import certificate
+from rangenav import preset as presets
+from rangenav.certificate import Certificate
+from rangenav.certificate.figures import BLIND_MU, Figures, figures
+from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
+from rangenav.repair.change import Change, Kind
+from rangenav.repair.search import Budget, Look
+from rangenav.vehicle import WORDS
+
+NOWHERE = Look(figures=None, violation=np.inf)
+
+
+class CannotRepairError(ValueError):
+    """This kind of change does not do it; the sentence says why."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Repair:
+    """A preset, what was changed about it, and what that achieves."""
+
+    before: Preset
+    after: Preset
+    by: Kind
+    words: str
+    """The change, or that none was needed."""
+    effort: float
+    """How large it is: m (and weights of acceleration) for tones, m for waypoints, log factors for the others."""
+    evaluations: int
+    figures_before: Figures
+    """Sampled; σ is infinite where blind."""
+    figures_after: Figures
+    certificate: Certificate
+    """Of the preset after, from its written bytes."""
+
+
+def made(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) -> Preset:
+    """The changed preset with its own vehicle again, a title, and a story that says what was changed."""
+    title = f"{preset.title}{suffix}"
+    words = change.words(theta)
+    return msgspec.structs.replace(
+        change.make(theta),
+        vehicle=preset.vehicle,
+        expect="observable",
+        title=title if len(title) <= MAX_TITLE else preset.title,
+        story=f"{words[0].upper()}{words[1:]}."[:MAX_STORY],
+    )
+
+
+def outcome(before: Preset, after: Preset, by: Kind, words: str, effort: float, budget: Budget) -> Repair:
+    return Repair(
+        before=before,
+        after=after,
+        by=by,
+        words=words,
+        effort=effort,
+        evaluations=budget.used,
+        figures_before=figures(before),
+        figures_after=figures(after),
+        certificate=certified(after),
+    )
+
+
+def certified(preset: Preset) -> Certificate:
+    return certificate.certify(presets.dumps(preset).encode(), source="preset")
+
+
+def report(found: Repair, *, name: str) -> dict[str, Any]:
+    """What `rangenav repair --json` prints."""
+    stated = found.certificate
+
+    def said(figure: Figures) -> dict[str, Any]:
+        blind = not np.isfinite(figure.sigma)
+        told: dict[str, Any] = {"mu": 0.0 if figure.mu <= BLIND_MU else figure.mu}
+        told["position_sigma"] = None if blind else figure.sigma
+        return told | ({"reason": "position_sigma: null, blind"} if blind else {})
+
+    return {
+        "preset": name,
+        "by": found.by,
+        "words": found.words,
+        "effort": found.effort,
+        "evaluations": found.evaluations,
+        "before": said(found.figures_before),
+        "after": said(found.figures_after)
+        | {
+            "title": found.after.title,
+            "rank": stated.rank.rank,
+            "mu_bound": stated.excitation.lower,
+            "flyable": stated.vehicle.flyable,
+            "thrust_to_weight": stated.limits.thrust_to_weight,
+            "certified": stated.certified,
+        },
+    }
+
+
+def defeat(preset: Preset, by: Kind, budget: Budget, nearest: list[Look]) -> str:
+    look = min(nearest, key=lambda one: one.violation, default=NOWHERE)
+    said = f"{by}: no change that meets the requirement was found in {budget.used} looks"
+    if look.figures is None:
+        return said
+    sigma, needed = look.figures.sigma, preset.requirement
+    said += f"; the nearest has μ = {look.figures.mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
+    said += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
+    excess = look.figures.excess
+    if look.figures.worst_excess > 0:
+        said += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+    return said
