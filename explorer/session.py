@@ -166,6 +166,7 @@ class Session:
             return
         known = kept.settings.origin in self._shelf.presets
         settings = kept.settings if known else msgspec.structs.replace(kept.settings, origin=self._house.first)
+        self._dock.gains.speak(kept.language)
         if kept.opened == self._house.first or not self._house.asked:
             self._dock.write(settings)
         self._history.note(settings, time.monotonic(), apart=True)
@@ -210,9 +211,9 @@ class Session:
                 self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
-                self._keeping.note(settings)
             elif self._dock.compare.news:
                 self._draw(self._picture)
+            self._keeping.note(settings, self._dock.gains.language)
             return True
         return False
 

@@ -25,7 +25,7 @@ from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
 from explorer.parcel import Send
-from explorer.settings import Drafts, Settings
+from explorer.settings import Settings
 from explorer.shelf import Shelf
 from explorer.uploads import Uploads
 from rangenav import axes
@@ -106,10 +106,9 @@ class Dock:
             vehicle=self.vehicle.read(),
             sensors=sensed.sensors,
             seed=sensed.seed,
-            gains=self.gains.read(),
             guess=self.guess.read(),
         )
-        return Settings(
+        others = Settings(
             origin=self._written.origin,
             edition=self._written.edition,
             preset=preset,
@@ -118,6 +117,7 @@ class Dock:
             drafts=self.motion.drafts(),
             twin_turn=self.twin_turn,
         )
+        return self.gains.read(others)
 
     @contextmanager
     def catching(self) -> Iterator[None]:
@@ -145,7 +145,7 @@ class Dock:
         self.world.write(p.world, base.world)
         self.vehicle.write(p.vehicle, base.vehicle)
         self.sensors.write(sensors.Chosen.of(p), sensors.Chosen.of(base))
-        self.gains.write(p.gains, base.gains)
+        self.gains.write(settings, base.gains)
         self.guess.write(p.guess, base.guess)
         self.printed.write(settings.printed)
         self.presets.write(settings.origin)
@@ -156,6 +156,7 @@ class Dock:
         self.motion.draw(picture.settings.time_scale)
         self.vehicle.draw(picture)
         self.gains.draw(picture)
+        self.guess.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
 
@@ -195,7 +196,8 @@ class Dock:
     def _relabel(self) -> None:
         settings = self.read()
         drafts = settings.drafts
-        flipped = Drafts(
+        flipped = msgspec.structs.replace(
+            drafts,
             path=tuple(_family(draft) for draft in drafts.path),
             wiggle=tuple(_family(draft) for draft in drafts.wiggle),
             angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
