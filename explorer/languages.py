@@ -35,6 +35,8 @@ class Word:
     """What a physical word is called on the page."""
 
     label: str
+    """Of 13 to 16 characters: with its value it is two lines in the narrow column that viser gives it, and viser breaks
+    lines within numbers where that fits."""
     unit: str
     limits: tuple[float, float]
     """Of its slider; what is chosen beyond them is judged by the model alone."""
@@ -42,9 +44,11 @@ class Word:
 
 
 WORDS = {
-    "range_sigma": Word("range noise", "m", (1e-3, 10.0), "σ of one range for which q = rate/(d²σ² + ½σ⁴) is made."),
-    "accel_sigma": Word("accel noise", "m/s²", (1e-3, 10.0), "σ of one accelerometer sample; decides V(ξ)."),
-    "gyro_sigma": Word("gyro noise", "rad/s", (1e-4, 1.0), "σ of one gyro sample; decides V(g) = ⅔|g|²σ²/rate."),
+    "range_sigma": Word(
+        "noise σ of range", "m", (1e-3, 10.0), "σ of one range for which q = rate/(d²σ² + ½σ⁴) is made."
+    ),
+    "accel_sigma": Word("noise σ of accel", "m/s²", (1e-3, 10.0), "σ of one accelerometer sample; decides V(ξ)."),
+    "gyro_sigma": Word("noise σ of gyro", "rad/s", (1e-4, 1.0), "σ of one gyro sample; decides V(g) = ⅔|g|²σ²/rate."),
     "position_factor": Word(
         "position factor", "", (1e-2, 1e3), "V(p) over what the gyro's noise alone makes of it; 1 adds nothing."
     ),
@@ -52,13 +56,16 @@ WORDS = {
         "velocity factor", "", (1e-2, 1e3), "V(v) over what gyro and accelerometer noise make of it; 1 adds nothing."
     ),
     "position_box": Word(
-        "position ±", "m", (0.1, 100.0), "The start may be wrong by this much on each axis; P₀(p) = b²/3 of that box."
+        "position box ±",
+        "m",
+        (0.1, 100.0),
+        "The start may be wrong by this much on each axis; P₀(p) = b²/3 of that box.",
     ),
-    "velocity_box": Word("velocity ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
-    "gravity_box": Word("gravity ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
-    "xi_factor": Word("ξ factor", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."),
+    "velocity_box": Word("velocity box ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
+    "gravity_box": Word("gravity box ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
+    "xi_factor": Word("ξ beyond boxes", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."),
     "attitude_time": Word(
-        "slowest time", "s", (0.02, 100.0), "Slowest time constant of a small attitude error; decides k1."
+        "slowest time T", "s", (0.02, 100.0), "Slowest time constant of a small attitude error; decides k1."
     ),
     "gravity_weight": Word(
         "gravity weight",

@@ -206,14 +206,16 @@ class Session:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             self._dock.compare.read()
-            if self._picture is None or settings != self._picture.settings:
-                self._draw(compute.compute(settings))
+            shown = self._picture
+            picture = shown if shown is not None and settings == shown.settings else compute.compute(settings)
+            self._keeping.note(settings, self._dock.gains.language)  # before it is drawn: the tab may be closed then
+            if picture is not shown:
+                self._draw(picture)
                 self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
             elif self._dock.compare.news:
-                self._draw(self._picture)
-            self._keeping.note(settings, self._dock.gains.language)
+                self._draw(picture)
             return True
         return False
 

@@ -91,8 +91,9 @@ class HalfTurns:
         away = distances(so3.exp(p.guess.attitude_angle * axis), self._turns)
         self._nearest = int(np.argmin(away))
         nearest = self._turns[self._nearest]
-        line = f"The start is <b>{math.degrees(away[self._nearest]):.3g}°</b> from the nearest half turn at which the "
-        line += f"filter stands still, the one about {told(nearest.axis)}, {nearest.span}."
+        degrees = round(math.degrees(away[self._nearest]), 2)
+        line = f"The start is <b>{degrees:g}°</b> from the nearest half turn at which the filter stands still, the one "
+        line += f"about {told(nearest.axis)}, {nearest.span}."
         if NOTE.format(line) != self._line.content:
             self._line.content = NOTE.format(line)
 

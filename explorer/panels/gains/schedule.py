@@ -24,11 +24,11 @@ class ScheduleDials:
         with self._group as section:
             sheet.gui.add_html(NOTE.format(OUTSIDE))
             hint = "k1 (1/s) once the vectors agree; not above k1 itself."
-            self._steady = LogDial(section, "steady k1", STEADY_LIMITS, hint=hint, unit="1/s")
+            self._steady = LogDial(section, "k1 in the end", STEADY_LIMITS, hint=hint, unit="1/s")
             hint = "The misalignment s (0 to 2) at which k1 is halfway between its ends, in equal ratios."
-            self._halfway = LogDial(section, "halfway s", HALFWAY_RANGE, hint=hint)
+            self._halfway = LogDial(section, "k1 halfway at s", HALFWAY_RANGE, hint=hint)
             hint = "s, of the low-pass that takes the magnetometer's noise out of the misalignment."
-            self._memory = LogDial(section, "memory", MEMORY_RANGE, hint=hint, unit="s")
+            self._memory = LogDial(section, "low pass of s", MEMORY_RANGE, hint=hint, unit="s")
         self._held = Schedule()
 
     @property

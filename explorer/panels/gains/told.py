@@ -1,6 +1,7 @@
 """What follows from the gains, in words and numbers: time constants, stiffness, and the same in the other language."""
 
 import html
+from itertools import zip_longest
 
 import numpy as np
 from msgspec.structs import replace
@@ -61,7 +62,7 @@ def in_other_language(picture: Picture, language: Language) -> str:
     entries = tabled(gains, place) if language == "paper" else _letters(gains)
     cells = [(label, f"{short(value)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
-    rows = [left + right for left, right in zip(cells, [*cells[half:], ("", "")], strict=False)]
+    rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
     where = f"at the path's typical {place.at.distance:.3g} m from the anchor and {place.at.speed:.3g} m/s"
     return NOTE.format(html.escape(where) + table((), rows))
 
