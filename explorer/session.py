@@ -206,7 +206,12 @@ class Session:
             settings = self._dock.read()
             self._dock.compare.read()
             if self._picture is None or settings != self._picture.settings:
-                self._draw(compute.compute(settings))
+                picture = compute.compute(settings)
+                if self._turned_twin(settings):
+                    self._picture = picture
+                    self._draw_depth(picture)
+                else:
+                    self._draw(picture)
                 self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
@@ -231,7 +236,7 @@ class Session:
         """Take over where the evil twin was dragged to."""
         point = self._scene.twin_dragged()
         if point is not None and self._picture is not None:
-            self._dock.twin_turn = twin.turn_towards(self._picture.preset, point, time=self._playback.time)
+            self._dock.twin.write(twin.turn_towards(self._picture.preset, point, time=self._playback.time))
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
@@ -300,10 +305,22 @@ class Session:
         if self._rests_at is None or self._picture is None or now < self._rests_at or self._wake.is_set():
             return
         self._rests_at = None
-        deep = look(self._picture)
+        self._draw_depth(self._picture)
+
+    def _draw_depth(self, picture: Picture) -> None:
+        deep = look(picture)
         with self._client.atomic():
-            self._charts.draw_later(self._picture)
-            self._scene.draw_later(self._picture, deep)
+            self._dock.twin.draw(deep.twin)
+            self._charts.draw_later(picture)
+            self._scene.draw_later(picture, deep)
+
+    def _turned_twin(self, settings: Settings) -> bool:
+        """Whether that is all that has changed since the picture at rest: the twin then follows at once."""
+        shown = None if self._picture is None else self._picture.settings
+        resting = self._rests_at is None
+        return (
+            shown is not None and resting and msgspec.structs.replace(shown, twin_turn=settings.twin_turn) == settings
+        )
 
     def _animate(self) -> None:
         """Move everything to the playhead."""

@@ -584,3 +584,28 @@ def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessio
     back = Wire(port, storage=browser)
     assert Editing(back, _newest(made, back)).settings.preset.gains.riccati.q == 10.0
     back.close()
+
+
+def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(editing: Editing):
+    hover = preset.load("hover")
+    editing.set("preset", f"{hover.title} (hover)")
+    editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["visible"], "the twin")
+    usual = editing.tab.nodes["/twin"]["position"]
+    editing.set("twin's angle (°)", 35.0)
+    turn = editing.settings.twin_turn
+    assert turn is not None
+    assert math.hypot(*turn) == pytest.approx(math.radians(35.0))
+    editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["position"] != usual, "the twin, elsewhere")
+    turned = editing.tab.nodes["/twin"]["position"]
+    editing.tab.drag("/twin/frame", usual, steps=3)
+    editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], usual, atol=1e-3), "it, dragged")
+    assert editing.tab.nodes["/twin"]["visible"]
+    editing.settle()
+    anchor, true = np.asarray(hover.world.anchor), hover.path(np.zeros(()))
+    apart = np.linalg.norm(usual - true) / np.linalg.norm(true - anchor)
+    shortest = math.degrees(2 * math.asin(apart / 2))  # a drag takes the shortest of all turns that lead there
+    assert editing.tab.value("twin's angle (°)") == pytest.approx(shortest, abs=0.1)
+    editing.press("", "↶ undo")
+    editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
+    editing.press("The usual twin")
+    assert editing.settings.twin_turn is None
