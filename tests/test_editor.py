@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from explorer.access import open_server
+from explorer.history import MOMENT
 from explorer.session import Session, Sessions
 from explorer.settings import Settings
 from explorer.warming import Warming
@@ -597,6 +598,7 @@ def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(ed
     assert math.hypot(*turn) == pytest.approx(math.radians(35.0))
     editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["position"] != usual, "the twin, elsewhere")
     turned = editing.tab.nodes["/twin"]["position"]
+    time.sleep(1.1 * MOMENT)  # what moves the same thing sooner is the same step
     editing.tab.drag("/twin/frame", usual, steps=3)
     editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], usual, atol=1e-3), "it, dragged")
     assert editing.tab.nodes["/twin"]["visible"]
