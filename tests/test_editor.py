@@ -611,3 +611,21 @@ def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(ed
     editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
     editing.press("The usual twin")
     assert editing.settings.twin_turn is None
+
+
+def test_an_angular_velocity_that_has_no_editor_is_kept_as_it_is_and_can_be_left_and_taken_up_again(editing: Editing):
+    wobble = Sum(base=Multisine(offset=(0.0, 0.0, 0.4)), wiggle=Formula(x="0.2*sin(3*t)", y="0", z="0"))
+    brought = msgspec.structs.replace(preset.load("paper-slow"), angular_velocity=wobble)
+    editing.tab.upload("Upload a preset", "wobble.toml", preset.dumps(brought).encode())
+    editing.tab.wait_for(lambda: editing.settings.preset.angular_velocity == wobble, "the preset")
+    assert "sines plus formulas" in editing.tab.text()
+    turning = [key for key, p in editing.tab.elements.items() if "as in the file" in (p.get("options") or ())]
+    assert len(turning) == 1
+    for word, kind in (("sines", Multisine), ("keyframes", Waypoints), ("as in the file", Sum)):
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": turning[0], "updates": {"value": word}})
+        editing.settle()
+        assert isinstance(editing.settings.preset.angular_velocity, kind)
+    assert editing.settings.preset.angular_velocity == wobble
+    editing.command("Undo")
+    assert isinstance(editing.settings.preset.angular_velocity, Waypoints)
+    assert editing.refusals() == []
