@@ -54,6 +54,10 @@ HEAD_START = 0.003
 REST = 0.3
 """s without another picture, after which what takes longer is drawn too."""
 PAPER = "paper"
+SHORTEST_BRUSH = 0.01
+"""Of a time axis: what is shorter was meant as a click."""
+BRUSH_DIGITS = 1
+"""Of the seconds of a window that was drawn by hand: those of its slider."""
 
 log = logging.getLogger(__name__)
 
@@ -201,6 +205,7 @@ class Session:
             self._jobs.deliver()
             hold = self._follow_handles()
             self._follow_twin()
+            self._follow_brush()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
@@ -237,6 +242,16 @@ class Session:
         point = self._scene.twin_dragged()
         if point is not None and self._picture is not None:
             self._dock.twin.write(twin.turn_towards(self._picture.preset, point, time=self._playback.time))
+
+    def _follow_brush(self) -> None:
+        """Take over the window that was drawn across a plot; a click there goes to that moment."""
+        brush = self._charts.brushed()
+        if brush is None:
+            return
+        start, end = brush
+        self._playback.seek(start)
+        if end - start >= SHORTEST_BRUSH * self._playback.duration:
+            self._dock.motion.set_window(round(end - start, BRUSH_DIGITS))
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:

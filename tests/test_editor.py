@@ -530,10 +530,10 @@ def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
     editing.set("family", "waypoints")
     editing.set("plus a wiggle", True)
     editing.set("sum's offset (m)", (0.0, 0.0, -2.0))
-    first = editing.tab.nodes["/handles/waypoint1"]["position"]
-    path = editing.settings.preset.path
+    path, handle = editing.settings.preset.path, editing.tab.nodes["/handles/waypoint1"]
     assert isinstance(path, Sum)
-    assert tuple(first) == pytest.approx(tuple(np.add(path.base.points[0].value, (0, 0, -2))), abs=1e-9)  # type: ignore[union-attr]
+    place = np.add(path.base.points[0].value, (0, 0, -2))  # type: ignore[union-attr]
+    editing.tab.wait_for(lambda: np.allclose(handle["position"], place, atol=1e-9), "the handle where the waypoint is")
     editing.drag("/handles/waypoint1", (1.5, 0.0, -2.0))
     editing.settle()
     path = editing.settings.preset.path
@@ -611,6 +611,16 @@ def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(ed
     editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
     editing.press("The usual twin")
     assert editing.settings.twin_turn is None
+
+
+def test_a_drag_across_a_plot_draws_the_window_and_a_click_goes_to_its_moment(editing: Editing):
+    duration = editing.settings.preset.duration
+    editing.tab.set("pointer", "0.4500 100:0.2000-0.4500")
+    editing.tab.wait_for(lambda: editing.settings.preset.requirement.window == pytest.approx(0.25 * duration), "window")
+    editing.tab.wait_for_text(f"<b>{0.2 * duration:.2f} s</b>")
+    editing.tab.set("pointer", "0.7000 101:0.7000-0.7010")
+    editing.tab.wait_for_text(f"<b>{0.7 * duration:.2f} s</b>")
+    assert editing.settings.preset.requirement.window == pytest.approx(0.25 * duration)
 
 
 def test_an_angular_velocity_that_has_no_editor_is_kept_as_it_is_and_can_be_left_and_taken_up_again(editing: Editing):
