@@ -44,8 +44,8 @@ from explorer.warming import Warming
 from rangenav import twin
 from rangenav.preset import Preset
 
-NARROW = 1600
-"""px: a window below this width gets one column of plots."""
+NARROW, WIDTH_ERROR = 1600, 30
+"""px: a window below this width gets one column of plots; and how well the width is known."""
 CANVAS_PATIENCE = 1.5
 """s to wait for the browser to tell its width; a headless or hidden one may never do."""
 PROGRESS_PERIOD = 0.1
@@ -148,12 +148,13 @@ class Session:
             send=self._send,
         )
         self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
-        narrow = self._window_width(canvas) < NARROW
+        window = self._window_width(canvas)
+        narrow = window < NARROW - WIDTH_ERROR
         self._charts = Charts(client, narrow=narrow, note=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
             ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
         self._sheet.command("Show all curves", self._charts.show_all)
-        self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
+        self._timeline = TimelinePanel(self._sheet, self._playback, room=window - WIDTH - self._charts.width)
         self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
