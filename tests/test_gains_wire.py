@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from explorer.access import open_server
 from explorer.keeping import Kept
-from explorer.session import Sessions
+from explorer.sessions import Sessions
 from explorer.warming import Warming
 from rangenav.attitude import Schedule
 from tests.house import house
