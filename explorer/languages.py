@@ -63,7 +63,7 @@ WORDS = {
     ),
     "velocity_box": Word("velocity box ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
     "gravity_box": Word("gravity box ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
-    "xi_factor": Word("ξ beyond boxes", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."),
+    "xi_factor": Word("factor on P₀(ξ)", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."),
     "attitude_time": Word(
         "slowest time T", "s", (0.02, 100.0), "Slowest time constant of a small attitude error; decides k1."
     ),

@@ -119,8 +119,8 @@ def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
         ("noise σ of gyro", 2.0, "noise σ of gyro with position factor asks for v.position = "),
         ("position factor", -9.0, "noise σ of gyro with position factor asks for v.position = "),
         ("velocity factor", 8.0, "velocity factor with both sigmas asks for v.velocity = "),
-        ("position box ±", 2.0, "ξ beyond boxes with the boxes asks for p0.xi = "),
-        ("ξ beyond boxes", -math.inf, "log10 of ξ beyond boxes must be a number"),
+        ("position box ±", 2.0, "factor on P₀(ξ) with the boxes asks for p0.xi = "),
+        ("factor on P₀(ξ)", -math.inf, "log10 of factor on P₀(ξ) must be a number"),
         ("slowest time T", -6.0, "slowest time T asks for k1 = "),
         ("gravity weight", 6.0, "which must lie between"),
         ("shown", "in Latin", "shown must be one of"),
@@ -165,7 +165,10 @@ def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
     assert STIFF not in page.tab.text()
     page.set("ρ2", 0.0)
     page.tab.wait_for_text(STIFF)
-    page.set("ρ2", -2.0)
+    page.tab.wait_for_text("lower k1 or ρ2, or sample faster")
+    page.set("shown", WORDS)
+    page.tab.wait_for_text("raise the slowest time T or lower the gravity weight, or sample faster")
+    page.set("gravity weight", 0.0)
     page.tab.wait_for(lambda: STIFF not in page.tab.text(), "no warning")
 
 

@@ -81,7 +81,7 @@ class GainsPanel:
         """Show what follows from the gains."""
         self._picture = picture
         for line, content in (
-            (self._rates, told.rates(picture)),
+            (self._rates, told.rates(picture, self.language)),
             (self._table, told.in_other_language(picture, self.language)),
         ):
             if content != line.content:

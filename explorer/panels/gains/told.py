@@ -28,7 +28,17 @@ OTHERS: dict[Language, str] = {"paper": "The same in physical words", "physical"
 STIFF = '<div style="color:light-dark(#9a5b00,#ffb84d);font-weight:600;margin-top:0.4em">▲ {}</div>'
 
 
-def rates(picture: Picture) -> str:
+REMEDIES: dict[Language, dict[str, str]] = {
+    "paper": {"rho": "ρ"},
+    "physical": {
+        "lower k1 or rho2": "raise the slowest time T or lower the gravity weight",
+        "lower k1 or rho1": "raise the slowest time T",
+    },
+}
+"""What the library's sentence says in the names of the dials that are shown."""
+
+
+def rates(picture: Picture, language: Language = "paper") -> str:
     """The three time constants of a small attitude error, under a schedule at both its ends; and a warning, if any."""
     p = picture.preset
     gains, squared = p.gains.attitude, float(np.dot(p.world.gravity, p.world.gravity))
@@ -42,14 +52,13 @@ def rates(picture: Picture) -> str:
     printed = ", <b>as printed</b>" if picture.settings.printed.attitude_rate else ""
     rows = [(f"at k1 = {short(k1)}", ", ".join(f"{one:.3g}" for one in constants) + " s") for k1, constants in ends]
     said = f"time constants of a small attitude error{printed}:{table((), rows)}"
-    said += f"ρ2·|g|² = {rho_squared(gains.rho2, squared)} beside ρ1 = {short(gains.rho1)}"
+    said += f"ρ2·|g|² = <b>{gains.rho2 * squared:.3g}</b> (|g|² = {squared:.1f}) beside ρ1 = {short(gains.rho1)}"
     stiff = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
-    return NOTE.format(said + ("" if stiff is None else STIFF.format(html.escape(stiff))))
-
-
-def rho_squared(rho2: float, squared: float) -> str:
-    """ρ2|g|², with |g|² beside it."""
-    return f"<b>{rho2 * squared:.3g}</b> (|g|² = {squared:.1f})"
+    if stiff is None:
+        return NOTE.format(said)
+    for theirs, ours in REMEDIES[language].items():
+        stiff = stiff.replace(theirs, ours)
+    return NOTE.format(said + STIFF.format(html.escape(stiff)))
 
 
 def in_other_language(picture: Picture, language: Language) -> str:
