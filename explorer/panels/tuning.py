@@ -63,7 +63,7 @@ class TuningPanel:
             self._evaluations = Number(section, "gains to try", step=10, hint=EVALUATIONS_HINT)
             self._runs.write(RUNS, None)
             self._evaluations.write(EVALUATIONS, None)
-            sheet.button("Auto-tune", self._start, hint=TUNE)
+            sheet.button("Tune the gains", self._start, hint=TUNE)
             self._said, self._plots = sheet.gui.add_html(""), sheet.gui.add_html("")
             self._curve = sheet.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE)
             self._place = sheet.gui.add_slider("place", 1, 2, 1, 1, hint=WALK)
