@@ -18,7 +18,7 @@ from explorer.access import open_server
 from explorer.beside import Beside
 from explorer.panels import basin as panel
 from explorer.scene import Scene
-from explorer.scene.basin import CORE, place
+from explorer.scene.basin import CORE, SIZE, place
 from explorer.scene.stage import stage
 from explorer.session import Sessions
 from explorer.warming import Warming
@@ -130,7 +130,7 @@ def test_the_globe_is_clear_of_path_and_anchor_whichever_way_is_up(page: Page):
     for name in ("soft", "paper", "hover", "wiggle", "barrel"):
         shown = picture(name)
         on = stage(shown)
-        radius = 0.36 * on.view_radius
+        radius = SIZE * on.view_radius
         centre = place(shown.motion.position, np.array(shown.preset.world.anchor), on)
         distances = np.linalg.norm(np.vstack([shown.motion.position, shown.preset.world.anchor]) - centre, axis=1)
         assert distances.min() > 1.2 * radius

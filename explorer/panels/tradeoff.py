@@ -19,9 +19,9 @@ NARROWEST = 2.0
 """Ratio of the ends of an axis, at least: figures that are all alike are not torn apart."""
 SPARE = 1.12
 """Factor beyond the outermost figures."""
-MOST_TICKS = 6
-MANTISSAS = ((1.0,), (1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0), tuple(k / 20 for k in range(20, 200)))
-"""Of the places on a log axis: the first that gives three."""
+FEWEST_TICKS, MOST_TICKS = 3, 7
+ROUND = (1.0, 2.0, 2.5, 5.0)
+"""Steps between places on a short axis; on a long one places are these times a power of ten, without 2.5."""
 Range = tuple[float, float]
 
 
@@ -101,7 +101,8 @@ def signs() -> str:
 def told(plane: Plane, point: Point) -> str:
     """Both figures of a point in words."""
     at, error = _figures(plane, point)
-    return f"settles at {at:.3g} s, then {error:.3g} {plane.unit}"
+    unit = "°" if plane.unit == "°" else f" {plane.unit}"
+    return f"settles at {at:.3g} s, then {error:.3g}{unit}"
 
 
 def span(values: Sequence[float]) -> Range:
@@ -112,14 +113,17 @@ def span(values: Sequence[float]) -> Range:
 
 
 def ticks(axis: Range) -> list[float]:
-    """Three to six round places on a log axis."""
+    """Three to seven round places on a log axis: 1, 2 and 5 times powers of ten or, on a short one, equal steps."""
     low, high = axis
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    for mantissas in MANTISSAS:
+    for mantissas in ((1.0,), (1.0, 2.0, 5.0)):
         places = [m * 10.0**k for k in decades for m in mantissas if low <= m * 10.0**k <= high]
-        if len(places) >= 3:
+        if len(places) >= FEWEST_TICKS:
             return places[:: -(-len(places) // MOST_TICKS)]
-    return [low, high]
+    steps = (m * 10.0**k for k in reversed(range(decades.start - 2, decades.stop)) for m in reversed(ROUND))
+    counts = ((step, math.ceil(low / step), math.floor(high / step)) for step in steps)
+    step, first, last = next(found for found in counts if found[2] - found[1] + 1 >= FEWEST_TICKS)
+    return [k * step for k in range(first, last + 1)]
 
 
 def _figures(plane: Plane, point: Point) -> tuple[float, float]:

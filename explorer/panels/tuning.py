@@ -20,6 +20,7 @@ from explorer.panels.sheet import Section, Sheet
 from explorer.panels.tradeoff import ATTITUDE, POSITION, Marked
 from explorer.settings import effective
 from rangenav import trade, tune
+from rangenav.gains import Gains
 from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.trade import Measure, Point
@@ -35,7 +36,11 @@ CURVES: dict[str, tuple[Measure, Measure]] = {
     "position": ("settle_position", "steady_position"),
     "attitude": ("settle_attitude", "steady_attitude"),
 }
-BALANCE = "w in J = (1 − w) ln(settling time) + w ln(steady error), of position and attitude together; lower is better."
+WEIGHT = "steadiness w"
+BALANCE = (
+    "0: settling soon is all that counts; 1: being exact afterwards. J = (1 − w) ln(settling time) + w ln(steady "
+    "error), of position and attitude together; lower is better."
+)
 RUNS_HINT = f"How many noise seeds the gains are tried on, 1 to {MAX_RUNS}; as many others judge them afterwards."
 EVALUATIONS_HINT = f"How many gains are tried, 1 to {MAX_EVALUATIONS}."
 TUNE = "Searches the gains from those on the page. The page stays usable; nothing changes until you say so."
@@ -55,10 +60,14 @@ class TuningPanel:
         self._found: tuple[Preset, Tuned] | None = None
         self._picked: Point | None = None
         self._walk: tuple[Point, ...] = ()
+        self._judging = Jobs(lambda: sheet.do(self._judging.deliver, step=False))
+        self._judged: dict[Gains, Point] = {}
+        """What gains that were found or picked reach on held-out seeds."""
+        self._held_out, self._summary = 0, ""
         self._section = section = Section(sheet, "Auto-tune", expanded=False)
         with section:
-            marks = ((0.0, "settle soon"), (1.0, "exact later"))
-            self._steadiness = sheet.gui.add_slider("w", 0.0, 1.0, 0.05, STEADINESS, hint=BALANCE, marks=marks)
+            marks = ((0.0, "soon"), (1.0, "exact"))
+            self._steadiness = sheet.gui.add_slider(WEIGHT, 0.0, 1.0, 0.05, STEADINESS, hint=BALANCE, marks=marks)
             self._runs = Number(section, "seeds", step=1, hint=RUNS_HINT)
             self._evaluations = Number(section, "gains to try", step=10, hint=EVALUATIONS_HINT)
             self._runs.write(RUNS, None)
@@ -87,7 +96,7 @@ class TuningPanel:
             began, steadiness = effective(self._page.read()), self._steadiness.value
             runs = _whole("seeds", self._runs.read(), MAX_RUNS)
             evaluations = _whole("gains to try", self._evaluations.read(), MAX_EVALUATIONS)
-            require(0 <= steadiness <= 1, f"w must lie between 0 and 1, got {steadiness}")
+            require(0 <= steadiness <= 1, f"{WEIGHT} must lie between 0 and 1, got {steadiness}")
 
         def work(progress: Progress, cancelled: Cancelled) -> Tuned:
             return tune.tune(
@@ -105,7 +114,8 @@ class TuningPanel:
         self._jobs.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
 
     def _show(self, began: Preset, found: Tuned, runs: int) -> None:
-        self._found, self._picked = (began, found), found.after
+        self._found, self._picked, self._held_out = (began, found), found.after, runs
+        self._judged = {one.gains: one for one in (found.held_out_before, found.held_out_after)}
         self._summary = words.summary(found, runs)
         self._curve.value = next(iter(CURVES))
         self._offer()
@@ -136,7 +146,23 @@ class TuningPanel:
         with self._section.catching():
             place = _whole("place", self._place.value, len(self._walk))
         self._picked = self._walk[place - 1]
+        self._judge(self._picked)
         self._say()
+
+    def _judge(self, picked: Point) -> None:
+        """Hold picked gains against the held-out seeds, as those that were found have been: some tens of ms."""
+        if self._found is None or picked.gains in self._judged:
+            return
+        began, count = self._found[0], self._held_out
+
+        def work(_: Progress, cancelled: Cancelled) -> Point:
+            return trade.score(picked.gains, trade.runs(began, began.seed, count), preset=began, cancelled=cancelled)
+
+        def done(point: Point) -> None:
+            self._judged[point.gains] = point
+            self._say()
+
+        self._judging.start("held-out seeds", work, done, self._section.complaint.say)
 
     def _say(self) -> None:
         """Bring words and plots up to date."""
@@ -144,11 +170,13 @@ class TuningPanel:
             return
         began, found = self._found
         marked = Marked(start=found.before, found=found.after, picked=self._picked, walk=self._walk)
-        now = None if self._picture is None else self._picture.preset
         plots = "".join(tradeoff.plot(plane, found.seen, marked) for plane in (POSITION, ATTITUDE))
-        _assign(self._said, NOTE.format(self._summary + words.differs(began, now)))
+        _assign(self._said, NOTE.format(self._summary + words.differs(began, self._picture)))
         _assign(self._plots, NOTE.format(plots + tradeoff.signs()))
-        _assign(self._told, NOTE.format(words.picked(self._picked, found, now)))
+        _assign(
+            self._told,
+            NOTE.format(words.picked(self._picked, self._judged.get(self._picked.gains), found, self._picture)),
+        )
 
     def _take(self) -> None:
         if self._picked is not None:
@@ -157,6 +185,7 @@ class TuningPanel:
             self._page.write(msgspec.structs.replace(settings, preset=preset))
 
     def _forget(self) -> None:
+        self._judging.cancel()
         self._found = self._picked = None
         self._walk = ()
         self._visible(False)

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
+from explorer.compute import Picture
 from explorer.panels.tradeoff import ATTITUDE, POSITION, told
 from rangenav.preset import Preset
 from rangenav.trade import Point
@@ -47,7 +48,7 @@ def summary(found: Tuned, runs: int) -> str:
     held_before, held_after = found.held_out_before.objective(w), found.held_out_after.objective(w)
     points = (found.before, found.after, found.held_out_before, found.held_out_after)
     rows = [(row.name, *(f"{row.of(point):.3g}" for point in points)) for row in ROWS]
-    rows.append(("J, lower is better", *(f"{J:.3f}" for J in (before, after, held_before, held_after))))
+    rows.append(("J, lower is better", *(_signed(J) for J in (before, after, held_before, held_after))))
     return _verdict(found, runs, held_after - held_before) + _table(rows) + _starts(found)
 
 
@@ -73,25 +74,36 @@ def _starts(found: Tuned) -> str:
     )
 
 
-def differs(began: Preset, now: Preset | None) -> str:
-    """What the page shows otherwise than when the search began."""
-    if now is None:
+def differs(began: Preset, shown: Picture | None) -> str:
+    """What the page shows otherwise than when the search began, or than a search can."""
+    if shown is None:
         return ""
-    other = [words for name, words in PARTS.items() if getattr(began, name) != getattr(now, name)]
-    if not other:
-        return ""
-    return f"<div>⚠ The page shows {_listed(other)} by now: what these gains do there was not tried.</div>"
+    other = [words for name, words in PARTS.items() if getattr(began, name) != getattr(shown.preset, name)]
+    said = f"The page shows {_listed(other)} by now: what these gains do there was not tried." if other else ""
+    if shown.settings.printed.model:
+        said += " Searched with the derived model, while the run on the page follows the printed one."
+    return f"<div>⚠ {said}</div>" if said else ""
 
 
-def picked(point: Point, found: Tuned, now: Preset | None) -> str:
-    """What the picked gains reach on the training seeds, and whether they are on the page."""
+def picked(point: Point, held_out: Point | None, found: Tuned, shown: Picture | None) -> str:
+    """What the picked gains reach on the training seeds and, once that is known, on held-out ones."""
     which = {id(found.after): " (found)", id(found.before): " (start)"}.get(id(point), "")
-    here = now is not None and now.gains == point.gains
+    here = " <b>On the page now.</b>" if shown is not None and shown.preset.gains == point.gains else ""
+    others = "…" if held_out is None else _reached(held_out, found.steadiness)
     return (
-        f"<b>Picked{which}</b>: position {told(POSITION, point)}; attitude {told(ATTITUDE, point)}; "
-        f"J {point.objective(found.steadiness):.3f}, on the training seeds."
-        f"{' <b>On the page now.</b>' if here else ''}"
+        f"<b>Picked{which}</b>: {_reached(point, found.steadiness)}.{here}"
+        f'<div style="opacity:.75">On held-out seeds: {others}</div>'
     )
+
+
+def _reached(point: Point, steadiness: float) -> str:
+    return (
+        f"position {told(POSITION, point)}; attitude {told(ATTITUDE, point)}; J {_signed(point.objective(steadiness))}"
+    )
+
+
+def _signed(number: float) -> str:
+    return f"{number:.3f}".replace("-", "−")
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:

@@ -16,7 +16,7 @@ from explorer.scene.colors import PURPLE
 from explorer.scene.stage import NO_LINE, Stage
 from rangenav.ensemble import Basin
 
-SIZE = 0.36
+SIZE = 0.25
 """Radius of the globe, in radii of the view."""
 CLEAR = 1.35
 """How far, in its radii, its centre is above the highest of path and anchor."""
@@ -26,10 +26,13 @@ GREY = (214, 214, 214)
 BLACK = (20, 20, 20)
 CROWDED = 300
 """So many dots have the size below; fewer are larger and more are smaller, so that they cover as much of the globe."""
-DOT, LARGER = 0.13, 1.7
-"""Size of a dot in radii, and how many times larger one is that never settles, or the rim around the slowest."""
-STICK = 1.28
-LABEL = 1.36
+DOT, LARGER = 0.07, 1.6
+"""Half the width of a dot in radii; and how many times larger one that never settles is, or the slowest's rim."""
+STICK, LABEL = 1.28, 1.36
+"""Ends of the sticks through the undesired equilibria, in radii, and their names."""
+POINTER, POINTED = 1.5, 1.56
+"""The same for the slowest start: long enough to be seen from most sides though its dot be behind the globe."""
+TITLE = 1.7
 DIGITS = "₁₂₃"
 
 
@@ -59,8 +62,11 @@ class Globe:
             scene.add_label(f"/basin/u{k}", "", anchor="center-center", font_screen_scale=0.9, depth_test=True)
             for k in range(6)
         ]
+        self._pointer = scene.add_line_segments(
+            "/basin/slowest/pointer", NO_LINE, BLACK, thickness=2.0, thickness_units="screen"
+        )
         self._slowest = scene.add_label(
-            "/basin/slowest/label", "", anchor="bottom-center", font_screen_scale=0.9, depth_test=True
+            "/basin/slowest/label", "", anchor="center-center", font_screen_scale=0.9, depth_test=True
         )
         self._title = scene.add_label("/basin/title", "", anchor="bottom-center", font_screen_scale=0.9)
         self._drawn: Basin | None = None
@@ -74,7 +80,7 @@ class Globe:
         radius = SIZE * on.view_radius
         self._root.position = place(picture.motion.position, np.asarray(picture.preset.world.anchor), on)
         self._core.scale = radius
-        self._title.position = LABEL * radius * on.up
+        self._title.position = TITLE * radius * on.up
         if found is not self._drawn:
             self._drawn = found
             self._draw_dots(found, radius)
@@ -93,7 +99,8 @@ class Globe:
         axis, when = found.axis[last], found.settle[last]
         self._rim.points = (0.995 * radius * axis[None]).astype(np.float32)
         self._rim.point_size = (LARGER if settles[last] else LARGER**2) * size
-        self._slowest.position = 1.08 * radius * axis
+        self._pointer.points = (radius * np.array([[axis, POINTER * axis]])).astype(np.float32)
+        self._slowest.position = POINTED * radius * axis
         self._slowest.text = f"slowest, {when:.3g} s" if settles[last] else "never settles"
         self._title.text = f"starts at {np.degrees(found.angle):.4g}°"
 
