@@ -170,7 +170,7 @@ def _equilibria(picture: Picture) -> str:
         return f"{math.degrees(math.acos(min(cosine, 1.0))):.0f}°"
 
     named = (
-        f"<b>±u{'₁₂₃'[k]}</b> {off(axis, world.magnetic)} from m, {off(axis, world.gravity)} from g"
+        f"<b>±u{'₁₂₃'[k]}</b> ({off(axis, world.magnetic)} from m, {off(axis, world.gravity)} from g)"
         for k, axis in enumerate(attraction.equilibria(picture))
     )
-    return f"<div>Sticks: the undesired equilibria, half turns about {'; '.join(named)}.</div>"
+    return f"<div>Sticks: the undesired equilibria, half turns about {', '.join(named)}.</div>"

@@ -28,11 +28,13 @@ CROWDED = 300
 """So many dots have the size below; fewer are larger and more are smaller, so that they cover as much of the globe."""
 DOT, LARGER = 0.07, 1.6
 """Half the width of a dot in radii; and how many times larger one that never settles is, or the slowest's rim."""
+LARGEST = 2.0
+"""Times the usual size: a few dots do not cover the globe."""
 STICK, LABEL = 1.28, 1.36
 """Ends of the sticks through the undesired equilibria, in radii, and their names."""
-POINTER, POINTED = 1.5, 1.56
-"""The same for the slowest start: long enough to be seen from most sides though its dot be behind the globe."""
-TITLE = 1.7
+POINTER = 1.5
+"""The end of a line from the slowest start: seen from most sides though its dot be behind the globe."""
+TITLE = 1.55
 DIGITS = "₁₂₃"
 
 
@@ -65,9 +67,7 @@ class Globe:
         self._pointer = scene.add_line_segments(
             "/basin/slowest/pointer", NO_LINE, BLACK, thickness=2.0, thickness_units="screen"
         )
-        self._slowest = scene.add_label(
-            "/basin/slowest/label", "", anchor="center-center", font_screen_scale=0.9, depth_test=True
-        )
+        self._slowest = scene.add_label("/basin/slowest/label", "", anchor="bottom-center", font_screen_scale=0.9)
         self._title = scene.add_label("/basin/title", "", anchor="bottom-center", font_screen_scale=0.9)
         self._drawn: Basin | None = None
 
@@ -83,12 +83,12 @@ class Globe:
         self._title.position = TITLE * radius * on.up
         if found is not self._drawn:
             self._drawn = found
-            self._draw_dots(found, radius)
+            self._draw_dots(found, radius, on.up)
             self._draw_equilibria(picture, radius)
 
-    def _draw_dots(self, found: Basin, radius: float) -> None:
+    def _draw_dots(self, found: Basin, radius: float, up: Float[Array, "3"]) -> None:
         settles = np.isfinite(found.settle)
-        size = DOT * radius * (CROWDED / len(settles)) ** 0.5
+        size = DOT * radius * min((CROWDED / len(settles)) ** 0.5, LARGEST)
         colors = attraction.colors(found)
         for cloud, chosen, larger in ((self._dots, settles, 1.0), (self._never, ~settles, LARGER)):
             cloud.visible = bool(chosen.any())
@@ -100,7 +100,8 @@ class Globe:
         self._rim.points = (0.995 * radius * axis[None]).astype(np.float32)
         self._rim.point_size = (LARGER if settles[last] else LARGER**2) * size
         self._pointer.points = (radius * np.array([[axis, POINTER * axis]])).astype(np.float32)
-        self._slowest.position = POINTED * radius * axis
+        self._slowest.position = POINTER * radius * axis
+        self._slowest.anchor = "bottom-center" if axis @ up >= 0 else "top-center"  # not across the pointer
         self._slowest.text = f"slowest, {when:.3g} s" if settles[last] else "never settles"
         self._title.text = f"starts at {np.degrees(found.angle):.4g}°"
 
