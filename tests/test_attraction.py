@@ -17,12 +17,13 @@ from explorer import attraction
 from explorer.access import open_server
 from explorer.beside import Beside
 from explorer.panels import basin as panel
-from explorer.scene import Scene
-from explorer.scene.basin import CORE, SIZE, place
+from explorer.scene import Scene, view
+from explorer.scene.basin import CORE, SIZE, TITLE, place
 from explorer.scene.stage import stage
+from explorer.scene.view import direction
 from explorer.session import Sessions
 from explorer.warming import Warming
-from rangenav import ensemble
+from rangenav import ensemble, preset
 from rangenav.ensemble import Basin
 from tests.house import house
 from tests.sent import Page
@@ -126,15 +127,16 @@ def test_each_start_is_a_dot_along_its_axis_and_what_never_settles_is_larger_and
     assert float(np.linalg.norm(settling.points, axis=1).min()) > CORE * float(np.max(core.scale))
 
 
-def test_the_globe_is_clear_of_path_and_anchor_whichever_way_is_up(page: Page):
-    for name in ("soft", "paper", "hover", "wiggle", "barrel"):
-        shown = picture(name)
-        on = stage(shown)
-        radius = SIZE * on.view_radius
-        centre = place(shown.motion.position, np.array(shown.preset.world.anchor), on)
-        distances = np.linalg.norm(np.vstack([shown.motion.position, shown.preset.world.anchor]) - centre, axis=1)
-        assert distances.min() > 1.2 * radius
-        assert (centre - on.centre) @ np.array(shown.preset.world.gravity) < 0
+@pytest.mark.parametrize("name", list(preset.shipped()))
+def test_the_globe_hides_nothing_of_a_path_and_is_in_view_as_the_camera_is_first_set(name: str):
+    """Along the camera's direction, so that it is true of what is seen."""
+    shown = picture(name)
+    on, anchor = stage(shown), np.array(shown.preset.world.anchor)
+    centre, towards = place(shown.motion.position, anchor, on), direction(on.up)
+    offset = np.vstack([shown.motion.position, anchor]) - centre
+    across = offset - np.outer(offset @ towards, towards)
+    assert np.linalg.norm(across, axis=1).min() > 1.2 * SIZE * on.view_radius
+    assert np.linalg.norm(centre - on.view_centre) + TITLE * SIZE * on.view_radius < view.MARGIN * on.view_radius
 
 
 def test_it_is_hidden_before_and_after_and_nodes_are_made_once(page: Page):

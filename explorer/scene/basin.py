@@ -1,9 +1,11 @@
-"""A globe of starts above the path: each axis about which the attitude may be wrong is a dot, coloured by how long it
+"""A globe of starts beside the path: each axis about which the attitude may be wrong is a dot, coloured by how long it
 takes to settle.
 
     +u and −u of each undesired equilibrium R̃ = 2uuᵀ − I (paper, theorem) are sticks through it, with their names
 Dots that never settle are larger, of another shape and of a colour that is not on the scale.
 """
+
+import math
 
 import numpy as np
 from jaxtyping import Float
@@ -14,12 +16,17 @@ from explorer import attraction
 from explorer.compute import Picture
 from explorer.scene.colors import PURPLE
 from explorer.scene.stage import NO_LINE, Stage
+from explorer.scene.view import direction
 from rangenav.ensemble import Basin
 
 SIZE = 0.25
 """Radius of the globe, in radii of the view."""
-CLEAR = 1.35
-"""How far, in its radii, its centre is above the highest of path and anchor."""
+OFF = 0.75
+"""How far from the middle of the view, in radii of the view: with its sticks it is still seen."""
+TURNS = [sign * k * math.pi / 8 for k in range(9) for sign in (1, -1)]
+"""rad from straight up, where it may be: the nearest to up first."""
+CLEAR = 1.3
+"""How far from path and anchor its centre should be, in its radii."""
 CORE = 0.97
 """An opaque ball inside, in radii of the globe: dots of the far side would be read as those of the near one."""
 GREY = (214, 214, 214)
@@ -115,6 +122,13 @@ class Globe:
 
 
 def place(path: Float[Array, "n 3"], anchor: Float[Array, "3"], on: Stage) -> Float[Array, "3"]:
-    """Where the globe's centre is: above everything that is always there."""
-    highest = float((np.vstack([path, anchor]) @ on.up).max())
-    return on.centre + (highest - float(on.centre @ on.up) + CLEAR * SIZE * on.view_radius) * on.up
+    """Where the globe's centre is: beside the middle of the view as the camera is first set, above it rather than
+    below, and there the first place that is clear of path and anchor, or else the one that is most so."""
+    towards = direction(on.up)
+    upwards = on.up - (on.up @ towards) * towards
+    screen = np.stack([np.cross(upwards, towards), upwards]) / np.linalg.norm(upwards)
+    seen = (np.vstack([path, anchor]) - on.view_centre) @ screen.T / on.view_radius
+    spots = [OFF * np.array([math.sin(turn), math.cos(turn)]) for turn in TURNS]
+    clear = [float(np.linalg.norm(seen - spot, axis=1).min()) for spot in spots]
+    best = next((k for k, distance in enumerate(clear) if distance > CLEAR * SIZE), int(np.argmax(clear)))
+    return on.view_centre + on.view_radius * spots[best] @ screen
