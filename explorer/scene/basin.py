@@ -68,8 +68,7 @@ class Globe:
             "/basin/equilibria", NO_LINE, PURPLE, thickness=4.0, thickness_units="screen"
         )
         self._names = [
-            scene.add_label(f"/basin/u{k}", "", anchor="center-center", font_screen_scale=0.9, depth_test=True)
-            for k in range(6)
+            scene.add_label(f"/basin/u{k}", "", anchor="center-center", font_screen_scale=0.9) for k in range(6)
         ]
         self._pointer = scene.add_line_segments(
             "/basin/slowest/pointer", NO_LINE, BLACK, thickness=2.0, thickness_units="screen"
