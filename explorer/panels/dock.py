@@ -24,6 +24,7 @@ from explorer.panels.progress import ProgressPanel
 from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
 from explorer.panels.tuning import TuningPanel
+from explorer.panels.twin import TwinPanel
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
@@ -38,6 +39,8 @@ from rangenav.signals import Family, Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
+TABS = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
+"""So that all tabs of a dock stand in one row."""
 SENSORS_RULES = ("seed", "duration × rate", "requirement.window must be at least")
 """How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
 HISTORY_HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."
@@ -65,11 +68,13 @@ class Dock:
         steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
         sheet.buttons("", steps, hint=HISTORY_HINT)
         _commands(sheet, requests)
+        gui.add_html(TABS)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(sheet, self._edit_path)
         with tabs.add_tab("World"):
             self.world = WorldPanel(sheet, self._relabel)
+            self.twin = TwinPanel(sheet)
             self.vehicle = VehiclePanel(sheet)
         with tabs.add_tab("Sensors"):
             self.sensors = sensors.SensorsPanel(sheet)
@@ -121,7 +126,7 @@ class Dock:
             time_scale=moved.time_scale,
             printed=self.printed.read(),
             drafts=self.motion.drafts(),
-            twin_turn=self.twin_turn,
+            twin_turn=self.twin.read(),
         )
 
     @contextmanager
@@ -143,7 +148,7 @@ class Dock:
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
-        self._written, self.twin_turn = settings, settings.twin_turn
+        self._written = settings
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)
@@ -152,6 +157,7 @@ class Dock:
         self.sensors.write(sensors.Chosen.of(p), sensors.Chosen.of(base))
         self.gains.write(p.gains, base.gains)
         self.guess.write(p.guess, base.guess)
+        self.twin.write(settings.twin_turn)
         self.printed.write(settings.printed)
         self.presets.write(settings.origin)
 
