@@ -15,6 +15,7 @@ from explorer.compute import Picture
 from rangenav import attitude, record
 from rangenav.ensemble import Basin
 from rangenav.gains import Gains, Guess
+from rangenav.preset import Preset
 from rangenav.record import Course
 from rangenav.sensors import Sensors
 
@@ -46,11 +47,11 @@ class Setup(NamedTuple):
     """With no attitude error of its own."""
 
 
-def setup_of(picture: Picture) -> Setup:
-    """What a sphere of starts computed for a picture belongs to. The observer follows the derived model."""
-    p, usual = picture.preset, Guess()
-    start = replace(p.guess, attitude_axis=usual.attitude_axis, attitude_angle=usual.attitude_angle)
-    return Setup(record.course_of(p), p.sensors, p.seed, p.gains, start)
+def setup_of(shown: Preset) -> Setup:
+    """What a sphere of starts belongs to that is computed for a preset, its time scale and printed start applied."""
+    usual = Guess()
+    guess = replace(shown.guess, attitude_axis=usual.attitude_axis, attitude_angle=usual.attitude_angle)
+    return Setup(record.course_of(shown), shown.sensors, shown.seed, shown.gains, guess)
 
 
 def slowest(found: Basin) -> int:

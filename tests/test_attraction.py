@@ -280,6 +280,15 @@ def test_nonsense_gets_a_sentence(editing: Editing, label: str, value: float, se
     editing.tab.wait_for(lambda: editing.session._jobs.running is None, "no job")
 
 
+def test_settings_that_cannot_be_shown_are_told_where_the_starts_were_asked_for(editing: Editing):
+    editing.tab.set("duration (s)", 5.0)
+    editing.tab.wait_for_text("Not shown")
+    editing.tab.press(panel.COMPUTE_LABEL)
+    told = "requirement.window must be shorter than the duration"
+    editing.tab.wait_for(lambda: editing.tab.text().count(told) > 2, "the sentence in the section")
+    assert editing.session._jobs.running is None
+
+
 def test_half_of_the_starts_that_never_settle_are_told_with_their_sign():
     said = panel.words(picture("soft"), made([1.0, math.inf, math.inf, 2.0, math.inf], final=[0, 1.0, 2.0, 0, 0.5]))
     assert "<b>2 of 5</b>" in said

@@ -19,6 +19,7 @@ from explorer.panels.controls import Dial, Number
 from explorer.panels.notes import NOTE
 from explorer.panels.presets import Page
 from explorer.panels.sheet import Section, Sheet
+from explorer.settings import effective
 from rangenav import ensemble
 from rangenav.ensemble import Basin
 from rangenav.ensemble.basin import MAX_AXES
@@ -46,7 +47,6 @@ class BasinPanel:
 
     def __init__(self, sheet: Sheet, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
-        self._picture: Picture | None = None
         self._found: tuple[Setup, Basin] | None = None
         self._running: tuple[Setup, object] | None = None
         self._hidden, self._news, self._note = False, False, ""
@@ -71,10 +71,10 @@ class BasinPanel:
 
     def shown(self, picture: Picture) -> Basin | None:
         """What to draw beside a picture, if there is something that belongs to it."""
-        self._picture, self._news = picture, False
+        self._news = False
         if self._found is None and self._running is None:
             return None
-        setup = attraction.setup_of(picture)
+        setup = attraction.setup_of(picture.preset)
         if self._running is not None and self._running[0] != setup:
             if self._jobs.running is self._running[1]:
                 self._jobs.cancel()
@@ -101,13 +101,11 @@ class BasinPanel:
             angle, axes = self._angle.read(), self._axes.read()
             whole = math.isfinite(axes) and axes == int(axes) and 1 <= axes <= MAX_AXES
             require(whole, f"axes must be a whole number between 1 and {MAX_AXES}, got {axes:g}")
-        picture, count = self._picture, int(axes)
-        if picture is None:
-            return
-        setup = attraction.setup_of(picture)
+            chosen, count = effective(self._page.read()), int(axes)
+        setup = attraction.setup_of(chosen)
 
         def work(progress: Progress, cancelled: Cancelled) -> Basin:
-            return ensemble.basin(picture.preset, angle, count, progress=progress, cancelled=cancelled)
+            return ensemble.basin(chosen, angle, count, progress=progress, cancelled=cancelled)
 
         def done(found: Basin) -> None:
             self._found, self._running, self._hidden, self._news = (setup, found), None, False, True
