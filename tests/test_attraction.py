@@ -294,7 +294,7 @@ def test_half_of_the_starts_that_never_settle_are_told_with_their_sign():
     assert "<b>2 of 5</b>" in said
     assert "Half of them or more never do" in said
     assert f"<b>{math.degrees(2.0):.3g}°</b>" in said
-    assert "◆</b> never settles in 20 s" in said
+    assert "◆</b> not settled in 20 s" in said
 
 
 def test_a_half_turn_is_allowed_to_the_last_digit(editing: Editing):

@@ -155,7 +155,7 @@ def legend(found: Basin) -> str:
         stops = ",".join(f"rgb{stop}" for stop in attraction.STOPS)
         said = SCALE.format(first=f"{span[0]:.3g} s", last=f"{span[1]:.3g} s", stops=stops)
     if not np.isfinite(found.settle).all():
-        said += f"<div>{DIAMOND.format(attraction.NEVER)} never settles in {found.time[-1]:.3g} s</div>"
+        said += f"<div>{DIAMOND.format(attraction.NEVER)} not settled in {found.time[-1]:.3g} s</div>"
     return said
 
 

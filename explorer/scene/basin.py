@@ -108,7 +108,7 @@ class Globe:
         self._pointer.points = (radius * np.array([[axis, POINTER * axis]])).astype(np.float32)
         self._slowest.position = POINTER * radius * axis
         self._slowest.anchor = "bottom-center" if axis @ up >= 0 else "top-center"  # not across the pointer
-        self._slowest.text = f"slowest, {when:.3g} s" if settles[last] else "never settles"
+        self._slowest.text = f"slowest, {when:.3g} s" if settles[last] else f"not settled in {found.time[-1]:.3g} s"
         self._title.text = f"starts at {np.degrees(found.angle):.4g}°"
 
     def _draw_equilibria(self, picture: Picture, radius: float) -> None:
