@@ -121,6 +121,7 @@ class TuningPanel:
         self._offer()
         self._visible(True)
         self._say()
+        self._plot()
 
     def _offer(self) -> None:
         """The points of the chosen curve, and the slider at the one with the least J on it. Points with equal figures,
@@ -148,6 +149,7 @@ class TuningPanel:
         self._picked = self._walk[place - 1]
         self._judge(self._picked)
         self._say()
+        self._plot()
 
     def _judge(self, picked: Point) -> None:
         """Hold picked gains against the held-out seeds, as those that were found have been: some tens of ms."""
@@ -165,18 +167,20 @@ class TuningPanel:
         self._judging.start("held-out seeds", work, done, self._section.complaint.say)
 
     def _say(self) -> None:
-        """Bring words and plots up to date."""
-        if self._found is None or self._picked is None:
-            return
-        began, found = self._found
-        marked = Marked(start=found.before, found=found.after, picked=self._picked, walk=self._walk)
-        plots = "".join(tradeoff.plot(plane, found.seen, marked) for plane in (POSITION, ATTITUDE))
-        _assign(self._said, NOTE.format(self._summary + words.differs(began, self._picture)))
-        _assign(self._plots, NOTE.format(plots + tradeoff.signs()))
-        _assign(
-            self._told,
-            NOTE.format(words.picked(self._picked, self._judged.get(self._picked.gains), found, self._picture)),
-        )
+        """Bring the words up to date."""
+        if self._found is not None and self._picked is not None:
+            began, found = self._found
+            _assign(self._said, NOTE.format(self._summary + words.differs(began, self._picture)))
+            held_out = self._judged.get(self._picked.gains)
+            _assign(self._told, NOTE.format(words.picked(self._picked, held_out, found, self._picture)))
+
+    def _plot(self) -> None:
+        """Draw the curves; not for every picture, since what was found does not depend on it."""
+        if self._found is not None and self._picked is not None:
+            found = self._found[1]
+            marked = Marked(start=found.before, found=found.after, picked=self._picked, walk=self._walk)
+            plots = "".join(tradeoff.plot(plane, found.seen, marked) for plane in (POSITION, ATTITUDE))
+            _assign(self._plots, NOTE.format(plots + tradeoff.signs()))
 
     def _take(self) -> None:
         if self._picked is not None:
