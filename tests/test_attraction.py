@@ -21,7 +21,7 @@ from explorer.scene import Scene, view
 from explorer.scene.basin import CORE, SIZE, TITLE, place
 from explorer.scene.stage import stage
 from explorer.scene.view import direction
-from explorer.session import Sessions
+from explorer.sessions import Sessions
 from explorer.warming import Warming
 from rangenav import ensemble, preset
 from rangenav.ensemble import Basin

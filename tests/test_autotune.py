@@ -15,7 +15,7 @@ from explorer.access import open_server
 from explorer.panels import tradeoff, tuning_words
 from explorer.panels.tradeoff import ATTITUDE, POSITION, Marked
 from explorer.panels.tuning import TuningPanel
-from explorer.session import Sessions
+from explorer.sessions import Sessions
 from explorer.warming import Warming
 from rangenav import preset, trade, tune
 from rangenav.attitude import AttitudeGains
