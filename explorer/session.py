@@ -181,7 +181,7 @@ class Session:
                 self._show(picture)
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
-            elif self._dock.compare.news:
+            elif self._dock.news:
                 self._draw(picture)
             return True
         return False
@@ -244,7 +244,7 @@ class Session:
     def _draw(self, picture: Picture) -> None:
         self._picture = picture
         self._playback.fit(picture.preset.duration)
-        beside = self._dock.compare.beside(picture)
+        beside = self._dock.beside(picture)
         with self._client.atomic():
             self._charts.draw(picture, beside)
             self._charts.cursor(picture, self._playback.time)

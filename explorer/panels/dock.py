@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import msgspec
 import viser
 
+from explorer.beside import Beside
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.basin import BasinPanel
 from explorer.panels.compare import ComparePanel
 from explorer.panels.exporting import PackPanel
 from explorer.panels.flights import FlightPanel
@@ -21,6 +23,7 @@ from explorer.panels.printed import PrintedPanel
 from explorer.panels.progress import ProgressPanel
 from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
+from explorer.panels.tuning import TuningPanel
 from explorer.panels.twin import TwinPanel
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
@@ -78,6 +81,8 @@ class Dock:
         with tabs.add_tab("Gains"):
             self.gains = GainsPanel(sheet)
             self.guess = GuessPanel(sheet)
+            self.tuning = TuningPanel(sheet, self, jobs)
+            self.basin = BasinPanel(sheet, self, jobs)
         with tabs.add_tab("Presets"):
             asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
             uploads = Uploads(gui, sheet.do)
@@ -163,8 +168,19 @@ class Dock:
         self.vehicle.draw(picture)
         self.gains.draw(picture)
         self.guess.draw(picture)
+        self.tuning.draw(picture)
+        self.basin.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
+
+    @property
+    def news(self) -> bool:
+        """Whether what stands beside the picture has changed since it was drawn last."""
+        return self.compare.news or self.basin.news
+
+    def beside(self, picture: Picture) -> Beside:
+        """What to draw beside a picture."""
+        return replace(self.compare.beside(picture), basin=self.basin.shown(picture))
 
     @property
     def chosen_preset(self) -> str:
