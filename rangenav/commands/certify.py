@@ -6,11 +6,11 @@ from typing import Annotated
 
 import tyro
 
-from rangenav.commands.output import print_json, print_table
+from rangenav.commands.output import PresetName, print_json, print_table, require_place
 
 
 def certify(
-    preset: tyro.conf.Positional[str],
+    preset: PresetName,
     *,
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="FILE.json")] = None,
     json: bool = False,
@@ -19,11 +19,12 @@ def certify(
 
     Args:
         preset: A shipped preset's name or a path to a TOML file.
-        output: Write the certificate here; `NAME.certificate.json` beside the preset is where `verify` looks.
+        output: Write the certificate here; NAME.certificate.json beside NAME.toml is where `verify` looks.
         json: Print the certificate as one JSON object.
     """
     from rangenav import certificate
 
+    require_place("-o", output, ".json")
     found = certificate.certify_file(preset)
     if output is not None:
         output.write_bytes(certificate.dumps(found))
