@@ -13,7 +13,7 @@ from rangenav.model import STATES
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.provenance import Source
-from rangenav.signals.polynomials import COMPLAINTS
+from rangenav.signals.polynomials import COMPLAINTS, Polynomials, complaints
 
 
 def requirements(
@@ -40,7 +40,10 @@ def restriction(preset: Preset) -> str | None:
     """Why no verdict is given on a preset's path, one clause: its snap is a fit's, or it jumps. None if one is."""
     came = provenance.restriction(preset.source, preset.path)
     smooth = _smooth(findings.jumped(preset))
-    return came or (None if smooth.met else smooth.words)
+    if came is not None or smooth.met:
+        return came
+    found = complaints(preset.path, inside=(0, preset.duration)) if isinstance(preset.path, Polynomials) else ()
+    return f"{found[0]}, which nothing can follow" if found else smooth.words
 
 
 def verdict(

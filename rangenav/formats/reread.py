@@ -26,9 +26,9 @@ UPRIGHT = ("bag", "mcap", "tum", "euroc")
 
 def places(content: Mapping[str, bytes], form: str, source: str) -> Places:
     """Stamps and positions of a record; a format of one file has it under the name "". Raises ValueError."""
-    require(form in _READERS, f"{source}: no record is written as {form!r}")
+    require(form in READERS, f"{source}: no record is written as {form!r}")
     try:
-        time, position = _READERS[form](content, source)
+        time, position = READERS[form](content, source)
     except ValueError:
         raise
     except Exception as error:  # readers of others raise what they like
@@ -84,7 +84,7 @@ def _ros(content: Mapping[str, bytes], source: str) -> Places:
     return time - ros.FIRST, position
 
 
-_READERS: dict[str, Callable[[Mapping[str, bytes], str], Places]] = {
+READERS: dict[str, Callable[[Mapping[str, bytes], str], Places]] = {
     "tum": _tum,
     "csv": lambda content, source: _table(content, source, ("t", "p_x", "p_y", "p_z")),
     "log": lambda content, source: _table(content, source, ("t [s]", "p_x [m]", "p_y [m]", "p_z [m]")),
