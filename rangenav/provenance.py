@@ -39,7 +39,7 @@ class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
     sha256: str
     """Of its bytes."""
     format: Format
-    snap: Literal["file", "fit"]
+    derivatives: Literal["file", "fit"]
     """Whether the derivatives up to snap stood in the file, or come from fitting."""
     fitted: str = ""
     """What was fitted, and how near it is; empty if the path is the file's own."""
@@ -58,7 +58,10 @@ class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
             text = getattr(self, name)
             rule = f"source.{name} must be {HASH} hexadecimal digits, got {text[:HASH]!r}"
             require(len(text) == HASH and set(text) <= set("0123456789abcdef"), rule)
-        require(self.snap == "file" or bool(self.unjudged), 'source.unjudged must say why, where snap is "fit"')
+        require(
+            self.derivatives == "file" or bool(self.unjudged),
+            'source.unjudged must say why, where derivatives is "fit"',
+        )
 
 
 def edited(source: Source, path: Signal) -> bool:
@@ -68,7 +71,7 @@ def edited(source: Source, path: Signal) -> bool:
 
 def restriction(source: Source | None, path: Signal) -> str | None:
     """Why the path's excitation is not judged, as one clause; None if it may be."""
-    if source is None or source.snap == "file" or edited(source, path):
+    if source is None or source.derivatives == "file" or edited(source, path):
         return None
     return f"the path's snap was not in {source.file} but comes from fitting: {source.unjudged}"
 
@@ -78,7 +81,7 @@ def words(source: Source, path: Signal) -> str:
     came = f"imported from {source.file} ({source.format})"
     if edited(source, path):
         return f"{came} and changed since: a design"
-    return f"{came}, {'whose own snap it has' if source.snap == 'file' else source.fitted}"
+    return f"{came}, {'whose own snap it has' if source.derivatives == 'file' else source.fitted}"
 
 
 @lru_cache(maxsize=CACHED)

@@ -57,7 +57,7 @@ def imported(folder: Path, kind: str) -> tuple[Path, Preset]:
 def test_a_path_whose_snap_was_not_in_its_file_is_not_judged_and_not_certified(answer, tmp_path: Path, kind: str):
     file, made = imported(tmp_path, kind)
     assert made.source is not None
-    assert (made.source.snap, made.source.file) == ("fit", file.name)
+    assert (made.source.derivatives, made.source.file) == ("fit", file.name)
     assert made.source.sha256 == hashlib.sha256(file.read_bytes()).hexdigest()
     found = certified(made)
     said = f"the path's snap was not in {file.name} but comes from fitting: {made.source.unjudged}"
@@ -75,7 +75,7 @@ def test_a_path_whose_snap_was_not_in_its_file_is_not_judged_and_not_certified(a
 def test_a_path_whose_snap_was_in_its_file_is_certified_as_what_it_is(answer, tmp_path: Path, kind: str):
     file, made = imported(tmp_path, kind)
     assert made.source is not None
-    assert (made.source.snap, made.source.unjudged) == ("file", "")
+    assert (made.source.derivatives, made.source.unjudged) == ("file", "")
     found = certified(made)
     assert found.verdict in ("weak", "observable")
     (check,) = (one for one in found.checks if one.name == "source")
@@ -95,7 +95,7 @@ def test_snap_columns_that_the_pieces_cannot_follow_are_not_theirs(tmp_path: Pat
     rows[1:] = [[*row[:k], repr(3 * float(row[k])), *row[k + 1 :]] for row in rows[1:]]
     file.write_text("\n".join(map(",".join, rows)))
     found = formats.read(file, "reference")
-    assert found.snap == "fit"
+    assert found.derivatives == "fit"
     assert str(found.unjudged).startswith("of the snap in the file the pieces miss ")
 
 
@@ -104,7 +104,7 @@ def test_an_import_tells_where_the_snap_is_from(answer, tmp_path: Path):
         file, _ = imported(tmp_path, kind)
         said = answer("import", file, "--from", "reference", "-o", tmp_path / "y.toml")
         fit = kind == "jerk"
-        assert said["snap"] == ("of a fit: not in the file" if fit else "in the file")
+        assert said["snap_from"] == ("a fit: it is not in the file" if fit else "the file")
         assert (said["verdict"] == "not judged", said["excitation"] is None, said["rank"] is None) == (fit,) * 3
         assert (reference.IMPLIED in said["findings"]) == fit
 
@@ -203,11 +203,11 @@ def test_a_zero_has_no_sign_and_a_whole_number_no_kind():
         ({"path_sha256": "Z" * 64}, "source.path_sha256 must be 64 hexadecimal digits"),
         ({"file": ""}, "source.file must not be empty"),
         ({"file": "x" * 256}, "source.file must have at most 255 characters, got 256"),
-        ({"snap": "fit"}, 'source.unjudged must say why, where snap is "fit"'),
+        ({"derivatives": "fit"}, 'source.unjudged must say why, where derivatives is "fit"'),
     ],
 )
 def test_a_source_that_says_too_little_is_refused(change: dict[str, str], said: str):
-    good = {"file": "x.csv", "sha256": "0" * 64, "format": "tum", "snap": "file", "path_sha256": "f" * 64}
+    good = {"file": "x.csv", "sha256": "0" * 64, "format": "tum", "derivatives": "file", "path_sha256": "f" * 64}
     Source(**good)
     with pytest.raises(ValueError, match=said):
         Source(**good | change)

@@ -81,6 +81,8 @@ def _find(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
     owner = certified_by(path)
     if owner is not None:
+        if not owner.exists():
+            raise ValueError(f"{path.name}: there is no {owner.name} beside it that could be verified")
         path = owner
     if path.suffix or path.parent != Path(".") or path.is_dir():
         if not path.exists():

@@ -14,6 +14,7 @@ from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.provenance import Source
 from rangenav.signals.polynomials import COMPLAINTS, Polynomials, complaints
+from rangenav.vehicle import FREE
 
 
 def requirements(
@@ -162,7 +163,10 @@ def _unbelieved(found: tuple[Check, ...]) -> bool:
 
 
 def _vehicle(flying: contents.Flying) -> Check:
-    words = (
-        f"{flying.name} can fly it" if flying.flyable else f"{flying.name} cannot fly it: {'; '.join(flying.broken)}"
-    )
+    if flying.name == FREE.name and flying.flyable:
+        words = "no vehicle's limits are asked to be kept"
+    elif flying.flyable:
+        words = f"within the limits of {flying.name}"
+    else:
+        words = f"{flying.name} cannot fly it: {'; '.join(flying.broken)}"
     return Check(name="vehicle", met=flying.flyable, proven=False, words=words)

@@ -182,7 +182,7 @@ class Source(Part, frozen=True, kw_only=True):
     file: str
     sha256: str
     format: str
-    snap: Literal["file", "fit"]
+    derivatives: Literal["file", "fit"]
     """Whether the derivatives up to snap stood in that file, or come from fitting."""
     fitted: str
     edited: bool

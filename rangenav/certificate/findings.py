@@ -247,7 +247,7 @@ def source(preset: Preset) -> contents.Source | msgspec.UnsetType:
         file=came.file,
         sha256=came.sha256,
         format=came.format,
-        snap=came.snap,
+        derivatives=came.derivatives,
         fitted=came.fitted,
         edited=provenance.edited(came, preset.path),
     )

@@ -64,7 +64,7 @@ def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
         "duration": found.duration,
         "used": made.duration,
         "frame": found.frame,
-        "snap": "in the file" if found.snap == "file" else "of a fit: not in the file",
+        "snap_from": "the file" if found.derivatives == "file" else "a fit: it is not in the file",
         "fit_error": found.fit_error,
         "findings": list(found.findings),
         "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",

@@ -110,7 +110,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
         frame="z-up",
         findings=tuple(findings),
         path=curve.path,
-        snap="fit",
+        derivatives="fit",
         fitted=curve.words,
         fit_error=curve.largest,
         unjudged=knotted.unjudged(time, position),

@@ -60,7 +60,7 @@ class Imported:
     """What was noticed, one sentence each: units, gaps, jumps, missing columns, repeated stamps."""
     questions: tuple[Question, ...] = ()
     path: Signal | None = None
-    snap: Literal["file", "fit"] = "file"
+    derivatives: Literal["file", "fit"] = "file"
     """Whether the derivatives up to snap stand in the file, or come from fitting."""
     fitted: str = ""
     """What was fitted, and how near it is; empty if the path is the file's own."""

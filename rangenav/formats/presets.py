@@ -38,7 +38,7 @@ def as_preset(found: Imported, *, duration: float | None = None, anchor: Vec3 = 
         return Preset(
             title=Path(found.source).stem[:MAX_TITLE] or "imported",
             story=f"Imported from {found.format}."
-            if found.snap == "file"
+            if found.derivatives == "file"
             else f"Imported from {found.format}; its snap is the fit's, not the flight's.",
             duration=length,
             path=path,
@@ -67,7 +67,7 @@ def source(found: Imported) -> Source:
         file="".join(c if c.isprintable() else "?" for c in found.source)[-MAX_FILE:] or "?",
         sha256=found.sha256,
         format=cast(Format, found.format),
-        snap=found.snap,
+        derivatives=found.derivatives,
         fitted=found.fitted[:MAX_WORDS],
         unjudged=(found.unjudged or "")[:MAX_WORDS],
         path_sha256=fingerprint(found.path),

@@ -56,7 +56,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
         findings=tuple(findings),
         questions=() if frame else (question,),
         path=curve.path,
-        snap="fit",
+        derivatives="fit",
         fitted=curve.words,
         fit_error=curve.largest,
         unjudged=knotted.unjudged(time, position),
