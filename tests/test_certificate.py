@@ -387,13 +387,13 @@ def test_gravity_and_axes_are_said():
     assert tilted.frame.up == "(0.00, -0.60, -0.80)"
 
 
-def tones_file(content: bytes, source: str, context: Preset | None) -> Preset:
+def tones_file(content: bytes, source: str, context: Preset | None) -> certificate.Held:
     """A made-up format that holds a path and nothing else: axis, amplitude and frequency a line."""
     if context is None:
         raise ValueError(f"{source}: says nothing of the world")
     rows = [line.split() for line in content.decode().splitlines()]
     made = tuple(Tone(axis=axis, amplitude=float(a), frequency=float(w)) for axis, a, w in rows)  # pyright: ignore
-    return replace(context, path=Multisine(tones=made))
+    return certificate.Held(replace(context, path=Multisine(tones=made)))
 
 
 def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by_who_knows_it(tmp_path: Path):

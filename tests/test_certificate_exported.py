@@ -22,6 +22,10 @@ SOFT = preset.load("soft")
 SUFFIXES = {"preset": ".toml", "mat": ".mat", "npz": ".npz", "tum": ".tum"}
 
 
+BETWEEN = "s of the file, between its ramps, and no more"
+STEADY = {"reference": f"2 s to 20 {BETWEEN}", "polynomial": f"2 s to 18.057 {BETWEEN}"}  # 31 pieces hold no more
+
+
 def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
     """A file and the certificate beside it."""
     file = folder / f"x{SUFFIXES.get(form, '.csv')}"
@@ -36,6 +40,8 @@ def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
 def test_what_is_exported_is_certified_from_its_bytes_and_one_altered_byte_fails(form: str, tmp_path: Path):
     file, found = written(SOFT, form, tmp_path)
     assert (found.certified, found.meets, found.artifact.format) == (True, True, form)
+    covers = {"preset": msgspec.UNSET, **STEADY}.get(form, exported.RECORDED)
+    assert found.artifact.covers == covers
     assert certificate.verify_file(file, readers=READERS) == ()
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 1

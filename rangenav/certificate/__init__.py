@@ -8,11 +8,12 @@ from rangenav.certificate.artifacts import beside
 from rangenav.certificate.checking import verify, verify_file
 from rangenav.certificate.checks import gate, restriction
 from rangenav.certificate.contents import Certificate, dumps, loads, plain
-from rangenav.certificate.making import READERS, Reader, certify, certify_file, read_preset
+from rangenav.certificate.making import READERS, Held, Reader, certify, certify_file, read_preset
 
 __all__ = [
     "READERS",
     "Certificate",
+    "Held",
     "Reader",
     "beside",
     "certify",

@@ -31,6 +31,8 @@ class Artifact(Part, frozen=True, kw_only=True):
     """"preset", or the exchange format it was written in."""
     sha256: str
     bytes: int
+    covers: str | msgspec.UnsetType = msgspec.UNSET
+    """What of the file is certified, where that is not all of it."""
 
 
 class Tool(Part, frozen=True, kw_only=True):

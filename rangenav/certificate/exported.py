@@ -24,7 +24,7 @@ from rangenav.axes import upright
 from rangenav.certificate import artifacts, checks
 from rangenav.certificate.artifacts import beside, read_bytes
 from rangenav.certificate.contents import Certificate, dumps
-from rangenav.certificate.making import READERS, Reader, certify
+from rangenav.certificate.making import READERS, Held, Reader, certify
 from rangenav.formats import reread, text
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -37,6 +37,9 @@ RUNS = ("bag", "mcap", "tum", "euroc", "mat", "npz", "csv", "log")
 DEGREE = 7
 ON_PATH = 1e-6
 """m; TUM has nine decimals, the others all digits, and stamps in nanoseconds cost 1e-9 of the speed."""
+AT_REST = 1e-6
+"""s; a ramp shorter than that is rounding of one that is not there."""
+RECORDED = "the path of the run, on which every position in the file lies; of what was measured on it, nothing"
 CACHED = 4
 
 
@@ -97,7 +100,7 @@ def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
 
 
 def _steady(form: str) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> Preset:
+    def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
@@ -106,15 +109,17 @@ def _steady(form: str) -> Reader:
         path = cast(Polynomials, found.path)
         ramp = max(0.0, (found.duration - context.duration) / 2)
         try:
-            return msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
+            steady = msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
         except ValueError as error:
             raise ValueError(f"{source}: {error}") from None
+        covers = f"{ramp:.6g} s to {ramp + context.duration:.6g} s of the file, between its ramps, and no more"
+        return Held(steady, covers if ramp > AT_REST else msgspec.UNSET)
 
     return read
 
 
 def _recorded(form: str) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> Preset:
+    def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
         files = artifacts.unpacked(content, source) if form in FOLDERS else {"": content}
@@ -126,6 +131,6 @@ def _recorded(form: str) -> Reader:
         worst = int(np.argmax(away))
         said = f"at t = {time[worst]:.4g} s it is {away[worst]:.2g} m from the path of the preset that is certified"
         require(float(away[worst]) <= ON_PATH, f"{source}: {said}")
-        return context
+        return Held(context, RECORDED)
 
     return read

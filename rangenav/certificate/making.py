@@ -7,6 +7,7 @@ be bounded says null and why; what is sampled says so. Nothing in it depends on 
 import hashlib
 import platform
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -22,15 +23,26 @@ from rangenav.inputs import require
 from rangenav.preset import Preset
 
 CACHED = 8
-Reader = Callable[[bytes, str, Preset | None], Preset]
-"""(bytes, name for errors, context) → the preset that the bytes, and what they do not hold from the context, make."""
 
 
-def read_preset(content: bytes, source: str, context: Preset | None = None) -> Preset:
+@dataclass(frozen=True, eq=False)
+class Held:
+    """What the bytes of a file, and for what they do not hold its context, make."""
+
+    preset: Preset
+    covers: str | msgspec.UnsetType = msgspec.UNSET
+    """What of the file is certified, where that is not all of it."""
+
+
+Reader = Callable[[bytes, str, Preset | None], Held]
+"""(bytes, name for errors, context) → what is held. Raises ValueError."""
+
+
+def read_preset(content: bytes, source: str, context: Preset | None = None) -> Held:
     """A preset file holds everything; there is no context to it. Raises ValueError."""
     require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes, which no preset is")
     try:
-        return presets.loads(content.decode("utf-8"), source=source)
+        return Held(presets.loads(content.decode("utf-8"), source=source))
     except UnicodeDecodeError as error:
         raise ValueError(f"{source}: not UTF-8 text (byte {error.start})") from None
 
@@ -52,10 +64,11 @@ def certify(
     `context` is what a file that holds a path only is judged by: world, sensors, requirement, vehicle.
     """
     require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
-    preset = readers[form](content, source, context)
-    artifact = Artifact(format=form, sha256=hashlib.sha256(content).hexdigest(), bytes=len(content))
+    held = readers[form](content, source, context)
+    digest = hashlib.sha256(content).hexdigest()
+    artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=held.covers)
     said = msgspec.UNSET if context is None else presets.dumps(context)
-    return msgspec.structs.replace(_of(preset), artifact=artifact, context=said)
+    return msgspec.structs.replace(_of(held.preset), artifact=artifact, context=said)
 
 
 def certify_file(name_or_path: str | Path) -> Certificate:
