@@ -29,9 +29,9 @@ def places(content: Mapping[str, bytes], form: str, source: str) -> Places:
     require(form in READERS, f"{source}: no record is written as {form!r}")
     try:
         time, position = READERS[form](content, source)
-    except ValueError:
-        raise
-    except Exception as error:  # readers of others raise what they like
+    except Exception as error:  # readers of others raise what they like, and know no names
+        if isinstance(error, ValueError) and str(error).startswith(source):
+            raise
         raise ValueError(f"{source}: cannot be read again as {form} ({type(error).__name__})") from None
     rule = f"{source}: its stamps or positions are no table of numbers"
     fits = time.ndim == 1 and position.shape == (len(time), 3) and len(time) > 0
