@@ -5,7 +5,7 @@ No viser here. The file is read by `rangenav.formats`, under a plain name in a f
 
 import tempfile
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
 
 import msgspec
@@ -57,7 +57,7 @@ def understand(file: Received, form: str, confirm: Mapping[str, str], anchor: Ve
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
         kept = Path(folder) / (slug(path.stem) + "." + slug(path.suffix))
         kept.write_bytes(file.content)
-        found = formats.read(kept, form, confirm=confirm)
+        found = replace(formats.read(kept, form, confirm=confirm), source=file.name)
     if found.questions or found.path is None:
         return Understood(found, None)
     made = as_preset(found, anchor=anchor)
