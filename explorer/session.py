@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import msgspec
 import viser
 
-from explorer import compute
+from explorer import compute, written
 from explorer.access import accept_values_only
 from explorer.certifying import Certifying
 from explorer.charts import TITLES, Charts
@@ -28,7 +28,6 @@ from explorer.history import History
 from explorer.jobs import Jobs
 from explorer.keeping import Keeping
 from explorer.library import Library
-from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
 from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.sheet import Refused, Sheet
@@ -164,8 +163,10 @@ class Session:
             kept = self._tell(str(reason))
         if kept is None:
             return
-        known = kept.settings.origin in self._shelf.presets
-        settings = kept.settings if known else msgspec.structs.replace(kept.settings, origin=self._house.first)
+        settings = kept.settings
+        if settings.origin not in self._shelf.presets:  # imported and not saved, or deleted meanwhile: it has no file
+            origin = self._shelf.lend(settings.preset).origin
+            settings = msgspec.structs.replace(settings, origin=origin, edition="")
         if kept.opened == self._house.first or not self._house.asked:
             self._dock.write(settings)
         self._history.note(settings, time.monotonic(), apart=True)
@@ -269,12 +270,12 @@ class Session:
 
     def _download(self) -> None:
         name, settings = self._named()
-        self._send(name, presets.document(settings))
+        self._send(name, written.document(settings))
 
     def _named(self) -> tuple[str, Settings]:
         """What is chosen, and the name of its file."""
         settings = self._dock.read()
-        return presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
+        return written.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
 
     def _send(self, name: str, content: bytes) -> None:
         self._client.send_file_download(name, content, save_immediately=True)

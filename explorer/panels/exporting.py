@@ -3,11 +3,12 @@
 from explorer.jobs import Cancelled, Jobs, Progress
 from explorer.panels.controls import Choice, Switch
 from explorer.panels.notes import NOTE, bullets
-from explorer.panels.presets import Page, file_name
+from explorer.panels.presets import Page
 from explorer.panels.sheet import Section, Sheet
 from explorer.parcel import EVERYTHING, Parcel, Send, parcel
 from explorer.settings import effective
 from explorer.shelf import Shelf
+from explorer.written import file_name
 
 FORMATS = {
     "": "preset and certificate only",
