@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from explorer.jobs import Cancelled, Progress, Stopped
-from rangenav import certificate, formats, preset
+from rangenav import certificate, preset
 from rangenav.commands.export import exported
 from rangenav.preset import Preset
 
 SUFFIXES = {"bag": "", "euroc": "", "mcap": ".mcap", "tum": ".tum.txt", "mat": ".mat", "npz": ".npz"}
 """Bags and EuRoC records are folders; the rest are CSV files that say in their names what they are."""
-EVERYTHING = tuple(form for form in formats.WRITTEN if form != "preset")
 STAMP = (2020, 1, 1, 0, 0, 0)
 """The time of every file inside: equal inputs make equal zips."""
 

@@ -248,7 +248,7 @@ def _zip(page: Editing, name: str) -> zipfile.ZipFile:
 
 
 def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editing, tmp_path: Path):
-    page.set("with", "everything")
+    page.press("formats", "all")
     page.press("Export as a zip")
     packed = _zip(page, "paper-slow.zip")
     packed.extractall(tmp_path)
@@ -267,7 +267,7 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
     assert page.tab.downloads == []
     page.set("even if uncertified", True)
-    page.set("with", "TUM trajectory")
+    page.set("TUM", True)
     page.press("Export as a zip")
     packed = _zip(page, "circle.uncertified.zip")
     assert all("uncertified" in name for name in packed.namelist() if name != "README.txt")

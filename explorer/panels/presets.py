@@ -93,13 +93,12 @@ class PresetsPanel:
         with self._section.catching():
             return self._choice.read()
 
-    def write(self, name: str) -> None:
+    def write(self, settings: Settings) -> None:
         """Show a preset's name, story and badge."""
-        self._shown = name
+        name = self._shown = settings.origin
         self._offer()
         self._choice.write(name, name)
-        title = self._shelf.presets[name].title
-        self._title.write(title, title)
+        self._title.write(settings.preset.title, self._shelf.presets[name].title)
         self._draw_card()
 
     def draw(self, picture: Picture) -> None:
@@ -212,7 +211,7 @@ class PresetsPanel:
         restored = self._shelf.restore(marks.pop())
         settings = self._page.read()
         if settings.origin == restored.origin:
-            self.write(settings.origin)
+            self.write(settings)
         else:
             self._offer()
         self._say(f"{file_of(restored.origin)} is back")
