@@ -117,10 +117,12 @@ def _figures(shown: Preset, found: Found | None) -> str:
         return ""
     excited, sigma = found.excitation, found.accuracy.lifted.end.position
     needed = shown.requirement
-    if excited.lower is not None:
+    if excited.found is None:
+        mu = "μ below rounding: nothing, in"
+    elif excited.lower is not None:
         mu = f"μ ≥ {excited.lower:.3g}"
     else:
-        mu = "μ below rounding" if excited.found is None else f"μ = {excited.found:.3g} on sampled windows"
+        mu = f"μ = {excited.found:.3g} on sampled windows, in"
     told = "not determined" if sigma is None else f"{sigma:.3g} m"
     return (
         f"<br>{mu} m²/s⁷ over {needed.window:g} s (required {needed.mu:.3g})"

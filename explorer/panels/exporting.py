@@ -36,7 +36,7 @@ class PackPanel:
 
     def __init__(self, sheet: Sheet, shelf: Shelf, page: Page, jobs: Jobs, send: Send) -> None:
         self._shelf, self._page, self._jobs, self._send = shelf, page, jobs, send
-        self._section = section = Section(sheet, "Certified files", expanded=False)
+        self._section = section = Section(sheet, "Download with certificate", expanded=False)
         with section:
             sheet.buttons("formats", {"all": self._all, "none": self._none}, hint=EACH)
             self._formats = {
@@ -56,7 +56,7 @@ class PackPanel:
             switch.show(False)
 
     def _export(self) -> None:
-        with self._section.catching():
+        with self._section.answering():
             settings, marked = self._page.read(), self._marked.read()
             forms = tuple(form for form, switch in self._formats.items() if switch.read())
         shown = effective(settings)
@@ -66,7 +66,13 @@ class PackPanel:
         def work(progress: Progress, cancelled: Cancelled) -> Parcel:
             return parcel(shown, stem, forms, uncertified=marked, progress=progress, cancelled=cancelled)
 
-        self._jobs.start("export", work, self._done, self._section.complaint.say)
+        self._jobs.start("export", work, self._done, self._refuse)
+
+    def _refuse(self, reason: str) -> None:
+        """A line for each thing that is missing, until something else is on the page."""
+        first, *more = reason.split("; ")
+        head, refused, rest = first.partition(": refused: ")
+        self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))
 
     def _done(self, packed: Parcel) -> None:
         self._send(packed.name, packed.content)

@@ -1,7 +1,7 @@
 """All presets at a glance: a tile for each with its path and the shape of its badge; a click on it opens the preset.
 
-viser has no picture that can be clicked. So below the tiles stands a row of small buttons, one for each, and a click on
-a tile presses its button. Nothing of this is sent to the browser before somebody asks for it.
+viser has no picture that can be clicked. So beside the tiles there is a row of buttons, one for each, hidden, and a
+click on a tile presses its button. Nothing of this is sent to the browser before somebody asks for it.
 """
 
 import html
@@ -22,9 +22,11 @@ MAX_TILES = 60
 DRAWN = 2 * MAX_TILES
 FROM_A_CORNER = np.array([(0.82, -0.57), (0.40, 0.57), (0.0, 0.82)])
 """Seen a little from above no two shipped paths look alike, as a circle and its tilted sister do from the top."""
+HIDDEN = ':has(> * > * > label[for="{}"]){{display:none}}'
+"""The row of buttons, whose tiles are all that needs to be seen; should viser build its rows otherwise, they show."""
 PRESS = (
-    "let box = this.closest('.tiles'); while (box && !box.querySelector('button:not(.tile)')) box = box.parentElement;"
-    " box?.querySelectorAll('button:not(.tile)')[{}]?.click()"
+    "let row = document.querySelector('label[for=&quot;{}&quot;]'); while (row && !row.querySelector('button'))"
+    " row = row.parentElement; row?.querySelectorAll('button')[{}]?.click()"
 )
 TILE = (
     '<button class="tile" onclick="{press}" title="{title}" style="all:unset;cursor:pointer;width:{side}px;'
@@ -33,7 +35,7 @@ TILE = (
 )
 TILES = (
     '<div class="tiles" style="display:flex;flex-wrap:wrap;gap:0.6em 0.7em;align-items:flex-start;padding:0.3em 0.9em">'
-    f'{{}}</div><div style="{DIMMED};font-size:0.75em;padding:0.2em 1.1em 0.6em">'
+    f'{{}}</div><style>{{}}</style><div style="{DIMMED};font-size:0.75em;padding:0.2em 1.1em 0.6em">'
     "● certified observable, ▲ weak, ✕ unobservable; ◌ not certified, or not yet{}</div>"
 )
 OPEN = "The same as a click on its picture. Ctrl+Z brings back what was on the page."
@@ -69,7 +71,7 @@ class Gallery:
         more = f". {left_out} more are in the menu" if left_out > 0 else ""
         offered = enumerate(self._offered.items())
         tiles = "".join(self._tile(k, name, one, name == shown) for k, (name, one) in offered)
-        content = TILES.format(tiles, more)
+        content = TILES.format(tiles, HIDDEN.format(self._row._impl.uuid), more)
         if content != self._tiles.content:
             self._tiles.content = content
 
@@ -80,7 +82,7 @@ class Gallery:
     def _tile(self, number: int, name: str, one: Preset, shown: bool) -> str:
         shape, colour, words = badge(one, self._shelf.badge(name, self._sheet.note))
         return TILE.format(
-            press=PRESS.format(number),
+            press=PRESS.format(self._row._impl.uuid, number),
             title=html.escape(f"{one.title}: {words.lower()}"),
             side=SIDE,
             drawing=_drawing(one),

@@ -56,7 +56,9 @@ class ImportPanel:
         with section:
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD)
             self._format = Choice(section, "format", FORMATS, hint=FORMAT)
-            sheet.button("Read it as this format", self._read, hint="Reads the file handed over last once more.")
+            sheet.button(
+                "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
+            )
             self._said = sheet.gui.add_html("", visible=False)
 
     def _receive(self, name: str, content: bytes) -> None:

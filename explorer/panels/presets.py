@@ -66,7 +66,7 @@ class PresetsPanel:
         self._words: dict[str, str] = {}
         with section:
             self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
-            browse = {"‹ previous": self._previous, "next ›": self._next, "all": self._all}
+            browse = {"‹ previous": self._previous, "next ›": self._next, "see all": self._all}
             sheet.buttons("browse", browse, hint=BROWSE)
             self._card = sheet.gui.add_html("")
         self._gallery = Gallery(sheet, shelf, self.open)
@@ -80,11 +80,11 @@ class PresetsPanel:
             self._said = sheet.gui.add_html("", visible=False)
             uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
             for label, action, hint in (
+                ("Download this preset", download, DOWNLOAD),
                 ("Start this preset again", again, "Puts every control back to what the preset says."),
                 ("The paper's figures 3–5", paper, FIGURES),
-                ("Download this preset", download, DOWNLOAD),
             ):
-                sheet.button(label, action, hint=hint)
+                sheet.button(label, action, hint=hint, quiet=action is not download)
                 sheet.command(label, action)
         sheet.command("Save the preset", self._guarded({"": self._save})[""])
 

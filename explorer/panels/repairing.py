@@ -53,10 +53,10 @@ class RepairPanel:
         with section:
             self._kind = Choice(section, "by changing", BY, hint=KIND)
             sheet.button("Make it observable", self._repair, hint=REPAIR)
-            sheet.button("Improve it", self._improve, hint=IMPROVE)
+            sheet.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
             self._said = sheet.gui.add_html("", visible=False)
             self._accept = sheet.button("Accept", self._take, hint=TAKE)
-            self._discard = sheet.button("Discard", self._forget, hint=LEAVE)
+            self._discard = sheet.button("Discard", self._forget, hint=LEAVE, quiet=True)
         self._forget()
         sheet.command("Make it observable", self._repair)
 
@@ -67,7 +67,7 @@ class RepairPanel:
         self._start(improve=True)
 
     def _start(self, *, improve: bool) -> None:
-        with self._section.catching():
+        with self._section.answering():
             shown, by = effective(self._page.read()), self._kind.read()
         self._forget()
         search = repair.improve if improve else repair.repair
@@ -76,7 +76,7 @@ class RepairPanel:
             return search(shown, by=by, progress=lambda share, _: progress(share), cancelled=cancelled)
 
         name = "improving the motion" if improve else "making it observable"
-        self._jobs.start(f"{name} by {BY[by]}", work, self._show, self._section.complaint.say)
+        self._jobs.start(f"{name} by {BY[by]}", work, self._show, self._section.answer)
 
     def _show(self, found: Repair) -> None:
         self._found = found
@@ -91,6 +91,9 @@ class RepairPanel:
         if found is None:
             return
         settings = self._page.read()
+        with self._section.answering():
+            if effective(settings).path != found.before.path:
+                raise ValueError("the motion on the page is another one by now: look for a change of that one")
         if found.after.path != found.before.path:
             self._pin()
         self._page.write(accepted(settings, found))
