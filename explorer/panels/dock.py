@@ -35,6 +35,8 @@ from rangenav.signals import Family, Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
+TABS = "<style>[data-dock-tab]{padding-inline:0.55em !important;font-size:0.85em}</style>"
+"""viser spaces tabs so widely that a dock's would need a second line."""
 SENSORS_RULES = ("seed", "duration × rate", "requirement.window must be at least")
 """How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
 HISTORY_HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."
@@ -62,6 +64,7 @@ class Dock:
         steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
         sheet.buttons("", steps, hint=HISTORY_HINT)
         _commands(sheet, requests)
+        gui.add_html(TABS)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(sheet, self._edit_path)

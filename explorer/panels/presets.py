@@ -18,9 +18,9 @@ from explorer.shelf import MINE, Shelf, bare, titled
 from explorer.uploads import Uploads
 from rangenav.preset import MAX_TITLE, Preset
 
-FIGURES = (
-    "Loads the paper's own scenario and shows the position, velocity and gravity errors (fig. 3), the attitude error "
-    "(fig. 4) and the true and estimated path (fig. 5)."
+ALSO = (
+    "The first puts every control back to what the preset says. The second loads the paper's own scenario and shows "
+    "the errors of position, velocity and gravity (fig. 3) and of attitude (fig. 4), and both paths (fig. 5)."
 )
 DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
 PICK = "Every shipped motion with its sensors, gains and requirement; ★ are yours. Ctrl+Z brings back what was there."
@@ -79,13 +79,14 @@ class PresetsPanel:
             sheet.buttons("tidy", self._guarded(tidy), hint=TIDY)
             self._said = sheet.gui.add_html("", visible=False)
             uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
-            for label, action, hint in (
-                ("Download this preset", download, DOWNLOAD),
-                ("Start this preset again", again, "Puts every control back to what the preset says."),
-                ("The paper's figures 3–5", paper, FIGURES),
-            ):
-                sheet.button(label, action, hint=hint, quiet=action is not download)
-                sheet.command(label, action)
+            sheet.button("Download this preset", download, hint=DOWNLOAD)
+            sheet.buttons("also", {"start this preset again": again, "the paper's figures 3–5": paper}, hint=ALSO)
+        for label, action in (
+            ("Download this preset", download),
+            ("Start this preset again", again),
+            ("The paper's figures 3–5", paper),
+        ):
+            sheet.command(label, action)
         sheet.command("Save the preset", self._guarded({"": self._save})[""])
 
     def read(self) -> str:
@@ -159,6 +160,7 @@ class PresetsPanel:
 
         def guard(action: Action) -> Action:
             def guarded() -> None:
+                self._said.visible = False
                 with self._keeping.catching():
                     action()
 
@@ -217,6 +219,7 @@ class PresetsPanel:
         self._say(f"{file_of(restored.origin)} is back")
 
     def _upload(self, name: str, content: bytes) -> None:
+        self._said.visible = False
         with self._keeping.catching():
             self._page.write(self._shelf.add(preset_in(Received(name, content))))
             self._say(f"{name} joined your library as {self._name()}")

@@ -24,6 +24,7 @@ MAX_ACTIONS = 64
 RED = "light-dark(#b3261e, #ff8f86)"
 """On white, on black."""
 ALERT = f"color:{RED};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em;overflow-wrap:anywhere"
+QUIET = (92, 117, 150)
 COMPLAINTS, RESETS = 1e6, 2e6
 """viser's order of things in a folder: below all controls, whenever these were added."""
 COLUMN = re.compile(r"\(column (\d+)\)$")
@@ -224,7 +225,7 @@ class Sheet:
 
     def button(self, label: str, action: Action, *, hint: str, quiet: bool = False) -> viser.GuiButtonHandle:
         """A button whose action the session's loop carries out; a quiet one is not what people mostly come for."""
-        made = self.gui.add_button(label, hint=hint, color="gray" if quiet else None)
+        made = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
         made.on_click(lambda _: self.do(action))
         return made
 
