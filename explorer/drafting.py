@@ -20,6 +20,7 @@ from rangenav.signals import (
     MinimumSnap,
     Multisine,
     Polynomials,
+    Sum,
     Tone,
     Turning,
     Waypoint,
@@ -28,8 +29,8 @@ from rangenav.signals import (
 from rangenav.signals.multisine import MAX_FREQUENCY
 from rangenav.signals.polynomials import from_minimum_snap
 
-Kind = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown"]
-"""What a visitor may choose; a constant is a Multisine of nothing but an offset."""
+Kind = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown", "given"]
+"""What a visitor may choose; a constant is a Multisine of nothing but an offset, given is what a file brought."""
 POINTS = 12
 SAMPLES, TONES_PER_AXIS = 512, 2
 LEAST_SHARE = 0.02
@@ -53,7 +54,8 @@ def kind_of(signal: Turning) -> Kind:
             return "polynomials"
         case Flown():
             return "flown"
-    raise TypeError(type(signal))
+        case Sum():
+            return "given"
 
 
 def drafted(signal: Turning, kind: Kind, duration: float) -> Turning:

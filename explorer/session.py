@@ -53,6 +53,10 @@ HEAD_START = 0.003
 REST = 0.3
 """s without another picture, after which what takes longer is drawn too."""
 PAPER = "paper"
+SHORTEST_BRUSH = 0.01
+"""Of a time axis: what is shorter was meant as a click."""
+BRUSH_DIGITS = 1
+"""Of the seconds of a window that was drawn by hand: those of its slider."""
 
 log = logging.getLogger(__name__)
 
@@ -202,12 +206,18 @@ class Session:
             self._jobs.deliver()
             hold = self._follow_handles()
             self._follow_twin()
+            self._follow_brush()
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             self._dock.compare.read()
             if self._picture is None or settings != self._picture.settings:
-                self._draw(compute.compute(settings))
+                picture = compute.compute(settings)
+                if self._turned_twin(settings):
+                    self._picture = picture
+                    self._draw_depth(picture)
+                else:
+                    self._draw(picture)
                 self._sheet.forget_answer()
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
@@ -232,7 +242,17 @@ class Session:
         """Take over where the evil twin was dragged to."""
         point = self._scene.twin_dragged()
         if point is not None and self._picture is not None:
-            self._dock.twin_turn = twin.turn_towards(self._picture.preset, point, time=self._playback.time)
+            self._dock.twin.write(twin.turn_towards(self._picture.preset, point, time=self._playback.time))
+
+    def _follow_brush(self) -> None:
+        """Take over the window that was drawn across a plot; a click there goes to that moment."""
+        brush = self._charts.brushed()
+        if brush is None:
+            return
+        start, end = brush
+        self._playback.seek(start)
+        if end - start >= SHORTEST_BRUSH * self._playback.duration:
+            self._dock.motion.set_window(round(end - start, BRUSH_DIGITS))
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
@@ -301,10 +321,22 @@ class Session:
         if self._rests_at is None or self._picture is None or now < self._rests_at or self._wake.is_set():
             return
         self._rests_at = None
-        deep = look(self._picture)
+        self._draw_depth(self._picture)
+
+    def _draw_depth(self, picture: Picture) -> None:
+        deep = look(picture)
         with self._client.atomic():
-            self._charts.draw_later(self._picture)
-            self._scene.draw_later(self._picture, deep)
+            self._dock.twin.draw(deep.twin)
+            self._charts.draw_later(picture)
+            self._scene.draw_later(picture, deep)
+
+    def _turned_twin(self, settings: Settings) -> bool:
+        """Whether that is all that has changed since the picture at rest: the twin then follows at once."""
+        shown = None if self._picture is None else self._picture.settings
+        resting = self._rests_at is None
+        return (
+            shown is not None and resting and msgspec.structs.replace(shown, twin_turn=settings.twin_turn) == settings
+        )
 
     def _animate(self) -> None:
         """Move everything to the playhead."""

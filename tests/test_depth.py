@@ -14,10 +14,14 @@ from viser.transforms import SO3
 from explorer import depth
 from explorer.charts import FOLLOWS, Charts, catalogue, markup, window_at
 from explorer.charts import depth as drawings
+from explorer.panels.sheet import Refused, Sheet
+from explorer.panels.twin import TwinPanel
 from explorer.scene import stage
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
 from explorer.scene.twin import TwinGhost
 from rangenav import preset, twin
+from rangenav.inputs import Vec3
+from rangenav.signals import Multisine, Tone
 from rangenav.twin import Twin
 from tests.sent import Page
 from tests.test_charts import live, sent
@@ -246,6 +250,77 @@ def test_a_twin_says_whether_it_may_be_dragged(page: Page) -> None:
         seen = picture(name)
         ghost.draw(seen, depth.of(seen.preset).twin, stage.stage(seen))
         assert node(page, label).text == text  # type: ignore[attr-defined]
+
+
+def _nothing() -> None:
+    """For a section that nobody watches."""
+
+
+@pytest.fixture
+def panel(page: Page) -> TwinPanel:
+    return TwinPanel(Sheet(page.gui, _nothing))
+
+
+def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
+    p = preset.load("hover")
+    usual = depth.of(p).twin
+    assert isinstance(usual, Twin)
+    panel.draw(usual)
+    assert panel.read() is None  # what is shown of the usual twin is no choice of the visitor's
+    assert panel._angle.read() == pytest.approx(np.pi / 2)
+    panel._axis.show((0.0, 2.0, 0.0))
+    panel._angle.show(np.radians(50.0))
+    turn = panel.read()
+    assert turn == pytest.approx((0.0, np.radians(50.0), 0.0))
+    panel.draw(depth.of(p, turn=turn).twin)
+    assert panel.read() == turn
+    dragged = twin.turn_towards(p, (1.0, 2.0, -0.5), time=0.0)
+    panel.write(dragged)
+    panel.draw(depth.of(p, turn=dragged).twin)
+    assert panel.read() == dragged
+    assert panel._angle.read() == pytest.approx(np.linalg.norm(dragged))
+    panel._forget()
+    assert panel.read() is None
+
+
+def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis_and_passes_through_nothing(
+    panel: TwinPanel,
+) -> None:
+    back_and_forth = Multisine(offset=(0.0, 2.0, -1.0), tones=(Tone(axis="x", amplitude=1.5, frequency=1.0),))
+    p = replace(preset.load("line"), path=back_and_forth)
+    found = depth.of(p).twin
+    assert isinstance(found, Twin)
+    axis = found.axis
+    assert axis is not None
+    for angle in (-2.0, 0.0, 1.0):
+        panel.draw(found)
+        panel._angle.show(angle)
+        turn = panel.read()
+        assert turn == pytest.approx(angle * np.array(axis))
+        found = depth.of(p, turn=turn).twin
+        assert isinstance(found, Twin)
+        panel.draw(found)
+        assert panel._axis.read() == pytest.approx(axis)
+        assert panel._angle.read() == pytest.approx(angle)
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 1.0)])
+def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPanel, axis: Vec3) -> None:
+    found = depth.of(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
+    panel.write((0.0, 0.0, 0.5))
+    panel.draw(found)
+    panel._axis.show(axis)
+    with pytest.raises(Refused):
+        panel.read()
+    panel._axis.show((0.0, 0.0, 1.0))
+    assert panel.read() == pytest.approx((0.0, 0.0, 0.5))
+
+
+def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: TwinPanel) -> None:
+    for name, shown in (("circle", False), ("hover", True), ("lissajous", False)):
+        panel.draw(depth.of(preset.load(name)).twin)
+        assert panel._section._folder.visible == shown
+        assert panel.read() is None
 
 
 def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_weakest_axis(page: Page) -> None:

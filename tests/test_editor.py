@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from explorer.access import open_server
+from explorer.history import MOMENT
 from explorer.session import Session, Sessions
 from explorer.settings import Settings
 from explorer.warming import Warming
@@ -529,10 +530,10 @@ def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
     editing.set("family", "waypoints")
     editing.set("plus a wiggle", True)
     editing.set("sum's offset (m)", (0.0, 0.0, -2.0))
-    first = editing.tab.nodes["/handles/waypoint1"]["position"]
-    path = editing.settings.preset.path
+    path, handle = editing.settings.preset.path, editing.tab.nodes["/handles/waypoint1"]
     assert isinstance(path, Sum)
-    assert tuple(first) == pytest.approx(tuple(np.add(path.base.points[0].value, (0, 0, -2))), abs=1e-9)  # type: ignore[union-attr]
+    place = np.add(path.base.points[0].value, (0, 0, -2))  # type: ignore[union-attr]
+    editing.tab.wait_for(lambda: np.allclose(handle["position"], place, atol=1e-9), "the handle where the waypoint is")
     editing.drag("/handles/waypoint1", (1.5, 0.0, -2.0))
     editing.settle()
     path = editing.settings.preset.path
@@ -584,3 +585,57 @@ def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessio
     back = Wire(port, storage=browser)
     assert Editing(back, _newest(made, back)).settings.preset.gains.riccati.q == 10.0
     back.close()
+
+
+def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(editing: Editing):
+    hover = preset.load("hover")
+    editing.set("preset", f"{hover.title} (hover)")
+    editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["visible"], "the twin")
+    usual = editing.tab.nodes["/twin"]["position"]
+    editing.set("twin's angle (°)", 35.0)
+    turn = editing.settings.twin_turn
+    assert turn is not None
+    assert math.hypot(*turn) == pytest.approx(math.radians(35.0))
+    editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["position"] != usual, "the twin, elsewhere")
+    turned = editing.tab.nodes["/twin"]["position"]
+    time.sleep(1.1 * MOMENT)  # what moves the same thing sooner is the same step
+    editing.tab.drag("/twin/frame", usual, steps=3)
+    editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], usual, atol=1e-3), "it, dragged")
+    assert editing.tab.nodes["/twin"]["visible"]
+    editing.settle()
+    anchor, true = np.asarray(hover.world.anchor), hover.path(np.zeros(()))
+    apart = np.linalg.norm(usual - true) / np.linalg.norm(true - anchor)
+    shortest = math.degrees(2 * math.asin(apart / 2))  # a drag takes the shortest of all turns that lead there
+    assert editing.tab.value("twin's angle (°)") == pytest.approx(shortest, abs=0.1)
+    editing.press("", "↶ undo")
+    editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
+    editing.press("The usual twin")
+    assert editing.settings.twin_turn is None
+
+
+def test_a_drag_across_a_plot_draws_the_window_and_a_click_goes_to_its_moment(editing: Editing):
+    duration = editing.settings.preset.duration
+    editing.tab.set("pointer", "0.4500 100:0.2000-0.4500")
+    editing.tab.wait_for(lambda: editing.settings.preset.requirement.window == pytest.approx(0.25 * duration), "window")
+    editing.tab.wait_for_text(f"<b>{0.2 * duration:.2f} s</b>")
+    editing.tab.set("pointer", "0.7000 101:0.7000-0.7010")
+    editing.tab.wait_for_text(f"<b>{0.7 * duration:.2f} s</b>")
+    assert editing.settings.preset.requirement.window == pytest.approx(0.25 * duration)
+
+
+def test_an_angular_velocity_that_has_no_editor_is_kept_as_it_is_and_can_be_left_and_taken_up_again(editing: Editing):
+    wobble = Sum(base=Multisine(offset=(0.0, 0.0, 0.4)), wiggle=Formula(x="0.2*sin(3*t)", y="0", z="0"))
+    brought = msgspec.structs.replace(preset.load("paper-slow"), angular_velocity=wobble)
+    editing.tab.upload("Upload a preset", "wobble.toml", preset.dumps(brought).encode())
+    editing.tab.wait_for(lambda: editing.settings.preset.angular_velocity == wobble, "the preset")
+    assert "sines plus formulas" in editing.tab.text()
+    turning = [key for key, p in editing.tab.elements.items() if "as in the file" in (p.get("options") or ())]
+    assert len(turning) == 1
+    for word, kind in (("sines", Multisine), ("keyframes", Waypoints), ("as in the file", Sum)):
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": turning[0], "updates": {"value": word}})
+        editing.settle()
+        assert isinstance(editing.settings.preset.angular_velocity, kind)
+    assert editing.settings.preset.angular_velocity == wobble
+    editing.command("Undo")
+    assert isinstance(editing.settings.preset.angular_velocity, Waypoints)
+    assert editing.refusals() == []

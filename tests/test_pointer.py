@@ -81,6 +81,21 @@ def test_each_click_counts_once_however_often_and_late_it_is_told():
     assert heard.place is None
 
 
+def test_the_newest_brush_counts_once_whichever_way_it_was_drawn():
+    heard = Pointer(lambda: None)
+    assert heard.brushed() is None
+    heard.hear("0.5 20:0.2000-0.5000 21:position-1")
+    heard.hear("0.6 20:0.2000-0.5000 21:position-1 25:0.9000-0.6000")
+    assert heard.brushed() == (0.6, 0.9)
+    assert heard.brushed() is None
+    heard.hear("0.6 25:0.9000-0.6000 26:0.3000-0.3000")
+    assert heard.brushed() == (0.3, 0.3)
+    assert heard.clicked() == ["position-1"]
+    for nonsense in ("27:1.2-0.5", "28:0.5", "29:-0.5-0.7", "30:0.1-0.2-0.3", "31:nan-0.2"):
+        heard.hear(f" {nonsense}")
+        assert heard.brushed() is None
+
+
 def test_a_flood_of_clicks_is_not_kept():
     heard = Pointer(lambda: None)
     for k in range(1000):

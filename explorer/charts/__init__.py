@@ -172,6 +172,14 @@ class Charts:
             values = [entry for chart in column.charts for entry in chart.values(moment)]
             column.live.content = markup.live(fraction, window, values, said, hovered)
 
+    def brushed(self) -> tuple[float, float] | None:
+        """Where a plot was brushed since the last call (s): from when to when, equal for a click."""
+        found = self._pointer.brushed()
+        if found is None or self._picture is None:
+            return None
+        duration = float(self._picture.motion.time[-1])
+        return found[0] * duration, found[1] * duration
+
     def show_all(self) -> None:
         """Bring back every curve that was switched off."""
         for chart in self._all():

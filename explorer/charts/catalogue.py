@@ -255,7 +255,7 @@ TWIN = Group(
             unit="m",
             curves=(
                 Curve(label="true", color=plots.BLUE, width=2.5),
-                Curve(label="twin", color=plots.PURPLE, dash=DASHED),
+                Curve(label="twin", color=plots.OLIVE, dash=DASHED),
             ),
             draw=depth.ranges,
             words=words.TWIN_RANGE,
@@ -266,7 +266,7 @@ TWIN = Group(
             title="How far off, and unseen",
             unit="m",
             curves=(
-                Curve(label="apart", color=plots.PURPLE, dash=DASHED, width=2.0),
+                Curve(label="apart", color=plots.OLIVE, dash=DASHED, width=2.0),
                 Curve(label="range differs", color=plots.VERMILLION),
                 Curve(label="tolerance", color=plots.GREY, dash=DASH_DOT),
             ),

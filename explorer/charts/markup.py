@@ -29,6 +29,8 @@ HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
 """Where the mouse is on the time axis, and what time that is: unset while it is on no plot."""
 WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
 """Where the window that is looked at begins, and its length, as shares of the duration: a band over every plot."""
+BRUSH_FROM, BRUSH_SPAN = "--rn-brush-from", "--rn-brush-span"
+"""The same of the next window while the mouse draws it (pointer.py sets them)."""
 STYLE = f"""<style>
 .rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: 12px; line-height: 1.35; }}
 .rn-plot details {{ padding: 0 {MARGIN}px; }}
@@ -54,6 +56,7 @@ STYLE = f"""<style>
   border-radius: 3px; background: #333; color: #fff; font-size: 11px; font-variant-numeric: tabular-nums; }}
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: #56B4E9; opacity: .13; }}
+.rn-brush {{ position: absolute; top: 0; bottom: 0; background: #E69F00; opacity: .25; }}
 .rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
   font-size: 11px; opacity: .65; }}
 </style>"""
@@ -72,6 +75,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[i
     top = MARGIN - 7 + BORDER + PADDING[0]
     inside = height - PADDING[0] - AXIS_HEIGHT
     span = f"calc(var({WINDOW_SPAN}, 0) * {ACROSS})"
+    brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * {ACROSS})"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.words.note}</div>' if plot.words.note else ""
@@ -83,6 +87,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[i
         f'<div class="rn-legend">{legend}</div>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
         f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};width:{span}"></div>'
+        f'<div class="rn-brush" style="{brush}"></div>'
         f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
         f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
     )

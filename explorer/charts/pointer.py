@@ -1,13 +1,15 @@
-"""What the mouse does on the plots, told to the session: its place on the time axis, and clicks on legend entries.
+"""What the mouse does on the plots, told to the session: its place on the time axis, brushes, and clicks on legends.
 
-viser reports neither, and its plots say 1e-6 as 0. So a small script on the page writes both into a text box that
+viser reports none of it, and its plots say 1e-6 as 0. So a small script on the page writes both into a text box that
 nobody sees, as if it were typed there:
 
     0.3712 1712345678901:position-1        place on the time axis (0 … 1), if any, and the clicks of the last second
+    0.5000 1712345678902:0.2000-0.5000     and a brush: pressed at one place of the time axis, let go at another
 
-The newest text counts, each click once by its number; so nothing is lost where viser drops all but the last input of
-50 ms. The script knows of the page only that uPlot calls its drawing area `u-over`, and that viser puts the controls of
-a tab beside each other. Where either should change, the legends go on telling the values at the playhead.
+While it lasts a brush is drawn by the script alone, in CSS variables that a band over every plot takes its place from.
+The newest text counts, each click and brush once by its number; so nothing is lost where viser drops all but the last
+input of 50 ms. The script knows of the page only that uPlot calls its drawing area `u-over`, and that viser puts the
+controls of a tab beside each other. Where either should change, the legends go on telling the values at the playhead.
 """
 
 import re
@@ -22,7 +24,9 @@ from explorer.charts.plots import Plot
 LABEL = "pointer"
 LONGEST = 500
 """Characters; an honest text has fewer than a hundred."""
-PLACE, CLICK = re.compile(r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
+NUMBER = r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"
+PLACE, CLICK = re.compile(NUMBER), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
+BRUSH = re.compile(rf"(\d{{1,16}}):({NUMBER})-({NUMBER})")
 MAX_CLICKS = 64
 """Remembered while the session is busy; of more, the oldest are dropped."""
 MARK_ORDER, BOX_ORDER = -3.0, -2.0
@@ -30,7 +34,11 @@ MARK_ORDER, BOX_ORDER = -3.0, -2.0
 SCRIPT = """if (!window.rnPointer) {
   window.rnPointer = true;
   const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
-  let place = '', clicks = [];
+  let place = '', clicks = [], pressed = null;
+  const show = (from, span) => {
+    document.documentElement.style.setProperty('--rn-brush-from', from);
+    document.documentElement.style.setProperty('--rn-brush-span', span);
+  };
   const tell = () => {
     const mark = document.querySelector('.rn-pointer');
     const box = mark &amp;&amp; mark.parentElement.nextElementSibling.querySelector('input');
@@ -39,12 +47,27 @@ SCRIPT = """if (!window.rnPointer) {
     put.call(box, [place, ...clicks].join(' '));
     box.dispatchEvent(new Event('input', {bubbles: true}));
   };
+  const along = (area, event) => {
+    const box = area.getBoundingClientRect();
+    return Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1).toFixed(4);
+  };
   const move = plot => event => {
-    const area = plot(event), box = area &amp;&amp; area.getBoundingClientRect();
-    const share = box ? Math.min(Math.max((event.clientX - box.left) / box.width, 0), 1).toFixed(4) : '';
+    const area = plot(event), share = area ? along(area, event) : '';
+    if (pressed &amp;&amp; area) show(Math.min(pressed.at, share), Math.abs(pressed.at - share));
     if (share !== place) { place = share; tell(); }
   };
-  window.addEventListener('pointermove', move(event => event.target.closest('.u-over')));
+  const over = event => event.target.closest &amp;&amp; event.target.closest('.u-over');
+  window.addEventListener('pointermove', move(event => pressed ? pressed.area : over(event)));
+  window.addEventListener('pointerdown', event => {
+    const area = event.button === 0 &amp;&amp; over(event);
+    if (area) pressed = {area, at: along(area, event)};
+  });
+  window.addEventListener('pointerup', event => {
+    if (!pressed) return;
+    clicks.push(Date.now() + ':' + [pressed.at, along(pressed.area, event)].sort().join('-'));
+    pressed = null; show(0, 0); tell();
+  });
+  window.addEventListener('pointercancel', () => { pressed = null; show(0, 0); });
   document.documentElement.addEventListener('pointerleave', move(() => null));
   window.addEventListener('click', event => {
     const entry = event.target.closest('[data-curve]');
@@ -70,6 +93,7 @@ class Pointer:
         self._note, self._lock = note, threading.Lock()
         self._place: float | None = None
         self._clicks: deque[str] = deque(maxlen=MAX_CLICKS)
+        self._brush: tuple[float, float] | None = None
         self._last = 0
 
     @property
@@ -90,14 +114,25 @@ class Pointer:
             self._clicks.clear()
         return found
 
+    def brushed(self) -> tuple[float, float] | None:
+        """Where the time axis was brushed last since the last call, from 0 to 1: start and end, equal for a click."""
+        with self._lock:
+            found, self._brush = self._brush, None
+        return found
+
     def hear(self, text: str) -> None:
         """Take in what the script has written. Anything else is no place and no click."""
         words = text[:LONGEST].split(" ")
         with self._lock:
             self._place = float(words[0]) if PLACE.fullmatch(words[0]) else None
             for word in words[1:]:
-                click = CLICK.fullmatch(word)
-                if click is not None and int(click[1]) > self._last:
-                    self._last = int(click[1])
-                    self._clicks.append(click[2])
+                click, brush = CLICK.fullmatch(word), BRUSH.fullmatch(word)
+                found = click or brush
+                if found is None or int(found[1]) <= self._last:
+                    continue
+                self._last = int(found[1])
+                if brush is not None:
+                    self._brush = (min(float(brush[2]), float(brush[3])), max(float(brush[2]), float(brush[3])))
+                else:
+                    self._clicks.append(found[2])
         self._note()

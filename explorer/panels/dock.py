@@ -21,6 +21,7 @@ from explorer.panels.printed import PrintedPanel
 from explorer.panels.progress import ProgressPanel
 from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
+from explorer.panels.twin import TwinPanel
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
@@ -70,6 +71,7 @@ class Dock:
             self.motion = motion.MotionPanel(sheet, self._edit_path)
         with tabs.add_tab("World"):
             self.world = WorldPanel(sheet, self._relabel)
+            self.twin = TwinPanel(sheet)
             self.vehicle = VehiclePanel(sheet)
         with tabs.add_tab("Sensors"):
             self.sensors = sensors.SensorsPanel(sheet)
@@ -119,7 +121,7 @@ class Dock:
             time_scale=moved.time_scale,
             printed=self.printed.read(),
             drafts=self.motion.drafts(),
-            twin_turn=self.twin_turn,
+            twin_turn=self.twin.read(),
         )
 
     @contextmanager
@@ -141,7 +143,7 @@ class Dock:
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
-        self._written, self.twin_turn = settings, settings.twin_turn
+        self._written = settings
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)
@@ -150,6 +152,7 @@ class Dock:
         self.sensors.write(sensors.Chosen.of(p), sensors.Chosen.of(base))
         self.gains.write(p.gains, base.gains)
         self.guess.write(p.guess, base.guess)
+        self.twin.write(settings.twin_turn)
         self.printed.write(settings.printed)
         self.presets.write(settings)
 

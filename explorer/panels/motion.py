@@ -99,6 +99,10 @@ class MotionPanel:
         """Say what the time scale does to μ."""
         self._time.draw(time_scale)
 
+    def set_window(self, length: float) -> None:
+        """Another window δ (s), as when it is drawn across a plot."""
+        self._time.set_window(length)
+
     def complain(self, sentence: str) -> None:
         """Say a sentence about the whole motion where its cause is."""
         if sentence.startswith("path:"):
@@ -127,7 +131,10 @@ class _Time:
             )
             self._scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
             self._line = sheet.gui.add_markdown("")
-            hint = "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability)."
+            hint = (
+                "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability). "
+                "Dragging across a plot draws one; a click goes to that moment."
+            )
             self._window = Dial(section, "window δ (s)", (0.5, 15.0), step=0.1, hint=hint)
             hint = f"How long the flight is, {MIN_DURATION:g} to {MAX_DURATION:g} s; a longer one takes longer to show."
             self._duration = Number(section, "duration (s)", step=1.0, hint=hint)
@@ -142,6 +149,9 @@ class _Time:
         self._scale.write(chosen.time_scale, base.time_scale)
         self._window.write(chosen.window, base.window)
         self._duration.write(chosen.duration, base.duration)
+
+    def set_window(self, length: float) -> None:
+        self._window.show(length)
 
     def draw(self, time_scale: float) -> None:
         line = f"μ ∝ s⁻⁷ over one period: × {time_scale**-7:.3g}; over a fixed δ about s⁻⁸: × {time_scale**-8:.3g}"

@@ -5,9 +5,10 @@ from typing import Any
 
 from explorer.drafting import Kind, drafted, kind_of
 from explorer.panels.controls import Choice
-from explorer.panels.families import Editor, Place
+from explorer.panels.families import Editor, Place, given
 from explorer.panels.families.constant import ConstantEditor
 from explorer.panels.families.formulas import FlownEditor, FormulaEditor
+from explorer.panels.families.given import GivenEditor
 from explorer.panels.families.pieces import PiecesEditor
 from explorer.panels.families.points import PointsEditor, minimum_snap_editor, waypoints_editor
 from explorer.panels.families.sines import SinesEditor
@@ -23,6 +24,7 @@ EDITORS: dict[Kind, Callable[[Sheet, Place], Any]] = {
     "polynomials": PiecesEditor,
     "constant": ConstantEditor,
     "flown": FlownEditor,
+    "given": GivenEditor,
 }
 
 
@@ -53,8 +55,9 @@ class SignalEditor:
     def write(self, signal: Turning, base: Turning | None, drafts: tuple[Turning, ...] = ()) -> None:
         """Show a signal, and keep drafts of others."""
         self._base = base
-        self._held = {self._shown_as(draft): draft for draft in drafts if kind_of(draft) in self._words}
+        self._held = {self._shown_as(draft): draft for draft in drafts}
         kind = self._shown_as(signal)
+        self._offer(kind, kind if base is None else self._shown_as(base), *self._held)
         self._family.write(kind, None if base is None else self._shown_as(base))
         for other, held in self._held.items():
             if other != kind and other in self._editors:
@@ -133,4 +136,9 @@ class SignalEditor:
     def _shown_as(self, signal: Turning) -> Kind:
         """A Multisine without tones or drift is a constant, where constants can be chosen."""
         still = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)
-        return "constant" if still and "constant" in self._words else kind_of(signal)
+        kind = "constant" if still and "constant" in self._words else kind_of(signal)
+        return kind if kind in self._words else "given"
+
+    def _offer(self, *kinds: Kind) -> None:
+        """The families there are, and what a file brought if it is none of them."""
+        self._family.offer({**self._words, "given": given.WORDS} if "given" in kinds else self._words)

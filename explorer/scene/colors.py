@@ -4,6 +4,8 @@ Color = tuple[int, int, int]
 
 BLUE, VERMILLION, SKY, ORANGE = (0, 114, 178), (213, 94, 0), (86, 180, 233), (230, 159, 0)
 GREEN, LIGHT_GREEN, PURPLE, LIGHT_PURPLE = (0, 158, 115), (120, 205, 175), (204, 121, 167), (228, 178, 206)
+OLIVE = (153, 153, 51)
+"""The evil twin's alone (Tol's muted scheme): purple is what is pinned."""
 PALE = (205, 195, 190)
 """Where the estimate's path begins."""
 

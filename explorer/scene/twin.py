@@ -9,7 +9,7 @@ from numpy import ndarray as Array
 from viser import MeshHandle, SceneApi, SceneNodeDragEvent
 
 from explorer.compute import Picture
-from explorer.scene.colors import PURPLE
+from explorer.scene.colors import OLIVE
 from explorer.scene.stage import MAX_POINTS, Stage, dashed
 from explorer.scene.vehicle import Vehicle
 from rangenav.inputs import Vec3
@@ -28,10 +28,10 @@ class TwinGhost:
         self._found: Twin | None = None
         self._dragged: Vec3 | None = None
         self._on: Stage | None = None
-        self._path = scene.add_line_segments("/twin_path", nothing, PURPLE, thickness=3.0, thickness_units="screen")
-        self._ranges = scene.add_line_segments("/twin_ranges", nothing, PURPLE, thickness=1.5, thickness_units="screen")
+        self._path = scene.add_line_segments("/twin_path", nothing, OLIVE, thickness=3.0, thickness_units="screen")
+        self._ranges = scene.add_line_segments("/twin_ranges", nothing, OLIVE, thickness=1.5, thickness_units="screen")
         # opaque: a translucent one is lost inside the range sphere
-        self._vehicle = Vehicle(scene, "twin", PURPLE, opacity=None, label_above=True)
+        self._vehicle = Vehicle(scene, "twin", OLIVE, opacity=None, label_above=True)
         for part in self._vehicle.parts:
             part.on_drag("left")(self._drag)
         self._show(False)

@@ -56,6 +56,27 @@ def _hidden(visitor: Visitor) -> int:
     return visitor.page.evaluate(f"() => {found}.length")
 
 
+def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(visitor: Visitor):
+    area = visitor.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
+    box = area.bounding_box()
+    assert box is not None
+    duration, middle = preset.load("paper-slow").duration, box["y"] + box["height"] / 2
+
+    def at(share: float) -> tuple[float, float]:
+        return box["x"] + share * box["width"], middle
+
+    visitor.page.mouse.move(*at(0.6))
+    visitor.page.mouse.down()
+    visitor.page.mouse.move(*at(0.2), steps=4)
+    drawn = visitor.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width")
+    assert drawn == pytest.approx(0.4 * box["width"], abs=2)
+    visitor.page.mouse.up()
+    _until(lambda: float(visitor.number("window δ (s)")) == pytest.approx(0.4 * duration, abs=0.2), "the window")
+    visitor.page.mouse.click(*at(0.75))
+    _until(lambda: f"<b>{0.75 * duration:.0f}." in visitor.page.content(), "the moment")
+    assert visitor.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width") == 0
+
+
 def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_curve(visitor: Visitor):
     seen = compute(Settings(preset=preset.load("paper-slow")))
     area = visitor.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
