@@ -47,7 +47,9 @@ def parcel(
     found = certificate.certify(text, source=f"{stem}.toml")
     refusal = certificate.gate(found)
     if refusal is not None and not uncertified:
-        raise ValueError(f"{refusal}. Nothing was written; switched on above, “even if uncertified” writes it, marked")
+        raise ValueError(
+            f"{refusal}. Nothing was written; “even if uncertified”, above, writes it all the same, and marks it in every name"
+        )
     stem = stem if refusal is None else f"{stem}.uncertified"
     notes = [] if refusal is None else [f"UNCERTIFIED: {refusal}"]
     with tempfile.TemporaryDirectory(prefix="rangenav-") as made:
