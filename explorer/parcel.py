@@ -48,7 +48,7 @@ def parcel(
     refusal = certificate.gate(found)
     if refusal is not None and not uncertified:
         raise ValueError(
-            f"{refusal}. Nothing was written; “even if uncertified”, above, writes it all the same, and marks it in every name"
+            f"{refusal}. Nothing was written; “even if uncertified”, above, writes it, marked so in every name"
         )
     stem = stem if refusal is None else f"{stem}.uncertified"
     notes = [] if refusal is None else [f"UNCERTIFIED: {refusal}"]

@@ -21,7 +21,7 @@ import viser
 from explorer import compute, written
 from explorer.access import accept_values_only
 from explorer.certifying import Certifying
-from explorer.charts import TITLES, Charts
+from explorer.charts import NARROW_WIDTH, TITLES, Charts
 from explorer.charts.depth import look
 from explorer.compute import Picture
 from explorer.history import History
@@ -147,12 +147,14 @@ class Session:
             send=self._send,
         )
         self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
-        narrow = self._window_width(canvas) < NARROW
+        window = self._window_width(canvas)
+        narrow = window < NARROW
         self._charts = Charts(client, narrow=narrow, note=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
             ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
         self._sheet.command("Show all curves", self._charts.show_all)
-        self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow)
+        room = window - WIDTH - NARROW_WIDTH
+        self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow, room=room)
         self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")

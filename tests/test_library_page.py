@@ -3,6 +3,7 @@
 import errno
 import io
 import os
+import re
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -23,6 +24,8 @@ from tests.wire import Storage, Wire
 
 SHIPPED = preset.shipped()
 SAVE, TIDY = "keep", "tidy"
+WORST = re.compile(r"from ([\d.]+) s: rank")
+"""Where the worst window of a recorded flight begins."""
 
 
 @pytest.fixture(scope="module")
@@ -436,6 +439,13 @@ def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing
     page.tab.wait_for_text("rms by quarters")
     assert "windows" in page.tab.text()
     assert "as the file says" in page.tab.text()
+    page.set("from (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any(float(at) >= 12 for at in WORST.findall(page.tab.text())), "a later worst window")
+    page.set("to (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("must begin before it ends" in text for text in page.refusals()), "a sentence")
+    page.set("to (s)", 20.0)
     page.set("windows of (s)", 1e9)
     page.press("Was it informative?")
     page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")

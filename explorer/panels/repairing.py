@@ -5,6 +5,7 @@ accepted, both in every plot and in 3-D.
 """
 
 import math
+from functools import partial
 
 import msgspec
 
@@ -76,7 +77,11 @@ class RepairPanel:
             return search(shown, by=by, progress=lambda share, _: progress(share), cancelled=cancelled)
 
         name = "improving the motion" if improve else "making it observable"
-        self._jobs.start(f"{name} by {BY[by]}", work, self._show, self._section.answer)
+        self._jobs.start(f"{name} by {BY[by]}", work, self._show, partial(self._refuse, by))
+
+    def _refuse(self, by: Kind, reason: str) -> None:
+        """Say why in the menu's own words."""
+        self._section.answer(reason.replace(f"{by}: ", f"{BY[by]}: ", 1))
 
     def _show(self, found: Repair) -> None:
         self._found = found
