@@ -49,7 +49,8 @@ def serve(arguments: Arguments) -> None:
     from explorer.access import close_server, open_server  # here, so that a wrong argument is answered at once
 
     server = open_server(arguments.host, arguments.port)
-    from explorer.session import House, Sessions
+    from explorer.house import House
+    from explorer.sessions import Sessions
     from explorer.store import Store
     from explorer.visitor import Slots, connected
     from explorer.warming import Warming

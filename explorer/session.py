@@ -13,21 +13,20 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import msgspec
 import viser
 
-from explorer import compute, written
+from explorer import compute, window, written
 from explorer.access import accept_values_only
-from explorer.certifying import Certifying
-from explorer.charts import NARROW_WIDTH, TITLES, Charts
+from explorer.charts import TITLES, Charts
 from explorer.charts.depth import look
 from explorer.compute import Picture
+from explorer.following import Following
 from explorer.history import History
+from explorer.house import House
 from explorer.jobs import Jobs
 from explorer.keeping import Keeping
-from explorer.library import Library
 from explorer.panels.dock import WIDTH, Dock, Requests
 from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.sheet import Refused, Sheet
@@ -37,44 +36,17 @@ from explorer.scene import Scene
 from explorer.scene.handles import Handles
 from explorer.settings import Settings, effective
 from explorer.shelf import Shelf
-from explorer.store import Store, Unsaved
-from explorer.visitor import Slots, seat_of
-from explorer.warming import Warming
-from rangenav import twin
-from rangenav.preset import Preset
+from explorer.store import Unsaved
+from explorer.visitor import seat_of
 
-NARROW = 1600
-"""px: a window below this width gets one column of plots."""
-CANVAS_PATIENCE = 1.5
-"""s to wait for the browser to tell its width; a headless or hidden one may never do."""
 PROGRESS_PERIOD = 0.1
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
 REST = 0.3
 """s without another picture, after which what takes longer is drawn too."""
 PAPER = "paper"
-SHORTEST_BRUSH = 0.01
-"""Of a time axis: what is shorter was meant as a click."""
-BRUSH_DIGITS = 1
-"""Of the seconds of a window that was drawn by hand: those of its slider."""
 
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, kw_only=True)
-class House:
-    """What all sessions share."""
-
-    shipped: dict[str, Preset]
-    first: str
-    """The preset that a new visitor sees."""
-    asked: bool
-    """Whether it was asked for on the command line."""
-    warming: Warming
-    store: Store
-    slots: Slots
-    library: Library = field(default_factory=Library)
-    certifying: Certifying = field(default_factory=Certifying)
 
 
 class Session:
@@ -85,7 +57,6 @@ class Session:
         self._shelf = Shelf(house.shipped, house.library, house.certifying)
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
-        self._drags = 0
         self._rests_at: float | None = None
         self._history = History()
         self._keeping = Keeping(house.store, house.first, self._tell)
@@ -147,17 +118,17 @@ class Session:
             send=self._send,
         )
         self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
-        window = self._window_width(canvas)
-        narrow = window < NARROW
+        wide = window.width(client, canvas, WIDTH)
+        narrow = window.is_narrow(wide)
         self._charts = Charts(client, narrow=narrow, note=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
             ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
         self._sheet.command("Show all curves", self._charts.show_all)
-        room = window - WIDTH - NARROW_WIDTH
-        self._timeline = TimelinePanel(self._sheet, self._playback, narrow=narrow, room=room)
+        self._timeline = TimelinePanel(self._sheet, self._playback, room=wide - WIDTH - self._charts.width)
         self._scene = Scene(client, self._wake.set)
         self._handles = Handles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
+        self._following = Following(self._dock, self._charts, self._scene, self._handles, self._playback)
         self._restore()
 
     def _restore(self) -> None:
@@ -176,14 +147,6 @@ class Session:
         if kept.opened == self._house.first or not self._house.asked:
             self._dock.write(settings)
         self._history.note(settings, time.monotonic(), apart=True)
-
-    def _window_width(self, canvas: int) -> float:
-        """CSS pixels. viser tells the canvas in device pixels; their ratio shows in what the dock takes from it."""
-        patience = time.monotonic() + CANVAS_PATIENCE
-        while self._client.camera.image_width == canvas and time.monotonic() < patience:
-            time.sleep(0.02)
-        taken = canvas - self._client.camera.image_width
-        return canvas * WIDTH / taken if taken > 0 else canvas
 
     def _wait_until_warm(self) -> None:
         while not (self._house.warming.done or self._stopped):
@@ -206,55 +169,30 @@ class Session:
         with contextlib.suppress(Refused), self._dock.catching():
             pressed = self._sheet.carry_out()
             self._jobs.deliver()
-            hold = self._follow_handles()
-            self._follow_twin()
-            self._follow_brush()
+            hold = self._following.take_over(self._picture)
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             self._dock.compare.read()
             if self._picture is None or settings != self._picture.settings:
                 picture = compute.compute(settings)
-                if self._turned_twin(settings):
-                    self._picture = picture
-                    self._draw_depth(picture)
-                else:
-                    self._draw(picture)
-                self._sheet.forget_answer()
+                self._keeping.note(settings)  # before it is drawn: the tab may be gone by then
+                self._show(picture)
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
-                self._keeping.note(settings)
             elif self._dock.compare.news:
                 self._draw(self._picture)
             return True
         return False
 
-    def _follow_handles(self) -> int | None:
-        """Take over where anchor and waypoints were dragged to: the number of the drag, None if nothing is held."""
-        drag, grabs = self._drags, self._handles.take()
-        self._drags += any(grab.done for grab in grabs)
-        for grab in grabs:
-            if grab.kind == "anchor":
-                self._dock.move_anchor(grab.position)
-            else:
-                self._dock.move_waypoint(grab.index, grab.position)
-        return drag if grabs else None
-
-    def _follow_twin(self) -> None:
-        """Take over where the evil twin was dragged to."""
-        point = self._scene.twin_dragged()
-        if point is not None and self._picture is not None:
-            self._dock.twin.write(twin.turn_towards(self._picture.preset, point, time=self._playback.time))
-
-    def _follow_brush(self) -> None:
-        """Take over the window that was drawn across a plot; a click there goes to that moment."""
-        brush = self._charts.brushed()
-        if brush is None:
-            return
-        start, end = brush
-        self._playback.seek(start)
-        if end - start >= SHORTEST_BRUSH * self._playback.duration:
-            self._dock.motion.set_window(round(end - start, BRUSH_DIGITS))
+    def _show(self, picture: Picture) -> None:
+        """Draw another picture, all of it or what is new of it."""
+        if self._turned_twin(picture.settings):
+            self._picture = picture
+            self._draw_depth(picture)
+        else:
+            self._draw(picture)
+        self._sheet.forget_answer()
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
@@ -365,24 +303,3 @@ class Session:
             self._playback.playing = False
             text = "Something went wrong on the server; what you see may be out of date. The log has the details."
             self._client.add_notification("⚠ Internal error", text, color="red", auto_close_seconds=10)
-
-
-class Sessions:
-    """One session for each connected tab."""
-
-    def __init__(self, server: viser.ViserServer, house: House) -> None:
-        self._server, self._house = server, house
-        self._of: dict[int, Session] = {}
-        server.on_client_disconnect(self._leave)
-        server.on_client_connect(self._join)
-
-    def _join(self, client: viser.ClientHandle) -> None:
-        session = self._of[client.client_id] = Session(client, self._house)
-        session.start()
-        if client.client_id not in self._server.get_clients():  # gone while it was being greeted
-            self._leave(client)
-
-    def _leave(self, client: viser.ClientHandle) -> None:
-        session = self._of.pop(client.client_id, None)
-        if session is not None:
-            session.stop()

@@ -2,7 +2,7 @@
 
 import viser
 
-from explorer.session import House
+from explorer.house import House
 from explorer.store import Store
 from explorer.visitor import Slots, connected
 from explorer.warming import Warming

@@ -10,7 +10,8 @@ import pytest
 from explorer.access import open_server
 from explorer.charts import Charts
 from explorer.panels.compare import ComparePanel
-from explorer.session import Session, Sessions
+from explorer.session import Session
+from explorer.sessions import Sessions
 from explorer.warming import Warming
 from tests.house import house
 from tests.wire import Wire

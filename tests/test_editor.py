@@ -11,7 +11,8 @@ import pytest
 
 from explorer.access import open_server
 from explorer.history import MOMENT
-from explorer.session import Session, Sessions
+from explorer.session import Session
+from explorer.sessions import Sessions
 from explorer.settings import Settings
 from explorer.warming import Warming
 from rangenav import preset

@@ -23,7 +23,7 @@ from explorer.charts import Charts, catalogue, export
 from explorer.charts.plots import Drawing, Plot
 from explorer.compute import Picture, compute
 from explorer.panels.export import python_lines
-from explorer.session import Sessions
+from explorer.sessions import Sessions
 from explorer.settings import Printed, Settings
 from explorer.warming import Warming
 from rangenav import preset

@@ -14,7 +14,7 @@ import pytest
 from explorer import store, uploads
 from explorer.access import open_server
 from explorer.library import Library
-from explorer.session import Sessions
+from explorer.sessions import Sessions
 from explorer.shelf import MINE
 from explorer.warming import Warming
 from rangenav import certificate, formats, preset

@@ -10,7 +10,7 @@ import pytest
 from explorer.access import open_server
 from explorer.charts import catalogue
 from explorer.playback import FRAME_RATE, Playback
-from explorer.session import Sessions
+from explorer.sessions import Sessions
 from explorer.warming import Warming
 from rangenav import preset
 from tests.house import house

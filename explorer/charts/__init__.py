@@ -15,8 +15,8 @@ from explorer.charts.plots import Curve, Drawing, Plot
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.compute import Picture
 
-NARROW_WIDTH = 360
-"""px of a single column."""
+NARROW_WIDTH, COLUMN_WIDTH = 360, 303
+"""px of a single column, and of each of two: a second one always opens at viser's own width, so two keep that."""
 HEIGHT, NARROW_HEIGHT = 162, 102
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
 BAND_TINT, HEX = "38", len("#rrggbb")
@@ -138,7 +138,9 @@ class Charts:
         # The browser puts each new column outermost, whatever viser's documentation says: so the first comes last.
         columns = [_Column(client, groups, self._pointer, height=self._height) for groups in reversed(columns)]
         self._columns = columns[::-1]
-        if narrow:  # a second column always opens at viser's own width, so two columns keep that
+        self.width = NARROW_WIDTH if narrow else 2 * COLUMN_WIDTH
+        """px that the columns take."""
+        if narrow:
             self._columns[0].panel.set_width(NARROW_WIDTH)
 
     def draw(self, picture: Picture, beside: Beside = NOTHING) -> None:

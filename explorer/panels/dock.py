@@ -36,8 +36,8 @@ from rangenav.signals import Family, Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
-TABS = "<style>[data-dock-tab]{padding-inline:0.55em !important;font-size:0.85em}</style>"
-"""viser spaces tabs so widely that a dock's would need a second line."""
+TABS = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
+"""So that all tabs of a dock stand in one row."""
 SENSORS_RULES = ("seed", "duration × rate", "requirement.window must be at least")
 """How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
 HISTORY_HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."

@@ -18,10 +18,8 @@ BUTTONS = {
     "faster": "faster",
     "↻ loop": "loop",
 }
-WIDTH, NARROW_WIDTH, GAP = 700, 580, 10
-"""px: what two columns of plots, or one, leave between the docks of a usual screen; and the distance to its edges."""
-LEAST_WIDTH = 440
-"""px: narrower, the slider is of no use."""
+WIDEST, NARROWEST, GAP = 700, 480, 10
+"""px; and the distance to the docks."""
 KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] | None]] = {
     "play": ("Play or pause", "space"),
     "back": ("One step back in time", "arrowleft"),
@@ -44,8 +42,8 @@ KEEP_CAMERA_STILL = (
 class TimelinePanel:
     """The floating panel at the bottom."""
 
-    def __init__(self, sheet: Sheet, playback: Playback, *, narrow: bool, room: float) -> None:
-        """`room` (px) is what the docks of a narrow window leave between them."""
+    def __init__(self, sheet: Sheet, playback: Playback, *, room: float) -> None:
+        """`room` (px) is what the docks leave between them."""
         self._sheet, self._playback = sheet, playback
         self._shown, self._written = 0.0, -REDRAW
         actions = {
@@ -67,9 +65,7 @@ class TimelinePanel:
                 named = {label: actions[name] for label, name in BUTTONS.items()}
                 self._buttons = sheet.buttons("", named, hint=hint)
                 sheet.gui.add_html(KEEP_CAMERA_STILL)
-        panel.float(
-            x=GAP, y=-GAP, width=round(min(NARROW_WIDTH, max(room - 2 * GAP, LEAST_WIDTH))) if narrow else WIDTH
-        )
+        panel.float(x=GAP, y=-GAP, width=round(min(max(room - 2 * GAP, NARROWEST), WIDEST)))
         when_moved(self._scrub, lambda: sheet.do(self._scrubbed, step=False))
         for name, (label, key) in KEYS.items():
             sheet.command(label, actions[name], key=key)

@@ -22,8 +22,9 @@ SPHERE_SHARE = 0.8
 """Of the largest range sphere that the camera should see."""
 SMALLEST_RADIUS = 0.01
 """m, for a path that stands on its anchor."""
-UNIT_SHARE, SMALLEST_UNIT_SHARE = 0.16, 0.04
-"""The airframe's size against the stage; a 2 cm path 3 m away gets a small vehicle that one can fly up to."""
+UNIT_SHARE, SMALLEST_UNIT_SHARE, STANDING_SHARE = 0.16, 0.04, 0.3
+"""The airframe's size against the stage; a 2 cm path 3 m away gets a small vehicle that one can fly up to, and one
+that stands still has no path to cover."""
 SAGITTA_SHARE = 0.002
 """How far, in radii, a chord of the drawn true path may leave the curve."""
 MAX_POINTS, MAX_DASHES = 1500, 1500
@@ -68,7 +69,7 @@ def stage(picture: Picture) -> Stage:
     low, high = points.min(axis=0), points.max(axis=0)
     centre = (low + high) / 2
     radius = max(float(np.linalg.norm(high - low)) / 2, SMALLEST_RADIUS)
-    share = UNIT_SHARE * math.sqrt(path_radius / radius) if path_radius > 1e-3 * radius else UNIT_SHARE / 2
+    share = UNIT_SHARE * math.sqrt(path_radius / radius) if path_radius > 1e-3 * radius else STANDING_SHARE
     height = float((points @ up).min() - centre @ up)
     return Stage(
         centre=centre,

@@ -31,6 +31,8 @@ IN_VIEW = 0.5
 """Share of a path that must be seen for the path to be in view."""
 ARRIVED = 0.02
 """Of the distance: a camera this near to where it was sent has arrived."""
+RESHAPED = 0.05
+"""Share by which the narrower side of the picture must change, as when docks open, before it is framed anew."""
 
 
 class Aim(NamedTuple):
@@ -48,6 +50,9 @@ class View:
         self._camera = camera
         self._framed: Stage | None = None
         self._aim: Aim | None = None
+        self._sent: Aim | None = None
+        self._narrowest = 1.0
+        """Width by height of the picture that was framed, at most 1."""
         self._dragged = self._seen = False
         camera.on_update(self._confirm)
 
@@ -68,8 +73,11 @@ class View:
             if moving or (alike(before, on) and not left):
                 return
         self._framed = on
-        narrowest = min(1.0, self._camera.image_width / max(self._camera.image_height, 1))
-        half = math.atan(math.tan(self._camera.fov / 2) * narrowest)
+        self._look(on)
+
+    def _look(self, on: Stage) -> None:
+        self._narrowest = narrowest(self._camera)
+        half = math.atan(math.tan(self._camera.fov / 2) * self._narrowest)
         distance = MARGIN * on.view_radius / math.sin(half)
         self._camera.far = max(FAR, FAR_DISTANCES * distance)
         self._send(Aim(on.view_centre + distance * direction(on.up), on.view_centre, TRIES))
@@ -80,20 +88,29 @@ class View:
         return seen(path, np.asarray(camera.position), np.asarray(camera.wxyz), camera.fov, shape) >= IN_VIEW
 
     def _send(self, aim: Aim) -> None:
-        self._aim = aim
+        self._aim = self._sent = aim
         self._camera.position = aim.position
         self._camera.look_at = aim.target
 
     def _confirm(self, camera: CameraHandle) -> None:
         """The page tells its camera. It takes up a new up direction only after the camera that came along with it,
-        and is then elsewhere: say it again."""
-        aim = self._aim
-        if aim is None:
+        and is then elsewhere: say it again. Docks that have opened since leave a narrower picture: frame it anew,
+        unless the visitor has moved the camera."""
+        aim, sent, on = self._aim, self._sent, self._framed
+        if sent is None or on is None:
             return
-        off = float(np.linalg.norm(np.asarray(camera.position) - aim.position))
+        off = float(np.linalg.norm(np.asarray(camera.position) - sent.position))
+        there = off <= ARRIVED * np.linalg.norm(sent.position - sent.target)
         self._aim = None
-        if off > ARRIVED * np.linalg.norm(aim.position - aim.target) and aim.tries > 0:
+        if aim is not None and not there and aim.tries > 0:
             self._send(aim._replace(tries=aim.tries - 1))
+        elif there and abs(narrowest(camera) / self._narrowest - 1) > RESHAPED:
+            self._look(on)
+
+
+def narrowest(camera: CameraHandle) -> float:
+    """The width of the picture by its height, at most 1."""
+    return max(1, min(camera.image_width, camera.image_height)) / max(camera.image_height, 1)
 
 
 def seen(
