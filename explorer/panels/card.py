@@ -117,14 +117,12 @@ def _figures(shown: Preset, found: Found | None) -> str:
         return ""
     excited, sigma = found.excitation, found.accuracy.lifted.end.position
     needed = shown.requirement
+    unit = f"m²/s⁷ over {needed.window:g} s (required {needed.mu:.3g})"
     if excited.found is None:
-        mu = "μ below rounding: nothing, in"
+        mu = f"μ = 0 {unit}: nothing above rounding"
     elif excited.lower is not None:
-        mu = f"μ ≥ {excited.lower:.3g}"
+        mu = f"μ ≥ {excited.lower:.3g} {unit}"
     else:
-        mu = f"μ = {excited.found:.3g} on sampled windows, in"
+        mu = f"μ = {excited.found:.3g} {unit}, on sampled windows"
     told = "not determined" if sigma is None else f"{sigma:.3g} m"
-    return (
-        f"<br>{mu} m²/s⁷ over {needed.window:g} s (required {needed.mu:.3g})"
-        f"<br>predicted σ {told} (required {needed.position_sigma:.3g} m)"
-    )
+    return f"<br>{mu}<br>predicted σ {told} (required {needed.position_sigma:.3g} m)"
