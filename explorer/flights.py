@@ -3,6 +3,7 @@
 The same functions as `rangenav log`: still.world_of → logs.informative → logs.observe.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -34,11 +35,16 @@ class Asked(Input, frozen=True, kw_only=True):
     """s"""
     position_sigma: float = 0.5
     """m: above it a window is weak."""
+    begin: float = 0.0
+    end: float | None = None
+    """s: what is judged of the record, None to its end; at rest nothing is told but which way is down."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
         require_within("the ranges' noise", self.range_sigma, 1e-3, 1e2, "m")
         require_within("the window", self.window, 0.1, MAX_DURATION, "s")
+        if self.end is not None:
+            require(self.begin < self.end, f"the part must begin before it ends, got {self.begin:g} to {self.end:g} s")
         require(self.position_sigma > 0, f"the position error asked for must be positive, got {self.position_sigma:g}")
         if self.source == "given":
             require(any(self.magnetic), "the magnetic field must be a direction, got 0, 0, 0")
@@ -70,12 +76,10 @@ def judge(flight: Flight, asked: Asked) -> Judged:
     world, questions, told = still.world_of(flight, anchor=asked.anchor, given=given, confirmed=asked.source == "still")
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
+    noise = noise_at_rest(flight)  # like the world, from the whole record: from where it rests
+    flight = flights.between(flight, asked.begin, math.inf if asked.end is None else asked.end)
     seen = logs.informative(
-        flight,
-        window=asked.window,
-        range_sigma=asked.range_sigma,
-        requirement=asked.position_sigma,
-        noise=noise_at_rest(flight),
+        flight, window=asked.window, range_sigma=asked.range_sigma, requirement=asked.position_sigma, noise=noise
     )
     observed = None
     if len(flight.range) and world is not None:

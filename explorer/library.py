@@ -1,7 +1,7 @@
 """A person's own presets: one file each, never torn, never lost to another page or program. No viser here, no rangenav.
 
     <data folder>/presets/<name>.toml                  <name>.certificate.json beside it
-    <data folder>/presets/.trash/<name>.<mark>.toml    what was deleted, or written over
+    <data folder>/presets/.trash/                      what was deleted, or written over
 
 The data folder is the system's own ($XDG_DATA_HOME/rangenav, or what macOS and Windows have for it), or what
 RANGENAV_DATA says. People write titles; a file's name is made of the title's letters and digits, and nothing a title
@@ -12,7 +12,6 @@ import contextlib
 import hashlib
 import os
 import re
-import secrets
 import time
 import unicodedata
 from collections.abc import Collection, Iterator
@@ -21,14 +20,13 @@ from pathlib import Path
 import platformdirs
 
 from explorer.store import unlink, write
+from explorer.trash import Trash, name_of
 
 DATA = "RANGENAV_DATA"
 SUFFIX, BESIDE, TRASH, LOCK = ".toml", ".certificate.json", ".trash", ".lock"
 MAX_BYTES = 1_000_000
 """Of one preset, as everywhere."""
 MAX_PRESETS = 300
-MAX_TRASH = 100
-"""Kept of what was deleted or written over; the oldest go first."""
 LONGEST = 60
 """Characters of a file's name: with a number and a suffix any file system takes it."""
 SAME_NAME = 1000
@@ -49,6 +47,7 @@ class Library:
 
     def __init__(self, folder: Path | None = None) -> None:
         self.folder = data_folder() / "presets" if folder is None else folder
+        self._trash = Trash(self.folder / TRASH)
 
     def stamps(self) -> dict[str, tuple[int, int, int]]:
         """The names of all presets, alphabetically, each with what changes when its file does. Raises NotKept."""
@@ -92,37 +91,43 @@ class Library:
     def save(self, name: str, content: bytes, *, known: Collection[str]) -> None:
         """Write over a preset, if what is there is one of the `known` editions; what was there goes to the trash."""
         with self._changing(content):
-            self._discard(name, known, keep=True)
-            write(self._path(name), content)
+            self._overwrite(name, content, known)
 
     def rename(self, name: str, title: str, content: bytes, *, known: Collection[str]) -> str:
         """Keep a preset, with its new content, under the name of another title. Returns that."""
         with self._changing(content):
             if slug(title) == name:
-                self._discard(name, known, keep=True)
-                write(self._path(name), content)
+                self._overwrite(name, content, known)
                 return name
-            self._known(name, known)
+            self._trash.copy(name, self._known(name, known))
             new = self._added(slug(title), content)
-            self._discard(name, known)  # only now: at any moment one of the two is there
+            unlink(self._path(name))  # only now: at any moment one of the two is there
+            self._forget_certificate(name)
             return new
 
     def delete(self, name: str, *, known: Collection[str]) -> str:
         """Move a preset to the trash. Returns a mark by which it can be restored."""
         with self._changing():
-            return self._discard(name, known)
+            self._known(name, known)
+            mark = self._trash.move(self._path(name))
+            self._forget_certificate(name)
+            return mark
+
+    def deleted(self) -> list[str]:
+        """The marks of what was deleted and can be restored, the newest first."""
+        return self._trash.deleted()
 
     def restore(self, mark: str) -> str:
         """Bring back what was deleted, under its name or the next one that is free. Returns that."""
         if not _plain(mark) or "." not in mark:
             raise NotKept(f"{mark[:LONGEST]!r} is nothing that was deleted")
         with self._changing():
-            kept = self.folder / TRASH / (mark + SUFFIX)
+            kept = self._trash.path(mark)
             try:
                 content = kept.read_bytes()
             except FileNotFoundError:
                 raise NotKept("it is not in the trash any more") from None
-            name = self._added(mark.rpartition(".")[0], content)
+            name = self._added(name_of(mark), content)
             unlink(kept)
             return name
 
@@ -164,24 +169,13 @@ class Library:
             )
         return content
 
-    def _discard(self, name: str, known: Collection[str], *, keep: bool = False) -> str:
-        """Into the trash, a copy of it if the file itself is to stay until it is written over."""
-        content = self._known(name, known)
-        trash, mark = self.folder / TRASH, f"{name}.{time.time_ns():x}{secrets.token_hex(2)}"
-        trash.mkdir(mode=0o700, exist_ok=True)
-        if keep:
-            write(trash / (mark + SUFFIX), content)
-        else:
-            os.replace(self._path(name), trash / (mark + SUFFIX))
-        unlink(self._path(name).with_name(name + BESIDE))
-        self._empty(trash)
-        return mark
+    def _overwrite(self, name: str, content: bytes, known: Collection[str]) -> None:
+        self._trash.copy(name, self._known(name, known))
+        write(self._path(name), content)
+        self._forget_certificate(name)
 
-    def _empty(self, trash: Path) -> None:
-        """Forget the oldest in the trash."""
-        kept = sorted(trash.glob("*" + SUFFIX), key=lambda path: path.stem.rpartition(".")[2])
-        for path in kept[:-MAX_TRASH]:
-            unlink(path)
+    def _forget_certificate(self, name: str) -> None:
+        unlink(self._path(name).with_name(name + BESIDE))
 
     @contextlib.contextmanager
     def _changing(self, content: bytes = b"") -> Iterator[None]:

@@ -28,9 +28,8 @@ SUFFIXES = {
     "csv": ".csv",
 }
 """Bags and EuRoC records are folders; the rest are CSV files that say in their names what they are."""
-OTHERWISE = "“even if uncertified” writes it all the same, marked"
+OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
 MARK = ".uncertified"
-EVERYTHING = tuple(form for form in formats.WRITTEN if form != "preset")
 VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
 STAMP = (2020, 1, 1, 0, 0, 0)
 """The time of every file inside: equal inputs make equal zips."""

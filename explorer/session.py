@@ -17,7 +17,7 @@ from collections.abc import Iterator
 import msgspec
 import viser
 
-from explorer import compute, window
+from explorer import compute, window, written
 from explorer.access import accept_values_only
 from explorer.charts import TITLES, Charts
 from explorer.charts.depth import look
@@ -27,7 +27,6 @@ from explorer.history import History
 from explorer.house import House
 from explorer.jobs import Jobs
 from explorer.keeping import Keeping
-from explorer.panels import presets
 from explorer.panels.dock import WIDTH, Dock, Requests
 from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.sheet import Refused, Sheet
@@ -141,9 +140,11 @@ class Session:
             kept = self._tell(str(reason))
         if kept is None:
             return
-        known = kept.settings.origin in self._shelf.presets
-        settings = kept.settings if known else msgspec.structs.replace(kept.settings, origin=self._house.first)
         self._dock.gains.speak(kept.language)
+        settings = kept.settings
+        if settings.origin not in self._shelf.presets:  # imported and not saved, or deleted meanwhile: it has no file
+            origin = self._shelf.lend(settings.preset).origin
+            settings = msgspec.structs.replace(settings, origin=origin, edition="")
         if kept.opened == self._house.first or not self._house.asked:
             self._dock.write(settings)
         self._history.note(settings, time.monotonic(), apart=True)
@@ -231,12 +232,12 @@ class Session:
 
     def _download(self) -> None:
         name, settings = self._named()
-        self._send(name, presets.document(settings))
+        self._send(name, written.document(settings))
 
     def _named(self) -> tuple[str, Settings]:
         """What is chosen, and the name of its file."""
         settings = self._dock.read()
-        return presets.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
+        return written.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
 
     def _send(self, name: str, content: bytes) -> None:
         self._client.send_file_download(name, content, save_immediately=True)

@@ -70,17 +70,22 @@ class Shelf:
         if time.monotonic() > self._looked_at + NEWS:
             self.refresh()
 
+    @property
+    def offered(self) -> dict[str, Preset]:
+        """What can be opened: the shipped presets, one's own, and what was imported, each as it is now."""
+        shipped = {name: self.presets[name] for name in self._shipped}
+        own = {MINE + name: own.preset for name, own in self._own.items() if own.preset is not None}
+        return shipped | own | {name: lent for name, lent in self.presets.items() if name.startswith(NEW)}
+
     def words(self, shown: str) -> dict[str, str]:
         """What a menu says of each preset; of the one shown also if it is not offered any more."""
-        words = {name: f"{self.presets[name].title} ({name})" for name in self._shipped}
-        for name, own in self._own.items():
-            if own.preset is not None:
-                words[MINE + name] = f"{OWN_MARK} {own.preset.title} ({name})"
-        for name, lent in self.presets.items():
-            if name.startswith(NEW):
-                words[name] = f"{NEW_MARK} {lent.title}, not saved ({name.removeprefix(NEW)})"
+        words = {}
+        for name, one in self.offered.items():
+            sign = f"{OWN_MARK} " if self.mine(name) else f"{NEW_MARK} " if name.startswith(NEW) else ""
+            lent = ", not saved" if name.startswith(NEW) else ""
+            words[name] = f"{sign}{one.title}{lent} ({bare(name)})"
         if shown not in words:
-            words[shown] = f"{GONE_MARK} {self.presets[shown].title}, deleted ({shown.removeprefix(MINE)})"
+            words[shown] = f"{GONE_MARK} {self.presets[shown].title}, deleted ({bare(shown)})"
         return words
 
     def open(self, name: str) -> Settings:
@@ -132,6 +137,10 @@ class Shelf:
         self.refresh()
         return mark
 
+    def deleted(self) -> list[str]:
+        """What `restore` could bring back, also from before this page was opened; the newest first."""
+        return self._library.deleted()
+
     def restore(self, mark: str) -> Settings:
         """Bring back what was deleted. Raises NotKept."""
         name = MINE + self._library.restore(mark)
@@ -175,6 +184,17 @@ class Shelf:
 
     def _editions(self, name: str, opened: str) -> set[str]:
         return self._known.get(name, set()) | {opened}
+
+
+def bare(name: str) -> str:
+    """A name as a person knows it: of the shipped preset, of the file, or made of the title."""
+    return name.removeprefix(MINE).removeprefix(NEW)
+
+
+def marked(name: str) -> str:
+    """The same with the sign of whose it is."""
+    sign = OWN_MARK if name.startswith(MINE) else NEW_MARK if name.startswith(NEW) else ""
+    return f"{sign} {bare(name)}".strip()
 
 
 def titled(text: str) -> str:

@@ -8,12 +8,13 @@ import msgspec
 import numpy as np
 import pytest
 
-from explorer.parcel import EVERYTHING, parcel
+from explorer.parcel import parcel
 from rangenav import formats, preset
 from rangenav.certificate import exported
 from tests.shared import shared
 
 SUFFIX = {"preset": ".toml", "npz": ".npz", "mat": ".mat", "mcap": ".mcap", "bag": "", "euroc": ""}
+EVERYTHING = tuple(form for form in formats.WRITTEN if form != "preset")
 
 
 @pytest.mark.parametrize("format", formats.WRITTEN)

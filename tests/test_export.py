@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 import viser
 
+from explorer import written
 from explorer.access import open_server
 from explorer.charts import Charts, catalogue, export
 from explorer.charts.plots import Drawing, Plot
 from explorer.compute import Picture, compute
-from explorer.panels import presets
 from explorer.panels.export import python_lines
 from explorer.sessions import Sessions
 from explorer.settings import Printed, Settings
@@ -178,7 +178,7 @@ CASES = [
 
 @pytest.mark.parametrize("settings", CASES, ids=[case.origin for case in CASES])
 def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp_path: Path):
-    (tmp_path / "mine.toml").write_bytes(presets.document(settings))
+    (tmp_path / "mine.toml").write_bytes(written.document(settings))
     lines = python_lines(settings, "mine.toml")
     assert len(lines.splitlines()) <= 6
     ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), found.mu, found.verdict"
@@ -239,7 +239,7 @@ def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):
     settings = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
     assert (name, lines.decode()) == ("paper-slow.py", python_lines(settings, "paper-slow.toml"))
     assert "flight = record.run(p)" in tab.text()
-    assert _download(tab, "Python", "preset file") == ("paper-slow.toml", presets.document(settings))
+    assert _download(tab, "Python", "preset file") == ("paper-slow.toml", written.document(settings))
 
 
 def test_a_plot_that_is_none_is_refused_beside_the_buttons(tab: Wire):

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer import library, store
+from explorer import library, store, trash
 from explorer.library import Library, NotKept, edition, slug
 
 ADD_MANY = """
@@ -125,6 +125,21 @@ def test_deleting_is_undone_and_a_name_taken_meanwhile_is_left_alone(kept: Libra
         kept.restore(mark)
 
 
+def test_what_can_be_restored_is_known_to_whoever_comes_later_the_newest_first(kept: Library):
+    for name in ("first.v2", "second"):
+        kept.add(name, name.encode())
+    kept.save("second", b"again", known={edition(b"second")})
+    kept.rename("second", "third", b"again", known={edition(b"again")})
+    marks = [
+        kept.delete(name, known={edition(content)})
+        for name, content in (("first-v2", b"first.v2"), ("third", b"again"))
+    ]
+    later = Library(kept.folder)
+    assert later.deleted() == marks[::-1]  # and nothing of what was written over, or is called otherwise now
+    assert [later.restore(mark) for mark in later.deleted()] == ["third", "first-v2"]
+    assert later.deleted() == []
+
+
 def test_renaming_moves_the_content_and_keeps_what_was(kept: Library):
     name = kept.add("old", b"first")
     assert kept.rename(name, "New name", b"second", known={edition(b"first")}) == "new-name"
@@ -195,7 +210,7 @@ def test_too_much_is_refused(kept: Library, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_trash_forgets_the_oldest(kept: Library, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(library, "MAX_TRASH", 3)
+    monkeypatch.setattr(trash, "MAX_KEPT", 3)
     name = kept.add("path", b"0")
     for k in range(1, 6):
         kept.save(name, str(k).encode(), known={edition(str(k - 1).encode())})

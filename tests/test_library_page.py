@@ -3,8 +3,9 @@
 import errno
 import io
 import os
+import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
@@ -20,10 +21,12 @@ from rangenav import certificate, formats, preset
 from rangenav.certificate import exported
 from tests.house import house
 from tests.test_editor import Editing
-from tests.wire import Wire
+from tests.wire import Storage, Wire
 
 SHIPPED = preset.shipped()
 SAVE, TIDY = "keep", "tidy"
+WORST = re.compile(r"from ([\d.]+) s: rank")
+"""Where the worst window of a recorded flight begins."""
 
 
 @pytest.fixture(scope="module")
@@ -43,9 +46,9 @@ def data(tmp_path: Path, sessions: tuple[int, Sessions]) -> Library:
     return kept
 
 
-def _visitor(sessions: tuple[int, Sessions]) -> Editing:
+def _visitor(sessions: tuple[int, Sessions], storage: Storage | None = None) -> Editing:
     port, made = sessions
-    tab = Wire(port)
+    tab = Wire(port, storage=storage)
     tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
     session = list(made._of.values())[-1]
     tab.wait_for(lambda: session._picture is not None and "t (s)" in str(tab.elements), "the first picture")
@@ -57,6 +60,23 @@ def page(sessions: tuple[int, Sessions], data: Library) -> Iterator[Editing]:
     visitor = _visitor(sessions)
     yield visitor
     visitor.tab.close()
+
+
+@pytest.fixture
+def reloaded(page: Editing, sessions: tuple[int, Sessions]) -> Iterator[Callable[[], Editing]]:
+    """Closes the page, and gives what a browser that keeps its storage finds afterwards."""
+    later: list[Editing] = []
+
+    def reload() -> Editing:
+        session = page.session
+        page.tab.close()
+        page.tab.wait_for(lambda: not session._thread.is_alive(), "the end of the session")
+        later.append(_visitor(sessions, page.tab.storage))
+        return later[0]
+
+    yield reload
+    for one in later:
+        one.tab.close()
 
 
 def _save_as(page: Editing, title: str) -> None:
@@ -137,6 +157,71 @@ def test_what_is_deleted_stays_on_the_page_and_comes_back(page: Editing, data: L
     assert page.tab.value("preset") == "★ mine (mine)"
     page.press(TIDY, "undo delete")
     assert any("nothing was deleted" in text for text in page.refusals())
+
+
+def test_what_was_deleted_comes_back_after_a_reload_too(
+    page: Editing, data: Library, sessions: tuple[int, Sessions], reloaded: Callable[[], Editing]
+):
+    _save_as(page, "mine")
+    content, shown = data.read("mine"), page.settings.preset
+    page.press(TIDY, "delete")
+    later = reloaded()
+    assert later.settings.preset == shown
+    later.tab.wait_for(lambda: later.tab.value("preset") == "◌ mine, not saved (mine)", "the title")
+    later.press(TIDY, "undo delete")
+    assert data.read("mine") == content
+
+
+def test_what_was_imported_and_not_saved_keeps_its_title_over_a_reload(
+    page: Editing, reloaded: Callable[[], Editing], tmp_path: Path
+):
+    formats.export(SHIPPED["paper-slow"], "reference", tmp_path / "tour.csv")
+    page.tab.upload("Upload a file", "my_tour.csv", (tmp_path / "tour.csv").read_bytes())
+    page.tab.wait_for_text("opened as a preset")
+    page.settle()
+    shown = page.settings.preset
+    later = reloaded()
+    assert later.settings.preset == shown
+    later.tab.wait_for(lambda: later.tab.value("preset") == "◌ my_tour, not saved (my-tour)", "the title")
+    later.tab.wait_for(lambda: later.tab.value("title") == "my_tour", "the title to save under")
+
+
+def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_told(
+    page: Editing, data: Library, sessions: tuple[int, Sessions]
+):
+    _save_as(page, "mine")
+    other = _visitor(sessions)
+    _save_as(other, "Mine!")
+    assert "saved as mine-2.toml, beside mine.toml, which is left as it was" in other.tab.text()
+    other.tab.close()
+    page.set("title", "mine, better")
+    page.press(SAVE, "save")
+    assert preset.loads(data.read("mine").decode(), source="x").title == "mine, better"
+    assert page.tab.value("preset") == "★ mine, better (mine)"
+    page.set("title", "")
+    page.press(SAVE, "save")
+    assert any("printable characters" in text for text in page.refusals())
+    assert "saved as" not in page.tab.text()  # what went well before is not said beside what did not
+
+
+def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editing, data: Library):
+    _save_as(page, 'a "quoted" <b>')
+    (data.folder / 'mean"><img src=x>.toml').write_bytes(data.read("a-quoted-b"))
+    assert 'class="tile"' not in page.tab.text()  # nothing is sent before it is asked for
+    page.press("browse", "see all")
+    page.tab.wait_for_text("★ mean&quot;&gt;&lt;img src=x&gt;")
+    assert "<img src=x>" not in page.tab.text()
+    assert page.tab.text().count('class="tile"') == len(SHIPPED) + 2
+    page.press("open", "circle")
+    assert page.settings.preset == SHIPPED["circle"]
+    names = list(SHIPPED)
+    page.press("browse", "next ›")
+    assert page.settings.origin == names[names.index("circle") + 1]
+    page.press("browse", "‹ previous")
+    page.press("browse", "‹ previous")
+    assert page.settings.origin == names[names.index("circle") - 1]
+    page.press("browse", "see all")
+    assert 'class="tile"' not in page.tab.text()
 
 
 def test_renaming_keeps_what_was_changed_and_not_saved(page: Editing, data: Library):
@@ -225,6 +310,36 @@ def test_an_upload_that_will_not_do_is_a_sentence_and_the_next_one_is_taken(
     page.tab.wait_for_text("soft.toml joined your library")
 
 
+def _packed(*files: tuple[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files:
+            archive.writestr(name, content)
+    return packed.getvalue()
+
+
+def test_a_zip_is_taken_for_the_preset_in_it(page: Editing, data: Library):
+    soft = preset.dumps(SHIPPED["soft"]).encode()
+    for files, sentence in (
+        ([("x.csv", b"")], "0 presets (.toml) in it"),
+        ([("a.toml", soft), ("b.toml", soft)], "2 presets (.toml) in it"),
+        ([("bomb.toml", bytes(10**8))], "which no preset is"),
+        ([("../../a.toml", b"\xff")], "a.toml in x.zip: not UTF-8"),
+    ):
+        page.tab.upload("Upload a preset", "x.zip", _packed(*files))
+        page.tab.wait_for(lambda said=sentence: any(said in text for text in page.refusals()), sentence)
+    for broken in (_packed(("a.toml", soft))[:-30], b"PK\x03\x04" + bytes(90)):
+        page.tab.upload("Upload a preset", "broken.zip", broken)
+        page.tab.wait_for(lambda: any("zip cannot be read" in text for text in page.refusals()), "a sentence")
+        page.tab.upload("Upload a preset", "empty.zip", b"")
+        page.tab.wait_for(lambda: any("the file is empty" in text for text in page.refusals()), "a sentence")
+    assert data.stamps() == {}
+    page.tab.upload("Upload a preset", "x.zip", _packed(("s.toml", soft), ("s.certificate.json", b"{}")))
+    page.tab.wait_for_text("x.zip joined your library")
+    page.settle()
+    assert page.settings.preset == SHIPPED["soft"]
+
+
 def test_a_second_file_waits_for_the_first_and_a_stalled_one_gives_way(
     page: Editing, data: Library, monkeypatch: pytest.MonkeyPatch
 ):
@@ -249,7 +364,7 @@ def _zip(page: Editing, name: str) -> zipfile.ZipFile:
 
 
 def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editing, tmp_path: Path):
-    page.set("with", "everything")
+    page.press("formats", "all")
     page.press("Export as a zip")
     packed = _zip(page, "paper-slow.zip")
     packed.extractall(tmp_path)
@@ -270,7 +385,13 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.press("Export as a zip")
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
     assert page.tab.downloads == []
+    assert "• the rank is 11 of 13" in page.tab.text()
+    assert "it would do to add a tone" in page.tab.text()
+    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
+    page.wait_until_accepted()  # that was said of another motion
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     page.set("even if uncertified", True)
+    page.set("TUM", True)
     page.press("Export as a zip")
     packed = _zip(page, "circle.uncertified.zip")
     assert "circle.polynomial.uncertified.csv" in packed.namelist()
@@ -305,6 +426,14 @@ def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
     assert page.settings == before
 
 
+def test_what_was_guessed_is_told_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
+    page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
+    page.tab.wait_for(lambda: any("Non_sense 1.csv, line 2" in text for text in page.refusals()), "the file's own name")
+    assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
+    page.tab.upload("Upload a file", "mine.toml", preset.dumps(SHIPPED["soft"]).encode())
+    page.tab.wait_for(lambda: any("taken by “Upload a preset”" in text for text in page.refusals()), "the way")
+
+
 def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing, tmp_path: Path):
     formats.export(SHIPPED["paper-slow"], "log", tmp_path / "flight.csv")
     page.tab.upload("Upload a file", "flight.csv", (tmp_path / "flight.csv").read_bytes())
@@ -315,6 +444,13 @@ def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing
     page.tab.wait_for_text("rms by quarters")
     assert "windows" in page.tab.text()
     assert "as the file says" in page.tab.text()
+    page.set("from (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any(float(at) >= 12 for at in WORST.findall(page.tab.text())), "a later worst window")
+    page.set("to (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("must begin before it ends" in text for text in page.refusals()), "a sentence")
+    page.set("to (s)", 20.0)
     page.set("windows of (s)", 1e9)
     page.press("Was it informative?")
     page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")
@@ -335,8 +471,29 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
     after = page.settings.preset
     assert certificate.certify(preset.dumps(after).encode(), source="x").certified
     assert after.path != circle.preset.path
+    assert page.session._dock.compare._pinned is not None
+    assert page.session._dock.compare._pinned.settings == circle
+    assert page.tab.value("title") == after.title
     page.command("Undo")
     assert page.settings == circle
+
+
+def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_is_not_replaced(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.set("q", 2.0)
+    gains = page.settings.preset.gains
+    page.press("Accept")
+    assert page.settings.preset.path != SHIPPED["circle"].path
+    assert page.settings.preset.gains == gains
+    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
+    page.press("Accept")
+    assert any("the motion on the page is another one by now" in text for text in page.refusals())
+    assert page.settings.preset == SHIPPED["hover"]
 
 
 def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):

@@ -10,12 +10,12 @@ import msgspec
 import pytest
 import viser
 
-from explorer import compute
+from explorer import compute, written
 from explorer.access import open_server
 from explorer.certifying import Certifying
 from explorer.jobs import Jobs
 from explorer.library import Library
-from explorer.panels import presets, verdict
+from explorer.panels import verdict
 from explorer.panels.controls import Dial, LogDial, Vector
 from explorer.panels.dock import Dock, Requests
 from explorer.panels.printed import ROWS
@@ -305,7 +305,7 @@ def test_every_departure_has_a_row():
 
 def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_very_file():
     shown = effective(Settings(preset=SHIPPED["paper-slow"], time_scale=1.5))
-    text = presets.document(Settings(preset=shown)).decode()
+    text = written.document(Settings(preset=shown)).decode()
     assert preset.loads(text, source="download") == shown
     comments = [line for line in text.splitlines() if line.startswith("#")]
     found = analysis.analyse(shown)
@@ -316,11 +316,11 @@ def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_ve
 
 def test_nothing_of_a_presets_own_text_reaches_the_comments_of_its_download():
     hostile = msgspec.structs.replace(SHIPPED["hover"], title='"\nseed = 7\n# x')
-    text = presets.document(Settings(preset=hostile)).decode()
+    text = written.document(Settings(preset=hostile)).decode()
     assert preset.loads(text, source="download") == hostile
 
 
 def test_a_changed_preset_is_downloaded_under_another_name():
     p: Any = SHIPPED["hover"]
-    assert presets.file_name("hover", p, p) == "hover.toml"
-    assert presets.file_name("hover", msgspec.structs.replace(p, seed=9), p) == "hover-changed.toml"
+    assert written.file_name("hover", p, p) == "hover.toml"
+    assert written.file_name("hover", msgspec.structs.replace(p, seed=9), p) == "hover-changed.toml"

@@ -76,12 +76,12 @@ class ComparePanel:
         section = Section(sheet, "Does P tell the truth?")
         with section:
             self._agreement = sheet.gui.add_html("")
-        sheet.command("Pin this run as A", self._pin)
+        sheet.command("Pin this run as A", self.pin)
         sheet.command("Unpin A", self._unpin)
 
     def _build_pin(self, sheet: Sheet) -> None:
         with Section(sheet):
-            sheet.button("Pin this run as A", self._pin, hint=PIN_HINT)
+            sheet.button("Pin this run as A", self.pin, hint=PIN_HINT)
             self._unpin_button = sheet.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
             self._unpin_button.visible = False
             self._differences = sheet.gui.add_html(words.nothing_pinned())
@@ -159,7 +159,8 @@ class ComparePanel:
         """The visitor has gone."""
         self._background.cancel()
 
-    def _pin(self) -> None:
+    def pin(self) -> None:
+        """Keep the run on view as A."""
         self._pinned, self._news = self._picture, True
 
     def _unpin(self) -> None:

@@ -87,7 +87,7 @@ class Dock:
             asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
             uploads = Uploads(gui, sheet.do)
             self.presets = PresetsPanel(sheet, shelf, self, uploads, **asked)
-            RepairPanel(sheet, self, jobs)
+            RepairPanel(sheet, self, jobs, pin=lambda: self.compare.pin())
             PackPanel(sheet, shelf, self, jobs, requests.send)
             ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
             flights = FlightPanel(sheet, jobs)
@@ -159,7 +159,7 @@ class Dock:
         self.guess.write(p.guess, base.guess)
         self.twin.write(settings.twin_turn)
         self.printed.write(settings.printed)
-        self.presets.write(settings.origin)
+        self.presets.write(settings)
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict and what stands beside the controls."""

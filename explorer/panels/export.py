@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import PurePath
 from typing import Literal
 
-from explorer.panels import presets
+from explorer import written
 from explorer.panels.sheet import Section, Sheet
 from explorer.settings import Settings
 
@@ -86,7 +86,7 @@ class ExportPanel:
 
     def _preset(self) -> None:
         file, settings = self._sources.settings()
-        self._sources.send(file, presets.document(settings))
+        self._sources.send(file, written.document(settings))
 
 
 def python_lines(settings: Settings, file: str) -> str:

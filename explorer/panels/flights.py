@@ -17,6 +17,10 @@ SOURCE = "At rest the accelerometer reads gravity and the magnetometer the field
 SYNTHETIC = "For a record with a true position and no ranges: makes some, with the noise below."
 SIGMA = "σ of the ranges (m)."
 WINDOW = "δ (s): each window of this length is judged by itself."
+PART = (
+    "The part of the record that is judged, by its own stamps: at rest, before and after a flight, nothing is excited, "
+    "and an observer that has nothing to go by drifts away. Gravity, field and noise are taken from the whole."
+)
 WEAK = "Predicted position error (m) above which a window of full rank counts as weak."
 JUDGE = "Rank and predicted error on sliding windows, from the IMU alone; then the observers, if there are ranges."
 
@@ -35,6 +39,8 @@ class FlightPanel:
             self._magnetic = Vector(section, "its field", step=0.01, hint="Its direction, inertial; used if given.")
             self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC)
             self._sigma = Number(section, "ranges ± (m)", step=0.01, hint=SIGMA)
+            self._begin = Number(section, "from (s)", step=1, hint=PART)
+            self._end = Number(section, "to (s)", step=1, hint=PART)
             self._window = Number(section, "windows of (s)", step=0.5, hint=WINDOW)
             self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK)
             sheet.button("Was it informative?", self._judge, hint=JUDGE)
@@ -56,6 +62,8 @@ class FlightPanel:
         self._magnetic.show(flight.magnetic or usual.magnetic)
         self._synthetic.show(len(flight.range) == 0 and flight.position is not None)
         self._sigma.show(usual.range_sigma)
+        self._begin.show(float(flight.time[0]))
+        self._end.show(math.ceil(1e3 * flight.time[-1]) / 1e3)
         self._window.show(min(usual.window, found.duration / 2))
         self._weak.show(usual.position_sigma)
         self._report.visible = False
@@ -73,6 +81,8 @@ class FlightPanel:
                 magnetic=self._magnetic.read(),
                 ranges="synthetic" if self._synthetic.read() else "measured",
                 range_sigma=self._sigma.read(),
+                begin=self._begin.read(),
+                end=self._end.read(),
                 window=self._window.read(),
                 position_sigma=self._weak.read(),
             )
@@ -107,7 +117,9 @@ def _observers(found: dict[str, Any]) -> str:
     for name, words, unit in (("position", "position error", "m"), ("attitude_deg", "attitude error", "°")):
         errors = found[name]
         if errors is not None:
-            rows.append((words, *(_number(value, unit) for value in (*errors["quarters_rmse"], errors["median"]))))
+            rows.append(
+                (f"{words} ({unit})", *(_number(value) for value in (*errors["quarters_rmse"], errors["median"])))
+            )
     said = bullets((f"ends at {place} m; innovations {_number(found['innovation_rms'], 'm²')} rms",))
     if not rows:
         return said + bullets(("no truth in the file to hold the estimate against",))

@@ -11,7 +11,7 @@ from explorer.panels.controls import Choice
 from explorer.panels.notes import NOTE, bullets
 from explorer.panels.presets import Page
 from explorer.panels.sheet import Section, Sheet
-from explorer.received import Received, Understood, guess, understand
+from explorer.received import Received, Understood, guess, looks_like_a_preset, understand
 from explorer.shelf import Shelf
 from explorer.uploads import Uploads
 from rangenav.formats import Imported, Question
@@ -56,11 +56,17 @@ class ImportPanel:
         with section:
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD)
             self._format = Choice(section, "format", FORMATS, hint=FORMAT)
-            sheet.button("Read it as this format", self._read, hint="Reads the file handed over last once more.")
+            sheet.button(
+                "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
+            )
             self._said = sheet.gui.add_html("", visible=False)
 
     def _receive(self, name: str, content: bytes) -> None:
-        self._file = Received(name, content)
+        file = Received(name, content)
+        with self._section.catching():
+            if looks_like_a_preset(file):
+                raise ValueError(f"{name}: presets, and zips with one, are taken by “Upload a preset” further up")
+        self._file = file
         self._format.show(guess(self._file))
         self._read()
 
@@ -81,8 +87,13 @@ class ImportPanel:
             f"reading {file.name}",
             lambda progress, cancelled: understand(file, form, answers, ANCHOR),
             self._understood,
-            self._section.complaint.say,
+            partial(self._fail, form),
         )
+
+    def _fail(self, form: str, reason: str) -> None:
+        """Say as what it could not be read, since that was a guess."""
+        words = f"{reason}. It was read as {FORMATS[form]}: if it is none, choose another format and read it again"
+        self._section.complaint.say(words)
 
     def _understood(self, understood: Understood) -> None:
         found = understood.found

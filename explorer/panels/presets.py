@@ -1,38 +1,40 @@
-"""The Presets tab: pick one, read what it teaches, keep one's own, reproduce the paper's figures, download."""
+"""The Presets tab: browse, read what a preset teaches, keep one's own, reproduce the paper's figures, download."""
 
 import html
-import math
 from typing import Protocol
 
 import msgspec
 
 from explorer.compute import Picture
+from explorer.library import slug
 from explorer.panels.card import card
 from explorer.panels.controls import Choice, Text
+from explorer.panels.gallery import Gallery
 from explorer.panels.notes import NOTE
 from explorer.panels.sheet import Action, Refused, Section, Sheet
+from explorer.received import Received, preset_in
 from explorer.settings import Settings, effective
-from explorer.shelf import MINE, Shelf, titled
+from explorer.shelf import MINE, Shelf, bare, titled
 from explorer.uploads import Uploads
-from rangenav import analysis, preset
 from rangenav.preset import MAX_TITLE, Preset
 
-PRINTED_START = (
-    "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
-)
-FIGURES = (
-    "Loads the paper's own scenario and shows the position, velocity and gravity errors (fig. 3), the attitude error "
-    "(fig. 4) and the true and estimated path (fig. 5)."
+ALSO = (
+    "The first puts every control back to what the preset says. The second loads the paper's own scenario and shows "
+    "the errors of position, velocity and gravity (fig. 3) and of attitude (fig. 4), and both paths (fig. 5)."
 )
 DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
 PICK = "Every shipped motion with its sensors, gains and requirement; ★ are yours. Ctrl+Z brings back what was there."
-TITLE = "For “save as” and “rename”. Any letters will do; the file's name is made of it."
+BROWSE = "Opens the one before or after it in the menu, or shows all of them as small pictures (and hides them again)."
+TITLE = "Any letters will do; a new file's name is made of it."
 KEEP = (
-    "“save” writes what is on the page over your preset, “save as” keeps it as a new one under the title above, "
-    "“duplicate” copies the preset as it was opened."
+    "“save” writes what is on the page, under the title above, over your preset's file; “save as” keeps it as a new "
+    "one; “duplicate” copies the preset as it was opened."
 )
-TIDY = "Of the preset chosen above, if it is yours. What is deleted goes to a trash and can be brought back."
-UPLOAD = "A preset file (.toml); it joins your library and is opened."
+TIDY = (
+    "Of the preset chosen above, if it is yours. “rename” changes title and file name. What is deleted goes to a "
+    "trash, and “undo delete” brings back the last of it, also after a reload."
+)
+UPLOAD = "A preset file (.toml), or a zip with one as this page packs it; it joins your library and is opened."
 LONGEST_TYPED = 4 * MAX_TITLE
 
 
@@ -59,11 +61,15 @@ class PresetsPanel:
     ) -> None:
         self._sheet, self._shelf, self._page = sheet, shelf, page
         self._section = section = Section(sheet)
-        self._shown, self._changed, self._deleted = "", False, ""
+        self._shown, self._changed = "", False
+        self._deleted: list[str] = []
         self._words: dict[str, str] = {}
         with section:
             self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
+            browse = {"‹ previous": self._previous, "next ›": self._next, "see all": self._all}
+            sheet.buttons("browse", browse, hint=BROWSE)
             self._card = sheet.gui.add_html("")
+        self._gallery = Gallery(sheet, shelf, self.open)
         self._keeping = section = Section(sheet)  # its complaints stay until the next thing is asked for
         with section:
             self._title = Text(section, "title", hint=TITLE, longest=LONGEST_TYPED)
@@ -73,13 +79,14 @@ class PresetsPanel:
             sheet.buttons("tidy", self._guarded(tidy), hint=TIDY)
             self._said = sheet.gui.add_html("", visible=False)
             uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
-            for label, action, hint in (
-                ("Start this preset again", again, "Puts every control back to what the preset says."),
-                ("The paper's figures 3–5", paper, FIGURES),
-                ("Download this preset", download, DOWNLOAD),
-            ):
-                sheet.button(label, action, hint=hint)
-                sheet.command(label, action)
+            sheet.button("Download this preset", download, hint=DOWNLOAD)
+            sheet.buttons("also", {"start this preset again": again, "the paper's figures 3–5": paper}, hint=ALSO)
+        for label, action in (
+            ("Download this preset", download),
+            ("Start this preset again", again),
+            ("The paper's figures 3–5", paper),
+        ):
+            sheet.command(label, action)
         sheet.command("Save the preset", self._guarded({"": self._save})[""])
 
     def read(self) -> str:
@@ -87,13 +94,12 @@ class PresetsPanel:
         with self._section.catching():
             return self._choice.read()
 
-    def write(self, name: str) -> None:
+    def write(self, settings: Settings) -> None:
         """Show a preset's name, story and badge."""
-        self._shown = name
+        name = self._shown = settings.origin
         self._offer()
         self._choice.write(name, name)
-        title = self._shelf.presets[name].title
-        self._title.write(title, title)
+        self._title.write(settings.preset.title, self._shelf.presets[name].title)
         self._draw_card()
 
     def draw(self, picture: Picture) -> None:
@@ -118,6 +124,20 @@ class PresetsPanel:
             raise
         self._page.write(settings)
 
+    def _previous(self) -> None:
+        self._step(-1)
+
+    def _next(self) -> None:
+        self._step(1)
+
+    def _step(self, by: int) -> None:
+        """Open a neighbour in the menu; after the last comes the first."""
+        names = list(self._shelf.words(self._shown))
+        self.open(names[(names.index(self._shown) + by) % len(names)])
+
+    def _all(self) -> None:
+        self._gallery.toggle(self._shown)
+
     def _offer(self) -> None:
         """Bring the menu up to date; what is chosen there may be called otherwise now."""
         words = self._shelf.words(self._shown)
@@ -133,12 +153,14 @@ class PresetsPanel:
             content += NOTE.format(f"⚠ {html.escape(self._shelf.complaint)}")
         if content != self._card.content:
             self._card.content = content
+        self._gallery.draw(self._shown)
 
     def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
         """Actions that say beside the buttons why they failed."""
 
         def guard(action: Action) -> Action:
             def guarded() -> None:
+                self._said.visible = False
                 with self._keeping.catching():
                     action()
 
@@ -148,13 +170,15 @@ class PresetsPanel:
 
     def _save(self) -> None:
         settings = self._page.read()
-        self._keep(settings, self._shelf.save(settings.origin, kept(settings), edition=settings.edition))
+        new = retitled(effective(settings), self._title.read())
+        self._keep(settings, self._shelf.save(settings.origin, new, edition=settings.edition))
         self._say(f"saved as {self._name()}")
 
     def _save_as(self) -> None:
         settings = self._page.read()
-        self._keep(settings, self._shelf.add(retitled(kept(settings), self._title.read())))
-        self._say(f"saved as {self._name()}")
+        new = retitled(effective(settings), self._title.read())
+        self._keep(settings, self._shelf.add(new))
+        self._say(f"saved as {self._name()}{_instead(self._shown, new.title)}")
 
     def _duplicate(self) -> None:
         opened = self._shelf.presets[self._shown]
@@ -174,28 +198,30 @@ class PresetsPanel:
         self._page.write(
             msgspec.structs.replace(settings, origin=renamed.origin, edition=renamed.edition, preset=shown)
         )
-        self._say(f"renamed to {self._name()}")
+        self._say(f"renamed to {self._name()}{_instead(self._shown, title)}")
 
     def _delete(self) -> None:
         settings = self._page.read()
-        self._deleted = self._shelf.delete(settings.origin, edition=settings.edition)
+        self._deleted.append(self._shelf.delete(settings.origin, edition=settings.edition))
         self._say(f"{self._name()} is in the trash; what is on the page stays, and “undo delete” brings it back")
         self.refresh()
 
     def _restore(self) -> None:
-        if not self._deleted:
-            raise ValueError("nothing was deleted on this page")
-        restored, self._deleted = self._shelf.restore(self._deleted), ""
+        marks = self._deleted or self._shelf.deleted()[:1]  # this page's own first, then what went before it came
+        if not marks:
+            raise ValueError("nothing was deleted: the trash is empty")
+        restored = self._shelf.restore(marks.pop())
         settings = self._page.read()
         if settings.origin == restored.origin:
-            self.write(settings.origin)
+            self.write(settings)
         else:
             self._offer()
         self._say(f"{file_of(restored.origin)} is back")
 
     def _upload(self, name: str, content: bytes) -> None:
+        self._said.visible = False
         with self._keeping.catching():
-            self._page.write(self._shelf.add(uploaded(name, content)))
+            self._page.write(self._shelf.add(preset_in(Received(name, content))))
             self._say(f"{name} joined your library as {self._name()}")
 
     def _keep(self, settings: Settings, now: Settings) -> None:
@@ -211,60 +237,17 @@ class PresetsPanel:
         self._said.visible = True
 
 
-def kept(settings: Settings) -> Preset:
-    """What is on the page, as a preset."""
-    return effective(settings)
-
-
 def retitled(shown: Preset, title: str) -> Preset:
     """The same under another title. Raises ValueError if it is none."""
     return msgspec.structs.replace(shown, title=titled(title))
 
 
-def uploaded(name: str, content: bytes) -> Preset:
-    """The preset that a visitor has handed over. Raises ValueError naming the file and what is wrong."""
-    if len(content) > preset.MAX_BYTES:
-        raise ValueError(f"{name}: larger than {preset.MAX_BYTES} bytes, which no preset is")
-    try:
-        return preset.loads(content.decode("utf-8-sig"), source=name)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{name}: not UTF-8 text (byte {error.start}), and no preset") from None
+def _instead(name: str, title: str) -> str:
+    """Says so if another file has the name that the title would make."""
+    usual = slug(title)
+    return "" if bare(name) == usual else f", beside {usual}.toml, which is left as it was"
 
 
 def file_of(name: str) -> str:
     """The file of a preset on the shelf, for reading."""
-    return f"{name.removeprefix(MINE)}.toml" if name.startswith(MINE) else name
-
-
-def document(settings: Settings) -> bytes:
-    """A preset as a TOML file; the verdict in its first lines is computed from the text that follows them."""
-    text = preset.dumps(effective(settings))
-    read_back = preset.loads(text, source="this file")
-    start = PRINTED_START if settings.printed.initial_values else ""
-    return (verdict_comments(read_back) + start + "\n" + text).encode()
-
-
-def verdict_comments(shown: Preset) -> str:
-    """Comment lines that state what was computed, without a word from the preset's own text."""
-    found, needed = analysis.analyse(shown), shown.requirement
-    met = "met" if found.mu >= needed.mu else "NOT met"
-    lines = [
-        f"verdict: {found.verdict}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); required mu {met}",
-        f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
-        f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
-        f"predicted 1-sigma position at the end of the worst window: {_metres(found.lifted_end.position)} lifted, "
-        f"{_metres(found.nonlinear_end.position)} nonlinear; required {needed.position_sigma:g} m",
-        f"it assumes {analysis.noise_note(shown.sensors)}",
-    ]
-    lines += [f"blind: {direction.words}" for direction in found.directions]
-    return "".join(f"# {line}\n" for line in lines)
-
-
-def file_name(name: str, shown: Preset, shipped: Preset) -> str:
-    """The name of the download: the shipped preset's, marked if it was changed."""
-    stem = name.rpartition(":")[2]
-    return f"{stem}.toml" if shown == shipped else f"{stem}-changed.toml"
-
-
-def _metres(sigma: float) -> str:
-    return f"{sigma:.4g} m" if math.isfinite(sigma) else "not determined"
+    return f"{bare(name)}.toml" if name.startswith(MINE) else name

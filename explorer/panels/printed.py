@@ -20,7 +20,7 @@ class PrintedPanel:
     """The switches "as printed"."""
 
     def __init__(self, sheet: Sheet) -> None:
-        section = Section(sheet, "As printed in the paper")
+        section = Section(sheet, "As printed in the paper", expanded=False)
         with section:
             sheet.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
             self._switches = {name: _Row(section, row) for name, row in ROWS.items()}

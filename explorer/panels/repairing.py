@@ -1,14 +1,20 @@
-"""Make it observable: the smallest change of a chosen kind that meets the requirement, shown before it is accepted."""
+"""Make it observable: the smallest change of a chosen kind that meets the requirement, shown before it is accepted.
+
+The motion before is A, as in the Compare tab, the changed one B: drawings and figures of both at first, and once it is
+accepted, both in every plot and in 3-D.
+"""
 
 import math
+from functools import partial
 
 import msgspec
 
 from explorer.jobs import Cancelled, Jobs, Progress
+from explorer.panels.card import drawings
 from explorer.panels.controls import Choice
 from explorer.panels.notes import NOTE, bullets, table
 from explorer.panels.presets import Page
-from explorer.panels.sheet import Section, Sheet
+from explorer.panels.sheet import Action, Section, Sheet
 from explorer.settings import Settings, effective
 from rangenav import repair
 from rangenav.certificate.figures import Figures
@@ -26,24 +32,32 @@ ROUNDING = 1e-12
 KIND = "What may be changed about the motion. The vehicle's limits are kept."
 REPAIR = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
 IMPROVE = "Looks for a change that lowers the predicted σ of a motion that is observable already."
-TAKE = "Puts the changed motion on the page; Ctrl+Z takes it back."
+TAKE = "Puts B on the page and pins A beside it, in plots and in 3-D. Ctrl+Z takes it back."
+ACCEPTED = (
+    "on the page now, and not saved yet: “save as” keeps it. The motion before is pinned as A, purple in plots and in "
+    "3-D (Compare tab: Unpin); Ctrl+Z takes the change back"
+)
+SAME = "on the page now, as it was: there was nothing to change about the motion"
+SIDE_BY_SIDE = "display:flex;gap:0.8em;align-items:center;padding:0.3em 0"
+DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
 LEAVE = "Forgets the change; what is on the page stays as it is."
 
 
 class RepairPanel:
     """A kind of change, two buttons, and the change that was found."""
 
-    def __init__(self, sheet: Sheet, page: Page, jobs: Jobs) -> None:
-        self._page, self._jobs = page, jobs
+    def __init__(self, sheet: Sheet, page: Page, jobs: Jobs, pin: Action) -> None:
+        """`pin` keeps the run on view as A."""
+        self._page, self._jobs, self._pin = page, jobs, pin
         self._section = section = Section(sheet, "Repair", expanded=False)
         self._found: Repair | None = None
         with section:
             self._kind = Choice(section, "by changing", BY, hint=KIND)
             sheet.button("Make it observable", self._repair, hint=REPAIR)
-            sheet.button("Improve it", self._improve, hint=IMPROVE)
+            sheet.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
             self._said = sheet.gui.add_html("", visible=False)
             self._accept = sheet.button("Accept", self._take, hint=TAKE)
-            self._discard = sheet.button("Discard", self._forget, hint=LEAVE)
+            self._discard = sheet.button("Discard", self._forget, hint=LEAVE, quiet=True)
         self._forget()
         sheet.command("Make it observable", self._repair)
 
@@ -54,7 +68,7 @@ class RepairPanel:
         self._start(improve=True)
 
     def _start(self, *, improve: bool) -> None:
-        with self._section.catching():
+        with self._section.answering():
             shown, by = effective(self._page.read()), self._kind.read()
         self._forget()
         search = repair.improve if improve else repair.repair
@@ -63,17 +77,34 @@ class RepairPanel:
             return search(shown, by=by, progress=lambda share, _: progress(share), cancelled=cancelled)
 
         name = "improving the motion" if improve else "making it observable"
-        self._jobs.start(f"{name} by {BY[by]}", work, self._show, self._section.complaint.say)
+        self._jobs.start(f"{name} by {BY[by]}", work, self._show, partial(self._refuse, by))
+
+    def _refuse(self, by: Kind, reason: str) -> None:
+        """Say why in the menu's own words."""
+        self._section.answer(reason.replace(f"{by}: ", f"{BY[by]}: ", 1))
 
     def _show(self, found: Repair) -> None:
         self._found = found
-        self._said.content = NOTE.format(bullets(words(found)) + figures(found))
+        pictures = "".join(
+            DRAWINGS.format(*side) for side in (("A", drawings(found.before)), ("B", drawings(found.after)))
+        )
+        self._said.content = NOTE.format(bullets(words(found)) + pictures + figures(found))
         self._said.visible = self._accept.visible = self._discard.visible = True
 
     def _take(self) -> None:
-        if self._found is not None:
-            self._page.write(accepted(self._page.read(), self._found))
-            self._forget()
+        found = self._found
+        if found is None:
+            return
+        settings = self._page.read()
+        with self._section.answering():
+            if effective(settings).path != found.before.path:
+                raise ValueError("the motion on the page is another one by now: look for a change of that one")
+        if found.after.path != found.before.path:
+            self._pin()
+        self._page.write(accepted(settings, found))
+        self._forget()
+        self._said.content = NOTE.format(bullets((ACCEPTED if found.after.path != found.before.path else SAME,)))
+        self._said.visible = True
 
     def _forget(self) -> None:
         self._found = None
@@ -81,9 +112,16 @@ class RepairPanel:
 
 
 def accepted(settings: Settings, found: Repair) -> Settings:
-    """The settings with the changed motion in them; time scale and printed start were in what was changed."""
+    """The settings with what was changed in them, and with what the visitor has chosen otherwise meanwhile; time scale
+    and printed start are in the path."""
+    changed = {
+        name: getattr(found.after, name)
+        for name in found.after.__struct_fields__
+        if getattr(found.after, name) != getattr(found.before, name)
+    }
     printed = msgspec.structs.replace(settings.printed, initial_values=False)
-    return msgspec.structs.replace(settings, preset=found.after, time_scale=1.0, printed=printed)
+    preset = msgspec.structs.replace(effective(settings), **changed)
+    return msgspec.structs.replace(settings, preset=preset, time_scale=1.0, printed=printed)
 
 
 def words(found: Repair) -> tuple[str, ...]:

@@ -21,7 +21,10 @@ Action = Callable[[], None]
 """What a button asks for, carried out by the session's loop."""
 MAX_ACTIONS = 64
 """Presses remembered while the session is busy; of more, the oldest are dropped."""
-RED = "#b3261e"
+RED = "light-dark(#b3261e, #ff8f86)"
+"""On white, on black."""
+ALERT = f"color:{RED};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em;overflow-wrap:anywhere"
+QUIET = (92, 117, 150)
 COMPLAINTS, RESETS = 1e6, 2e6
 """viser's order of things in a folder: below all controls, whenever these were added."""
 COLUMN = re.compile(r"\(column (\d+)\)$")
@@ -42,10 +45,12 @@ class Complaint:
     def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
         self._line = gui.add_html("", visible=False, order=order)
 
-    def say(self, sentence: str, *, text: str = "") -> None:
-        """Show the sentence, marked by a sign as well as a colour; with a text, point at the column it names."""
-        style = f"color:{RED};font-weight:600;font-size:0.85em;padding:0.2em 0.8em 0.6em;overflow-wrap:anywhere"
-        shown = f'<div role="alert" style="{style}">⚠ {html.escape(sentence)}{pointer(text, sentence)}</div>'
+    def say(self, sentence: str, *, text: str = "", more: Sequence[str] = ()) -> None:
+        """Show the sentence, marked by a sign as well as a colour; with a text, point at the column it names. What is
+        `more` stands below it, a line each."""
+        lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
+        said = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
+        shown = f'<div role="alert" style="{ALERT}">{said}</div>'
         if shown != self._line.content:
             self._line.content = shown
         self._line.visible = True
@@ -127,9 +132,14 @@ class Section:
         try:
             yield
         except ValueError as error:
-            with self._folder:
-                self.sheet.answer(Complaint(self.gui, order=COMPLAINTS), str(error))
+            self.answer(str(error))
             raise Refused from error
+
+    def answer(self, sentence: str, *, more: Sequence[str] = ()) -> None:
+        """Say here why a button did nothing, until something else is done or shown."""
+        self.sheet.forget_answer()
+        with self._folder:
+            self.sheet.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
 
     def refresh(self) -> Resettable | None:
         """Mark what differs from the preset, offer to reset it; the control that was moved since, if any."""
@@ -187,10 +197,10 @@ class Sheet:
         for section in tuple(self.sections):
             self._last = section.refresh() or self._last
 
-    def answer(self, place: Complaint, sentence: str) -> None:
+    def answer(self, place: Complaint, sentence: str, *, more: Sequence[str] = ()) -> None:
         """Say why a button did nothing, until it is forgotten."""
         self._answer = place
-        place.say(sentence)
+        place.say(sentence, more=more)
 
     def forget_answer(self) -> None:
         """Something else was done, or shown."""
@@ -213,9 +223,9 @@ class Sheet:
         for section in tuple(self.sections):
             section.reset_all()
 
-    def button(self, label: str, action: Action, *, hint: str) -> viser.GuiButtonHandle:
-        """A button whose action the session's loop carries out."""
-        made = self.gui.add_button(label, hint=hint)
+    def button(self, label: str, action: Action, *, hint: str, quiet: bool = False) -> viser.GuiButtonHandle:
+        """A button whose action the session's loop carries out; a quiet one is not what people mostly come for."""
+        made = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
         made.on_click(lambda _: self.do(action))
         return made
 

@@ -17,7 +17,7 @@ BAR = (
 )
 SHORT = {"times the weight": "× weight"}
 NAMES = {"least distance to the anchor": "to the anchor"}
-GOOD, BAD = "#00785a", "#b3261e"
+GOOD, BAD = "light-dark(#00785a, #4fd1ad)", "light-dark(#b3261e, #ff8f86)"
 
 
 class VehiclePanel:

@@ -11,12 +11,18 @@ from rangenav import sensors
 from rangenav.vehicle import FREE
 
 WORDS = {
-    "observable": ("●", "#00785a", "OBSERVABLE", "full rank, and the predicted error meets the requirement"),
-    "weak": ("▲", "#9a5b00", "WEAK", "full rank, but the predicted error exceeds the requirement"),
-    "blind": ("✕", "#b3261e", "BLIND", "some directions cannot be told at all"),
+    "observable": (
+        "●",
+        "light-dark(#00785a, #4fd1ad)",
+        "OBSERVABLE",
+        "full rank, and the predicted error meets the requirement",
+    ),
+    "weak": ("▲", "light-dark(#9a5b00, #f0b35a)", "WEAK", "full rank, but the predicted error exceeds the requirement"),
+    "blind": ("✕", "light-dark(#b3261e, #ff8f86)", "BLIND", "some directions cannot be told at all"),
 }
-"""Shape, colour (Okabe–Ito hues, dark enough to read on white), word, meaning."""
-NAME_STYLE = "padding:0.1em 0.7em 0.1em 0;color:#666;vertical-align:top;white-space:nowrap"
+"""Shape, colour (Okabe–Ito hues, dark enough to read on white, and light enough on black), word, meaning."""
+DIMMED = "color:light-dark(#666, #a8a8a8)"
+NAME_STYLE = f"padding:0.1em 0.7em 0.1em 0;{DIMMED};vertical-align:top;white-space:nowrap"
 ROW = f'<tr><td style="{NAME_STYLE}">{{}}</td><td>{{}}</td></tr>'
 CHIP_STYLE = "border:1px solid;border-radius:3px;padding:0 0.35em;margin-left:0.6em;font-size:0.75em"
 CHIP = f'<span style="color:{{}};{CHIP_STYLE}">{{}}</span>'
@@ -46,7 +52,7 @@ class VerdictPanel:
         table = "".join(ROW.format(name, text) for name, text in _rows(picture))
         self._block.content = (
             '<div style="padding:0.5em 0.9em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">'
-            f'{head}<div style="color:#666;margin-bottom:0.4em">{meaning}</div>'
+            f'{head}<div style="{DIMMED};margin-bottom:0.4em">{meaning}</div>'
             f'<table style="border-collapse:collapse">{table}</table></div>'
         )
 
@@ -62,9 +68,9 @@ def _chips(picture: Picture) -> str:
     """Labels beside the verdict: printed switches that are on, and a run that says nothing."""
     printed = picture.settings.printed
     on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
-    chips = [CHIP.format("#8a3d7a", f"PRINTED: {', '.join(on)}")] if on else []
+    chips = [CHIP.format("light-dark(#8a3d7a, #d99ac9)", f"PRINTED: {', '.join(on)}")] if on else []
     if picture.summary.diverged:
-        chips.append(CHIP.format("#b3261e", "⚠ covariance diverges"))
+        chips.append(CHIP.format("light-dark(#b3261e, #ff8f86)", "⚠ covariance diverges"))
     return "".join(chips)
 
 

@@ -229,6 +229,13 @@ class Visitor:
         self.page.get_by_role("button", name=label, exact=False).first.click()
         time.sleep(INPUT_PAUSE)
 
+    def upload(self, label: str, name: str, content: bytes) -> None:
+        """Hand over a file through a button and the browser's own dialogue."""
+        with self.page.expect_file_chooser() as opened:
+            self.press(label)
+        opened.value.set_files({"name": name, "mimeType": "application/octet-stream", "buffer": content})
+        time.sleep(INPUT_PAUSE)
+
     def chart_labels(self) -> list[list[str]]:
         """The labels of the curves of every plot on view."""
         return self.page.evaluate(f"() => {CHARTS}.map(chart => chart.series.map(series => series.label || ''))")
