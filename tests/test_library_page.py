@@ -381,7 +381,7 @@ def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editi
 
 def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editing):
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
-    page.set("with", "polynomials (Crazyflie)")
+    page.set("polynomials", True)
     page.press("Export as a zip")
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
     assert page.tab.downloads == []
@@ -391,7 +391,6 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.wait_until_accepted()  # that was said of another motion
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     page.set("even if uncertified", True)
-    page.set("TUM", True)
     page.press("Export as a zip")
     packed = _zip(page, "circle.uncertified.zip")
     assert "circle.polynomial.uncertified.csv" in packed.namelist()
