@@ -25,7 +25,7 @@ MODE_WORDS = {
     ),
 }
 OTHERS: dict[Language, str] = {"paper": "The same in physical words", "physical": "The same in the paper's letters"}
-STIFF = '<div style="color:light-dark(#9a5b00,#ffb84d);font-weight:600;margin-top:0.4em">▲ {}</div>'
+STIFF = '<div style="color:light-dark(#9a5b00, #f0b35a);font-weight:600;margin-top:0.4em">▲ {}</div>'
 
 
 REMEDIES: dict[Language, dict[str, str]] = {
