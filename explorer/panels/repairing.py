@@ -13,7 +13,7 @@ from explorer.jobs import Cancelled, Jobs, Progress
 from explorer.panels.card import drawings
 from explorer.panels.controls import Choice
 from explorer.panels.notes import NOTE, bullets, table
-from explorer.panels.presets import Page
+from explorer.panels.page import Page
 from explorer.panels.sheet import Action, Section, Sheet
 from explorer.settings import Settings, effective
 from rangenav import repair
