@@ -3,7 +3,9 @@
     A        a whole Picture, of other settings
     rivals   the extended Kalman filter, and the refinement of the whole record, on the run's own record
     seeds    the same settings under other noise
-Rivals and seeds belong to one run: `run_of` tells which, and what belongs to another one is not drawn. No viser here.
+    basin    the same settings started from attitude errors all around
+All but A belong to one run: `run_of` and `attraction.setup_of` tell which, and what belongs to another is not drawn.
+No viser here.
 """
 
 from dataclasses import dataclass
@@ -12,7 +14,7 @@ from typing import Literal, NamedTuple
 from explorer.compute import Picture
 from rangenav import compare, record
 from rangenav.compare import Contender
-from rangenav.ensemble import Ensemble
+from rangenav.ensemble import Basin, Ensemble
 from rangenav.gains import Gains, Guess
 from rangenav.model import Form
 from rangenav.record import Course, Record
@@ -52,6 +54,7 @@ class Beside:
     pinned: Picture | None = None
     rivals: tuple[Rival, ...] = ()
     seeds: Ensemble | None = None
+    basin: Basin | None = None
 
 
 NOTHING = Beside()

@@ -5,7 +5,7 @@ from typing import Literal
 
 import msgspec
 
-from explorer.settings import Settings
+from explorer.settings import Language, Settings
 from explorer.store import Store, Unsaved
 from rangenav.inputs import Input
 
@@ -20,6 +20,7 @@ class Kept(Input, frozen=True, kw_only=True):
     opened: str
     """The preset that the program was started with."""
     settings: Settings
+    language: Language = "paper"
 
 
 class Keeping:
@@ -28,7 +29,8 @@ class Keeping:
     def __init__(self, store: Store, opened: str, tell: Callable[[str], None]) -> None:
         self._store, self._opened, self._tell = store, opened, tell
         self._seat: str | None = None
-        self._unwritten: Settings | None = None
+        self._noted: tuple[Settings, Language] | None = None
+        self._unwritten: tuple[Settings, Language] | None = None
         self._written = float("-inf")
         self._failing = False
         """Told once; each change is tried again, for a disk may have room later, or the work be smaller."""
@@ -48,9 +50,10 @@ class Keeping:
             self._tell(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
         return None
 
-    def note(self, settings: Settings) -> None:
+    def note(self, settings: Settings, language: Language = "paper") -> None:
         """This is what should be kept."""
-        self._unwritten = settings
+        if (settings, language) != self._noted:
+            self._noted = self._unwritten = settings, language
 
     def wait(self, now: float) -> float | None:
         """How long (s) until something should be written; None if there is nothing."""
@@ -60,11 +63,12 @@ class Keeping:
         """Write what is due."""
         if self._unwritten is None or not (at_once or now - self._written >= PERIOD):
             return
-        settings, self._unwritten, self._written = self._unwritten, None, now
+        (settings, language), self._unwritten, self._written = self._unwritten, None, now
         if self._seat is None:
             return
         try:
-            self._store.save(self._seat, msgspec.json.encode(Kept(opened=self._opened, settings=settings)))
+            kept = Kept(opened=self._opened, settings=settings, language=language)
+            self._store.save(self._seat, msgspec.json.encode(kept))
         except Unsaved as reason:
             if not self._failing:
                 self._tell(f"{_sentence(reason)} The page works on; download what you need.")

@@ -1,7 +1,8 @@
-"""One zip to take along: a preset, its certificate, and its motion or run in other formats. No viser here.
+"""One zip to take along: a preset and its motion or run in other formats, each with its certificate. No viser here.
 
-The certificate is of the bytes that are in the zip. A preset that misses its requirement is refused, or, if it is asked
-for all the same, everything in the zip has "uncertified" in its name.
+Everything in it passes the gate of `rangenav export`, is certified from the bytes that are in the zip, and can be
+verified where it is unpacked. What the gate refuses is left out, or, asked for all the same, has "uncertified" in its
+name and no certificate.
 """
 
 import io
@@ -12,12 +13,24 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from explorer.jobs import Cancelled, Progress, Stopped
-from rangenav import certificate, preset
+from rangenav import formats
 from rangenav.commands.export import exported
 from rangenav.preset import Preset
 
-SUFFIXES = {"bag": "", "euroc": "", "mcap": ".mcap", "tum": ".tum.txt", "mat": ".mat", "npz": ".npz"}
+SUFFIXES = {
+    "preset": ".toml",
+    "bag": ".bag",
+    "euroc": ".euroc",
+    "mcap": ".mcap",
+    "tum": ".tum.txt",
+    "mat": ".mat",
+    "npz": ".npz",
+    "csv": ".csv",
+}
 """Bags and EuRoC records are folders; the rest are CSV files that say in their names what they are."""
+OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
+MARK = ".uncertified"
+VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
 STAMP = (2020, 1, 1, 0, 0, 0)
 """The time of every file inside: equal inputs make equal zips."""
 
@@ -41,45 +54,34 @@ def parcel(
     progress: Progress,
     cancelled: Cancelled,
 ) -> Parcel:
-    """Pack a preset with its certificate and some formats. Raises ValueError with the certificate's refusal, or with
-    what the only format asked for cannot hold; of several formats such a one is left out and named."""
-    text = preset.dumps(shown).encode()
-    found = certificate.certify(text, source=f"{stem}.toml")
-    refusal = certificate.gate(found)
-    if refusal is not None and not uncertified:
-        raise ValueError(
-            f"{refusal}. Nothing was written; “even if uncertified”, above, writes it, marked so in every name"
-        )
-    stem = stem if refusal is None else f"{stem}.uncertified"
-    notes = [] if refusal is None else [f"UNCERTIFIED: {refusal}"]
+    """Pack a preset and some formats, each with its certificate. Raises ValueError with the gate's refusal of the
+    preset, or with what the only format asked for cannot hold; of several formats such a one is left out and named."""
+    notes: list[str] = []
     with tempfile.TemporaryDirectory(prefix="rangenav-") as made:
         folder = Path(made)
-        (folder / f"{stem}.toml").write_bytes(text)
-        (folder / f"{stem}.certificate.json").write_bytes(certificate.dumps(found))
-        for k, form in enumerate(forms):
-            progress((k + 1) / (len(forms) + 1))
+        for k, form in enumerate(("preset", *forms)):
+            progress((k + 1) / (len(forms) + 2))
             if cancelled():
                 raise Stopped
-            notes += _written(shown, form, folder / (stem + SUFFIXES.get(form, f".{form}.csv")), alone=len(forms) == 1)
-        (folder / "README.txt").write_text("".join(f"{note}\n" for note in (*_contents(stem), *notes)), "utf-8")
-        return Parcel(f"{stem}.zip", _zipped(folder), tuple(notes))
+            path = folder / (stem + SUFFIXES.get(form, f".{form}.csv"))
+            try:
+                notes += _written(shown, form, path, uncertified=uncertified)
+            except ValueError as error:
+                if form == "preset" or len(forms) == 1:
+                    raise
+                notes.append(f"{form}: left out: {error}")
+        (folder / "README.txt").write_text("".join(f"{note}\n" for note in (VERIFY, *notes)), "utf-8")
+        marked = any(MARK in path.name for path in folder.iterdir())
+        return Parcel(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
 
 
-def _written(shown: Preset, form: str, path: Path, *, alone: bool) -> list[str]:
-    """Write one format; what is to be known about the file."""
-    try:
-        report = exported(
-            shown, form, path, name=path.name, attitude="flown", uncertified=True, gate=lambda _: None
-        )  # the gate was passed, or the mark is in the name
-    except ValueError as error:
-        if alone:
-            raise
-        return [f"{form}: left out: {error}"]
-    return [f"{path.name}: {form}, {report['frame']}", *(f"{path.name}: {note}" for note in report["notes"])]
-
-
-def _contents(stem: str) -> tuple[str, ...]:
-    return (f"{stem}.toml: the preset; {stem}.certificate.json: its certificate (rangenav verify {stem}.toml)",)
+def _written(shown: Preset, form: str, path: Path, *, uncertified: bool) -> list[str]:
+    """Write one format and its certificate; what is to be known about the file."""
+    report = exported(shown, form, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE)
+    name = formats.marked(path).name if report["uncertified"] else path.name
+    proof = "uncertified" if report["uncertified"] else f"certified ({Path(report['certificate']).name})"
+    about = f"{name}: {form}, {report['frame']}, {proof}"
+    return [about, *(f"{name}: {note}" for note in report["notes"])]
 
 
 def _zipped(folder: Path) -> bytes:

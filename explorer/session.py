@@ -140,6 +140,7 @@ class Session:
             kept = self._tell(str(reason))
         if kept is None:
             return
+        self._dock.gains.speak(kept.language)
         settings = kept.settings
         if settings.origin not in self._shelf.presets:  # imported and not saved, or deleted meanwhile: it has no file
             origin = self._shelf.lend(settings.preset).origin
@@ -174,14 +175,15 @@ class Session:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             self._dock.compare.read()
-            if self._picture is None or settings != self._picture.settings:
-                picture = compute.compute(settings)
-                self._keeping.note(settings)  # before it is drawn: the tab may be gone by then
+            shown = self._picture
+            picture = shown if shown is not None and settings == shown.settings else compute.compute(settings)
+            self._keeping.note(settings, self._dock.gains.language)  # before it is drawn: the tab may be gone by then
+            if picture is not shown:
                 self._show(picture)
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
                 self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
-            elif self._dock.compare.news:
-                self._draw(self._picture)
+            elif self._dock.news:
+                self._draw(picture)
             return True
         return False
 
@@ -243,7 +245,7 @@ class Session:
     def _draw(self, picture: Picture) -> None:
         self._picture = picture
         self._playback.fit(picture.preset.duration)
-        beside = self._dock.compare.beside(picture)
+        beside = self._dock.beside(picture)
         with self._client.atomic():
             self._charts.draw(picture, beside)
             self._charts.cursor(picture, self._playback.time)

@@ -1,12 +1,17 @@
 """What one visitor has chosen: a preset, a time scale, and which of the paper's misprints to follow. Values only."""
 
+from typing import Literal
+
 import msgspec
 
 from rangenav import axes, signals
+from rangenav.attitude import Schedule
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.preset import Preset
 from rangenav.signals import Family, Turning
 
+Language = Literal["paper", "physical"]
+"""In which gains are shown. A choice of view and none of Settings: it changes nothing, so it is no step to undo."""
 MIN_TIME_SCALE, MAX_TIME_SCALE = 0.1, 10.0
 MAX_DRAFTS = 8
 PRINTED_POSITION = (1.0, 0.0, 0.0)
@@ -32,15 +37,17 @@ class Printed(Input, frozen=True, kw_only=True):
 
 
 class Drafts(Input, frozen=True, kw_only=True):
-    """What was entered in families that are not in use now: looking at another family loses nothing."""
+    """What was entered and is not in use now: looking at another family, or switching off, loses nothing."""
 
     path: tuple[Family, ...] = ()
     wiggle: tuple[Family, ...] = ()
     angular_velocity: tuple[Turning, ...] = ()
+    schedule: Schedule = Schedule()
+    """Of k1, while it is off."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in self.__struct_fields__:
+        for name in ("path", "wiggle", "angular_velocity"):
             count = len(getattr(self, name))
             require(count <= MAX_DRAFTS, f"at most {MAX_DRAFTS} drafts of a {name} are kept, got {count}")
 

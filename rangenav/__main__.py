@@ -56,7 +56,7 @@ def main() -> None:
     except BrokenPipeError:  # whoever reads, `head` say, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        fail(f"{error.filename}: {error.strerror}")
+        fail(f"{error.filename or 'rangenav'}: {error.strerror}")
     except SystemExit as stop:
         if stop.code == 2:
             fail(usage_error(complaint.getvalue()))

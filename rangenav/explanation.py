@@ -10,6 +10,7 @@ from rangenav.analysis import Analysis, analyse
 from rangenav.motion import Motion
 from rangenav.observability import ellipsoid, frozen, functions, horizon, printed
 from rangenav.preset import Preset
+from rangenav.report import verdict
 from rangenav.twin import Refusal, Twin
 
 Json = dict[str, Any]
@@ -24,7 +25,7 @@ def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
     return {
         "preset": name,
         "window": preset.requirement.window,
-        "verdict": analysed.verdict,
+        **verdict(preset, analysed),
         "horizon": _horizon(preset),
         "functions": _functions(preset, analysed),
         "excitation": {"at": shaken.start, "weakest": shaken.weakest.tolist(), "words": shaken.words},

@@ -13,8 +13,10 @@ both, k1ρ1 and k1ρ2 would be roots of a quadratic that loses half of its digit
 """
 
 import math
-from typing import Literal
+from collections.abc import Iterable
+from typing import Literal, TypeVar
 
+import msgspec
 import numpy as np
 from msgspec.structs import asdict
 
@@ -32,6 +34,9 @@ MOMENTS = 500
 """Points of a path whose mean square makes it typical."""
 ROUNDING = 1e-12
 """A gain that misses an end of its range by this share, the rounding of a conversion, is that end."""
+SIZES = (1e-30, 1e30)
+"""Of any physical word. All that valid gains stand for lies far inside, and no fourth power of these overflows."""
+T = TypeVar("T")
 
 
 class Typical(Input, frozen=True, kw_only=True):
@@ -83,6 +88,7 @@ class PhysicalGains(Input, frozen=True, kw_only=True):
         for name, value in asdict(self).items():
             if isinstance(value, float):
                 require(value > 0, f"{name} must be positive, got {value:g}")
+                require_within(name, value, *SIZES)
 
 
 def typical(path: Signal, world: World, duration: float) -> Typical:
@@ -159,6 +165,29 @@ def to_paper(chosen: PhysicalGains, at: Typical, *, world: World, sensors: Senso
             schedule=p.schedule,
         ),
     )
+
+
+def keeping(found: Gains, known: Iterable[Gains], at: Typical, *, world: World, sensors: Sensors) -> Gains:
+    """What `to_paper` found, with each gain that it would have found for a known one too taken from there.
+
+    A round trip through physical words costs last bits. So of gains that were put into words, of which some were then
+    changed, those that no changed word touches come back as they were, and all of them if none was changed.
+    """
+    kept = found
+    for one in known:
+        trip = to_paper(to_physical(one, at, world=world, sensors=sensors), at, world=world, sensors=sensors)
+        kept = _kept(kept, found, one, trip)
+    return kept
+
+
+def _kept(kept: T, found: T, known: T, trip: T) -> T:
+    if found == trip:
+        return known
+    if not (isinstance(kept, msgspec.Struct) and isinstance(found, msgspec.Struct) and type(found) is type(trip)):
+        return kept
+    names = found.__struct_fields__
+    parts = {name: _kept(*(getattr(value, name) for value in (kept, found, known, trip))) for name in names}
+    return msgspec.structs.replace(kept, **parts)
 
 
 def _range_sigma(variance: float, distance: float) -> float:

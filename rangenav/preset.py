@@ -15,6 +15,7 @@ from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import quadrature
+from rangenav.provenance import Source
 from rangenav.sensors import MODELLED, Sensors, Unmodelled
 from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
@@ -79,6 +80,8 @@ class Preset(Input, frozen=True, kw_only=True):
     requirement: Requirement = Requirement()
     vehicle: Vehicle = FREE
     """Whose limits the motion is held against."""
+    source: Source | None = None
+    """The file that the path was imported from; None for a design, in which case the file has no such table."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -145,12 +148,14 @@ def _encoded(preset: Preset) -> str:
     table = msgspec.to_builtins(preset)
     if preset.vehicle == FREE:
         del table["vehicle"]
+    if preset.source is None:  # TOML has no null
+        del table["source"]
     if preset.sensors.noise.imu_unit == "sample":
         del table["sensors"]["noise"]["imu_unit"]
     table["sensors"]["unmodelled"] = _used(preset.sensors.unmodelled)
     if not table["sensors"]["unmodelled"]:
         del table["sensors"]["unmodelled"]
-    if preset.gains.attitude.schedule is None:  # and TOML has no null
+    if preset.gains.attitude.schedule is None:
         del table["gains"]["attitude"]["schedule"]
     return msgspec.toml.encode(table).decode()
 

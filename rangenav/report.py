@@ -4,9 +4,10 @@ import math
 from dataclasses import asdict
 from typing import Any
 
+import msgspec
 import numpy as np
 
-from rangenav import motion, record
+from rangenav import certificate, motion, record
 from rangenav.analysis import Analysis, analyse, noise_note
 from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
@@ -50,8 +51,17 @@ def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
             "nonlinear": {"start": _accuracy(found.nonlinear_start), "end": _accuracy(found.nonlinear_end)},
             **_ignored(preset),
         },
-        "verdict": found.verdict,
+        **verdict(preset, found),
     }
+
+
+def verdict(preset: Preset, found: Analysis) -> Json:
+    """The verdict; null, and why, of a path that was fitted to a record or that jumps."""
+    source = {} if preset.source is None else {"source": msgspec.to_builtins(preset.source)}
+    why = certificate.restriction(preset)
+    if why is None:
+        return {"verdict": found.verdict, **source}
+    return {"verdict": None, "verdict_reason": f"null: not judged: {why}", **source}
 
 
 def simulation_report(first: Record, others: list[Summary], *, name: str) -> Json:

@@ -20,7 +20,8 @@ import numpy as np
 from scipy.io import savemat
 
 from rangenav import formats, motion, preset, record
-from rangenav.formats import euroc
+from rangenav.certificate import artifacts, exported
+from rangenav.formats import euroc, reread
 from rangenav.formats.presets import as_preset
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Formula, bandwidth_until, expressions, series
@@ -156,6 +157,8 @@ MISPRINTS += [
 ]
 MISPRINTS += ["# gravity = 1e400 0 0", "# anchor = nan 0 0", "x^0", "timestamp", "\t", "1e300", "0.0,0.0,0.0,0.0"]
 ANSWERS = {"gyro": "deg/s", "accel": "g", "mag": "uT", "frame": "z-up", "lines": "drop", "time": "ms", "range": "cm"}
+RECORDS_SHARE = 0.15
+"""Of the files that are damaged, exported ones that are read again."""
 ROWS = 40
 """Of each file that is damaged: few enough to damage thousands."""
 
@@ -220,6 +223,9 @@ def _fly(p: Preset) -> None:
 
 def importers(random: random.Random) -> None:
     """A file of some format with places damaged: refused in one line, understood, or asked about; never for long."""
+    if random.random() < RECORDS_SHARE:
+        exported_record(random)
+        return
     name, seeds = random.choice(_files())
     damaged = {key: _damaged(random, data, text=name != "mat") for key, data in seeds.items()}
     confirm = {key: ANSWERS[key] for key in ANSWERS if random.random() < 0.7}
@@ -245,6 +251,23 @@ def importers(random: random.Random) -> None:
             as_preset(found)
         except ValueError as error:
             _check_sentence(str(error), "x")
+
+
+def exported_record(random: random.Random) -> None:
+    """An exported record with places damaged, as `verify` reads it again: positions, or refused in one line."""
+    name, seeds = random.choice(_records())
+    damaged = dict(seeds)
+    file = random.choice(sorted(seeds))
+    damaged[file] = _damaged(random, seeds[file], text=name in ("tum", "csv", "log", "euroc"))
+    if random.random() < 0.05:
+        damaged[random.choice(("../x", "a/b", "metadata.yaml", ".", "y"))] = b"z"
+    try:
+        time, position = reread.places(damaged, name, "x")
+    except ValueError as error:
+        _check_sentence(str(error), "x")
+        return
+    assert position.shape == (len(time), 3)
+    assert np.isfinite(position).all()
 
 
 def _check_sentence(said: str, start: str, *, longest: int = 400) -> None:
@@ -326,6 +349,32 @@ def _files() -> list[tuple[str, dict[str, bytes]]]:
             if found.path is not None:
                 as_preset(found)
     return _FILES
+
+
+_RECORDED: list[tuple[str, dict[str, bytes]]] = []
+
+
+def _records() -> list[tuple[str, dict[str, bytes]]]:
+    """A short record in every format that one is exported in."""
+    if not _RECORDED:
+        soft = preset.load("soft")
+        slow = msgspec.structs.replace(soft.sensors, imu_rate=50.0, range_rate=10.0, mag_rate=10.0)
+        requirement = msgspec.structs.replace(soft.requirement, window=1.5)
+        short = msgspec.structs.replace(soft, duration=3.0, sensors=slow, requirement=requirement)
+        with tempfile.TemporaryDirectory() as folder:
+            for name in exported.RUNS:
+                path = Path(folder) / f"x-{name}"
+                try:
+                    formats.export(short, name, path)
+                except ValueError as error:
+                    if "rangenav[ros]" in str(error):  # it is not installed
+                        continue
+                    raise
+                content = artifacts.read_bytes(path)
+                _RECORDED.append((name, artifacts.unpacked(content, "x") if path.is_dir() else {"": content}))
+        for name, seeds in _RECORDED:  # undamaged they are read
+            assert len(reread.places(seeds, name, "x")[0]) > 100
+    return _RECORDED
 
 
 def _parsed(name: str, data: dict[str, bytes], confirm: dict[str, str]) -> formats.Imported:
@@ -436,6 +485,7 @@ def run(target: str, *, seconds: float, cases: int | None = None, seed: int = 0)
     _texts()
     if target == "importers":
         _files()
+        _records()
     began, count = time.perf_counter(), 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")

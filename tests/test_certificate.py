@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rangenav import analysis, certificate, motion, preset
-from rangenav.certificate import checking, contents
+from rangenav.certificate import checking, contents, exported
 from rangenav.certificate.contents import Certificate
 from rangenav.certificate.remedy import with_tones
 from rangenav.motion import World
@@ -329,7 +329,7 @@ def test_the_limits_are_those_of_the_textbook():
 
 def test_what_a_vehicle_cannot_do_is_refused_with_how_much_slower_it_would_go():
     p = replace(SOFT, vehicle=CRAZYFLIE, angular_velocity=Flown(), path=Multisine(tones=FAST))
-    said = certificate.refusal(p)
+    said = exported.gate(p)
     assert said is not None
     assert "Crazyflie 2.1 cannot fly it: thrust 1.73 times the weight" in said
     slower = float(re.findall(r"fly it ([\d.]+) times slower", said)[0])
@@ -349,7 +349,7 @@ FAST = (
 def test_the_gate_is_open_for_what_meets_its_requirement_whatever_was_expected():
     assert certificate.gate(SOFT_CERTIFICATE) is None
     assert certificate.gate(certified(replace(SOFT, expect="unobservable"))) is None
-    assert certificate.refusal(SOFT) is None
+    assert exported.gate(SOFT) is None
 
 
 @pytest.mark.parametrize(
@@ -387,13 +387,13 @@ def test_gravity_and_axes_are_said():
     assert tilted.frame.up == "(0.00, -0.60, -0.80)"
 
 
-def tones_file(content: bytes, source: str, context: Preset | None) -> Preset:
+def tones_file(content: bytes, source: str, context: Preset | None) -> certificate.Held:
     """A made-up format that holds a path and nothing else: axis, amplitude and frequency a line."""
     if context is None:
         raise ValueError(f"{source}: says nothing of the world")
     rows = [line.split() for line in content.decode().splitlines()]
     made = tuple(Tone(axis=axis, amplitude=float(a), frequency=float(w)) for axis, a, w in rows)  # pyright: ignore
-    return replace(context, path=Multisine(tones=made))
+    return certificate.Held(replace(context, path=Multisine(tones=made)))
 
 
 def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by_who_knows_it(tmp_path: Path):

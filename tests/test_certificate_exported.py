@@ -5,10 +5,13 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rangenav import certificate, formats, preset, signals
-from rangenav.certificate import exported
+from rangenav.certificate import artifacts, exported
 from rangenav.certificate.contents import Certificate
+from rangenav.formats import reread
 from rangenav.preset import Preset
 from rangenav.signals import Polynomials
 from tests.families import POLYNOMIALS
@@ -17,6 +20,10 @@ replace = msgspec.structs.replace
 READERS = exported.readers()
 SOFT = preset.load("soft")
 SUFFIXES = {"preset": ".toml", "mat": ".mat", "npz": ".npz", "tum": ".tum"}
+
+
+BETWEEN = "s of the file, between its ramps, and no more"
+STEADY = {"reference": f"2 s to 20 {BETWEEN}", "polynomial": f"2 s to 18.057 {BETWEEN}"}  # 31 pieces hold no more
 
 
 def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
@@ -33,6 +40,8 @@ def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
 def test_what_is_exported_is_certified_from_its_bytes_and_one_altered_byte_fails(form: str, tmp_path: Path):
     file, found = written(SOFT, form, tmp_path)
     assert (found.certified, found.meets, found.artifact.format) == (True, True, form)
+    covers = {"preset": msgspec.UNSET, **STEADY}.get(form, exported.RECORDED)
+    assert found.artifact.covers == covers
     assert certificate.verify_file(file, readers=READERS) == ()
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 1
@@ -99,14 +108,14 @@ def test_a_format_whose_file_does_not_say_enough_is_answered_with_a_sentence(tmp
     exported.write_beside(replace(found, context="version = 1"), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said.startswith("x.csv, context: ")
-    exported.write_beside(replace(found, artifact=replace(found.artifact, format="bag")), file)
+    exported.write_beside(replace(found, artifact=replace(found.artifact, format="word")), file)
     (said,) = certificate.verify_file(file, readers=READERS)
-    assert said == "x.csv: files of the format 'bag' cannot be certified"
+    assert said == "x.csv: files of the format 'word' cannot be certified"
 
 
 def test_the_command_line_writes_certifies_and_verifies(answer, run, complaint, tmp_path: Path):
     said = answer("export", "soft", "--to", "polynomial", "-o", tmp_path / "soft.csv")
-    assert said["certificate"] == str(tmp_path / "soft.certificate.json")
+    assert said["certificate"] == str(tmp_path / "soft.csv.certificate.json")
     assert run("verify", tmp_path / "soft.csv") == (0, "✓ soft.csv\n", "")
     refused = complaint("export", "circle", "--to", "reference", "-o", tmp_path / "circle.csv")
     assert "circle: Horizontal circle, anchor 1.5 m off its plane: refused: the excitation along z over" in refused
@@ -115,14 +124,122 @@ def test_the_command_line_writes_certifies_and_verifies(answer, run, complaint, 
     assert marked["uncertified"]
     assert sorted(one.name for one in tmp_path.iterdir()) == [
         "circle.uncertified.csv",
-        "soft.certificate.json",
         "soft.csv",
+        "soft.csv.certificate.json",
     ]
     code, _, err = run("verify", tmp_path / "circle.uncertified.csv")
     assert (code, err.count("\n")) == (1, 1)
     assert "there is no certificate beside it" in err
 
 
-def test_a_folder_has_no_certificate_and_that_is_said(answer, tmp_path: Path):
-    said = answer("export", "soft", "--to", "euroc", "-o", tmp_path / "flight")
-    assert (said["certificate"], said["certificate_reason"]) == (None, "null: a euroc folder has no bytes of its own")
+def every_byte_counts(folder: Path) -> None:
+    """Alter, add and lose files of a certified folder; each must fail, and undone it holds again."""
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != artifacts.OF_FOLDER]
+    assert files
+    for file in files:
+        content = file.read_bytes()
+        file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+        (said,) = certificate.verify_file(folder, readers=READERS)
+        assert said.startswith(f"{folder.name}: its bytes are not those that were certified")
+        file.unlink()
+        assert len(certificate.verify_file(folder, readers=READERS)) == 1
+        file.write_bytes(content)
+    (folder / "more.txt").write_text("x")
+    assert len(certificate.verify_file(folder, readers=READERS)) == 1
+    (folder / "more.txt").unlink()
+    assert certificate.verify_file(folder, readers=READERS) == ()
+
+
+@pytest.mark.parametrize("form", ["euroc", "bag"])
+def test_a_folder_is_certified_with_every_byte_of_every_file_in_it(answer, run, tmp_path: Path, form: str):
+    if form == "bag":
+        pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
+    folder = tmp_path / "flight"
+    said = answer("export", "soft", "--to", form, "-o", folder)
+    assert said["certificate"] == str(folder / "certificate.json")
+    assert run("verify", folder) == (0, "✓ flight\n", "")
+    assert run("verify", folder / "certificate.json") == (0, "✓ certificate.json\n", "")
+    every_byte_counts(folder)
+
+
+def test_an_mcap_file_is_certified_as_well(tmp_path: Path):
+    pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
+    file, found = written(SOFT, "mcap", tmp_path)
+    assert found.certified
+    assert certificate.verify_file(file, readers=READERS) == ()
+
+
+def test_a_folder_that_leads_out_of_itself_or_has_no_end_is_refused(tmp_path: Path):
+    folder = tmp_path / "flight"
+    formats.export(SOFT, "euroc", folder)
+    found = exported.certified(SOFT, "euroc", folder)
+    exported.write_beside(found, folder)
+    (folder / "out").symlink_to("/etc")
+    (said,) = certificate.verify_file(folder, readers=READERS)
+    assert said == "flight: 'out' is neither a file nor a folder, or has a line feed in its name"
+    (folder / "out").unlink()
+    for k in range(artifacts.MAX_ENTRIES):
+        (folder / f"{k}").mkdir()
+    (said,) = certificate.verify_file(folder, readers=READERS)
+    assert said == "flight: more than 64 files, which no export is"
+
+
+@given(files=st.dictionaries(st.text("abc/ 0", min_size=1, max_size=9), st.binary(max_size=40), max_size=6))
+def test_the_bytes_of_a_folder_are_taken_apart_as_they_were_put_together(files: dict[str, bytes]):
+    packed = b"".join(f"{name} {len(data)}\n".encode() + data for name, data in files.items())
+    assert artifacts.unpacked(packed, "x") == files
+    if packed:
+        with pytest.raises(ValueError, match="these are not the bytes of a folder"):
+            artifacts.unpacked(packed + b"x", "x")
+
+
+@pytest.mark.parametrize("form", ["tum", "csv", "log", "npz", "mat", "euroc", "bag", "mcap"])
+@pytest.mark.parametrize("name", ["soft", "paper-slow"])
+def test_the_positions_in_a_record_are_read_again_and_lie_on_the_path(name: str, form: str, tmp_path: Path):
+    """The witness is the preset's formula, z up where the format is."""
+    if form in ("bag", "mcap"):
+        pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
+    p, path = preset.load(name), tmp_path / f"x{SUFFIXES.get(form, '')}"
+    formats.export(p, form, path)
+    content = artifacts.read_bytes(path)
+    files = artifacts.unpacked(content, "x") if path.is_dir() else {"": content}
+    time, position = reread.places(files, form, "x")
+    assert (len(time), time[0], time[-1]) == pytest.approx((4001, 0, 20), abs=1e-8)
+    own = p.path(time) * ((1, -1, -1) if form in reread.UPRIGHT and p.world.gravity[2] > 0 else 1)
+    np.testing.assert_allclose(position, own, atol=1e-8)
+
+
+@pytest.mark.parametrize("form", ["tum", "csv", "npz", "euroc"])
+def test_a_record_of_another_path_is_not_certified_by_this_ones_preset(form: str, tmp_path: Path):
+    path = tmp_path / f"x{SUFFIXES.get(form, '')}"
+    formats.export(replace(SOFT, path=signals.scaled(SOFT.path, 1.001, about=(0.0, 0.0, 0.0))), form, path)
+    with pytest.raises(ValueError, match=r"^x.*: at t = .* s it is .* m from the path of the preset that is certified"):
+        exported.certified(SOFT, form, path)
+
+
+def test_what_is_no_record_at_all_is_a_sentence(tmp_path: Path):
+    for form in reread.READERS:
+        for content in (b"", b"nonsense", b"PK\x03\x04" + bytes(40), b"t,p_x,p_y,p_z\n0,1,2,nan\n"):
+            with pytest.raises(ValueError, match=r"^x") as caught:
+                reread.places({"": content}, form, "x")
+            assert "\n" not in str(caught.value)
+
+
+def test_a_certificate_may_be_named_in_place_of_its_file(answer, run, tmp_path: Path):
+    answer("export", "soft", "--to", "preset", "-o", tmp_path / "soft.toml")
+    answer("export", "soft", "--to", "npz", "-o", tmp_path / "soft.npz")  # its certificate is not the preset's
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == ["soft.certificate.json", "soft.npz", "soft.npz.certificate.json", "soft.toml"]
+    code, out, err = run("verify", *(tmp_path / name for name in names))
+    assert (code, err) == (0, "")
+    assert out.count("✓") == 4
+
+
+def test_an_export_that_cannot_be_certified_leaves_nothing_behind(complaint, tmp_path: Path, monkeypatch):
+    def broken(*_: object, **__: object) -> None:
+        raise ValueError("it cannot be read again")
+
+    monkeypatch.setattr(exported, "certified", broken)
+    for form, name in (("tum", "x.tum"), ("euroc", "x")):
+        assert complaint("export", "soft", "--to", form, "-o", tmp_path / name) == "it cannot be read again\n"
+    assert list(tmp_path.iterdir()) == []

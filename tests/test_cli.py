@@ -269,7 +269,7 @@ BAD = [
     (["simulate", "paper", "--runs", "0"], "--runs must lie between 1 and 10000, got 0"),
     (["simulate", "paper", "--model", "both"], "both"),
     (["simulate", "paper", "--save", "run.txt"], "--save must name a file that ends in .npz, got run.txt"),
-    (["simulate", "paper", "--save", "nowhere/run.npz"], "nowhere/run.npz: No such file or directory"),
+    (["simulate", "paper", "--save", "nowhere/run.npz"], "--save nowhere/run.npz: no such folder"),
 ]
 
 

@@ -104,7 +104,7 @@ def test_a_repair_that_cannot_be_made_is_a_sentence_and_exit_1(run: Call, tmp_pa
     [
         (["certify", "papper"], "papper: no such preset; shipped are"),
         (["certify"], "Missing"),
-        (["certify", "circle", "-o", "nowhere/c.json"], "nowhere/c.json: No such file or directory"),
+        (["certify", "circle", "-o", "nowhere/c.json"], "-o nowhere/c.json: no such folder"),
         (["verify"], "no file was named"),
         (["repair", "circle", "--by", "magic"], "magic"),
         (["repair", "circle", "-o", "new.json"], "--output must name a file that ends in .toml"),

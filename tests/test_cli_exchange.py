@@ -1,14 +1,20 @@
 """`rangenav export`, `import` and `log` as people and scripts meet them: files, questions, exit codes, one sentence."""
 
+import io
+import re
+import zipfile
+
 import msgspec
 import numpy as np
 import pytest
 
+from explorer.parcel import parcel
 from rangenav import formats, preset
-from rangenav.commands import export as exporting
+from rangenav.certificate import exported
 from tests.shared import shared
 
 SUFFIX = {"preset": ".toml", "npz": ".npz", "mat": ".mat", "mcap": ".mcap", "bag": "", "euroc": ""}
+EVERYTHING = tuple(form for form in formats.WRITTEN if form != "preset")
 
 
 @pytest.mark.parametrize("format", formats.WRITTEN)
@@ -48,15 +54,47 @@ def test_a_preset_that_misses_its_requirement_is_exported_only_marked(answer, co
     assert sorted(one.name for one in tmp_path.iterdir()) == ["greedy.toml", "x.uncertified.csv"]
 
 
-def test_whatever_gate_is_plugged_in_decides(tmp_path):
-    asked = {"name": "soft", "attitude": "flown"}
-    soft, path = preset.load("soft"), tmp_path / "x.tum"
-    with pytest.raises(ValueError, match=r"^soft: not today; nothing was written"):
-        exporting.exported(soft, "tum", path, uncertified=False, gate=lambda _: "not today", **asked)
-    marked = exporting.exported(soft, "tum", path, uncertified=True, gate=lambda _: "not today", **asked)
-    assert marked["files"] == [str(tmp_path / "x.uncertified.tum")]
-    passed = exporting.exported(soft, "tum", path, uncertified=True, gate=lambda _: None, **asked)
-    assert (passed["files"], passed["uncertified"]) == ([str(path)], False)
+def test_the_page_and_the_command_line_pass_one_gate(complaint, tmp_path):
+    """What the command refuses, the page's zip refuses or leaves out, in the same words: direction, window, by how
+    much, and what would help."""
+    circle, words = preset.load("circle"), exported.gate(preset.load("circle"), "reference")
+    for said in ("along z over the 10 s from t = 0 s is nothing, 1 m²/s⁷ required", "it would do to add a tone of at"):
+        assert said in words
+    assert words in complaint("export", "circle", "--to", "reference", "-o", tmp_path / "x.csv")
+    told = {"uncertified": False, "progress": lambda _: None, "cancelled": lambda: False}
+    with pytest.raises(ValueError, match=re.escape(words)):
+        parcel(circle, "circle", ["reference"], **told)
+    both = parcel(circle, "circle", ["reference", "csv"], **told)
+    assert any(note.startswith("reference: left out:") and words in note for note in both.notes)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["soft", "torus", "circle"])
+def test_everything_in_the_pages_zip_verifies_where_it_is_unpacked_and_nothing_else_does(run, tmp_path, name):
+    pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
+    packed = parcel(
+        preset.load(name), name, EVERYTHING, uncertified=True, progress=lambda _: None, cancelled=lambda: False
+    )
+    zipfile.ZipFile(io.BytesIO(packed.content)).extractall(tmp_path)
+    marked = [path for path in tmp_path.iterdir() if "uncertified" in path.name]
+    proven = [path for path in tmp_path.iterdir() if path.name != "README.txt" and path not in marked]
+    artifacts = [path for path in proven if not path.name.endswith("certificate.json")]
+    refused = {"circle": 2, "torus": 0}.get(name, 0)
+    assert len(marked) == refused
+    assert (packed.name == f"{name}.uncertified.zip") == bool(refused)
+    left_out = sum(": left out: " in note for note in packed.notes)
+    assert len(artifacts) + refused + left_out == 1 + len(EVERYTHING), packed.notes
+    assert len(artifacts) >= 9
+    code, out, err = run("verify", *proven)
+    assert (code, err, out.count("✓")) == (0, "", len(proven))
+    if marked:
+        assert run("verify", *marked)[0] == 1
+    for path in artifacts:
+        file = path if path.is_file() else next(one for one in path.rglob("*.*") if one.name != "certificate.json")
+        content = bytearray(file.read_bytes())
+        content[len(content) // 3] ^= 1
+        file.write_bytes(content)
+    assert run("verify", *artifacts)[1].count("✕") == len(artifacts)
 
 
 @pytest.mark.parametrize("format", ["bezier", "qgc"])

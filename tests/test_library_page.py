@@ -18,6 +18,7 @@ from explorer.sessions import Sessions
 from explorer.shelf import MINE
 from explorer.warming import Warming
 from rangenav import certificate, formats, preset
+from rangenav.certificate import exported
 from tests.house import house
 from tests.test_editor import Editing
 from tests.wire import Storage, Wire
@@ -368,6 +369,8 @@ def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editi
     packed = _zip(page, "paper-slow.zip")
     packed.extractall(tmp_path)
     assert certificate.verify_file(tmp_path / "paper-slow.toml") == ()
+    assert certificate.verify_file(tmp_path / "paper-slow.mat", readers=exported.readers()) == ()
+    assert certificate.verify_file(tmp_path / "paper-slow.euroc", readers=exported.readers()) == ()
     assert preset.load(tmp_path / "paper-slow.toml") == page.settings.preset
     names = set(packed.namelist())
     for name in ("paper-slow.mat", "paper-slow.tum.txt", "paper-slow.mcap", "paper-slow.reference.csv", "README.txt"):
@@ -378,6 +381,7 @@ def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editi
 
 def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editing):
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.set("with", "polynomials (Crazyflie)")
     page.press("Export as a zip")
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
     assert page.tab.downloads == []
@@ -390,7 +394,8 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.set("TUM", True)
     page.press("Export as a zip")
     packed = _zip(page, "circle.uncertified.zip")
-    assert all("uncertified" in name for name in packed.namelist() if name != "README.txt")
+    assert "circle.polynomial.uncertified.csv" in packed.namelist()
+    assert "circle.polynomial.csv.certificate.json" not in packed.namelist()
     assert b"UNCERTIFIED" in packed.read("README.txt")
 
 

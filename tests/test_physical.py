@@ -78,6 +78,32 @@ def test_switching_to_and_fro_many_times_does_not_wander(gains):
     np.testing.assert_allclose(numbers(now), numbers(gains), rtol=1e-12)
 
 
+@given(every_gain, states, worlds, sensors)
+def test_gains_that_nobody_changed_in_words_are_kept_to_the_last_bit(gains, at, world, rates):
+    words = physical.to_physical(gains, at, world=world, sensors=rates)
+    found = physical.to_paper(words, at, world=world, sensors=rates)
+    assert physical.keeping(found, [Gains(), gains], at, world=world, sensors=rates) == gains
+
+
+@given(every_gain, st.floats(0.5, 0.9))
+def test_a_changed_word_changes_its_gain_and_no_bit_of_the_others(gains, share):
+    words = physical.to_physical(gains, AT, world=WORLD, sensors=SENSORS)
+    fewer = replace(words, attitude_time=words.attitude_time / share)  # k1 falls
+    if gains.attitude.k1 * share < K1_RANGE[0] * 1.01 or gains.attitude.schedule is not None:
+        return
+    found = physical.to_paper(fewer, AT, world=WORLD, sensors=SENSORS)
+    kept = physical.keeping(found, [gains], AT, world=WORLD, sensors=SENSORS)
+    assert kept == replace(gains, attitude=replace(gains.attitude, k1=found.attitude.k1))
+    assert found.attitude.k1 == pytest.approx(gains.attitude.k1 * share, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e31, 1e-31, 1e200])
+def test_no_word_overflows(size):
+    for name in ("range_sigma", "gyro_sigma", "velocity_box", "gravity_weight"):
+        with pytest.raises(ValueError, match=f"{name} must lie between 1e-30 and 1e\\+30"):
+            chosen(**{name: size})
+
+
 def test_range_noise_is_the_variance_of_half_the_squared_range():
     """Drawn: y = ½(d + η)² of a million ranges at the typical distance."""
     sigma, rng = 0.3, np.random.default_rng(0)

@@ -17,6 +17,7 @@ from rangenav.gains import Gains, Guess
 from rangenav.motion import World
 from rangenav.observability import excitation
 from rangenav.preset import Preset, Requirement
+from rangenav.provenance import Source
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Noise, Sensors, Unmodelled
 from rangenav.signals import Multisine, Tone
@@ -67,6 +68,17 @@ worlds = st.builds(
     magnetic=vectors(1.0).filter(lambda v: np.linalg.norm(v[:2]) > 0.1).map(normalised),
     anchor=vectors(5e4),
 )
+hashes = st.text("0123456789abcdef", min_size=64, max_size=64)
+sources = st.builds(
+    Source,
+    file=st.text(min_size=1, max_size=255),
+    sha256=hashes,
+    format=st.sampled_from(["reference", "polynomial", "tum", "euroc"]),
+    derivatives=st.sampled_from(["file", "fit"]),
+    fitted=st.text(max_size=400),
+    unjudged=st.text(min_size=1, max_size=400),
+    path_sha256=hashes,
+)
 presets = st.builds(
     Preset,
     title=st.text(min_size=1, max_size=preset.MAX_TITLE),
@@ -77,6 +89,7 @@ presets = st.builds(
     initial_rotation=vectors(3.5),
     path=multisines,
     angular_velocity=multisines,
+    source=st.none() | sources,
     world=worlds,
     sensors=st.builds(
         Sensors,

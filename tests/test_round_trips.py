@@ -15,7 +15,7 @@ from explorer.panels.dock import Dock
 from explorer.panels.sheet import Refused
 from explorer.settings import Drafts, Printed, Settings
 from rangenav import axes
-from rangenav.attitude import AttitudeGains
+from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.cascade import Gains, Guess
 from rangenav.motion import World
 from rangenav.riccati import Blocks, RiccatiGains
@@ -46,7 +46,13 @@ GAINS = st.builds(
     Gains,
     mode=st.sampled_from(("constant", "noise-matched")),
     riccati=st.builds(RiccatiGains, q=st.floats(1e-3, 1e5), v=BLOCKS, p0=BLOCKS),
-    attitude=st.builds(AttitudeGains, k1=st.floats(1e-3, 1e3), rho1=SIZES, rho2=SIZES),
+    attitude=st.builds(
+        AttitudeGains,
+        k1=st.floats(1e-3, 1e3),
+        rho1=SIZES,
+        rho2=SIZES,
+        schedule=st.none() | st.builds(Schedule, steady=st.just(1e-3), halfway=st.floats(1e-4, 1.0)),
+    ),
 )
 SENSORS = st.builds(
     Sensors,

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import msgspec
 import viser
 
+from explorer.beside import Beside
 from explorer.compute import Picture
 from explorer.jobs import Jobs
 from explorer.panels import motion, sensors
+from explorer.panels.basin import BasinPanel
 from explorer.panels.compare import ComparePanel
 from explorer.panels.exporting import PackPanel
 from explorer.panels.flights import FlightPanel
@@ -21,12 +23,13 @@ from explorer.panels.printed import PrintedPanel
 from explorer.panels.progress import ProgressPanel
 from explorer.panels.repairing import RepairPanel
 from explorer.panels.sheet import Action, Refused, Sheet
+from explorer.panels.tuning import TuningPanel
 from explorer.panels.twin import TwinPanel
 from explorer.panels.vehicle import VehiclePanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
 from explorer.parcel import Send
-from explorer.settings import Drafts, Settings
+from explorer.settings import Settings
 from explorer.shelf import Shelf
 from explorer.uploads import Uploads
 from rangenav import axes
@@ -78,6 +81,8 @@ class Dock:
         with tabs.add_tab("Gains"):
             self.gains = GainsPanel(sheet)
             self.guess = GuessPanel(sheet)
+            self.tuning = TuningPanel(sheet, self, jobs)
+            self.basin = BasinPanel(sheet, self, jobs)
         with tabs.add_tab("Presets"):
             asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
             uploads = Uploads(gui, sheet.do)
@@ -111,10 +116,9 @@ class Dock:
             vehicle=self.vehicle.read(),
             sensors=sensed.sensors,
             seed=sensed.seed,
-            gains=self.gains.read(),
             guess=self.guess.read(),
         )
-        return Settings(
+        others = Settings(
             origin=self._written.origin,
             edition=self._written.edition,
             preset=preset,
@@ -123,6 +127,7 @@ class Dock:
             drafts=self.motion.drafts(),
             twin_turn=self.twin.read(),
         )
+        return self.gains.read(others)
 
     @contextmanager
     def catching(self) -> Iterator[None]:
@@ -150,7 +155,7 @@ class Dock:
         self.world.write(p.world, base.world)
         self.vehicle.write(p.vehicle, base.vehicle)
         self.sensors.write(sensors.Chosen.of(p), sensors.Chosen.of(base))
-        self.gains.write(p.gains, base.gains)
+        self.gains.write(settings, base.gains)
         self.guess.write(p.guess, base.guess)
         self.twin.write(settings.twin_turn)
         self.printed.write(settings.printed)
@@ -162,8 +167,20 @@ class Dock:
         self.motion.draw(picture.settings.time_scale)
         self.vehicle.draw(picture)
         self.gains.draw(picture)
+        self.guess.draw(picture)
+        self.tuning.draw(picture)
+        self.basin.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
+
+    @property
+    def news(self) -> bool:
+        """Whether what stands beside the picture has changed since it was drawn last."""
+        return self.compare.news or self.basin.news
+
+    def beside(self, picture: Picture) -> Beside:
+        """What to draw beside a picture."""
+        return replace(self.compare.beside(picture), basin=self.basin.shown(picture))
 
     @property
     def chosen_preset(self) -> str:
@@ -201,7 +218,8 @@ class Dock:
     def _relabel(self) -> None:
         settings = self.read()
         drafts = settings.drafts
-        flipped = Drafts(
+        flipped = msgspec.structs.replace(
+            drafts,
             path=tuple(_family(draft) for draft in drafts.path),
             wiggle=tuple(_family(draft) for draft in drafts.wiggle),
             angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),

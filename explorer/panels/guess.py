@@ -3,9 +3,12 @@
 import math
 from typing import Literal
 
+from explorer.compute import Picture
 from explorer.panels.controls import Choice, Dial, Vector
+from explorer.panels.halfturns import HalfTurns
 from explorer.panels.sheet import Section, Sheet
 from rangenav.gains import Guess
+from rangenav.inputs import Vec3
 
 STATES: dict[Literal["zero", "truth", "offset"], str] = {
     "zero": "zero",
@@ -28,6 +31,7 @@ class GuessPanel:
             self._angle = Dial(section, "R̃(0) angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0))
             hint = "Axis of the initial attitude error, inertial axes; any length but zero."
             self._axis = Vector(section, "R̃(0) axis", step=0.01, hint=hint)
+            self._half_turns = HalfTurns(sheet, self._turn)
         self._offsets = section = Section(sheet, "Offsets from the truth", expanded=False)
         with section:
             hint = "used when x̂(0) is truth plus offsets; inertial axes."
@@ -58,3 +62,11 @@ class GuessPanel:
         self._position.write(guess.position_offset, base.position_offset)
         self._velocity.write(guess.velocity_offset, base.velocity_offset)
         self._gravity.write(guess.gravity_offset, base.gravity_offset)
+
+    def draw(self, picture: Picture) -> None:
+        """Say how far the start is from where the attitude filter stands still."""
+        self._half_turns.draw(picture)
+
+    def _turn(self, axis: Vec3, angle: float) -> None:
+        self._axis.show(axis)
+        self._angle.show(angle)

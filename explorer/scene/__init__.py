@@ -13,6 +13,7 @@ from explorer.compute import Picture
 from explorer.depth import Depth
 from explorer.scene import stage as stages
 from explorer.scene.arrows import Arrow
+from explorer.scene.basin import Globe
 from explorer.scene.beside import Companions
 from explorer.scene.broken import BrokenPath
 from explorer.scene.colors import (
@@ -80,6 +81,7 @@ class Scene:
         self._truth = Vehicle(scene, "vehicle", BLUE, opacity=None, label_above=True)
         self._ghost = Vehicle(scene, "estimate", VERMILLION, opacity=0.4, label_above=False)
         self._companions = Companions(scene)
+        self._globe = Globe(scene)
         self._ellipsoid = scene.add_icosphere(
             "/ellipsoid",
             1.0,
@@ -121,6 +123,7 @@ class Scene:
         self._twin.wait()
         self._excitation.wait()
         self._companions.draw(picture, beside, on)
+        self._globe.draw(picture, beside.basin, on)
         self._view.frame(on, picture.motion.position, dragging=dragging)
         self.move(picture, self._time)
 

@@ -4,14 +4,16 @@ certify(bytes)      the certificate of a file's bytes       gate(certificate)   
 verify_file(path)   what is wrong with a file and the certificate beside it, a sentence each
 """
 
+from rangenav.certificate.artifacts import beside
 from rangenav.certificate.checking import verify, verify_file
-from rangenav.certificate.checks import gate
+from rangenav.certificate.checks import gate, restriction
 from rangenav.certificate.contents import Certificate, dumps, loads, plain
-from rangenav.certificate.making import READERS, Reader, beside, certify, certify_file, read_preset, refusal
+from rangenav.certificate.making import READERS, Held, Reader, certify, certify_file, read_preset
 
 __all__ = [
     "READERS",
     "Certificate",
+    "Held",
     "Reader",
     "beside",
     "certify",
@@ -21,7 +23,7 @@ __all__ = [
     "loads",
     "plain",
     "read_preset",
-    "refusal",
+    "restriction",
     "verify",
     "verify_file",
 ]

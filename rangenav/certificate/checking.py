@@ -14,8 +14,9 @@ import msgspec
 
 from rangenav import preset as presets
 from rangenav.certificate import contents
+from rangenav.certificate.artifacts import beside, certified_by, read_bytes
 from rangenav.certificate.contents import Certificate
-from rangenav.certificate.making import READERS, Reader, beside, certify, read_bytes
+from rangenav.certificate.making import READERS, Reader, certify
 
 RELATIVE = 1e-4
 """Figures agree to this share: eight digits are written, and the worst window may move by a share of 1e-6."""
@@ -43,7 +44,8 @@ SHOWN = 60
 def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = READERS) -> tuple[str, ...]:
     """What is wrong with a file and the certificate beside it, one sentence each; empty if everything holds.
 
-    The file is a shipped preset's name, a preset, or an exported file whose format `readers` knows.
+    The file is a shipped preset's name, a preset, an exported file or folder whose format `readers` knows, or the
+    certificate of any of these.
     """
     try:
         path = _find(name_or_path)
@@ -77,11 +79,16 @@ def verify(
 
 def _find(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
-    if path.suffix or path.parent != Path("."):
-        if not path.is_file():
-            raise ValueError(f"{path}: {'not a file' if path.exists() else 'no such file'}")
-        return path
-    return presets.find(name_or_path)
+    owner = certified_by(path)
+    if owner is not None:
+        if not owner.exists():
+            raise ValueError(f"{path.name}: there is no {owner.name} beside it that could be verified")
+        path = owner
+    if path.suffix or path.parent != Path(".") or path.is_dir():
+        if not path.exists():
+            raise ValueError(f"{path}: no such file")
+        return path.resolve() if path.name in ("", "..") else path
+    return presets.find(path)
 
 
 def _plain(certificate: Certificate) -> dict[str, Any]:

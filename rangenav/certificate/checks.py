@@ -1,15 +1,20 @@
 """The requirements held against what was found, in words; and whether that is what the preset says it expects."""
 
+from typing import Literal
+
 import msgspec
 import numpy as np
 
+from rangenav import provenance
 from rangenav.analysis import Verdict
-from rangenav.certificate import contents
+from rangenav.certificate import contents, findings
 from rangenav.certificate.contents import Certificate, Check, Expectation
 from rangenav.model import STATES
 from rangenav.observability import blindness
 from rangenav.preset import Preset
-from rangenav.signals.polynomials import COMPLAINTS
+from rangenav.provenance import Source
+from rangenav.signals.polynomials import COMPLAINTS, Polynomials, complaints
+from rangenav.vehicle import FREE
 
 
 def requirements(
@@ -21,18 +26,33 @@ def requirements(
     preset: Preset,
 ) -> tuple[Check, ...]:
     """Every requirement, met or missed, and by how much."""
-    window = preset.requirement.window
+    window, came = preset.requirement.window, preset.source
     return (
         _excitation(excited, window),
         _rank(rank, window),
         _accuracy(predicted, window),
         _smooth(jumps),
         _vehicle(flying),
+        *(() if came is None else (_source(came, preset),)),
     )
 
 
-def verdict(rank: contents.Rank, predicted: contents.Accuracy) -> Verdict:
-    """blind, weak or observable, as everywhere."""
+def restriction(preset: Preset) -> str | None:
+    """Why no verdict is given on a preset's path, one clause: its snap is a fit's, or it jumps. None if one is."""
+    came = provenance.restriction(preset.source, preset.path)
+    smooth = _smooth(findings.jumped(preset))
+    if came is not None or smooth.met:
+        return came
+    found = complaints(preset.path, inside=(0, preset.duration)) if isinstance(preset.path, Polynomials) else ()
+    return f"{found[0]}, which nothing can follow" if found else smooth.words
+
+
+def verdict(
+    found: tuple[Check, ...], rank: contents.Rank, predicted: contents.Accuracy
+) -> Verdict | Literal["not judged"]:
+    """blind, weak or observable, as everywhere; of what is not to be believed, nothing."""
+    if _unbelieved(found):
+        return "not judged"
     if rank.rank < STATES:
         return "blind"
     return "observable" if _accurate(predicted) else "weak"
@@ -46,6 +66,8 @@ def failures(found: tuple[Check, ...], excited: contents.Excitation, expect: Exp
     """
     check = {one.name: one for one in found}
     missed = [one.words for one in found if not one.met]
+    if "source" in check and not check["source"].met:  # whatever is found besides is the fit's
+        return tuple(check[name].words for name in ("source", "smooth") if not check[name].met)
     if expect == "observable":
         return tuple(missed)
     wrong = [check[name].words for name in ("smooth", "vehicle") if not check[name].met]
@@ -66,6 +88,8 @@ def gate(certificate: Certificate) -> str | None:
     if certificate.meets:
         return None
     missed = [one for one in certificate.checks if not one.met]
+    if any(one.name == "source" for one in missed):
+        missed = [one for one in missed if one.name in ("source", "smooth")]
     blind = "rank" in [one.name for one in missed]
     said = "; ".join(one.words for one in missed if not (blind and one.name == "accuracy"))  # which follows
     helps = "" if certificate.remedy is msgspec.UNSET else f"; it would do to {certificate.remedy}"
@@ -128,8 +152,21 @@ def _smooth(jumps: contents.Jumps) -> Check:
     return Check(name="smooth", met=True, proven=True, words="neither position nor velocity jumps")
 
 
+def _source(came: Source, preset: Preset) -> Check:
+    why = provenance.restriction(came, preset.path)
+    words = provenance.words(came, preset.path) if why is None else why
+    return Check(name="source", met=why is None, proven=True, words=words)
+
+
+def _unbelieved(found: tuple[Check, ...]) -> bool:
+    return any(one.name in ("source", "smooth") and not one.met for one in found)
+
+
 def _vehicle(flying: contents.Flying) -> Check:
-    words = (
-        f"{flying.name} can fly it" if flying.flyable else f"{flying.name} cannot fly it: {'; '.join(flying.broken)}"
-    )
+    if flying.name == FREE.name and flying.flyable:
+        words = "no vehicle's limits are asked to be kept"
+    elif flying.flyable:
+        words = f"within the limits of {flying.name}"
+    else:
+        words = f"{flying.name} cannot fly it: {'; '.join(flying.broken)}"
     return Check(name="vehicle", met=flying.flyable, proven=False, words=words)

@@ -17,7 +17,7 @@ DIGITS = 8
 MAX_BYTES = 200_000
 """Larger files are no certificates."""
 Expectation = Literal["observable", "weak", "unobservable"]
-Names = Literal["excitation", "rank", "accuracy", "smooth", "vehicle"]
+Names = Literal["excitation", "rank", "accuracy", "smooth", "vehicle", "source"]
 
 
 class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -31,6 +31,8 @@ class Artifact(Part, frozen=True, kw_only=True):
     """"preset", or the exchange format it was written in."""
     sha256: str
     bytes: int
+    covers: str | msgspec.UnsetType = msgspec.UNSET
+    """What of the file is certified, where that is not all of it."""
 
 
 class Tool(Part, frozen=True, kw_only=True):
@@ -176,6 +178,19 @@ class Jumps(Part, frozen=True, kw_only=True):
     snap: float
 
 
+class Source(Part, frozen=True, kw_only=True):
+    """The file that the path was imported from."""
+
+    file: str
+    sha256: str
+    format: str
+    derivatives: Literal["file", "fit"]
+    """Whether the derivatives up to snap stood in that file, or come from fitting."""
+    fitted: str
+    edited: bool
+    """The path was changed since, and is a design."""
+
+
 class Check(Part, frozen=True, kw_only=True):
     """One requirement."""
 
@@ -197,7 +212,8 @@ class Certificate(Part, frozen=True, kw_only=True):
     """The checks come out as `expect` says."""
     meets: bool
     """All requirements are met, whatever was expected: what an export asks for."""
-    verdict: Literal["blind", "weak", "observable"]
+    verdict: Literal["blind", "weak", "observable", "not judged"]
+    """Not judged: what the figures below say is about a fit, or about a path that jumps."""
     checks: tuple[Check, ...]
     failures: tuple[str, ...]
     """Why it is not certified, a sentence each."""
@@ -211,6 +227,8 @@ class Certificate(Part, frozen=True, kw_only=True):
     vehicle: Flying
     jumps: Jumps
     frame: Frame
+    source: Source | msgspec.UnsetType = msgspec.UNSET
+    """Of a path that was imported; a design has none."""
     artifact: Artifact
     context: str | msgspec.UnsetType = msgspec.UNSET
     """A preset's TOML text that says what the file itself does not hold (world, sensors, requirement, vehicle)."""

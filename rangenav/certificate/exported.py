@@ -1,16 +1,17 @@
-"""Certificates of exported files, recomputed from what was written.
+"""Certificates of exported files, recomputed from what was written, and the one gate that exports pass.
 
 polynomial, reference       the motion that the file itself holds between its two ramps: its own pieces, cut out, and
                             judged by the preset's world, sensors, requirement and vehicle
-mcap, tum, mat, npz, csv,   a record of one run: the motion cannot be had back from samples with its snap, so the file
-log                         is bound by its hash to the preset it was made from, which is certified
+bag, mcap, tum, euroc,      a record of one run: a motion cannot be had back from samples with its snap, so the preset
+mat, npz, csv, log          in the certificate is judged, after every position in the file was found to lie on its path
 preset                      as any preset
-Folders (bag, euroc) have no bytes of their own, and no certificate. A file is as long as its path and one ramp, and
-steady from one ramp after its beginning to one before its end: its length less the steady one is two ramps.
+A file is as long as its path and one ramp, and steady from one ramp after its beginning to one before its end: its
+length less the steady one is two ramps.
 """
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 from typing import cast
 
@@ -20,56 +21,61 @@ import numpy as np
 from rangenav import formats
 from rangenav import preset as presets
 from rangenav.axes import upright
-from rangenav.certificate import checks
+from rangenav.certificate import artifacts, checks
+from rangenav.certificate.artifacts import beside, read_bytes
 from rangenav.certificate.contents import Certificate, dumps
-from rangenav.certificate.making import READERS, Reader, beside, certify, read_bytes
-from rangenav.formats import text
+from rangenav.certificate.making import READERS, Held, Reader, certify
+from rangenav.formats import reread, text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Piece, Polynomials
 from rangenav.signals.polynomials import MIN_DURATION, Coefficients
 
 MOTIONS = ("polynomial", "reference")
-RUNS = ("mcap", "tum", "mat", "npz", "csv", "log")
+FOLDERS = ("bag", "euroc")
+RUNS = ("bag", "mcap", "tum", "euroc", "mat", "npz", "csv", "log")
 DEGREE = 7
+ON_PATH = 1e-6
+"""m; TUM has nine decimals, the others all digits, and stamps in nanoseconds cost 1e-9 of the speed."""
+AT_REST = 1e-6
+"""s; a ramp shorter than that is rounding of one that is not there."""
+RECORDED = "the path of the run, on which every position in the file lies; of what was measured on it, nothing"
+CACHED = 4
 
 
 def readers() -> Mapping[str, Reader]:
     """How the bytes of every format that can be certified are read again."""
-    return {**READERS, **{form: _steady(form) for form in MOTIONS}, **dict.fromkeys(RUNS, _recorded)}
+    return {**READERS, **{form: _steady(form) for form in MOTIONS}, **{form: _recorded(form) for form in RUNS}}
 
 
-def certified(
-    preset: Preset, form: str, file: Path, *, steady: tuple[float, float] | None = None
-) -> Certificate | None:
-    """The certificate of a file that a preset was exported to, from its bytes; None for a format that has none.
+def certified(preset: Preset, form: str, path: Path, *, steady: tuple[float, float] | None = None) -> Certificate:
+    """The certificate of the file or folder that a preset was exported to, from its bytes.
 
-    `steady` says from when to when (s, in the file) the path runs at its own speed. Raises ValueError for a file that
-    cannot be read again.
+    `steady` says from when to when (s, in the file) the path runs at its own speed. Raises ValueError for what cannot
+    be read again.
     """
-    if form not in readers():
-        return None
     context = None if form == "preset" else preset
     if form in MOTIONS:
         begin, end = cast("tuple[float, float]", steady)
         turning = Flown() if isinstance(preset.angular_velocity, Flown) else preset.angular_velocity
         context = msgspec.structs.replace(upright(preset), duration=end - begin, angular_velocity=turning)
-    return certify(read_bytes(file), source=file.name, form=form, context=context, readers=readers())
+    return certify(read_bytes(path), source=path.name, form=form, context=context, readers=readers())
 
 
-def gate(preset: Preset, form: str) -> str | None:
+@lru_cache(maxsize=CACHED)
+def gate(preset: Preset, form: str = "preset") -> str | None:
     """Why a preset may not be exported in a format, one sentence; None if it may.
 
-    What is to be flown must meet every requirement; of a run it is enough that the preset is what it says it is, so
-    that a hover can be studied.
+    What is to be flown must meet every requirement; of a preset and of a run it is enough that the preset is what it
+    says it is, so that a hover can be studied.
     """
     found = certify(presets.dumps(preset).encode(), source="preset")
     return None if found.certified and form not in MOTIONS else checks.gate(found)
 
 
-def write_beside(found: Certificate, file: Path) -> Path:
-    """Write a certificate where `verify` looks for that of a file."""
-    place = beside(file)
+def write_beside(found: Certificate, path: Path) -> Path:
+    """Write a certificate where `verify` looks for that of a file or folder."""
+    place = beside(path)
     place.write_bytes(dumps(found))
     return place
 
@@ -94,7 +100,7 @@ def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
 
 
 def _steady(form: str) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> Preset:
+    def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
@@ -103,14 +109,28 @@ def _steady(form: str) -> Reader:
         path = cast(Polynomials, found.path)
         ramp = max(0.0, (found.duration - context.duration) / 2)
         try:
-            return msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
+            steady = msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
         except ValueError as error:
             raise ValueError(f"{source}: {error}") from None
+        covers = f"{ramp:.6g} s to {ramp + context.duration:.6g} s of the file, between its ramps, and no more"
+        return Held(steady, covers if ramp > AT_REST else msgspec.UNSET)
 
     return read
 
 
-def _recorded(content: bytes, source: str, context: Preset | None) -> Preset:
-    if context is None:
-        raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
-    return context
+def _recorded(form: str) -> Reader:
+    def read(content: bytes, source: str, context: Preset | None) -> Held:
+        if context is None:
+            raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
+        files = artifacts.unpacked(content, source) if form in FOLDERS else {"": content}
+        time, position = reread.places(files, form, source)
+        path = upright(context).path if form in reread.UPRIGHT else context.path
+        rule = f"{source}: its stamps do not lie within the {context.duration:g} s of the preset that is certified"
+        require(time.min() >= -ON_PATH and time.max() <= context.duration + ON_PATH, rule)
+        away = np.linalg.norm(path(time) - position, axis=-1)
+        worst = int(np.argmax(away))
+        said = f"at t = {time[worst]:.4g} s it is {away[worst]:.2g} m from the path of the preset that is certified"
+        require(float(away[worst]) <= ON_PATH, f"{source}: {said}")
+        return Held(context, RECORDED)
+
+    return read

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import record, vehicle
+from rangenav import provenance, record, vehicle
 from rangenav.analysis import noise_note
 from rangenav.certificate import contents, envelope
 from rangenav.certificate.bounds import TIE, Bounds, bounds, oriented
@@ -235,6 +235,21 @@ def jumped(preset: Preset) -> contents.Jumps:
     position, velocity, acceleration, jerk, snap = (figure(float(f"{size:.3g}")) for size in largest)
     return contents.Jumps(
         knots=count, position=position, velocity=velocity, acceleration=acceleration, jerk=jerk, snap=snap
+    )
+
+
+def source(preset: Preset) -> contents.Source | msgspec.UnsetType:
+    """The file that the path was imported from."""
+    came = preset.source
+    if came is None:
+        return msgspec.UNSET
+    return contents.Source(
+        file=came.file,
+        sha256=came.sha256,
+        format=came.format,
+        derivatives=came.derivatives,
+        fitted=came.fitted,
+        edited=provenance.edited(came, preset.path),
     )
 
 

@@ -7,6 +7,8 @@ be bounded says null and why; what is sampled says so. Nothing in it depends on 
 import hashlib
 import platform
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import msgspec
@@ -15,21 +17,32 @@ import numpy as np
 import rangenav
 from rangenav import preset as presets
 from rangenav.certificate import checks, findings, remedy
+from rangenav.certificate.artifacts import read_bytes
 from rangenav.certificate.contents import Artifact, Certificate, Tool
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
-MAX_FILE = 256_000_000
-"""Bytes; ten minutes of every array of a run."""
-Reader = Callable[[bytes, str, Preset | None], Preset]
-"""(bytes, name for errors, context) → the preset that the bytes, and what they do not hold from the context, make."""
+CACHED = 8
 
 
-def read_preset(content: bytes, source: str, context: Preset | None = None) -> Preset:
+@dataclass(frozen=True, eq=False)
+class Held:
+    """What the bytes of a file, and for what they do not hold its context, make."""
+
+    preset: Preset
+    covers: str | msgspec.UnsetType = msgspec.UNSET
+    """What of the file is certified, where that is not all of it."""
+
+
+Reader = Callable[[bytes, str, Preset | None], Held]
+"""(bytes, name for errors, context) → what is held. Raises ValueError."""
+
+
+def read_preset(content: bytes, source: str, context: Preset | None = None) -> Held:
     """A preset file holds everything; there is no context to it. Raises ValueError."""
     require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes, which no preset is")
     try:
-        return presets.loads(content.decode("utf-8"), source=source)
+        return Held(presets.loads(content.decode("utf-8"), source=source))
     except UnicodeDecodeError as error:
         raise ValueError(f"{source}: not UTF-8 text (byte {error.start})") from None
 
@@ -51,9 +64,11 @@ def certify(
     `context` is what a file that holds a path only is judged by: world, sensors, requirement, vehicle.
     """
     require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
-    preset = readers[form](content, source, context)
-    artifact = Artifact(format=form, sha256=hashlib.sha256(content).hexdigest(), bytes=len(content))
-    return _certificate(preset, artifact, msgspec.UNSET if context is None else presets.dumps(context))
+    held = readers[form](content, source, context)
+    digest = hashlib.sha256(content).hexdigest()
+    artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=held.covers)
+    said = msgspec.UNSET if context is None else presets.dumps(context)
+    return msgspec.structs.replace(_of(held.preset), artifact=artifact, context=said)
 
 
 def certify_file(name_or_path: str | Path) -> Certificate:
@@ -62,26 +77,9 @@ def certify_file(name_or_path: str | Path) -> Certificate:
     return certify(read_bytes(path), source=path.name)
 
 
-def refusal(preset: Preset) -> str | None:
-    """Why a preset may not be exported, one sentence; None if it may."""
-    return checks.gate(certify(presets.dumps(preset).encode(), source="preset"))
-
-
-def read_bytes(path: Path) -> bytes:
-    """All bytes of a file that is not too large to be read whole. Raises ValueError."""
-    try:
-        require(path.stat().st_size <= MAX_FILE, f"{path.name}: larger than {MAX_FILE} bytes")
-        return path.read_bytes()
-    except OSError as error:
-        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
-
-
-def beside(path: Path) -> Path:
-    """Where the certificate of a file lies: NAME.certificate.json."""
-    return path.with_name(f"{path.stem}.certificate.json")
-
-
-def _certificate(preset: Preset, artifact: Artifact, context: str | msgspec.UnsetType) -> Certificate:
+@lru_cache(maxsize=CACHED)
+def _of(preset: Preset) -> Certificate:
+    """All but the artifact: one preset is written in many formats."""
     claim, excited = findings.excited(preset)
     rank = findings.ranked(preset, claim)
     predicted = findings.predicted(preset)
@@ -95,7 +93,7 @@ def _certificate(preset: Preset, artifact: Artifact, context: str | msgspec.Unse
         expect=preset.expect,
         certified=not failed,
         meets=meets,
-        verdict=checks.verdict(rank, predicted),
+        verdict=checks.verdict(found, rank, predicted),
         checks=found,
         failures=failed,
         remedy=msgspec.UNSET if meets else remedy.remedy(preset, excited.at) or msgspec.UNSET,
@@ -107,7 +105,7 @@ def _certificate(preset: Preset, artifact: Artifact, context: str | msgspec.Unse
         vehicle=flying,
         jumps=jumps,
         frame=findings.frame(preset),
-        artifact=artifact,
-        context=context,
+        source=findings.source(preset),
+        artifact=Artifact(format="", sha256="", bytes=0),
         tool=Tool(rangenav=rangenav.__version__, python=platform.python_version(), numpy=np.__version__),
     )

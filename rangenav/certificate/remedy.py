@@ -15,7 +15,7 @@ import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import signals
+from rangenav import provenance, signals
 from rangenav.certificate.bounds import oriented
 from rangenav.certificate.envelope import UnboundedError
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
@@ -58,6 +58,8 @@ class Added:
 
 def remedy(preset: Preset, at: float) -> str | None:
     """A sentence on what would meet the requirement; `at` (s) starts the window that is excited least."""
+    if provenance.restriction(preset.source, preset.path) is not None:
+        return provenance.ADOPT
     try:
         found = figures(preset)
     except UnboundedError:

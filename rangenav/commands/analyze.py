@@ -1,12 +1,10 @@
 """`rangenav analyze`: what a motion lets one range tell."""
 
-import tyro
-
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table
+from rangenav.commands.output import PresetName, print_json, print_table
 
 
-def analyze(preset: tyro.conf.Positional[str], *, window: float | None = None, json: bool = False) -> None:
+def analyze(preset: PresetName, *, window: float | None = None, json: bool = False) -> None:
     """Say what a preset's motion lets one range tell: excitation, Gramian, rank, blind directions, accuracy.
 
     Args:
@@ -20,4 +18,4 @@ def analyze(preset: tyro.conf.Positional[str], *, window: float | None = None, j
     if window is not None:
         chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
     found = report.analysis_report(chosen, analysis.analyse(chosen), name=preset)
-    return print_json(found) if json else print_table(f"{chosen.title}: {found['verdict']}", found)
+    return print_json(found) if json else print_table(f"{chosen.title}: {found['verdict'] or 'not judged'}", found)

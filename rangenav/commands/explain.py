@@ -7,13 +7,12 @@ import msgspec
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table
-from rangenav.inputs import require
+from rangenav.commands.output import PresetName, print_json, print_table, require_place
 from rangenav.twin import APART, TOLERANCE
 
 
 def explain(
-    preset: tyro.conf.Positional[str],
+    preset: PresetName,
     *,
     window: float | None = None,
     tolerance: float = TOLERANCE,
@@ -36,7 +35,7 @@ def explain(
     chosen = presets.load(preset)
     if window is not None:
         chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
-    require(save is None or save.suffix == ".toml", f"--save must name a file that ends in .toml, got {save}")
+    require_place("--save", save, ".toml")
     found = twin.twin(chosen, tolerance=tolerance, apart=apart)
     if save is not None:
         if isinstance(found, twin.Refusal):
@@ -44,4 +43,4 @@ def explain(
         title = f"Twin of {chosen.title}"[: presets.MAX_TITLE]
         presets.save(msgspec.structs.replace(chosen, path=found.path, title=title), save)
     report = explanation.explanation(chosen, found, name=preset)
-    return print_json(report) if json else print_table(f"{chosen.title}: {report['verdict']}", report)
+    return print_json(report) if json else print_table(f"{chosen.title}: {report['verdict'] or 'not judged'}", report)

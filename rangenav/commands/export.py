@@ -1,6 +1,6 @@
 """`rangenav export`: a preset's motion or run for other tools, only if it delivers what it asks of its motion."""
 
-from collections.abc import Callable
+import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -8,18 +8,17 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table
+from rangenav.commands.output import PresetName, print_json, print_table
 from rangenav.preset import Preset
 
 Format = Literal[
     "preset", "reference", "polynomial", "bag", "mcap", "tum", "euroc", "mat", "npz", "csv", "log", "bezier", "qgc"
 ]
-Gate = Callable[[Preset], str | None]
-"""Says why a preset may not leave the house, None if it may."""
+OTHERWISE = "--uncertified writes it all the same, marked"
 
 
 def export(
-    preset: tyro.conf.Positional[str],
+    preset: PresetName,
     *,
     to: Format,
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PATH")],
@@ -37,55 +36,35 @@ def export(
         uncertified: Write it although the preset misses its requirement; the name then says so.
         json: Print one JSON object.
     """
-    from rangenav.certificate import exported as certificates
-
-    chosen = presets.load(preset)
-    found = exported(
-        chosen,
-        to,
-        output,
-        name=preset,
-        attitude=attitude,
-        uncertified=uncertified,
-        gate=lambda asked: certificates.gate(asked, to),
-    )
-    if not found["uncertified"]:
-        found |= _certified(chosen, to, found, name=preset)
+    found = exported(presets.load(preset), to, output, name=preset, attitude=attitude, uncertified=uncertified)
     return print_json(found) if json else print_table(f"{preset} as {to}", found)
 
 
-def _certified(chosen: Preset, to: str, report: dict[str, Any], *, name: str) -> dict[str, Any]:
-    """The certificate of what was written, beside it. Raises ValueError, and takes the file away, if it fails."""
-    from rangenav.certificate import exported as certificates
-
-    file, steady = Path(report["files"][0]), report.get("steady")
-    ends = None if steady is None else (steady["from"], steady["to"])
-    found = certificates.certified(chosen, to, file, steady=ends)
-    if found is None:
-        return {"certificate": None, "certificate_reason": f"null: a {to} folder has no bytes of its own"}
-    if not found.certified:
-        file.unlink()
-        raise ValueError(f"{name}: as {to} it does not keep what it promises: {'; '.join(found.failures)}")
-    return {"certificate": str(certificates.write_beside(found, file))}
-
-
 def exported(
-    chosen: Preset, to: str, output: Path, *, name: str, attitude: str, uncertified: bool, gate: Gate
+    chosen: Preset,
+    to: str,
+    output: Path,
+    *,
+    name: str,
+    attitude: str = "flown",
+    uncertified: bool = False,
+    otherwise: str = OTHERWISE,
 ) -> dict[str, Any]:
-    """Write the files if the gate lets the preset through, and say what was written. Raises ValueError if it does not.
+    """Write a file or folder and its certificate, and say what was written; the command line and the page come by here.
 
-    What is written in spite of the gate has "uncertified" in its name and in its report.
+    Raises ValueError, and nothing is written, if the gate does not let the preset through; with `uncertified` it is
+    written all the same, with "uncertified" in its name and in what is said, and without a certificate. `otherwise`
+    says how to ask for that.
     """
     from rangenav import formats
+    from rangenav.certificate import exported as certificates
 
-    complaint = None if to in formats.REFUSED else gate(chosen)
+    complaint = None if to in formats.REFUSED else certificates.gate(chosen, to)
     if complaint is not None and not uncertified:
-        raise ValueError(f"{name}: {complaint}; nothing was written (--uncertified writes it all the same, marked)")
+        raise ValueError(f"{name}: {complaint}; nothing was written ({otherwise})")
     if complaint is not None:
         output = formats.marked(output)
     written = formats.export(chosen, to, output, attitude=attitude)
-    if complaint is not None:
-        written = replace(written, notes=(f"UNCERTIFIED: {complaint}", *written.notes))
     report: dict[str, Any] = {
         "preset": name,
         "format": to,
@@ -94,10 +73,35 @@ def exported(
         "uncertified": complaint is not None,
         **written.figures,
     }
-    if written.steady is not None:
-        begin, end = written.steady
-        covered = f"any certificate covers {begin:g} s to {end:.6g} s of the file, between its ramps, and no more"
-        report |= {"steady": {"from": begin, "to": end}, "notes": [covered if begin else "no ramps", *written.notes]}
+    if complaint is not None:
+        written = replace(written, notes=(f"UNCERTIFIED: {complaint}", *written.notes))
+        report |= {"certificate": None, "certificate_reason": f"null: {complaint}"}
     else:
-        report["notes"] = list(written.notes)
-    return report
+        report["certificate"] = str(_certificate(chosen, to, output, name=name, steady=written.steady))
+    return report | _covered(written)
+
+
+def _certificate(chosen: Preset, to: str, output: Path, *, name: str, steady: tuple[float, float] | None) -> Path:
+    """The certificate of what was written, from its bytes. Raises ValueError, and takes it away, if it fails."""
+    from rangenav.certificate import exported as certificates
+
+    try:
+        found = certificates.certified(chosen, to, output, steady=steady)
+        if not found.certified:
+            raise ValueError(f"{name}: as {to} it does not keep what it promises: {'; '.join(found.failures)}")
+        return certificates.write_beside(found, output)
+    except BaseException:
+        if output.is_dir():
+            shutil.rmtree(output)
+        else:
+            output.unlink(missing_ok=True)
+        raise
+
+
+def _covered(written: Any) -> dict[str, Any]:
+    """What of the file a certificate speaks of, and what is to be known about it."""
+    if written.steady is None:
+        return {"notes": list(written.notes)}
+    begin, end = written.steady
+    covered = f"any certificate covers {begin:g} s to {end:.6g} s of the file, between its ramps, and no more"
+    return {"steady": {"from": begin, "to": end}, "notes": [covered if begin else "no ramps", *written.notes]}

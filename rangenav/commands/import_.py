@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table
-from rangenav.inputs import Vec3, require
+from rangenav.commands.output import print_json, print_table, require_place
+from rangenav.inputs import Vec3
 
 ReadFormat = Literal["preset", "reference", "polynomial", "tum", "euroc", "log", "mat"]
 
@@ -38,7 +38,7 @@ def import_(
     from rangenav import formats
     from rangenav.formats.presets import as_preset
 
-    require(output.suffix == ".toml", f"-o must name a file that ends in .toml, got {output}")
+    require_place("-o", output, ".toml")
     if from_ == "preset":
         presets.save(presets.load(path), output)
         return print_json({"preset": str(output)}) if json else None
@@ -51,7 +51,7 @@ def import_(
 
 
 def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
-    from rangenav import analysis
+    from rangenav import analysis, certificate
     from rangenav.signals import Flown
 
     seen = analysis.analyse(made)
@@ -62,7 +62,9 @@ def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
         "rows": found.rows,
         "rate": found.rate,
         "duration": found.duration,
+        "used": made.duration,
         "frame": found.frame,
+        "snap_from": "the file" if found.derivatives == "file" else "a fit: it is not in the file",
         "fit_error": found.fit_error,
         "findings": list(found.findings),
         "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",
@@ -74,6 +76,7 @@ def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
         report["rate_reason"] = "null: pieces and no samples"
     if found.fit_error is None:
         report["fit_error_reason"] = "null: the path is the file's own"
-    if found.unjudged is not None:
-        report |= {"excitation": None, "rank": None, "verdict": "not judged", "reason": f"null: {found.unjudged}"}
+    why = certificate.restriction(made)
+    if why is not None:
+        report |= {"excitation": None, "rank": None, "verdict": "not judged", "reason": f"null: {why}"}
     return report

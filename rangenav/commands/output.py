@@ -1,12 +1,18 @@
 """What every command prints: one JSON object, or the same report as a table for people."""
 
 import json
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
+import tyro
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from rangenav.inputs import require
+
+PresetName = Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="PRESET")]
+"""A shipped preset's name or a path to a TOML file."""
 UNITS = {
     **dict.fromkeys(("duration", "window", "at", "position_s", "attitude_s"), "s"),
     **dict.fromkeys(("position", "anchor_distance_min", "range_sigma"), "m"),
@@ -24,6 +30,13 @@ UNITS = {
 def print_json(report: dict[str, Any]) -> None:
     """Exactly one JSON object on stdout; a number that is not finite is an error of ours, not output."""
     print(json.dumps(report, allow_nan=False, ensure_ascii=False))
+
+
+def require_place(flag: str, path: Path | None, suffix: str) -> None:
+    """Refuse a file that could not be written or would be called otherwise: before the work and not after it."""
+    if path is not None:
+        require(path.suffix == suffix, f"{flag} must name a file that ends in {suffix}, got {path}")
+        require(path.parent.is_dir(), f"{flag} {path}: no such folder")
 
 
 def print_table(title: str, report: dict[str, Any]) -> None:

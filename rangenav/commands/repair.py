@@ -7,12 +7,11 @@ from typing import Annotated, Literal
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table
-from rangenav.inputs import require
+from rangenav.commands.output import PresetName, print_json, print_table, require_place
 
 
 def repair(
-    preset: tyro.conf.Positional[str],
+    preset: PresetName,
     *,
     by: Literal["tones", "amplitude", "frequency", "timescale", "waypoints"] = "tones",
     improve: bool = False,
@@ -30,7 +29,7 @@ def repair(
     """
     from rangenav import repair as repairing
 
-    require(output is None or output.suffix == ".toml", f"--output must name a file that ends in .toml, got {output}")
+    require_place("--output", output, ".toml")
     chosen = presets.load(preset)
     try:
         found = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)

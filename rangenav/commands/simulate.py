@@ -7,14 +7,14 @@ import msgspec
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table
+from rangenav.commands.output import PresetName, print_json, print_table, require_place
 from rangenav.inputs import require
 
 MAX_RUNS = 10_000
 
 
 def simulate(
-    preset: tyro.conf.Positional[str],
+    preset: PresetName,
     *,
     seed: int | None = None,
     runs: int = 1,
@@ -38,7 +38,7 @@ def simulate(
     if seed is not None:
         chosen = msgspec.structs.replace(chosen, seed=seed)
     require(1 <= runs <= MAX_RUNS, f"--runs must lie between 1 and {MAX_RUNS}, got {runs}")
-    require(save is None or save.suffix == ".npz", f"--save must name a file that ends in .npz, got {save}")
+    require_place("--save", save, ".npz")
     record.run_seed(chosen, chosen.seed, form=model)  # so that no timed run waits for the compiler
     first = record.run_seed(chosen, chosen.seed, form=model)
     others = [record.run_seed(chosen, chosen.seed + k, form=model).summary for k in range(1, runs)]

@@ -13,7 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from rangenav import preset as presets
-from rangenav.commands.output import flattened, print_json, readable
+from rangenav.commands.output import PresetName, flattened, print_json, readable
 from rangenav.inputs import require
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ SIDES = ("before", "after")
 
 
 def tune(
-    preset: tyro.conf.Positional[str],
+    preset: PresetName,
     *,
     runs: int = 8,
     evaluations: int = 300,

@@ -13,10 +13,11 @@ from rangenav.inputs import require
 def verify(
     files: Annotated[tyro.conf.Positional[tuple[str, ...]], tyro.conf.arg(metavar="FILE ...")], *, json: bool = False
 ) -> None:
-    """Verify presets and exported files against NAME.certificate.json beside them; exit 1 if anything fails.
+    """Verify presets, exported files and folders against the certificates beside them; exit 1 if anything fails.
 
     Args:
-        files: Shipped presets' names, or paths. Each file's bytes are read again and everything is recomputed.
+        files: Shipped presets' names, or paths of presets, exported files, folders, or their certificates. The bytes
+            are read again and everything is recomputed.
         json: Print one JSON object.
     """
     from rangenav import certificate

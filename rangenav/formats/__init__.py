@@ -4,7 +4,9 @@ read     reference, polynomial, tum, euroc: paths     log, mat, euroc: recorded 
 write    preset, reference, polynomial, bag, mcap, tum, euroc, mat, npz, csv, log     never: bezier, qgc
 """
 
+import hashlib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from rangenav.formats import text
@@ -54,6 +56,10 @@ def read(
 
 def parse(data: bytes, format: str, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> Imported:
     """The same for bytes that have been read already."""
+    return replace(_parsed(data, format, source, confirm, knots), sha256=hashlib.sha256(data).hexdigest())
+
+
+def _parsed(data: bytes, format: str, source: str, confirm: Mapping[str, str], knots: float | None) -> Imported:
     from rangenav.formats import log, mat, polynomial, reference, tum
 
     match format:

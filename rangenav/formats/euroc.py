@@ -5,7 +5,9 @@
 mag0 and uwb0 are no part of EuRoC: `ns, m_x, m_y, m_z` (unit vector) and `ns, range [m]`. Stamps begin at one second.
 """
 
+import hashlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -49,8 +51,10 @@ def read(path: Path, *, confirm: Mapping[str, str], knots: float | None) -> Impo
     if not path.is_dir():
         data = text.contents(path)
         if b"p_RS_R_x" in data[:4096]:
-            return parse_truth(data, source=path.name, knots=knots)
-        return log.parse(data, source=path.name, confirm=confirm)
+            found = parse_truth(data, source=path.name, knots=knots)
+        else:
+            found = log.parse(data, source=path.name, confirm=confirm)
+        return replace(found, sha256=hashlib.sha256(data).hexdigest())
     root = path / "mav0" if (path / "mav0").is_dir() else path
     names = {name: root / name / "data.csv" for name in (IMU, TRUTH, MAG, UWB)}
     require(names[IMU].is_file(), f"{path}: no {IMU}/data.csv in it")
@@ -106,9 +110,17 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
         frame="z-up",
         findings=tuple(findings),
         path=curve.path,
+        derivatives="fit",
+        fitted=curve.words,
         fit_error=curve.largest,
         unjudged=knotted.unjudged(time, position),
     )
+
+
+def truth(data: bytes, source: str) -> tuple[Array, Array]:
+    """Stamps (s) and positions (m) of a ground-truth file, as they stand. Raises ValueError."""
+    table = _table(data, source)
+    return _seconds(table), _columns(table, POSITION)
 
 
 def write(preset: Preset, path: Path) -> Written:

@@ -6,6 +6,7 @@ data suggest and why, and `settled` raises until each is answered.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -59,11 +60,17 @@ class Imported:
     """What was noticed, one sentence each: units, gaps, jumps, missing columns, repeated stamps."""
     questions: tuple[Question, ...] = ()
     path: Signal | None = None
+    derivatives: Literal["file", "fit"] = "file"
+    """Whether the derivatives up to snap stand in the file, or come from fitting."""
+    fitted: str = ""
+    """What was fitted, and how near it is; empty if the path is the file's own."""
     fit_error: float | None = None
     """m, the largest distance of the path from the file's positions; None if the path is the file's own."""
     unjudged: str | None = None
     """Why excitation cannot be judged from this path; None if it can."""
     flight: Flight | None = None
+    sha256: str = ""
+    """Of the file's bytes; empty for a folder."""
 
 
 def settled(found: Imported, *, also: tuple[Question, ...] = ()) -> Imported:

@@ -37,10 +37,13 @@ AS_GOOD, CLOSE = 1.5, 1e-3
 STRIDES = (1, 2, 4, 8, 16, 32, 64, 128)
 """Samples per piece that are tried: close knots turn printed digits into snap, distant ones miss the motion."""
 LEAST_ROWS = 3
+SNAP_KEPT = 0.1
+"""Of the file's snap the pieces may miss this share (rms); with more, their snap is their own."""
 UNJUDGED = (
     "without acceleration and jerk the snap would be the fourth difference of sampled positions, which is mostly not "
     "the motion's: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
 )
+IMPLIED = "the file holds jerk and no snap, and between its rows the pieces have the snap that joins them"
 LARGEST = 1e6
 """SI; no trajectory has more of position or any derivative."""
 Attitudes = Literal["flown", "preset"]
@@ -72,7 +75,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> Imported:
     for values in given:
         require(float(np.abs(values).max()) <= LARGEST, f"{source}: position or a derivative exceeds {LARGEST:g} (SI)")
     _check_quaternion(table, findings)
-    path, fit_error, unjudged = _path(time - time[0], position, derivatives, knots, source, findings)
+    path, fit_error, fitted, unjudged = _path(time - time[0], position, derivatives, knots, source, findings)
     return Imported(
         source=source,
         format="reference",
@@ -82,6 +85,8 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> Imported:
         frame="z-up",
         findings=tuple(findings),
         path=path,
+        derivatives="file" if unjudged is None else "fit",
+        fitted=fitted,
         fit_error=fit_error,
         unjudged=unjudged,
     )
@@ -153,18 +158,22 @@ def _check_quaternion(table: Table, findings: list[str]) -> None:
 
 def _path(
     time: Array, position: Array, derivatives: list[Array | None], knots: float | None, source: str, findings: list[str]
-) -> tuple[Polynomials | knotted.Waypoints, float, str | None]:
+) -> tuple[Polynomials | knotted.Waypoints, float, str, str | None]:
+    """The path, its largest distance from the file's positions (m), what was fitted, and why it is not judged."""
     velocity, acceleration, jerk, snap = derivatives
     if velocity is None or acceleration is None or jerk is None:
         found = knotted.knotted(time, position, spacing=knots, source=source)
         findings.append(found.words)
-        return found.path, found.largest, UNJUDGED
+        return found.path, found.largest, found.words, UNJUDGED
     fit = fitted(time, np.stack([position, velocity, acceleration, jerk], axis=1), snap, source=source)
     said = f"pieces of degree 7 every {fit.stride} rows, {1e3 * fit.distance:.2g} mm from the file's positions at most"
-    findings.append(said if fit.snap is None else f"{said}, snap within {fit.snap:.2%} of the file's")
     if fit.snap is None:
-        findings.append("the file has no snap: that of the pieces is what its jerk implies")
-    return fit.path, fit.distance, None
+        findings += [said, IMPLIED]
+        return fit.path, fit.distance, said, IMPLIED
+    said += f", snap within {fit.snap:.2%} of the file's"
+    findings.append(said)
+    lost = f"of the snap in the file the pieces miss {fit.snap:.0%}: its rows are too far apart, or do not agree"
+    return fit.path, fit.distance, said, lost if fit.snap > SNAP_KEPT else None
 
 
 def fitted(

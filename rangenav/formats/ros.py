@@ -24,12 +24,13 @@ FIRST = 1.0
 FIELD = 50e-6
 """T; presets know the magnetic direction only, and this is an ordinary strength of the earth's field."""
 VERSION = 9
+TRUTH = "/ground_truth"
 WORLD, BODY, ANCHOR = "map", "base_link", "anchor"
 TOPICS = {
     "/imu/data": "sensor_msgs/msg/Imu",
     "/imu/mag": "sensor_msgs/msg/MagneticField",
     "/range": "sensor_msgs/msg/Range",
-    "/ground_truth": "geometry_msgs/msg/PoseStamped",
+    TRUTH: "geometry_msgs/msg/PoseStamped",
 }
 
 
@@ -69,6 +70,19 @@ def _write(run: Run, preset: Preset, path: Path, *, mcap: bool) -> int:
     return len(stamped)
 
 
+def poses(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Stamps (s) and positions (m) of the true poses in a bag or MCAP file. Raises ValueError without the extra."""
+    ros = _ros()
+    store, time, places = ros.get_typestore(ros.Stores.ROS2_HUMBLE), [], []
+    with ros.Reader(path) as reader:
+        wanted = [connection for connection in reader.connections if connection.topic == TRUTH]
+        for connection, stamp, data in reader.messages(connections=wanted):
+            place = store.deserialize_cdr(data, connection.msgtype).pose.position
+            time.append(stamp * 1e-9)
+            places.append((place.x, place.y, place.z))
+    return np.array(time), np.array(places)
+
+
 def _messages(run: Run, preset: Preset, types: Any, *, first: float) -> Iterator[tuple[int, str, Any]]:
     noise, vector = preset.sensors.sigma, types["geometry_msgs/msg/Vector3"]
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
@@ -98,7 +112,7 @@ def _messages(run: Run, preset: Preset, types: Any, *, first: float) -> Iterator
             position=point(*run.position[k].tolist()), orientation=turn(*np.roll(q[k], -1).tolist())
         )
         posed = types["geometry_msgs/msg/PoseStamped"](header=_header(types, stamp, WORLD), pose=pose)
-        yield stamp, "/ground_truth", posed
+        yield stamp, TRUTH, posed
     for stamp, distance in zip(nanoseconds(run.range_time + first), run.range.tolist(), strict=True):
         yield stamp, "/range", _range(types, stamp, distance)
 
@@ -125,8 +139,10 @@ def _diagonal(first: float, others: float) -> np.ndarray:
 def _ros() -> SimpleNamespace:
     """What is needed of rosbags. Raises ValueError with the extra to install if it is not there."""
     try:
-        from rosbags.rosbag2 import StoragePlugin, Writer
+        from rosbags.rosbag2 import Reader, StoragePlugin, Writer
         from rosbags.typesys import Stores, get_typestore
     except ImportError:
         raise ValueError('bag and mcap need the extra "ros": pip install "rangenav[ros]"') from None
-    return SimpleNamespace(Writer=Writer, StoragePlugin=StoragePlugin, Stores=Stores, get_typestore=get_typestore)
+    return SimpleNamespace(
+        Reader=Reader, Writer=Writer, StoragePlugin=StoragePlugin, Stores=Stores, get_typestore=get_typestore
+    )

@@ -56,6 +56,8 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
         findings=tuple(findings),
         questions=() if frame else (question,),
         path=curve.path,
+        derivatives="fit",
+        fitted=curve.words,
         fit_error=curve.largest,
         unjudged=knotted.unjudged(time, position),
     )

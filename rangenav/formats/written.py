@@ -36,7 +36,10 @@ def write_bytes(path: Path, data: bytes) -> None:
     """Write a file, whole or not at all."""
     require(path.parent.is_dir(), f"{path.parent}: no such folder")
     require(not path.is_dir(), f"{path}: is a folder")
-    handle, name = tempfile.mkstemp(prefix=path.name, dir=path.parent)
+    try:
+        handle, name = tempfile.mkstemp(prefix=path.name, dir=path.parent)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror}") from None
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)

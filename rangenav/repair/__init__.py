@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import signals
+from rangenav import provenance, signals
 from rangenav.certificate import Certificate, remedy
 from rangenav.certificate.figures import figures
 from rangenav.inputs import require
@@ -62,6 +62,7 @@ def repair(
     if before.meets:
         return outcome(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
     _refuse_hopeless(preset, by, before)
+    _refuse_unjudged(preset, by, before)
     nearest: list[Look] = []
     for limited in _limited(preset, by, budget):
         found = _smallest(limited, by, before.excitation.at, budget, nearest)
@@ -152,6 +153,13 @@ def _refuse_hopeless(preset: Preset, by: Kind, before: Certificate) -> None:
         refused = f"the path is too much for {preset.vehicle.name} already: {before.vehicle.broken[0]}"
     if refused is not None:
         raise CannotRepairError(f"{by}: {refused}")
+
+
+def _refuse_unjudged(preset: Preset, by: Kind, before: Certificate) -> None:
+    """Of a path whose snap is a fit's there may be nothing to change; changed, it would be a design like any other."""
+    why = provenance.restriction(preset.source, preset.path)
+    if why is not None and all(one.met for one in before.checks if one.name != "source"):
+        raise CannotRepairError(f"{by}: {why}; as a design it meets its requirement already: {provenance.ADOPT}")
 
 
 def _smallest(

@@ -109,7 +109,8 @@ def defeat(preset: Preset, by: Kind, budget: Budget, nearest: list[Look]) -> str
     if look.figures is None:
         return said
     sigma, needed = look.figures.sigma, preset.requirement
-    said += f"; the nearest has μ = {look.figures.mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
+    mu = 0.0 if look.figures.mu <= BLIND_MU else look.figures.mu
+    said += f"; the nearest has μ = {mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
     said += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
     excess = look.figures.excess
     if look.figures.worst_excess > 0:

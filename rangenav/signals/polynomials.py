@@ -107,11 +107,13 @@ def jumps(signal: Polynomials) -> Jumps:
     return Jumps(time=found.knots, step=piecewise.jumps(found))
 
 
-def complaints(signal: Polynomials) -> tuple[str, ...]:
-    """A sentence for each knot where position or velocity jumps: what the file says there cannot be flown."""
+def complaints(signal: Polynomials, *, inside: tuple[float, float] = (-math.inf, math.inf)) -> tuple[str, ...]:
+    """A sentence for each knot (strictly inside some seconds) where position or velocity jumps: none can fly that."""
     found = jumps(signal)
     sentences = []
     for k, time in enumerate(found.time):
+        if not inside[0] < time < inside[1]:
+            continue
         for order, (name, least, unit) in COMPLAINTS.items():
             steps = np.abs(found.step[k, order])
             if steps.max() >= least:

@@ -1,0 +1,59 @@
+"""A schedule of k1: high while the measured vectors disagree with the expected ones, low once they agree."""
+
+from explorer.panels.controls import LogDial, Switch
+from explorer.panels.notes import NOTE
+from explorer.panels.sheet import Section, Sheet
+from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule
+
+STEADY_LIMITS = (0.01, 50.0)
+HINT = (
+    "k1 falls from its dial's value to the steady one as the misalignment s, a low-passed mean of 1 − cos of the "
+    "angles to the magnetic field and to gravity, falls: fast from any start, quiet once it is there."
+)
+OUTSIDE = "The theorem assumes a constant k1: of a scheduled one it says nothing."
+
+
+class ScheduleDials:
+    """A switch, and three dials that keep what was entered while it is off."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self._section = Section(sheet)
+        with self._section as section:
+            self._on = Switch(section, "schedule k1", hint=HINT)
+            self._group = Section(sheet)
+        with self._group as section:
+            sheet.gui.add_html(NOTE.format(OUTSIDE))
+            hint = "k1 (1/s) once the vectors agree; not above k1 itself."
+            self._steady = LogDial(section, "k1 in the end", STEADY_LIMITS, hint=hint, unit="1/s")
+            hint = "The misalignment s (0 to 2) at which k1 is halfway between its ends, in equal ratios."
+            self._halfway = LogDial(section, "k1 halfway at s", HALFWAY_RANGE, hint=hint)
+            hint = "s, of the low-pass that takes the magnetometer's noise out of the misalignment."
+            self._memory = LogDial(section, "low pass of s", MEMORY_RANGE, hint=hint, unit="s")
+        self._held = Schedule()
+
+    @property
+    def draft(self) -> Schedule:
+        """What is entered while it is off; else the usual one, for what is in use is no draft."""
+        return Schedule() if self._on.read() else self._held
+
+    def read(self, gains: AttitudeGains) -> AttitudeGains:
+        """The gains with the schedule chosen. Raises Refused after saying why beside the dials."""
+        on = self._on.read()
+        self._group.show(on)
+        if not on:
+            return gains
+        with self._group.catching():
+            steady, halfway, memory = self._steady.read(), self._halfway.read(), self._memory.read()
+            plan = Schedule(steady=steady, halfway=halfway, memory=memory)
+            scheduled = AttitudeGains(k1=gains.k1, rho1=gains.rho1, rho2=gains.rho2, schedule=plan)
+        self._held = plan
+        return scheduled
+
+    def write(self, plan: Schedule | None, base: Schedule | None, draft: Schedule) -> None:
+        """Show a schedule, or that there is none and what it would be."""
+        self._on.write(plan is not None, base is not None)
+        self._held, usual = plan or draft, base or Schedule()
+        self._steady.write(self._held.steady, usual.steady)
+        self._halfway.write(self._held.halfway, usual.halfway)
+        self._memory.write(self._held.memory, usual.memory)
+        self._group.show(plan is not None)

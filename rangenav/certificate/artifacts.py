@@ -1,0 +1,93 @@
+"""The bytes that are certified, and where their certificate lies.
+
+A file's bytes are its own. A folder's (a ROS bag, a EuRoC record) are those of all its files one after the other, in
+the order of their names: for each its name, its size and its content, so that no byte and no file of it can be altered,
+added or lost. Its certificate lies in the folder and is none of them.
+"""
+
+import os
+import stat
+from pathlib import Path
+
+from rangenav.inputs import require
+
+MAX_FILE = 256_000_000
+"""Bytes; ten minutes of every array of a run."""
+MAX_ENTRIES = 64
+"""Files and folders in a folder that may be certified: ours have a dozen."""
+SUFFIX = ".certificate.json"
+OF_FOLDER = "certificate.json"
+"""The certificate in a folder."""
+
+
+def beside(path: Path) -> Path:
+    """Where a certificate lies: NAME.certificate.json beside the preset NAME.toml, NAME.csv.certificate.json beside
+    NAME.csv (a preset may be exported in many formats under one name), certificate.json in a folder."""
+    if path.is_dir():
+        return path / OF_FOLDER
+    return path.with_name((path.stem if path.suffix == ".toml" else path.name) + SUFFIX)
+
+
+def certified_by(certificate: Path) -> Path | None:
+    """The file or folder whose certificate this is, by its name; None if it is called otherwise."""
+    if certificate.name == OF_FOLDER:
+        return certificate.parent
+    if not certificate.name.endswith(SUFFIX):
+        return None
+    file = certificate.with_name(certificate.name.removesuffix(SUFFIX))
+    return file if file.is_file() else file.with_name(f"{file.name}.toml")
+
+
+def read_bytes(path: Path) -> bytes:
+    """All bytes of a file or folder that is not too large to be read whole. Raises ValueError."""
+    try:
+        if path.is_dir():
+            return _packed(path)
+        require(path.stat().st_size <= MAX_FILE, f"{path.name}: larger than {MAX_FILE} bytes")
+        return path.read_bytes()
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
+
+
+def unpacked(content: bytes, source: str) -> dict[str, bytes]:
+    """The files of a folder by their names. Raises ValueError for bytes that are none of a folder's."""
+    files, at = {}, 0
+    while at < len(content):
+        end = content.find(b"\n", at)
+        name, _, size = content[at:end].rpartition(b" ")
+        broken = end < 0 or not size.isdigit() or len(size) > 12 or end + 1 + int(size) > len(content)
+        require(not broken and len(files) < MAX_ENTRIES, f"{source}: these are not the bytes of a folder")
+        at = end + 1 + int(size)
+        files[name.decode("utf-8", "replace")] = content[end + 1 : at]
+    return files
+
+
+def _packed(folder: Path) -> bytes:
+    """Name, size, line feed, content of every file; nothing is followed out of the folder."""
+    files = _files(folder)
+    sizes = {name: file.stat().st_size for name, file in files.items()}
+    require(sum(sizes.values()) <= MAX_FILE, f"{folder.name}: larger than {MAX_FILE} bytes")
+    packed = []
+    for name in sorted(files):
+        content = files[name].read_bytes()
+        packed += [f"{name} {len(content)}\n".encode("utf-8", "surrogateescape"), content]
+    return b"".join(packed)
+
+
+def _files(folder: Path) -> dict[str, Path]:
+    found: dict[str, Path] = {}
+    waiting, entries = [folder], 0
+    while waiting:
+        with os.scandir(waiting.pop()) as listed:
+            for entry in listed:
+                entries += 1
+                name = Path(entry.path).relative_to(folder).as_posix()
+                require(entries <= MAX_ENTRIES, f"{folder.name}: more than {MAX_ENTRIES} files, which no export is")
+                rule = f"{folder.name}: {name!r} is neither a file nor a folder, or has a line feed in its name"
+                mode = entry.stat(follow_symlinks=False).st_mode
+                require((stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and "\n" not in name, rule)
+                if stat.S_ISDIR(mode):
+                    waiting.append(Path(entry.path))
+                elif name != OF_FOLDER:
+                    found[name] = Path(entry.path)
+    return found

@@ -1,0 +1,98 @@
+"""Where an imported path came from, and whether its snap was in the file: of a fitted one nothing is certified.
+
+A file of polynomials, or of rows with their snap, says what its path's fourth derivative is. A record of positions does
+not: the curve that is put near them has a snap of its own, which is the fit's and not the flight's (∫snap² moves 400
+times with the smoothing). So a path that was fitted is not judged, for as long as it is the path that was imported.
+
+Whoever changes the path has designed another one, and that is judged like any design: what was imported is known by the
+hash of the path, so that no editor has to tell. Whoever takes the imported curve itself for a design, to be flown as it
+is, says so by deleting the file's [source].
+"""
+
+import hashlib
+from functools import lru_cache
+from typing import Any, Literal
+
+import msgspec
+
+from rangenav.inputs import Input, require
+from rangenav.signals import Signal
+
+MAX_FILE, MAX_WORDS = 255, 400
+"""Characters of a file's name, as file systems have them, and of a sentence."""
+HASH = 64
+"""Hexadecimal digits of a SHA-256."""
+CACHED = 32
+Format = Literal["reference", "polynomial", "tum", "euroc"]
+ADOPT = (
+    "judge the flight itself by its IMU (rangenav log), or make the curve a design of your own: change its path, or "
+    "delete [source] from the preset"
+)
+"""What helps where a path is not judged."""
+
+
+class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
+    """The file a path was imported from."""
+
+    file: str
+    """Its name."""
+    sha256: str
+    """Of its bytes."""
+    format: Format
+    derivatives: Literal["file", "fit"]
+    """Whether the derivatives up to snap stood in the file, or come from fitting."""
+    fitted: str = ""
+    """What was fitted, and how near it is; empty if the path is the file's own."""
+    unjudged: str = ""
+    """Why excitation cannot be judged from it; empty if it can."""
+    path_sha256: str
+    """Of the path as it was imported: see `fingerprint`."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, most in (("file", MAX_FILE), ("fitted", MAX_WORDS), ("unjudged", MAX_WORDS)):
+            text = getattr(self, name)
+            require(len(text) <= most, f"source.{name} must have at most {most} characters, got {len(text)}")
+        require(len(self.file) > 0, "source.file must not be empty")
+        for name in ("sha256", "path_sha256"):
+            text = getattr(self, name)
+            rule = f"source.{name} must be {HASH} hexadecimal digits, got {text[:HASH]!r}"
+            require(len(text) == HASH and set(text) <= set("0123456789abcdef"), rule)
+        require(
+            self.derivatives == "file" or bool(self.unjudged),
+            'source.unjudged must say why, where derivatives is "fit"',
+        )
+
+
+def edited(source: Source, path: Signal) -> bool:
+    """Whether the path is another one than was imported."""
+    return fingerprint(path) != source.path_sha256
+
+
+def restriction(source: Source | None, path: Signal) -> str | None:
+    """Why the path's excitation is not judged, as one clause; None if it may be."""
+    if source is None or source.derivatives == "file" or edited(source, path):
+        return None
+    return f"the path's snap was not in {source.file} but comes from fitting: {source.unjudged}"
+
+
+def words(source: Source, path: Signal) -> str:
+    """Where the path comes from, as one clause."""
+    came = f"imported from {source.file} ({source.format})"
+    if edited(source, path):
+        return f"{came} and changed since: a design"
+    return f"{came}, {'whose own snap it has' if source.derivatives == 'file' else source.fitted}"
+
+
+@lru_cache(maxsize=CACHED)
+def fingerprint(path: Signal) -> str:
+    """The SHA-256 of a path's values: of its JSON, every number a float and no zero negative."""
+    return hashlib.sha256(msgspec.json.encode(_plain(msgspec.to_builtins(path)))).hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    return float(value) + 0.0 if isinstance(value, int | float) and not isinstance(value, bool) else value
