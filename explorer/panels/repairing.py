@@ -56,8 +56,8 @@ class RepairPanel:
             sheet.button("Make it observable", self._repair, hint=REPAIR)
             sheet.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
             self._said = sheet.gui.add_html("", visible=False)
-            self._accept = sheet.button("Accept", self._take, hint=TAKE)
-            self._discard = sheet.button("Discard", self._forget, hint=LEAVE, quiet=True)
+            self._accept = sheet.button("Accept the motion", self._take, hint=TAKE)
+            self._discard = sheet.button("Discard the motion", self._forget, hint=LEAVE, quiet=True)
         self._forget()
         sheet.command("Make it observable", self._repair)
 
