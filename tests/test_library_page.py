@@ -391,7 +391,6 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.wait_until_accepted()  # that was said of another motion
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     page.set("even if uncertified", True)
-    page.set("TUM", True)
     page.press("Export as a zip")
     packed = _zip(page, "circle.uncertified.zip")
     assert "circle.polynomial.uncertified.csv" in packed.namelist()

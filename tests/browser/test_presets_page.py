@@ -127,6 +127,7 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     visitor.choose("preset", "(circle)")
     visitor.wait_for_text(BLIND)
     _folder(visitor, "Download with certificate", "Export as a zip")
+    visitor.press("none")
     visitor.beside("polynomials").locator("input").check()
     _folder(visitor, "Repair", "Make it observable")
     visitor.press("Export as a zip")
