@@ -381,7 +381,7 @@ def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editi
 
 def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editing):
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
-    page.set("polynomials", True)
+    page.set("polynomials", True)  # what is to be flown must be observable; a circle may be studied
     page.press("Export as a zip")
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
     assert page.tab.downloads == []
@@ -403,7 +403,7 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
     lines = (tmp_path / "tour.txt").read_text().splitlines()
     before = page.settings
     page.tab.upload("Upload a file", "Tour 1.txt", "\n".join(lines[1:]).encode())
-    page.tab.wait_for_text("which way")
+    page.tab.wait_for_text("which way does z point")
     assert page.settings == before
     assert page.tab.value("format") == "TUM trajectory"
     page.press("Confirm the answers")
@@ -462,11 +462,11 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
     page.press("Make it observable")
     page.tab.wait_for_text("before (A)")
     assert page.settings == circle
-    page.press("Discard")
+    page.press("Discard the motion")
     assert "before (A)" not in page.tab.text()
     page.press("Make it observable")
     page.tab.wait_for_text("before (A)")
-    page.press("Accept")
+    page.press("Accept the motion")
     after = page.settings.preset
     assert certificate.certify(preset.dumps(after).encode(), source="x").certified
     assert after.path != circle.preset.path
@@ -483,14 +483,14 @@ def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_
     page.tab.wait_for_text("before (A)")
     page.set("q", 2.0)
     gains = page.settings.preset.gains
-    page.press("Accept")
+    page.press("Accept the motion")
     assert page.settings.preset.path != SHIPPED["circle"].path
     assert page.settings.preset.gains == gains
     page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
     page.press("Make it observable")
     page.tab.wait_for_text("before (A)")
     page.set("preset", f"{SHIPPED['hover'].title} (hover)")
-    page.press("Accept")
+    page.press("Accept the motion")
     assert any("the motion on the page is another one by now" in text for text in page.refusals())
     assert page.settings.preset == SHIPPED["hover"]
 

@@ -3,7 +3,7 @@
 from explorer.jobs import Cancelled, Jobs, Progress
 from explorer.panels.controls import Switch
 from explorer.panels.notes import NOTE, bullets
-from explorer.panels.presets import Page
+from explorer.panels.page import Page
 from explorer.panels.sheet import Section, Sheet
 from explorer.parcel import Parcel, Send, parcel
 from explorer.settings import effective

@@ -9,7 +9,7 @@ from functools import partial
 from explorer.jobs import Jobs
 from explorer.panels.controls import Choice
 from explorer.panels.notes import NOTE, bullets
-from explorer.panels.presets import Page
+from explorer.panels.page import Page
 from explorer.panels.sheet import Section, Sheet
 from explorer.received import Received, Understood, guess, looks_like_a_preset, understand
 from explorer.shelf import Shelf

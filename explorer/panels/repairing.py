@@ -13,7 +13,7 @@ from explorer.jobs import Cancelled, Jobs, Progress
 from explorer.panels.card import drawings
 from explorer.panels.controls import Choice
 from explorer.panels.notes import NOTE, bullets, table
-from explorer.panels.presets import Page
+from explorer.panels.page import Page
 from explorer.panels.sheet import Action, Section, Sheet
 from explorer.settings import Settings, effective
 from rangenav import repair
@@ -56,8 +56,8 @@ class RepairPanel:
             sheet.button("Make it observable", self._repair, hint=REPAIR)
             sheet.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
             self._said = sheet.gui.add_html("", visible=False)
-            self._accept = sheet.button("Accept", self._take, hint=TAKE)
-            self._discard = sheet.button("Discard", self._forget, hint=LEAVE, quiet=True)
+            self._accept = sheet.button("Accept the motion", self._take, hint=TAKE)
+            self._discard = sheet.button("Discard the motion", self._forget, hint=LEAVE, quiet=True)
         self._forget()
         sheet.command("Make it observable", self._repair)
 

@@ -113,7 +113,8 @@ def test_the_zip_holds_the_preset_its_certificate_and_the_format_chosen(visitor:
     with zipfile.ZipFile(coming.value.path()) as packed:
         packed.extractall(tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {
-        *("paper-slow.toml", "paper-slow.certificate.json", "paper-slow.tum.txt", "README.txt")
+        *("paper-slow.toml", "paper-slow.certificate.json", "README.txt"),
+        *("paper-slow.tum.txt", "paper-slow.tum.txt.certificate.json"),
     }
     assert certificate.verify_file(tmp_path / "paper-slow.toml") == ()
     assert formats.read(tmp_path / "paper-slow.tum.txt", "tum").rows > 1000
@@ -126,6 +127,8 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     visitor.choose("preset", "(circle)")
     visitor.wait_for_text(BLIND)
     _folder(visitor, "Download with certificate", "Export as a zip")
+    visitor.press("none")
+    visitor.beside("polynomials").locator("input").check()
     _folder(visitor, "Repair", "Make it observable")
     visitor.press("Export as a zip")
     visitor.wait_for_text("• the rank is 11 of 13")
@@ -133,7 +136,7 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     visitor.press("Make it observable")
     visitor.wait_for_text("before (A)")
     assert BLIND in visitor.text()
-    visitor.press("Accept")
+    visitor.press("Accept the motion")
     visitor.wait_for_no_text(BLIND)
     visitor.wait_for_no_text("add a tone of at least")  # said of what is no longer on the page
     visitor.wait_for_node("/pinned_trail")
@@ -144,6 +147,7 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     with zipfile.ZipFile(coming.value.path()) as packed:
         packed.extractall(tmp_path)
     (kept,) = tmp_path.glob("*.toml")
+    assert len(list(tmp_path.glob("*.polynomial.csv"))) == 1
     assert kept.stem == "horizontal-circle-anchor-1-5-m-off-its-plane-repaired"
     assert certificate.verify_file(kept) == ()
 
