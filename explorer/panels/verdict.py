@@ -7,7 +7,7 @@ import viser
 
 from explorer.compute import Picture
 from explorer.panels.sheet import Complaint
-from rangenav import sensors
+from rangenav import certificate, sensors
 from rangenav.vehicle import FREE
 
 WORDS = {
@@ -21,6 +21,7 @@ WORDS = {
     "blind": ("✕", "light-dark(#b3261e, #ff8f86)", "BLIND", "some directions cannot be told at all"),
 }
 """Shape, colour (Okabe–Ito hues, dark enough to read on white, and light enough on black), word, meaning."""
+NOT_JUDGED = "○", "light-dark(#555, #bbb)", "NOT JUDGED"
 DIMMED = "color:light-dark(#666, #a8a8a8)"
 NAME_STYLE = f"padding:0.1em 0.7em 0.1em 0;{DIMMED};vertical-align:top;white-space:nowrap"
 ROW = f'<tr><td style="{NAME_STYLE}">{{}}</td><td>{{}}</td></tr>'
@@ -45,9 +46,7 @@ class VerdictPanel:
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict on a picture."""
-        shape, colour, word, meaning = WORDS[picture.analysis.verdict]
-        if picture.analysis.mu < picture.preset.requirement.mu:
-            meaning += "; <b>✕ the required μ is not met</b>"
+        shape, colour, word, meaning = _head(picture)
         head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{_chips(picture)}</div>'
         table = "".join(ROW.format(name, text) for name, text in _rows(picture))
         self._block.content = (
@@ -55,6 +54,17 @@ class VerdictPanel:
             f'{head}<div style="{DIMMED};margin-bottom:0.4em">{meaning}</div>'
             f'<table style="border-collapse:collapse">{table}</table></div>'
         )
+
+
+def _head(picture: Picture) -> tuple[str, str, str, str]:
+    """Shape, colour, word and meaning; of an imported curve whose snap is a fit's, or that jumps, why there is none."""
+    why = certificate.restriction(picture.preset)
+    if why is not None:
+        return *NOT_JUDGED, f"{html.escape(why)}; what follows is the curve's own, and proves nothing about the flight"
+    shape, colour, word, meaning = WORDS[picture.analysis.verdict]
+    if picture.analysis.mu < picture.preset.requirement.mu:
+        meaning += "; <b>✕ the required μ is not met</b>"
+    return shape, colour, word, meaning
 
 
 def number(value: float, unit: str = "") -> str:
