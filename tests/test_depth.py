@@ -12,8 +12,10 @@ from msgspec.structs import replace
 from viser.transforms import SO3
 
 from explorer import depth
-from explorer.charts import FOLLOWS, Charts, catalogue, markup, window_at
+from explorer.charts import Charts, catalogue, markup
 from explorer.charts import depth as drawings
+from explorer.charts.column import FOLLOWS
+from explorer.charts.reading import window_at
 from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.twin import TwinPanel
 from explorer.scene import stage

@@ -150,6 +150,10 @@ def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     assert charts.plan("position", "csv")()
     with pytest.raises(ValueError, match="Scaled spectrum: still shows an earlier state"):
         charts.plan("scaled", "csv")
+    turned = Settings(preset=other.preset, twin_turn=(0.0, 0.0, 0.5))
+    charts.draw_later(compute(turned))  # as when only the twin was turned
+    assert charts.plan("scaled", "csv")()
+    assert charts.plan("position", "csv")()
     server.stop()
 
 
