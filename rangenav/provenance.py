@@ -69,6 +69,13 @@ def edited(source: Source, path: Signal) -> bool:
     return fingerprint(path) != source.path_sha256
 
 
+def renamed(source: Source | None, path: Signal, same: Signal) -> Source | None:
+    """The source of a path that is the same in other axes: that is no change of it, and makes no design of a fit."""
+    if source is None or edited(source, path):
+        return source
+    return msgspec.structs.replace(source, path_sha256=fingerprint(same))
+
+
 def restriction(source: Source | None, path: Signal) -> str | None:
     """Why the path's excitation is not judged, as one clause; None if it may be."""
     if source is None or source.derivatives == "file" or edited(source, path):

@@ -18,7 +18,7 @@ from typing import cast
 import msgspec
 import numpy as np
 
-from rangenav import formats
+from rangenav import formats, provenance
 from rangenav import preset as presets
 from rangenav.axes import upright
 from rangenav.certificate import artifacts, checks
@@ -103,6 +103,8 @@ def _steady(form: str) -> Reader:
     def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
+        why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
+        require(why is None, f"{source}: {why}")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
         found = formats.parse(content, form, source=source, confirm={})
         require(found.unjudged is None, f"{source}: {found.unjudged}")
