@@ -204,8 +204,14 @@ def test_differences_of_verdicts_and_of_what_never_comes(slow: Picture) -> None:
 
 
 def test_a_fit_has_no_verdict_to_differ_from(slow: Picture) -> None:
-    said = {"file": "flight.tum", "sha256": 64 * "0", "format": "tum", "unjudged": "it was sampled"}
-    source = Source(**said, derivatives="fit", path_sha256=fingerprint(slow.preset.path))
+    source = Source(
+        file="flight.tum",
+        sha256=64 * "0",
+        format="tum",
+        derivatives="fit",
+        unjudged="it was sampled",
+        path_sha256=fingerprint(slow.preset.path),
+    )
     assert differences.figures(altered(slow, source=source), picture("circle"))[0] == "not judged → blind"
 
 

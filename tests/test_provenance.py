@@ -241,8 +241,14 @@ def test_a_download_of_a_fit_states_no_verdict(tmp_path: Path):
 
 
 def test_pieces_put_through_a_fit_are_certified_as_little_as_the_fit(tmp_path: Path):
-    said = {"file": "flight.tum", "sha256": 64 * "0", "format": "tum", "unjudged": "it was sampled"}
-    source = Source(**said, derivatives="fit", path_sha256=provenance.fingerprint(SOFT.path))
+    source = Source(
+        file="flight.tum",
+        sha256=64 * "0",
+        format="tum",
+        derivatives="fit",
+        unjudged="it was sampled",
+        path_sha256=provenance.fingerprint(SOFT.path),
+    )
     file = formats.export(SOFT, "polynomial", tmp_path / "fit.csv")
     assert exported.certified(SOFT, "polynomial", tmp_path / "fit.csv", steady=file.steady).certified
     with pytest.raises(ValueError, match=r"fit\.csv: the path's snap was not in flight\.tum"):
