@@ -39,6 +39,32 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
     os.environ["RANGENAV_DATA"] = str(tmp_path_factory.mktemp("data"))
 
 
+@pytest.fixture(scope="module")
+def sessions():
+    """(port, Sessions) of a server of this module's own."""
+    from explorer.access import open_server
+    from explorer.sessions import Sessions
+    from explorer.warming import Warming
+    from tests.house import house
+
+    server, warming = open_server("127.0.0.1", 0), Warming()
+    made = Sessions(server, house(server, warming))
+    warming.start()
+    yield server.get_port(), made
+    server.stop()
+
+
+@pytest.fixture
+def editing(sessions):
+    """A visitor (tests/editing.py) of that server."""
+    from tests.editing import Editing, newest
+    from tests.wire import Wire
+
+    tab = Wire(sessions[0])
+    yield Editing(tab, newest(sessions[1], tab))
+    tab.close()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(
     item: pytest.Item, call: pytest.CallInfo[None]

@@ -3,7 +3,6 @@
 import math
 import re
 import time
-from collections.abc import Iterator
 
 import matplotlib
 import numpy as np
@@ -14,22 +13,17 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from explorer import attraction
-from explorer.access import open_server
 from explorer.beside import Beside
 from explorer.panels import basin as panel
 from explorer.scene import Scene, view
 from explorer.scene.basin import CORE, SIZE, TITLE, place
 from explorer.scene.stage import stage
 from explorer.scene.view import direction
-from explorer.sessions import Sessions
-from explorer.warming import Warming
 from rangenav import ensemble, preset
 from rangenav.ensemble import Basin
-from tests.house import house
+from tests.editing import Editing
 from tests.sent import Page
-from tests.test_editor import Editing, _newest
 from tests.test_scene import node, page, picture
-from tests.wire import Wire
 
 __all__ = ["page"]  # the fixture
 
@@ -162,23 +156,6 @@ def test_equilibria_are_named_at_both_ends(page: Page):
 
 
 # The section
-
-
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[int, Sessions]]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
-    started = Sessions(server, house(server, warming))
-    warming.start()
-    yield server.get_port(), started
-    server.stop()
-
-
-@pytest.fixture
-def editing(sessions: tuple[int, Sessions]) -> Iterator[Editing]:
-    port, started = sessions
-    tab = Wire(port)
-    yield Editing(tab, _newest(started, tab))
-    tab.close()
 
 
 def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:

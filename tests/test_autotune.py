@@ -4,48 +4,25 @@ import itertools
 import math
 import re
 import time
-from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from explorer.access import open_server
 from explorer.panels import tradeoff, tuning_words
 from explorer.panels.tradeoff import ATTITUDE, POSITION, Marked
 from explorer.panels.tuning import TuningPanel
-from explorer.sessions import Sessions
-from explorer.warming import Warming
 from rangenav import preset, trade, tune
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.trade import Point
 from rangenav.tune import Tuned
-from tests.house import house
-from tests.test_editor import Editing, _newest
-from tests.wire import Wire
+from tests.editing import Editing
 
 PRESS = 0.05
 """s: presses of buttons go through a pool of threads, and may be overtaken."""
 SEEDS, TRIED = 2, 40
-
-
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[int, Sessions]]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
-    made = Sessions(server, house(server, warming))
-    warming.start()
-    yield server.get_port(), made
-    server.stop()
-
-
-@pytest.fixture
-def editing(sessions: tuple[int, Sessions]) -> Iterator[Editing]:
-    port, made = sessions
-    tab = Wire(port)
-    yield Editing(tab, _newest(made, tab))
-    tab.close()
 
 
 @pytest.fixture

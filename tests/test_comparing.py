@@ -7,27 +7,15 @@ from collections.abc import Iterator
 
 import pytest
 
-from explorer.access import open_server
 from explorer.charts import Charts
 from explorer.panels.compare import ComparePanel
 from explorer.session import Session
 from explorer.sessions import Sessions
-from explorer.warming import Warming
-from tests.house import house
 from tests.wire import Wire
 
 BAND = "of these settings"
 PRESS = 0.05
 """s: presses of buttons go through a pool of threads, and may be overtaken."""
-
-
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[int, Sessions]]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
-    made = Sessions(server, house(server, warming))
-    warming.start()
-    yield server.get_port(), made
-    server.stop()
 
 
 @pytest.fixture

@@ -1,9 +1,7 @@
 """Editing motion through viser's messages: every family, what is kept, undone and reset, and what bad input is told."""
 
 import math
-import re
 import time
-from collections.abc import Callable, Iterator
 
 import msgspec
 import numpy as np
@@ -11,97 +9,18 @@ import pytest
 
 from explorer.access import open_server
 from explorer.history import MOMENT
-from explorer.session import Session
 from explorer.sessions import Sessions
 from explorer.settings import Settings
 from explorer.warming import Warming
 from rangenav import preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
+from tests.editing import Editing, newest
 from tests.house import house
 from tests.wire import Storage, Wire
 
 NOT_SHOWN = "Not shown"
 LONGEST_ANSWER = 1.0
 """s that bad input may take to be told, beyond what the machine needs for a good picture."""
-
-
-class Editing:
-    """A visitor, and the session that serves them."""
-
-    def __init__(self, tab: Wire, session: Session) -> None:
-        self.tab, self.session = tab, session
-        self._moment = 0.0
-
-    @property
-    def settings(self) -> Settings:
-        """What is shown."""
-        picture = self.session._picture
-        assert picture is not None
-        return picture.settings
-
-    def set(self, label: str, value: object) -> None:
-        """Set a control, and wait until the session has taken it in."""
-        self.tab.set(label, value)
-        self.settle()
-
-    def press(self, label: str, option: str | None = None) -> None:
-        """Press a button, or one of a row of buttons."""
-        self._carried_out(lambda: self.tab.press(label, option))
-
-    def command(self, label: str) -> None:
-        """Trigger a command of the palette."""
-        self._carried_out(lambda: self.tab.command(label))
-
-    def drag(self, handle: str, place: tuple[float, float, float], *, steps: int = 1) -> None:
-        """Drag a handle, once it is there."""
-        self.tab.wait_for(lambda: handle in self.tab.nodes, handle)
-        self.tab.drag(handle, place, steps=steps)
-
-    def _carried_out(self, ask: Callable[[], None]) -> None:
-        """Ask for something, and wait until it was done: presses go through a pool of threads, and may be overtaken."""
-        sheet = self.session._sheet
-        before = sheet.carried
-        ask()
-        self.tab.wait_for(lambda: sheet.carried > before, "the action")
-        self.settle()
-
-    def settle(self) -> None:
-        """Until the session has taken in all that was sent: it shows a moment only after what came before."""
-        self._moment = round((self._moment + 0.01) % 9.0, 2)
-        self.tab.set("t (s)", self._moment)
-        self.tab.wait_for_text(f"<b>{self._moment:.2f} s</b>")
-
-    def wait_until_accepted(self) -> None:
-        """Until nothing is complained of: what is shown beside a control may come a moment after the rest."""
-        self.tab.wait_for(lambda: self.refusals() == [], "no complaint")
-
-    def refusals(self) -> list[str]:
-        """The sentences shown beside controls and in the verdict, without their HTML."""
-        shown = [p for p in self.tab.elements.values() if p.get("visible", True) and "⚠" in str(p.get("content"))]
-        return [re.sub(r"<[^>]+>", " ", p["content"]) for p in shown]
-
-
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[int, Sessions]]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
-    made = Sessions(server, house(server, warming))
-    warming.start()
-    yield server.get_port(), made
-    server.stop()
-
-
-def _newest(made: Sessions, tab: Wire) -> Session:
-    """The session of a tab that has just connected, once it has drawn."""
-    tab.wait_for_text("of 13</b>, nonlinear")
-    return list(made._of.values())[-1]
-
-
-@pytest.fixture
-def editing(sessions: tuple[int, Sessions]) -> Iterator[Editing]:
-    port, made = sessions
-    tab = Wire(port)
-    yield Editing(tab, _newest(made, tab))
-    tab.close()
 
 
 def test_each_family_starts_from_what_was_there_and_keeps_what_was_entered(editing: Editing):
@@ -555,20 +474,20 @@ def _until_shown(editing: Editing, expected: Settings) -> None:
 def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, Sessions]):
     storage = Storage()
     port, made = sessions
-    editing = Editing(tab := Wire(port, storage=storage), _newest(made, tab))
+    editing = Editing(tab := Wire(port, storage=storage), newest(made, tab))
     editing.set("family", "formulas")
     editing.set("x(t) =", "cos(3*t)")
     editing.set("q", 2.0)
     expected = editing.settings
     tab.close()
     back = Wire(port, storage=storage)
-    _until_shown(Editing(back, _newest(made, back)), expected)
+    _until_shown(Editing(back, newest(made, back)), expected)
     back.close()
     server, warming = open_server("127.0.0.1", 0), Warming()
     again = Sessions(server, house(server, warming))
     warming.start()
     later = Wire(server.get_port(), storage=storage)
-    _until_shown(Editing(later, _newest(again, later)), expected)
+    _until_shown(Editing(later, newest(again, later)), expected)
     assert later.value("x(t) =") == "cos(3*t)"
     later.close()
     server.stop()
@@ -577,14 +496,14 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
 def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessions]):
     port, made = sessions
     browser = Storage()
-    first = Editing(one := Wire(port, storage=browser), _newest(made, one))
-    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), _newest(made, two))
+    first = Editing(one := Wire(port, storage=browser), newest(made, one))
+    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), newest(made, two))
     first.set("q", 1.0)
     second.set("q", 3.0)
     one.close()
     two.close()
     back = Wire(port, storage=browser)
-    assert Editing(back, _newest(made, back)).settings.preset.gains.riccati.q == 10.0
+    assert Editing(back, newest(made, back)).settings.preset.gains.riccati.q == 10.0
     back.close()
 
 

@@ -8,31 +8,20 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from explorer.access import open_server
 from explorer.keeping import Kept
 from explorer.sessions import Sessions
-from explorer.warming import Warming
 from rangenav.attitude import Schedule
-from tests.house import house
-from tests.test_editor import NOT_SHOWN, Editing, _newest
+from tests.editing import Editing, newest
+from tests.test_editor import NOT_SHOWN
 from tests.wire import Storage, Wire
 
 LETTERS, WORDS = "in the paper's letters", "in physical words"
 STIFF = "▲ The attitude filter is stiff"
 
 
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[int, Sessions]]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
-    made = Sessions(server, house(server, warming))
-    warming.start()
-    yield server.get_port(), made
-    server.stop()
-
-
 def _visitor(sessions: tuple[int, Sessions], storage: Storage | None = None) -> Editing:
     tab = Wire(sessions[0], storage=storage)
-    return Editing(tab, _newest(sessions[1], tab))
+    return Editing(tab, newest(sessions[1], tab))
 
 
 @pytest.fixture

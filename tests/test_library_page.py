@@ -12,30 +12,18 @@ import msgspec
 import pytest
 
 from explorer import store, uploads
-from explorer.access import open_server
 from explorer.library import Library
 from explorer.sessions import Sessions
 from explorer.shelf import MINE
-from explorer.warming import Warming
 from rangenav import certificate, formats, preset
 from rangenav.certificate import exported
-from tests.house import house
-from tests.test_editor import Editing
+from tests.editing import Editing
 from tests.wire import Storage, Wire
 
 SHIPPED = preset.shipped()
 SAVE, TIDY = "keep", "tidy"
 WORST = re.compile(r"from ([\d.]+) s: rank")
 """Where the worst window of a recorded flight begins."""
-
-
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[int, Sessions]]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
-    made = Sessions(server, house(server, warming))
-    warming.start()
-    yield server.get_port(), made
-    server.stop()
 
 
 @pytest.fixture
