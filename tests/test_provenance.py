@@ -253,3 +253,15 @@ def test_pieces_put_through_a_fit_are_certified_as_little_as_the_fit(tmp_path: P
     assert exported.certified(SOFT, "polynomial", tmp_path / "fit.csv", steady=file.steady).certified
     with pytest.raises(ValueError, match=r"fit\.csv: the path's snap was not in flight\.tum"):
         exported.certified(replace(SOFT, source=source), "polynomial", tmp_path / "fit.csv", steady=file.steady)
+
+
+@pytest.mark.parametrize("amplitude", [None, 0.0, 1e-3])
+def test_a_wiggle_that_does_nothing_makes_no_design_of_a_fit(tmp_path: Path, amplitude: float | None):
+    """As when “plus a wiggle” is switched on and no tone of it is set."""
+    _, made = imported(tmp_path, "tum")
+    tones = () if amplitude is None else (Tone(axis="z", amplitude=amplitude, frequency=2.0),)
+    wiggled = replace(made, path=signals.Sum(base=made.path, wiggle=Multisine(tones=tones)))
+    assert (certificate.restriction(wiggled) is None) == bool(amplitude)
+    turned = axes.flipped(wiggled)
+    assert (certificate.restriction(turned) is None) == bool(amplitude)
+    assert axes.flipped(turned).source == made.source
