@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from explorer.compute import Picture
+from rangenav import certificate
 from rangenav.preset import Preset
 
 NOTABLE = 0.005
@@ -42,12 +43,18 @@ FIGURES = (
 
 def figures(a: Picture, b: Picture) -> list[str]:
     """From A to B, one sentence for each figure that changed."""
-    told = [f"{a.analysis.verdict} → {b.analysis.verdict}"] if a.analysis.verdict != b.analysis.verdict else []
+    before, after = verdict(a), verdict(b)
+    told = [f"{before} → {after}"] if before != after else []
     for name, seen in (("A", a), ("B", b)):
         if seen.summary.diverged:
             told.append(f"{name}'s covariance diverges: its errors say nothing")
     changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
-    return told + [_sentence(figure, before, after) for figure, before, after in changes if notable(before, after)]
+    return told + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
+
+
+def verdict(picture: Picture) -> str:
+    """The verdict in a word; of an imported curve whose snap is a fit's, or that jumps, there is none."""
+    return picture.analysis.verdict if certificate.restriction(picture.preset) is None else "not judged"
 
 
 def notable(before: float | None, after: float | None) -> bool:

@@ -10,8 +10,8 @@ from rangenav import twin
 
 SHORTEST_BRUSH = 0.01
 """Of a time axis: what is shorter was meant as a click."""
-BRUSH_DIGITS = 1
-"""Of the seconds of a window that was drawn by hand: those of its slider."""
+BRUSH_STEP, BRUSH_DIGITS = 0.1, 1
+"""s, of a window that was drawn by hand: as its slider has them."""
 
 
 class Following:
@@ -54,4 +54,9 @@ class Following:
         start, end = brush
         self._playback.seek(start)
         if end - start >= SHORTEST_BRUSH * self._playback.duration:
-            self._dock.motion.set_window(round(end - start, BRUSH_DIGITS))
+            self._dock.motion.set_window(drawn_window(end - start, self._playback.duration))
+
+
+def drawn_window(length: float, duration: float) -> float:
+    """The window (s) that is meant by a brush: a step long at least, and shorter than the flight, as windows are."""
+    return max(round(min(length, duration - BRUSH_STEP), BRUSH_DIGITS), BRUSH_STEP)

@@ -88,9 +88,13 @@ def _typical(path: Signal, world: World, duration: float) -> Typical:
 
 
 def in_words(gains: Gains, place: Place) -> PhysicalGains:
-    """What gains stand for; mode and schedule are the same in both languages, and left out."""
+    """What gains stand for; mode and schedule are the same in both languages, and left out. Raises ValueError where
+    they stand for nothing sensible, as where there is next to no gravity."""
     plain = replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None))
-    return physical.to_physical(plain, place.at, world=place.world, sensors=place.sensors)
+    try:
+        return physical.to_physical(plain, place.at, world=place.world, sensors=place.sensors)
+    except ArithmeticError:
+        raise ValueError("they are beyond all numbers in this world") from None
 
 
 def understood(words: PhysicalGains, place: Place, known: Iterable[Gains]) -> Gains:

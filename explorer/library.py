@@ -20,7 +20,7 @@ from pathlib import Path
 import platformdirs
 
 from explorer.store import unlink, write
-from explorer.trash import Trash, name_of
+from explorer.trash import Trash, moment, name_of
 
 DATA = "RANGENAV_DATA"
 SUFFIX, BESIDE, TRASH, LOCK = ".toml", ".certificate.json", ".trash", ".lock"
@@ -119,7 +119,7 @@ class Library:
 
     def restore(self, mark: str) -> str:
         """Bring back what was deleted, under its name or the next one that is free. Returns that."""
-        if not _plain(mark) or "." not in mark:
+        if not _plain(name_of(mark)) or not _plain(moment(mark)):
             raise NotKept(f"{mark[:LONGEST]!r} is nothing that was deleted")
         with self._changing():
             kept = self._trash.path(mark)

@@ -147,10 +147,12 @@ class Shelf:
         self.refresh()
         return self.open(name)
 
-    def badge(self, name: str, note: Callable[[], None]) -> Found | None:
-        """The certificate of a preset, why there is none, or None while it is being computed; `note` tells of news."""
+    def badge(self, name: str, shown: Preset, note: Callable[[], None]) -> Found | None:
+        """The certificate of a preset that is shown under a name, why there is none, or None while it is being
+        computed; `note` tells of news. What another page has made of its file meanwhile has another."""
         own = self._own.get(name.removeprefix(MINE)) if self.mine(name) else None
-        content = own.content if own and own.preset is not None else _bytes(self.presets[name])
+        own = own if own and own.preset == shown else None
+        content = own.content if own else _bytes(shown)
         stored = self._library.beside(name.removeprefix(MINE)) if own else _shipped_certificate(name)
         fitting = None if stored is None else _fitting(stored, content)
         if fitting is not None:

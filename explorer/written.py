@@ -6,11 +6,14 @@ The verdict is computed from the text that follows it, so that the file says wha
 import math
 
 from explorer.settings import Settings, effective
-from rangenav import analysis, preset
+from rangenav import analysis, certificate, preset
 from rangenav.preset import Preset
 
 PRINTED_START = (
     "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
+)
+UNJUDGED = (
+    "# verdict: none, not judged: the path jumps, or its snap is a fit's; `rangenav certify` on this file says which\n"
 )
 
 
@@ -23,7 +26,10 @@ def document(settings: Settings) -> bytes:
 
 
 def verdict_comments(shown: Preset) -> str:
-    """Comment lines that state what was computed, without a word from the preset's own text."""
+    """Comment lines that state what was computed, without a word from the preset's own text; of an imported curve whose
+    snap is a fit's, or that jumps, that nothing is judged."""
+    if certificate.restriction(shown) is not None:
+        return UNJUDGED
     found, needed = analysis.analyse(shown), shown.requirement
     met = "met" if found.mu >= needed.mu else "NOT met"
     lines = [

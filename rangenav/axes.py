@@ -7,6 +7,7 @@ FLU): p → Fp, R → FRF, ω → Fω, g → Fg. It is its own inverse, and noth
 import msgspec
 import numpy as np
 
+from rangenav import provenance
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import Preset
@@ -35,11 +36,12 @@ def upright(preset: Preset) -> Preset:
 
 
 def flipped(preset: Preset) -> Preset:
-    """The preset with y and z the other way round, inertial and body axes alike."""
-    guess = preset.guess
+    """The preset with y and z the other way round, inertial and body axes alike; a path that was imported stays one."""
+    guess, path = preset.guess, flipped_signal(preset.path)
     return msgspec.structs.replace(
         preset,
-        path=flipped_signal(preset.path),
+        path=path,
+        source=provenance.renamed(preset.source, preset.path, path),
         angular_velocity=flipped_turning(preset.angular_velocity),
         initial_rotation=flipped_vector(preset.initial_rotation),
         world=World(

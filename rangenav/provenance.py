@@ -16,7 +16,7 @@ from typing import Any, Literal
 import msgspec
 
 from rangenav.inputs import Input, require
-from rangenav.signals import Signal
+from rangenav.signals import Multisine, Signal, Sum
 
 MAX_FILE, MAX_WORDS = 255, 400
 """Characters of a file's name, as file systems have them, and of a sentence."""
@@ -65,8 +65,15 @@ class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
 
 
 def edited(source: Source, path: Signal) -> bool:
-    """Whether the path is another one than was imported."""
-    return fingerprint(path) != source.path_sha256
+    """Whether the path is another one than was imported; a wiggle on top that does nothing makes it none."""
+    return fingerprint(_without_idle_wiggle(path)) != source.path_sha256
+
+
+def renamed(source: Source | None, path: Signal, same: Signal) -> Source | None:
+    """The source of a path that is the same in other axes: that is no change of it, and makes no design of a fit."""
+    if source is None or edited(source, path):
+        return source
+    return msgspec.structs.replace(source, path_sha256=fingerprint(_without_idle_wiggle(same)))
 
 
 def restriction(source: Source | None, path: Signal) -> str | None:
@@ -88,6 +95,13 @@ def words(source: Source, path: Signal) -> str:
 def fingerprint(path: Signal) -> str:
     """The SHA-256 of a path's values: of its JSON, every number a float and no zero negative."""
     return hashlib.sha256(msgspec.json.encode(_plain(msgspec.to_builtins(path)))).hexdigest()
+
+
+def _without_idle_wiggle(path: Signal) -> Signal:
+    if not (isinstance(path, Sum) and isinstance(path.wiggle, Multisine)):
+        return path
+    idle = msgspec.structs.replace(path.wiggle, tones=tuple(tone for tone in path.wiggle.tones if tone.amplitude != 0))
+    return path.base if msgspec.structs.replace(path, wiggle=idle) == Sum(base=path.base, wiggle=Multisine()) else path
 
 
 def _plain(value: Any) -> Any:

@@ -414,3 +414,8 @@ def test_a_sum_whose_wiggle_takes_no_tones_is_refused_without_a_remedy():
     found = certified(replace(SOFT, path=path))
     assert not found.meets
     assert found.remedy is msgspec.UNSET
+
+
+def test_a_number_beyond_all_floats_in_a_title_is_equal_to_itself():
+    content = preset.dumps(replace(SOFT, title="run 1e999")).encode()
+    assert certificate.verify(content, certificate.certify(content, source="x"), source="x") == ()

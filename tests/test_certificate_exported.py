@@ -11,9 +11,11 @@ from hypothesis import strategies as st
 from rangenav import certificate, formats, preset, signals
 from rangenav.certificate import artifacts, exported
 from rangenav.certificate.contents import Certificate
+from rangenav.commands import export
 from rangenav.formats import reread
 from rangenav.preset import Preset
 from rangenav.signals import Polynomials
+from rangenav.vehicle import CRAZYFLIE
 from tests.families import POLYNOMIALS
 
 replace = msgspec.structs.replace
@@ -243,3 +245,36 @@ def test_an_export_that_cannot_be_certified_leaves_nothing_behind(complaint, tmp
     for form, name in (("tum", "x.tum"), ("euroc", "x")):
         assert complaint("export", "soft", "--to", form, "-o", tmp_path / name) == "it cannot be read again\n"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("yaw", [None, "4*sin(t)"])
+def test_the_body_rate_of_a_trajectory_is_that_of_flying_its_file(yaw: str | None, tmp_path: Path):
+    """Held against the file's own columns: a body that does not turn in the preset does, once the path is flown."""
+    turning = signals.Multisine() if yaw is None else signals.Flown(yaw=yaw)
+    p = replace(SOFT, angular_velocity=turning)
+    file, found = written(p, "reference", tmp_path)
+    head, *rows = [line.split(",") for line in file.read_text().splitlines()]
+    w = np.array([[float(row[head.index(f"w_{axis}")]) for axis in "xyz"] for row in rows])
+    t = np.array([float(row[0]) for row in rows])
+    inside = (t >= 2) & (t <= 20)
+    assert found.limits.body_rate == pytest.approx(np.linalg.norm(w[inside], axis=-1).max(), rel=2e-3)
+    assert found.frame.body == "flown along the path"
+
+
+def test_a_trajectory_that_the_vehicle_cannot_turn_with_is_not_certified(tmp_path: Path):
+    stiff = replace(SOFT, angular_velocity=signals.Multisine(), vehicle=replace(CRAZYFLIE, name="stiff", body_rate=0.3))
+    assert exported.gate(stiff, "polynomial") is None  # the preset's own body does not turn
+    _, found = written(stiff, "polynomial", tmp_path)
+    assert (found.certified, found.vehicle.flyable) == (False, False)
+    with pytest.raises(ValueError, match=r"promises: stiff cannot fly it: body rate 0\.73"):
+        export.exported(stiff, "polynomial", tmp_path / "y.csv", name="stiff")
+    assert not (tmp_path / "y.csv").exists()
+
+
+def test_a_trajectory_with_the_presets_own_attitude_is_judged_by_that(tmp_path: Path):
+    report = export.exported(SOFT, "reference", tmp_path / "x.csv", name="soft", attitude="preset")
+    found = certificate.loads(Path(report["certificate"]).read_bytes(), source="x")
+    own = certificate.certify_file("soft")
+    assert found.frame.body == own.frame.body == "angular velocity of its own"
+    assert found.limits.body_rate == pytest.approx(own.limits.body_rate, rel=1e-6)
+    assert certificate.verify_file(tmp_path / "x.csv", readers=READERS) == ()

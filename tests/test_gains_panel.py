@@ -12,6 +12,7 @@ from explorer import languages
 from explorer.compute import compute
 from explorer.languages import WORDS, in_words, place_of
 from explorer.panels.dock import Dock
+from explorer.panels.gains import told
 from explorer.panels.sheet import Refused
 from explorer.settings import Language, Settings
 from rangenav.attitude import AttitudeGains, Schedule
@@ -238,3 +239,17 @@ def test_the_other_language_stands_beside(dock: Dock):
     assert "5000" in dock.gains._table.content
     assert all(dock.gains._table.content.count(f">{letter}<") == 1 for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1"))
     assert dock.gains._beside._folder.label == "The same in the paper's letters"
+
+
+@pytest.mark.parametrize("size", [1e-14, 1e-100, 1e-161])
+def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(dock: Dock, size: float):
+    world = replace(SLOW.preset.world, gravity=(0.0, 0.0, size))
+    weightless = replace(SLOW, preset=replace(SLOW.preset, world=world))
+    _speak(dock, "physical")
+    dock.write(weightless)
+    assert dock.read().preset.gains == weightless.preset.gains
+    assert "no physical words" in dock.gains._physical._noise.complaint._line.content
+    assert "not told" in told.in_other_language(compute(weightless), "paper")
+    dock.write(SLOW)
+    assert dock.read() == SLOW
+    assert not dock.gains._physical._noise.complaint._line.visible

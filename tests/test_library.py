@@ -8,12 +8,17 @@ import sys
 import threading
 from pathlib import Path
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from explorer import library, store, trash
+from explorer.certifying import Certifying
 from explorer.library import Library, NotKept, edition, slug
+from explorer.shelf import Shelf
+from rangenav import preset
+from rangenav.certificate import Certificate
 
 ADD_MANY = """
 import sys
@@ -254,3 +259,32 @@ def test_of_many_that_write_over_one_edition_at_once_one_wins_and_the_others_are
     (winner,) = filter(None, outcomes)
     assert kept.read(name) == winner.encode()
     assert _trash(kept) == [b"first"]
+
+
+def test_a_file_of_a_long_name_is_brought_back_too(kept: Library):
+    name = "a" * 2 * library.LONGEST
+    kept.folder.mkdir(parents=True)
+    (kept.folder / f"{name}.toml").write_bytes(b"work")  # put there by hand
+    assert kept.restore(kept.delete(name, known={edition(b"work")})) == name
+    assert kept.read(name) == b"work"
+
+
+def test_the_badge_is_of_what_is_shown_and_not_of_what_another_page_made_of_its_file(tmp_path: Path):
+    shipped = preset.shipped()
+    opened, other = shipped["soft"], msgspec.structs.replace(shipped["hover"], title=shipped["soft"].title)
+    certifying = Certifying()
+    here, there = (Shelf(shipped, Library(tmp_path), certifying) for _ in range(2))
+    mine = here.add(opened)
+    there.refresh()
+    there.save(mine.origin, other, edition=there.open(mine.origin).edition)
+    here.refresh()
+    assert here.presets[mine.origin] == opened  # what was opened is still what the page is held against
+    for shown in (opened, other):
+        news = threading.Event()
+        found = here.badge(mine.origin, shown, news.set)
+        if found is None:
+            assert news.wait(30)
+            found = here.badge(mine.origin, shown, news.set)
+        assert isinstance(found, Certificate)
+        assert found.artifact.sha256 == edition(preset.dumps(shown).encode())
+        assert found.expect == shown.expect

@@ -17,6 +17,7 @@ from explorer.scene import Scene
 from explorer.settings import Settings
 from rangenav import compare, ensemble, record
 from rangenav.gains import Gains
+from rangenav.provenance import Source, fingerprint
 from tests.sent import Page
 from tests.test_charts import drawable, sent
 from tests.test_scene import astronomic, picture
@@ -200,6 +201,18 @@ def test_differences_of_verdicts_and_of_what_never_comes(slow: Picture) -> None:
     assert any(sentence.startswith("rank 13 → ") for sentence in told)
     assert any("→ not reached" in sentence for sentence in told)
     assert differences.choices(slow.preset, picture("circle").preset)
+
+
+def test_a_fit_has_no_verdict_to_differ_from(slow: Picture) -> None:
+    source = Source(
+        file="flight.tum",
+        sha256=64 * "0",
+        format="tum",
+        derivatives="fit",
+        unjudged="it was sampled",
+        path_sha256=fingerprint(slow.preset.path),
+    )
+    assert differences.figures(altered(slow, source=source), picture("circle"))[0] == "not judged → blind"
 
 
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])

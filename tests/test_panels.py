@@ -19,14 +19,18 @@ from explorer.panels import verdict
 from explorer.panels.controls import Dial, LogDial, Vector
 from explorer.panels.dock import Dock, Requests
 from explorer.panels.printed import ROWS
+from explorer.panels.repairing import RepairPanel
 from explorer.panels.sensors import OWN, Chosen, SensorsPanel
-from explorer.panels.sheet import Complaint, Section, Sheet
+from explorer.panels.sheet import Complaint, Refused, Section, Sheet
 from explorer.settings import Printed, Settings, effective
 from explorer.shelf import Shelf
-from rangenav import analysis, preset, sensors
+from rangenav import analysis, certificate, preset, sensors
 from rangenav.attitude import Schedule
+from rangenav.certificate.figures import Figures
+from rangenav.repair import Repair
 from rangenav.sensors import Noise, Sensors, Unmodelled
 from rangenav.sensors.catalogue import CATALOGUE, SensorSet
+from rangenav.signals import Multisine, Tone
 from tests.wire import Wire
 
 SHIPPED = preset.shipped()
@@ -324,3 +328,39 @@ def test_a_changed_preset_is_downloaded_under_another_name():
     p: Any = SHIPPED["hover"]
     assert written.file_name("hover", p, p) == "hover.toml"
     assert written.file_name("hover", msgspec.structs.replace(p, seed=9), p) == "hover-changed.toml"
+
+
+def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: viser.ClientHandle):
+    before = SHIPPED["soft"]
+    fast = Multisine(tones=(Tone(axis="x", amplitude=1e-3, frequency=80.0),))
+    after = msgspec.structs.replace(before, path=fast)
+    looked = Figures(mu=1.0, sigma=1.0, excess={})
+    found = Repair(
+        before=before,
+        after=after,
+        by="tones",
+        words="",
+        effort=1.0,
+        evaluations=1,
+        figures_before=looked,
+        figures_after=looked,
+        certificate=certificate.certify_file("soft"),
+    )
+    rates = dict.fromkeys(("imu_rate", "mag_rate", "range_rate"), 20.0)
+    slow = msgspec.structs.replace(before, sensors=msgspec.structs.replace(before.sensors, **rates))
+    done: list[str] = []
+
+    class Shown:
+        def read(self) -> Settings:
+            return Settings(origin="soft", preset=slow)
+
+        def write(self, settings: Settings) -> None:
+            done.append("written")
+
+    panel = RepairPanel(Sheet(client.gui, _nothing), Shown(), Jobs(_nothing), lambda: done.append("pinned"))
+    panel._show(found)
+    with pytest.raises(Refused) as refusal:
+        panel._take()
+    assert "faster than the IMU can sample" in str(refusal.value.__cause__)
+    assert done == []
+    assert panel._accept.visible  # nothing is lost: it fits again at the rate it was found for

@@ -5,6 +5,7 @@ import re
 import time
 from collections.abc import Iterator
 
+import msgspec
 import numpy as np
 import pytest
 import viser
@@ -13,6 +14,8 @@ from hypothesis import strategies as st
 
 from explorer.charts import Charts, catalogue, curves, markup, plots, pointer
 from explorer.charts.pointer import Pointer
+from explorer.following import BRUSH_STEP, drawn_window
+from rangenav import preset
 from tests.sent import Page
 from tests.test_scene import picture
 
@@ -196,3 +199,13 @@ def test_hidden_curves_stay_hidden_when_tabs_are_made_anew(page: Page):
     spectra = [u["series"] for u in updates if len(u.get("series", ())) == 1 + len(GRAMIAN.curves)]
     (sent,) = [series for series in spectra if series[1]["label"] == GRAMIAN.curves[0].label]
     assert [series["show"] for series in sent[1:]] == [True, *[False] * 11, True, True]
+
+
+@given(st.floats(0.5, 100.0), st.floats(0.0, 1.0))
+def test_every_brush_draws_a_window_that_the_flight_has(duration: float, share: float):
+    """Also across the whole plot, and on a flight so short that a hundredth of it is no tenth of a second."""
+    soft = preset.load("soft")
+    drawn = drawn_window(share * duration, duration)
+    assert drawn == pytest.approx(min(share * duration, duration - BRUSH_STEP), abs=BRUSH_STEP)
+    asked = msgspec.structs.replace(soft.requirement, window=drawn)
+    assert msgspec.structs.replace(soft, duration=duration, requirement=asked).requirement.window < duration

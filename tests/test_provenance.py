@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer import received
+from explorer import received, written
 from explorer.settings import Settings, effective
-from rangenav import certificate, formats, preset, provenance, repair, signals
+from rangenav import axes, certificate, formats, preset, provenance, repair, signals
 from rangenav.certificate import exported
 from rangenav.formats import reference
 from rangenav.formats.presets import as_preset
@@ -220,3 +220,48 @@ def test_the_page_remembers_the_visitors_own_name_of_the_file(tmp_path: Path):
     assert made is not None
     assert made.source is not None
     assert (made.source.file, made.source.sha256) == ("Tour Süd 1.csv", hashlib.sha256(content).hexdigest())
+
+
+def test_naming_the_axes_anew_makes_no_design_of_a_fit(tmp_path: Path):
+    _, made = imported(tmp_path, "tum")
+    turned = axes.flipped(made)
+    assert provenance.restriction(turned.source, turned.path) == provenance.restriction(made.source, made.path)
+    assert (certified(turned).certified, certified(turned).verdict) == (False, "not judged")
+    assert axes.flipped(turned) == made
+    design = replace(made, path=signals.slowed(made.path, 2.0))
+    assert axes.flipped(design).source == design.source
+
+
+def test_a_download_of_a_fit_states_no_verdict(tmp_path: Path):
+    _, made = imported(tmp_path, "tum")
+    comments = [line for line in written.document(Settings(preset=made)).decode().splitlines() if line[:1] == "#"]
+    assert len(comments) == 1
+    assert comments[0].startswith("# verdict: none, not judged")
+    assert preset.loads(written.document(Settings(preset=made)).decode(), source="x") == made
+
+
+def test_pieces_put_through_a_fit_are_certified_as_little_as_the_fit(tmp_path: Path):
+    source = Source(
+        file="flight.tum",
+        sha256=64 * "0",
+        format="tum",
+        derivatives="fit",
+        unjudged="it was sampled",
+        path_sha256=provenance.fingerprint(SOFT.path),
+    )
+    file = formats.export(SOFT, "polynomial", tmp_path / "fit.csv")
+    assert exported.certified(SOFT, "polynomial", tmp_path / "fit.csv", steady=file.steady).certified
+    with pytest.raises(ValueError, match=r"fit\.csv: the path's snap was not in flight\.tum"):
+        exported.certified(replace(SOFT, source=source), "polynomial", tmp_path / "fit.csv", steady=file.steady)
+
+
+@pytest.mark.parametrize("amplitude", [None, 0.0, 1e-3])
+def test_a_wiggle_that_does_nothing_makes_no_design_of_a_fit(tmp_path: Path, amplitude: float | None):
+    """As when “plus a wiggle” is switched on and no tone of it is set."""
+    _, made = imported(tmp_path, "tum")
+    tones = () if amplitude is None else (Tone(axis="z", amplitude=amplitude, frequency=2.0),)
+    wiggled = replace(made, path=signals.Sum(base=made.path, wiggle=Multisine(tones=tones)))
+    assert (certificate.restriction(wiggled) is None) == bool(amplitude)
+    turned = axes.flipped(wiggled)
+    assert (certificate.restriction(turned) is None) == bool(amplitude)
+    assert axes.flipped(turned).source == made.source

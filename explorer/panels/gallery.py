@@ -80,7 +80,7 @@ class Gallery:
         return dict(list(self._shelf.offered.items())[:MAX_TILES])
 
     def _tile(self, number: int, name: str, one: Preset, shown: bool) -> str:
-        shape, colour, words = badge(one, self._shelf.badge(name, self._sheet.note))
+        shape, colour, words = badge(one, self._shelf.badge(name, one, self._sheet.note))
         return TILE.format(
             press=PRESS.format(self._row._impl.uuid, number),
             title=html.escape(f"{one.title}: {words.lower()}"),

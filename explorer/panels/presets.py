@@ -116,7 +116,8 @@ class PresetsPanel:
             self._choice.show(self._shown)
 
     def _draw_card(self) -> None:
-        shown, found = self._shelf.presets[self._shown], self._shelf.badge(self._shown, self._sheet.note)
+        shown = self._shelf.presets[self._shown]
+        found = self._shelf.badge(self._shown, shown, self._sheet.note)
         content = card(shown, found, changed=self._changed)
         if self._shelf.complaint:
             content += NOTE.format(f"⚠ {html.escape(self._shelf.complaint)}")

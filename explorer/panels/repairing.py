@@ -99,9 +99,10 @@ class RepairPanel:
         with self._section.answering():
             if effective(settings).path != found.before.path:
                 raise ValueError("the motion on the page is another one by now: look for a change of that one")
+            chosen = accepted(settings, found)
         if found.after.path != found.before.path:
             self._pin()
-        self._page.write(accepted(settings, found))
+        self._page.write(chosen)
         self._forget()
         self._said.content = NOTE.format(bullets((ACCEPTED if found.after.path != found.before.path else SAME,)))
         self._said.visible = True

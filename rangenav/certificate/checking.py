@@ -123,7 +123,7 @@ def _same(stored: Any, found: Any, key: str) -> bool:
 
 
 def _near(one: float, other: float, share: float, slack: float) -> bool:
-    return abs(one - other) <= share * max(abs(one), abs(other)) + slack
+    return one == other or abs(one - other) <= share * max(abs(one), abs(other)) + slack
 
 
 def _same_words(one: str, other: str, share: float) -> bool:

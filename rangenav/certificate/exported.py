@@ -10,6 +10,7 @@ length less the steady one is two ramps.
 """
 
 import math
+import re
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -18,7 +19,7 @@ from typing import cast
 import msgspec
 import numpy as np
 
-from rangenav import formats
+from rangenav import formats, provenance
 from rangenav import preset as presets
 from rangenav.axes import upright
 from rangenav.certificate import artifacts, checks
@@ -41,6 +42,8 @@ AT_REST = 1e-6
 """s; a ramp shorter than that is rounding of one that is not there."""
 RECORDED = "the path of the run, on which every position in the file lies; of what was measured on it, nothing"
 CACHED = 4
+TIME = re.compile(r"\bt\b")
+"""The time in a formula."""
 
 
 def readers() -> Mapping[str, Reader]:
@@ -48,17 +51,19 @@ def readers() -> Mapping[str, Reader]:
     return {**READERS, **{form: _steady(form) for form in MOTIONS}, **{form: _recorded(form) for form in RUNS}}
 
 
-def certified(preset: Preset, form: str, path: Path, *, steady: tuple[float, float] | None = None) -> Certificate:
+def certified(
+    preset: Preset, form: str, path: Path, *, steady: tuple[float, float] | None = None, attitude: str = "flown"
+) -> Certificate:
     """The certificate of the file or folder that a preset was exported to, from its bytes.
 
-    `steady` says from when to when (s, in the file) the path runs at its own speed. Raises ValueError for what cannot
-    be read again.
+    `steady` says from when to when (s, in the file) the path runs at its own speed, `attitude` which one was written.
+    Raises ValueError for what cannot be read again.
     """
     context = None if form == "preset" else preset
     if form in MOTIONS:
-        begin, end = cast("tuple[float, float]", steady)
-        turning = Flown() if isinstance(preset.angular_velocity, Flown) else preset.angular_velocity
-        context = msgspec.structs.replace(upright(preset), duration=end - begin, angular_velocity=turning)
+        context = _steady_context(upright(preset), *cast("tuple[float, float]", steady))
+        if form == "reference" and attitude == "preset":
+            context = msgspec.structs.replace(context, angular_velocity=upright(preset).angular_velocity)
     return certify(read_bytes(path), source=path.name, form=form, context=context, readers=readers())
 
 
@@ -99,10 +104,27 @@ def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
     return Polynomials(pieces=tuple(pieces))
 
 
+def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
+    """What the steady part of a file is judged by: its body is flown along the path, at the yaw that was asked for.
+
+    Where a body of its own angular velocity could not be flown so, it keeps that.
+    """
+    own, steady = turned.angular_velocity, msgspec.structs.replace(turned, duration=end - begin)
+    if isinstance(own, Flown):
+        later = Flown(yaw=TIME.sub(f"(t + {begin / 2!r})", own.yaw))  # of its ramp the path takes half the time
+        return msgspec.structs.replace(steady, angular_velocity=later if begin else own)
+    try:
+        return msgspec.structs.replace(steady, angular_velocity=Flown())
+    except ValueError:
+        return steady
+
+
 def _steady(form: str) -> Reader:
     def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
+        why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
+        require(why is None, f"{source}: {why}")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
         found = formats.parse(content, form, source=source, confirm={})
         require(found.unjudged is None, f"{source}: {found.unjudged}")

@@ -77,16 +77,19 @@ def exported(
         written = replace(written, notes=(f"UNCERTIFIED: {complaint}", *written.notes))
         report |= {"certificate": None, "certificate_reason": f"null: {complaint}"}
     else:
-        report["certificate"] = str(_certificate(chosen, to, output, name=name, steady=written.steady))
+        place = _certificate(chosen, to, output, name=name, steady=written.steady, attitude=attitude)
+        report["certificate"] = str(place)
     return report | _covered(written)
 
 
-def _certificate(chosen: Preset, to: str, output: Path, *, name: str, steady: tuple[float, float] | None) -> Path:
+def _certificate(
+    chosen: Preset, to: str, output: Path, *, name: str, steady: tuple[float, float] | None, attitude: str
+) -> Path:
     """The certificate of what was written, from its bytes. Raises ValueError, and takes it away, if it fails."""
     from rangenav.certificate import exported as certificates
 
     try:
-        found = certificates.certified(chosen, to, output, steady=steady)
+        found = certificates.certified(chosen, to, output, steady=steady, attitude=attitude)
         if not found.certified:
             raise ValueError(f"{name}: as {to} it does not keep what it promises: {'; '.join(found.failures)}")
         return certificates.write_beside(found, output)

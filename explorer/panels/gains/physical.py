@@ -61,22 +61,29 @@ class PhysicalDials:
     def read(self, place_now: Callable[[], Place]) -> Gains:
         """The gains as written, or as moved, of constant mode and without a schedule. Raises Refused after saying why.
 
-        A path without a typical state leaves the gains as they are.
+        Where there are no words for them the gains stay as they are.
         """
         entered = {} if self._place is None else self._entered()
         moved = {name: value for name, value in entered.items() if value != self._taken[name]}
         try:
             place = place_now()
         except ValueError as error:
-            self._noise.complaint.say(f"no physical words: the path's typical {error}")
-            if moved:
-                raise Refused from error
-            return self._gains
+            return self._wordless(f"the path's typical {error}", error, moved)
         if place != self._place:
-            self._put_into_words(place, moved)
+            try:
+                self._put_into_words(place, moved)
+            except ValueError as error:
+                return self._wordless(labelled(str(error)), error, moved)
             entered = self._entered()
         self._gains = self._understood(entered, place)
         self._taken = entered
+        return self._gains
+
+    def _wordless(self, why: str, error: ValueError, moved: dict[str, float]) -> Gains:
+        """The gains as they are, said to have no words here; a word that was moved is refused."""
+        self._noise.complaint.say(f"no physical words: {why}")
+        if moved:
+            raise Refused from error
         return self._gains
 
     def _entered(self) -> dict[str, float]:
@@ -91,8 +98,8 @@ class PhysicalDials:
         """Show the gains there, but for words that have just been moved; of these, what was put back to the preset's
         goes on saying what the preset says."""
         before = None if self._place is None else self._base_words
-        self._place, self._start = place, self._gains
-        self._words, self._base_words = in_words(self._start, place), in_words(self._base, place)
+        words = in_words(self._gains, place), in_words(self._base, place)  # all or, where there are none, nothing
+        self._place, self._start, (self._words, self._base_words) = place, self._gains, words
         for name, dial in self._dials.items():
             value, base, said = getattr(self._words, name), getattr(self._base_words, name), moved.get(name)
             if said is not None:

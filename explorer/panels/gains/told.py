@@ -7,7 +7,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from explorer.compute import Picture
-from explorer.languages import place_of
+from explorer.languages import labelled, place_of
 from explorer.panels.controls import short
 from explorer.panels.gains.paper import BLOCKS
 from explorer.panels.gains.physical import tabled
@@ -68,7 +68,10 @@ def in_other_language(picture: Picture, language: Language) -> str:
     except ValueError as error:
         return NOTE.format(html.escape(f"not told: the path's typical {error}"))
     gains = picture.preset.gains
-    entries = tabled(gains, place) if language == "paper" else _letters(gains)
+    try:
+        entries = tabled(gains, place) if language == "paper" else _letters(gains)
+    except ValueError as error:
+        return NOTE.format(html.escape(f"not told: {labelled(str(error))}"))
     cells = [(label, f"{short(value)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
