@@ -85,7 +85,11 @@ def _contender(name: str, track: Track, of: Record, seconds: float, *, words: st
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
         found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
         summary = record.summarise(estimate, found, seconds)
-        words = words or _words(estimate, found, summary)
+        told = _words(estimate, found, summary)
+        if words is None:
+            words = told
+        elif summary.settle_position_s is None:  # converged, maybe, but to what?
+            words = f"{words}; {told}"
     return Contender(name=name, estimate=estimate, errors=found, summary=summary, words=words)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from rangenav import compare, preset, record
+from rangenav import compare, preset, record, refine
 
 
 def contenders(name: str, **changes) -> dict[str, compare.Contender]:
@@ -31,6 +31,16 @@ def test_words_tell_a_wrong_place():
     found = contenders("soft")
     assert found[compare.EKF].words.startswith("in a wrong place: ")
     assert found[compare.CASCADE].words.startswith("within 0.3 m from t = ")
+
+
+def test_a_refinement_that_converged_to_the_mirror_image_says_so():
+    of = record.run(preset.load("soft"))
+    track = refine.refine(of.measurements, of.estimate, compare._setting(of)).track
+    away = changed(track, position=track.position + 3.0)
+    assert compare._contender("refined", away, of, 0.1, words="converged after 9 passes").words.startswith(
+        "converged after 9 passes; in a wrong place: "
+    )
+    assert compare._contender("refined", track, of, 0.1, words="converged").words == "converged"
 
 
 def test_words_tell_what_is_not_a_number():
