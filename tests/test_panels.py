@@ -276,6 +276,10 @@ def test_what_is_not_determined_says_so():
     assert verdict.number(math.nan, "m") == "not determined"
     assert verdict.number(math.inf) == "not determined"
     assert verdict.number(0.12345, "m") == "0.123 m"
+    assert verdict.number(1.02e-15, "m") == "0 m"
+    assert verdict.number(1.02e-15) == "1.02e-15"
+    assert verdict.number(1251.0, "m²/s⁷") == "1251 m²/s⁷"
+    assert verdict.number(5.62e6) == "5.62e6"
 
 
 def test_the_papers_thrust_is_told():

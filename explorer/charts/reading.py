@@ -19,11 +19,9 @@ def sentence(picture: Picture, time: float) -> str:
     motion, errors = picture.motion, picture.errors
     k = int(np.clip(np.searchsorted(motion.time, time - 1e-9), 0, len(motion.time) - 1))
     distance = float(np.linalg.norm(motion.position[k] - np.asarray(picture.preset.world.anchor)))
-    position, attitude = curves.number(float(errors.position[k])), curves.number(float(np.degrees(errors.attitude[k])))
-    return (
-        f"<b>{time:.2f} s</b> · {curves.number(distance)} m from the anchor · "
-        f"estimate off by <b>{position} m</b>, <b>{attitude}°</b>"
-    )
+    away, position = (curves.number(round(size, 9)) for size in (distance, float(errors.position[k])))  # no round-off
+    attitude = curves.number(float(np.degrees(errors.attitude[k])))
+    return f"<b>{time:.2f} s</b> · {away} m from the anchor · estimate off by <b>{position} m</b>, <b>{attitude}°</b>"
 
 
 def window_at(picture: Picture, time: float) -> tuple[float, float]:

@@ -26,6 +26,8 @@ DIMMED = "color:light-dark(#666, #a8a8a8)"
 NAME_STYLE = f"padding:0.1em 0.7em 0.1em 0;{DIMMED};vertical-align:top;white-space:nowrap"
 ROW = f'<tr><td style="{NAME_STYLE}">{{}}</td><td>{{}}</td></tr>'
 CHIP_STYLE = "border:1px solid;border-radius:3px;padding:0 0.35em;margin-left:0.6em;font-size:0.75em"
+ROUND_OFF = 1e-9
+"""m: a path through the anchor is 0 m from it, and not 1e-15."""
 CHIP = f'<span style="color:{{}};{CHIP_STYLE}">{{}}</span>'
 
 
@@ -71,7 +73,10 @@ def number(value: float, unit: str = "") -> str:
     """Three digits and the unit; what is not determined says so."""
     if not math.isfinite(value):
         return "not determined"
-    return f"{value:.3g} {unit}".rstrip()
+    if unit == "m" and abs(value) < ROUND_OFF:
+        value = 0.0
+    said = f"{value:.0f}" if 1e3 <= abs(value) < 1e4 else f"{value:.3g}".replace("e+0", "e").replace("e+", "e")
+    return f"{said} {unit}".rstrip()
 
 
 def _chips(picture: Picture) -> str:
