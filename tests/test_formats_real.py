@@ -67,7 +67,7 @@ def test_poses_of_a_hand_held_camera_ask_for_their_frame_and_are_not_judged():
     found = formats.read(shared("tum/freiburg1_xyz-groundtruth.txt"), "tum")
     assert [question.key for question in found.questions] == ["frame"]
     assert (found.rows, found.rate) == (3000, pytest.approx(100, rel=1e-3))
-    assert any(sentence.startswith("1 gaps, the longest 0.11 s") for sentence in found.findings)
+    assert any(sentence.startswith("1 gap, the longest 0.11 s") for sentence in found.findings)
     assert "leave some 2e+05 m/s⁴ of rounding in the snap" in str(found.unjudged)
 
 

@@ -105,7 +105,8 @@ def spacing(time: Float[Array, "n"], found: Table, findings: list[str]) -> float
     if len(gaps):
         worst = int(gaps[np.argmax(steps[gaps])])
         places = lines(found.lines[gaps + 1])
-        findings.append(f"{len(gaps)} gaps, the longest {steps[worst]:.3g} s (usual {usual:.3g} s): before {places}")
+        count = "1 gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
+        findings.append(f"{count}, the longest {steps[worst]:.3g} s (usual {usual:.3g} s): before {places}")
     return 1 / usual if usual > 0 else None
 
 
