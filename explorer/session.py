@@ -217,6 +217,12 @@ class Session:
         before = self._history.undo() if self._chosen() == shown else shown
         if before is not None:
             self._dock.write(before)
+        else:
+            self._end_of_history("Nothing to undo", "Steps are counted from when this page was opened or reloaded.")
+
+    def _end_of_history(self, title: str, sentence: str) -> None:
+        """A button that did nothing would look broken."""
+        self._client.add_notification(title, sentence, auto_close_seconds=4)
 
     def _chosen(self) -> Settings | None:
         """What the controls say now, None if that is no valid input."""
@@ -229,6 +235,8 @@ class Session:
         after = self._history.redo()
         if after is not None:
             self._dock.write(after)
+        else:
+            self._end_of_history("Nothing to redo", "Nothing has been undone since the last change.")
 
     def _download(self) -> None:
         name, settings = self._named()

@@ -292,9 +292,12 @@ def test_undo_and_redo_go_over_everything_and_a_drag_is_one_step(editing: Editin
         assert editing.settings == state
     editing.command("Undo")
     assert editing.settings == states[0]
+    editing.tab.wait_for(lambda: any("Nothing to undo" in said for said in editing.tab.notifications), "a word")
     for state in states[1:]:
         editing.command("Redo")
         assert editing.settings == state
+    editing.command("Redo")
+    editing.tab.wait_for(lambda: any("Nothing to redo" in said for said in editing.tab.notifications), "a word")
 
 
 def test_another_preset_is_a_step_that_can_be_undone(editing: Editing):
