@@ -4,14 +4,16 @@ import dataclasses
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from scipy.optimize import least_squares
 
-from rangenav import baselines, cascade, model, refine, so3, strapdown
+from rangenav import baselines, cascade, model, preset, record, refine, so3, strapdown
 from rangenav.cascade import Setting, Start
 from rangenav.gains import Gains
 from rangenav.kernels import smoother as kernel
 from rangenav.refine import refine as refined
 from rangenav.sensors import Measurements, Noise
+from rangenav.signals import Tone
 from rangenav.strapdown import Track
 from tests import nine, scenes
 
@@ -323,3 +325,25 @@ def test_from_random_starts_it_follows_the_cascade():
         found = refined(scene.measurements, estimate, scene.setting())
         assert found.words.startswith("converged after")
         assert rms(body_errors(scene, found.track).position) < 0.05
+
+
+def test_a_minimum_that_fits_less_well_than_chance_is_left_for_the_true_one():
+    """A circle with a ripple of 6 cm has its mirror image as a second minimum, the repaired eight others."""
+    circle, eight = preset.load("circle"), preset.load("eight-repaired")
+    ripple = Tone(axis="z", amplitude=0.0624, frequency=4.0)
+    path = replace(circle.path, tones=(*circle.path.tones, ripple))  # type: ignore[union-attr]
+    helped = 0
+    for p, seeds in ((replace(circle, path=path), range(8, 14)), (eight, range(3, 7))):
+        setting = Setting(world=p.world, sensors=p.sensors, gains=p.gains)
+        for seed in seeds:
+            run = record.run_seed(p, seed)
+            found = refined(run.measurements, run.estimate, setting)
+            assert rms(np.linalg.norm(found.track.position - run.truth.motion.position, axis=1)) < 0.08
+            assert found.fit == pytest.approx(1.0, abs=refine.POOR / np.sqrt(2 * len(run.measurements.range)))
+            if found.starts == 1:
+                continue
+            first = refine.smooth(run.measurements, refine.started(run.measurements, run.estimate, setting), setting)
+            assert first.fit > found.fit
+            assert found.words.endswith(f"passes, the best of {found.starts} starts")
+            helped += 1
+    assert helped > 0
