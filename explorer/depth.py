@@ -15,9 +15,9 @@ from functools import lru_cache
 import numpy as np
 
 from rangenav import record, twin
-from rangenav.analysis import WINDOWS, analyse, seen
+from rangenav.analysis import WINDOWS, analyse, how_long, seen
 from rangenav.inputs import Vec3
-from rangenav.observability import ellipsoid, frozen, functions, horizon, printed
+from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.observability.ellipsoid import Ellipsoid
 from rangenav.observability.functions import Functions
 from rangenav.observability.horizon import Horizon
@@ -51,18 +51,10 @@ class Depth:
 
 def of(preset: Preset, *, turn: Vec3 | None = None) -> Depth:
     """The depth of a preset; `turn` (rad, about the anchor) drags a twin that may be turned."""
-    found, needed, sensors = analyse(preset), preset.requirement, preset.sensors
+    found, needed = analyse(preset), preset.requirement
     return Depth(
         spectrum=seen(preset.path, preset.world.gravity, preset.duration, needed.window).spectrum,
-        horizon=horizon.horizon(
-            preset.path,
-            preset.world,
-            preset.duration,
-            sigma=sensors.sigma.range,
-            rate=sensors.range_rate,
-            share=sensors.arriving,
-            position_sigma=needed.position_sigma,
-        ),
+        horizon=how_long(preset),
         functions=_functions(preset.path, preset.world.gravity, found.gramian_at, needed.window),
         twin=twin.twin(preset, turn=turn),
         printed=_printed(record.course_of(preset), needed.window, found.mu, found.mu_floor, needed.mu, found.rank),

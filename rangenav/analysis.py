@@ -12,9 +12,10 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, blindness, excitation, reduced, rows, spectrum
+from rangenav.observability import accuracy, blindness, excitation, horizon, reduced, rows, spectrum
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
+from rangenav.observability.horizon import Horizon
 from rangenav.observability.rows import Visit
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Sensors, effects
@@ -203,6 +204,19 @@ def analysis(
         reduced_min=lifted.reduced_min,
         reduced_floor=lifted.reduced_floor,
         verdict=judge(rank, lifted_end, requirement),
+    )
+
+
+def how_long(preset: Preset) -> Horizon:
+    """How long a window must be for rank 13, and for the accuracy that a preset requires."""
+    return horizon.horizon(
+        preset.path,
+        preset.world,
+        preset.duration,
+        sigma=preset.sensors.sigma.range,
+        rate=preset.sensors.range_rate,
+        share=preset.sensors.arriving,
+        position_sigma=preset.requirement.position_sigma,
     )
 
 

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from rangenav import record
-from rangenav.analysis import Analysis, analyse
+from rangenav.analysis import Analysis, analyse, how_long
 from rangenav.motion import Motion
-from rangenav.observability import ellipsoid, frozen, functions, horizon, printed
+from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.preset import Preset
 from rangenav.report import verdict
 from rangenav.twin import Refusal, Twin
@@ -36,16 +36,7 @@ def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
 
 
 def _horizon(preset: Preset) -> Json:
-    needed, sensors = preset.requirement, preset.sensors
-    found = horizon.horizon(
-        preset.path,
-        preset.world,
-        preset.duration,
-        sigma=sensors.sigma.range,
-        rate=sensors.range_rate,
-        share=sensors.arriving,
-        position_sigma=needed.position_sigma,
-    )
+    found = how_long(preset)
     return {
         "full_rank": {"from_start": found.full_rank[0], "worst": found.full_rank[1]},
         "accurate": {"from_start": found.accurate[0], "worst": found.accurate[1]},

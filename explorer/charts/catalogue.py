@@ -3,14 +3,12 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from explorer.charts import depth, plots, words
+from explorer.charts import depth, looks, plots, words
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
 from explorer.compute import Picture
-from rangenav.observability.functions import NAMES
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
 """The dashes of what the paper's misprints give."""
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 class Group(NamedTuple):
@@ -24,69 +22,12 @@ class Group(NamedTuple):
     """Drawn only when nothing moves: they take as long as all others together."""
 
 
-def _error(name: str, title: str, unit: str, draw: plots.Callable, text: words.Words) -> Plot:
-    """An error with the σ that P claims beside it."""
-    actual = Curve(label="error", color=plots.VERMILLION)
-    claimed = Curve(label="σ by P", color=plots.BLUE, dash=DASHED)
-    return Plot(name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, words=text)
-
-
-def _components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
-    """Three components and, thicker, their norm."""
-    colors = (plots.VERMILLION, plots.GREEN, plots.BLUE, plots.GREY)
-    labels = tuple(prefix + name for name in ("x", "y", "z", "norm"))
-    looks = zip(labels, colors, dashes, (1.25, 1.25, 1.25, 2.25), strict=True)
-    return tuple(Curve(label=label, color=color, dash=dash, width=width) for label, color, dash, width in looks)
-
-
-def _eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
-    colors = (plots.VERMILLION, plots.PURPLE, plots.SKY)
-    looks = zip((f"{prefix}λ₁", f"{prefix}λ₂", f"{prefix}λ₃"), colors, dashes, strict=True)
-    return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in looks)
-
-
-def _limit(label: str, color: str, dash: plots.Dash, unit: str | None = None) -> Curve:
-    """What the chosen vehicle allows, in the colour of the quantity."""
-    return Curve(label=label, color=color, dash=dash, width=2.0, unit=unit)
-
-
-def _spectrum(least: str, greatest: str, floor: str, unit: str | None = None) -> tuple[Curve, ...]:
-    """The least and greatest by name, the eleven between them thin and together, the floor filled."""
-    numbers = range(2, plots.STATES) if least.endswith("₁") else range(plots.STATES - 1, 1, -1)
-    names = [f"{least[0]}{str(k).translate(SUBSCRIPTS)}" for k in numbers]
-    labels = [f"{names[0]} …", *("" for _ in names[1:])]
-    between = zip(labels, names, strict=True)
-    return (
-        Curve(label=least, color=plots.VERMILLION, width=2.0, unit=unit),
-        *(Curve(label=label, name=name, color=plots.SKY, width=1.0, unit=unit) for label, name in between),
-        Curve(label=greatest, color=plots.BLUE, width=2.0, dash=DASHED, unit=unit),
-        Curve(label=floor, color=plots.GREY, width=2.0, filled=True, unit=unit),
-    )
-
-
-def _functions() -> tuple[Curve, ...]:
-    """Powers of τ grey; D by axis in its colour and width, by power of τ in its dash."""
-    powers = zip(NAMES[:4], (SPARSE, LONG_DOT, DASH_DOT, LONG), strict=True)
-    axes = ((plots.VERMILLION, 1.25), (plots.GREEN, 1.75), (plots.BLUE, 2.5))
-    looks = zip(NAMES[4:], [(dash, *axis) for dash in (SOLID, DASHED, DOTTED) for axis in axes], strict=True)
-    return (
-        *(Curve(label=name, color=plots.GREY, dash=dash, width=1.0, unit="") for name, dash in powers),
-        *(Curve(label=name, color=color, dash=dash, width=width, unit="") for name, (dash, color, width) in looks),
-    )
-
-
-def _by_length(goal: str) -> tuple[Curve, ...]:
-    first = Curve(label="from 0 s", color=plots.BLUE, dash=DASHED)
-    worst = Curve(label="worst", color=plots.VERMILLION, width=2.0)
-    return (first, worst, Curve(label=goal, color=plots.GREY, dash=DASH_DOT))
-
-
 ERRORS = Group(
     "Errors",
     (
-        _error("position", "Position error", "m", plots.position_error, words.POSITION_ERROR),
-        _error("velocity", "Velocity error", "m/s", plots.velocity_error, words.VELOCITY_ERROR),
-        _error("gravity", "Gravity error", "m/s²", plots.gravity_error, words.GRAVITY_ERROR),
+        looks.error("position", "Position error", "m", plots.position_error, words.POSITION_ERROR),
+        looks.error("velocity", "Velocity error", "m/s", plots.velocity_error, words.VELOCITY_ERROR),
+        looks.error("gravity", "Gravity error", "m/s²", plots.gravity_error, words.GRAVITY_ERROR),
         Plot(
             name="attitude",
             title="Attitude error",
@@ -104,7 +45,7 @@ OBSERVABILITY = Group(
             name="snap",
             title="Excitation signal φ",
             unit="m/s⁴, body axes",
-            curves=_components("", (SOLID, DASHED, DOTTED, SOLID)) + _components("printed ", PRINTED),
+            curves=looks.components("", (SOLID, DASHED, DOTTED, SOLID)) + looks.components("printed ", PRINTED),
             draw=plots.snap,
             words=words.SNAP,
             log=False,
@@ -116,9 +57,9 @@ OBSERVABILITY = Group(
             unit="m²/s⁷, by window start",
             across="window start",
             curves=(
-                *_eigenvalues("", (SOLID, DASHED, DOTTED)),
+                *looks.eigenvalues("", (SOLID, DASHED, DOTTED)),
                 Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
-                *_eigenvalues("printed ", PRINTED[:3]),
+                *looks.eigenvalues("printed ", PRINTED[:3]),
             ),
             draw=plots.excitation,
             words=words.EXCITATION,
@@ -128,7 +69,7 @@ OBSERVABILITY = Group(
             title="Gramian spectrum",
             unit="SI, by window start",
             across="window start",
-            curves=_spectrum("λ₁", "λ₁₃", "floor"),
+            curves=looks.spectrum("λ₁", "λ₁₃", "floor"),
             draw=plots.gramian,
             words=words.GRAMIAN,
         ),
@@ -178,7 +119,7 @@ SIGNALS = Group(
             name="speed",
             title="Speed",
             unit="m/s",
-            curves=(Curve(label="true", color=plots.BLUE), _limit("limit", plots.BLUE, DASHED)),
+            curves=(Curve(label="true", color=plots.BLUE), looks.limit("limit", plots.BLUE, DASHED)),
             draw=plots.speed,
             words=words.SPEED,
             log=False,
@@ -190,8 +131,8 @@ SIGNALS = Group(
             curves=(
                 Curve(label="thrust/weight", color=plots.BLUE, unit=""),
                 Curve(label="|ω|", color=plots.ORANGE, dash=DASHED, unit="rad/s"),
-                _limit("thrust limit", plots.BLUE, DASH_DOT, ""),
-                _limit("|ω| limit", plots.ORANGE, DOTTED, "rad/s"),
+                looks.limit("thrust limit", plots.BLUE, DASH_DOT, ""),
+                looks.limit("|ω| limit", plots.ORANGE, DOTTED, "rad/s"),
             ),
             draw=plots.effort,
             words=words.EFFORT,
@@ -208,7 +149,7 @@ DEPTH = Group(
             title="Rank by window length",
             unit="of 13",
             across="window length",
-            curves=_by_length("all"),
+            curves=looks.by_length("all"),
             draw=depth.rank_by_length,
             words=words.RANK_BY_LENGTH,
             log=False,
@@ -218,7 +159,7 @@ DEPTH = Group(
             title="Predicted σ by window length",
             unit="m",
             across="window length",
-            curves=_by_length("wanted"),
+            curves=looks.by_length("wanted"),
             draw=depth.sigma_by_length,
             words=words.SIGMA_BY_LENGTH,
         ),
@@ -227,7 +168,7 @@ DEPTH = Group(
             title="Scaled spectrum",
             unit="by window start",
             across="window start",
-            curves=_spectrum("s₁₃", "s₁", "tolerance", unit=""),
+            curves=looks.spectrum("s₁₃", "s₁", "tolerance", unit=""),
             draw=depth.scaled,
             words=words.SCALED,
         ),
@@ -236,7 +177,7 @@ DEPTH = Group(
             title="The 13 functions",
             unit="over their peaks, by τ",
             across="τ",
-            curves=_functions(),
+            curves=looks.functions(),
             draw=depth.functions,
             words=words.FUNCTIONS,
             log=False,
