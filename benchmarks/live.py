@@ -15,12 +15,12 @@ import msgspec
 import numpy as np
 from timing import Target, missing, report, versions
 
-from explorer import drafting
-from explorer.compute import compute, warm_up
-from explorer.settings import Settings
+from explorer.model import conversion
+from explorer.model.compute import compute, warm_up
+from explorer.model.settings import Settings
 from rangenav import preset
 from rangenav.signals import MinimumSnap, Waypoints, waypoints
-from tests.wire import Wire
+from tests.support.wire import Wire
 
 if missing("playwright") is None:
     from tests.browser import page
@@ -116,7 +116,7 @@ def _opened() -> preset.Preset:
 def _drawn(name: str) -> preset.Preset:
     """The default preset flown through twelve points of its path: over the whole flight, or again and again."""
     chosen = _opened()
-    curve = drafting.waypoints(chosen.path, chosen.duration)
+    curve = conversion.waypoints(chosen.path, chosen.duration)
     if name != "closed waypoints":
         times = np.linspace(0, chosen.duration, len(curve.points))
         points = tuple(msgspec.structs.replace(p, time=float(t)) for p, t in zip(curve.points, times, strict=True))

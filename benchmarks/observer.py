@@ -13,7 +13,7 @@ import numpy as np
 import paper_ode
 from timing import Target, alternate, missing, report, versions
 
-from rangenav import cascade, model, motion, plain, preset, sensors
+from rangenav import cascade, model, motion, preset, reference, sensors
 
 RATE, SHORT, LONG = 200.0, 10.0, 100.0
 ROUNDS, SHORT_REPEATS, FAST_REPEATS = 5, 20, 3
@@ -65,7 +65,7 @@ def main() -> None:
         OURS: (short.by(cascade.observe), SHORT_REPEATS),
         OURS_LONG: (long.by(cascade.observe), FAST_REPEATS),
         SINGLE: (_single(short), FAST_REPEATS),
-        NUMPY: (short.by(plain.observe), 1),
+        NUMPY: (short.by(reference.observe), 1),
         ODE: (lambda: _integrated(short), 1),
     }
     steps = dict.fromkeys(calls, short.steps) | {OURS_LONG: long.steps, SINGLE: SINGLE_STEPS}

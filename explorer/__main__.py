@@ -46,14 +46,14 @@ def serve(arguments: Arguments) -> None:
     """Serve until interrupted. Raises ValueError with one sentence if host, port or preset will not do."""
     shipped = preset.shipped()
     first = _with_own(shipped, arguments.preset)
-    from explorer.access import close_server, open_server  # here, so that a wrong argument is answered at once
+    from explorer.web.security import close_server, open_server  # here, so that a wrong argument is answered at once
 
     server = open_server(arguments.host, arguments.port)
-    from explorer.house import House
-    from explorer.sessions import Sessions
-    from explorer.store import Store
-    from explorer.visitor import Slots, connected
+    from explorer.server import Sessions
+    from explorer.shared import House
+    from explorer.storage.files import Store
     from explorer.warming import Warming
+    from explorer.web.identity import Slots, connected
 
     warming, slots = Warming(), Slots(lambda tab: connected(server, tab))
     asked = arguments.preset != DEFAULT_PRESET

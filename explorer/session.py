@@ -17,27 +17,29 @@ from collections.abc import Iterator
 import msgspec
 import viser
 
-from explorer import compute, window, written
-from explorer.access import accept_values_only
 from explorer.charts import TITLES, Charts
-from explorer.charts.depth import look
-from explorer.compute import Picture
-from explorer.following import Following
-from explorer.history import History
-from explorer.house import House
-from explorer.jobs import Jobs
-from explorer.keeping import Keeping
+from explorer.charts.details import look
+from explorer.interaction import Following
+from explorer.model import compute
+from explorer.model.compute import Picture
+from explorer.model.history import History
+from explorer.model.jobs import Jobs
+from explorer.model.playback import Playback
+from explorer.model.settings import Settings, effective
 from explorer.panels.dock import WIDTH, Dock, Requests
 from explorer.panels.export import ExportPanel, Sources
-from explorer.panels.sheet import Refused, Sheet
 from explorer.panels.timeline import TimelinePanel
-from explorer.playback import Playback
 from explorer.scene import Scene
-from explorer.scene.handles import Handles
-from explorer.settings import Settings, effective
-from explorer.shelf import Shelf
-from explorer.store import Unsaved
-from explorer.visitor import seat_of
+from explorer.scene.drag_handles import Handles
+from explorer.shared import House
+from explorer.storage import preset_file
+from explorer.storage.autosave import Keeping
+from explorer.storage.catalog import Shelf
+from explorer.storage.files import Unsaved
+from explorer.web import viewport
+from explorer.web.identity import seat_of
+from explorer.web.security import accept_values_only
+from explorer.widgets.form import Refused, Sheet
 
 PROGRESS_PERIOD = 0.1
 HEAD_START = 0.003
@@ -118,8 +120,8 @@ class Session:
             send=self._send,
         )
         self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
-        wide = window.width(client, canvas, WIDTH)
-        narrow = window.is_narrow(wide)
+        wide = viewport.width(client, canvas, WIDTH)
+        narrow = viewport.is_narrow(wide)
         self._charts = Charts(client, narrow=narrow, note=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
             ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
@@ -240,12 +242,14 @@ class Session:
 
     def _download(self) -> None:
         name, settings = self._named()
-        self._send(name, written.document(settings))
+        self._send(name, preset_file.document(settings))
 
     def _named(self) -> tuple[str, Settings]:
         """What is chosen, and the name of its file."""
         settings = self._dock.read()
-        return written.file_name(settings.origin, effective(settings), self._shelf.presets[settings.origin]), settings
+        return preset_file.file_name(
+            settings.origin, effective(settings), self._shelf.presets[settings.origin]
+        ), settings
 
     def _send(self, name: str, content: bytes) -> None:
         self._client.send_file_download(name, content, save_immediately=True)

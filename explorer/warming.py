@@ -25,16 +25,16 @@ class Warming:
         threading.Thread(target=self._run, name="warming", daemon=True).start()
 
     def _run(self) -> None:
-        from explorer import compute  # here, so that the page answers before numpy's heavier friends are loaded
+        from explorer.model import compute  # here, so that the page answers before numpy's heavier friends are loaded
 
         try:
             compute.warm_up(self._progress)
         except Exception:
             log.exception("the kernels could not be compiled ahead; they will be when first used")
         self.fraction = 1.0
-        from explorer import depth
+        from explorer.model import details
 
-        depth.load_slow()  # a second that no picture need wait for: only the frozen-time test does
+        details.load_slow()  # a second that no picture need wait for: only the frozen-time test does
         time.sleep(AFTERTHOUGHT)
         try:
             compute.warm_up_estimators()

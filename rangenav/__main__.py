@@ -17,8 +17,8 @@ from rangenav.commands.certify import certify
 from rangenav.commands.explain import explain
 from rangenav.commands.export import export
 from rangenav.commands.import_ import import_
-from rangenav.commands.listing import list_presets
 from rangenav.commands.log import log
+from rangenav.commands.presets import list_presets
 from rangenav.commands.repair import repair
 from rangenav.commands.simulate import simulate
 from rangenav.commands.tune import tune

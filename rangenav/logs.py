@@ -17,8 +17,8 @@ from scipy.interpolate import CubicHermiteSpline
 from rangenav import cascade, model, motion, so3
 from rangenav.attitude import AttitudeGains
 from rangenav.cascade import Estimate, Setting, Start
-from rangenav.formats import flights
-from rangenav.formats.flights import Flight
+from rangenav.formats import recorded_flight
+from rangenav.formats.recorded_flight import Flight
 from rangenav.gains import Gains
 from rangenav.inputs import require
 from rangenav.motion import World
@@ -146,7 +146,9 @@ def observe(flight: Flight, world: World, *, sensors: Sensors, gains: Gains | No
     require(len(flight.range) > 0, "no ranges: the observers need them (synthetic ones need a true position)")
     start = Start(state=np.zeros(model.STATES), rotation=np.eye(3))
     chosen = gains or Gains(mode="noise-matched", attitude=AttitudeGains(k1=K1))
-    estimate = cascade.observe(flights.measurements(flight), start, Setting(world=world, sensors=sensors, gains=chosen))
+    estimate = cascade.observe(
+        recorded_flight.measurements(flight), start, Setting(world=world, sensors=sensors, gains=chosen)
+    )
     position = estimate.position(world)
     return Observed(
         estimate=estimate,

@@ -15,8 +15,8 @@ from numpy import ndarray as Array
 
 from rangenav import so3
 from rangenav.inputs import Input, Vec3, require
-from rangenav.signals import Flown, Signal, Turning, flown, jet
-from rangenav.signals.flown import Attitude
+from rangenav.signals import Flown, Signal, Turning, jet, multirotor
+from rangenav.signals.multirotor import Attitude
 
 COLLINEAR_SINE = 1e-3
 """m and g count as collinear below this sine of their angle (0.06°): the attitude about them is then not observable."""
@@ -96,7 +96,7 @@ def simulate(
     """
     time = time_grid(duration, rate)
     if isinstance(angular_velocity, Flown):
-        body = flown.attitude(angular_velocity, path, world.gravity, time)
+        body = multirotor.attitude(angular_velocity, path, world.gravity, time)
     else:
         body = _turning(angular_velocity, initial_rotation, duration, rate)
     position, velocity, acceleration, jerk, snap = jet(path, time, SNAP)

@@ -17,14 +17,14 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from rangenav import ensemble, trade
+from rangenav import ensemble, tradeoff
 from rangenav.attitude import HALFWAY_RANGE, K1_RANGE, MEMORY_RANGE
 from rangenav.ensemble import Cancelled, Progress
 from rangenav.gains import Gains
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks
-from rangenav.trade import Point
+from rangenav.tradeoff import Point
 
 MAX_EVALUATIONS = 10_000
 MAX_KEPT = 10_000_000
@@ -103,14 +103,14 @@ def tune(
     ensemble.refuse_work(preset, runs, evaluations)
     kept = runs * preset.duration * preset.sensors.imu_rate
     require(kept <= MAX_KEPT, f"runs × duration × IMU rate must not exceed {MAX_KEPT} samples kept, got {kept:.0f}")
-    training = trade.runs(preset, preset.seed + TRAINING_OFFSET, runs)
-    score = partial(trade.score, preset=preset, cancelled=cancelled)
+    training = tradeoff.runs(preset, preset.seed + TRAINING_OFFSET, runs)
+    score = partial(tradeoff.score, preset=preset, cancelled=cancelled)
     seen = []
     for point in _search(partial(score, runs=training), preset, evaluations, steadiness):
         seen.append(point)
         progress(len(seen) / evaluations)
     best = min(seen, key=lambda point: point.objective(steadiness))
-    held_out = trade.runs(preset, preset.seed, runs)
+    held_out = tradeoff.runs(preset, preset.seed, runs)
     before, after = (score(gains, held_out) for gains in (preset.gains, best.gains))
     tuned = replace(preset, gains=best.gains)
     starts_before, starts_after = (_held(one, cancelled) for one in (preset, tuned))

@@ -21,7 +21,7 @@ from numpy import ndarray as Array
 from rangenav import so3
 from rangenav.inputs import Vec3, refuse_nonfinite, require_within
 from rangenav.motion import World, time_grid
-from rangenav.observability import blindness, lookalike, symmetry
+from rangenav.observability import ambiguity, blindness, symmetry
 from rangenav.preset import Preset
 from rangenav.signals import Signal, started_at
 
@@ -201,7 +201,7 @@ def _usual_turn(flight: _Flight, apart: float) -> Array:
     turns = [angle * axis for angle in (RIGHT_ANGLE, 2 * RIGHT_ANGLE) for axis in axes]
 
     def distance(turn: Array) -> float:
-        return lookalike.rms(*_straight(flight, so3.exp(turn)), flight.duration)
+        return ambiguity.rms(*_straight(flight, so3.exp(turn)), flight.duration)
 
     return next((turn for turn in turns if distance(turn) >= apart * ALMOST), max(turns, key=distance))
 
@@ -214,7 +214,7 @@ def _straight(flight: _Flight, matrix: Array) -> tuple[Array, Array]:
 
 def _rms(flight: _Flight, found: Twin) -> float:
     """m between both motions, RMS over the flight."""
-    return lookalike.rms(found.shift, found.drift, flight.duration)
+    return ambiguity.rms(found.shift, found.drift, flight.duration)
 
 
 def _compared(
@@ -247,14 +247,14 @@ def _searched(flight: _Flight, exact: Twin | None, tolerance: float, apart: floa
     """A twin that is not exact, or the refusal of any."""
     time = symmetry.moments(flight.duration)
     position, acceleration = flight.path(time) - flight.anchor, flight.path(time, 2)
-    found = lookalike.search(position, acceleration, time, flight.duration, apart=apart)
+    found = ambiguity.search(position, acceleration, time, flight.duration, apart=apart)
     worst = [_worst(flight, shift, drift) for shift, drift in zip(found.shift, found.drift, strict=True)]
     best = int(np.argmin(worst))
     if worst[best] <= tolerance:
         shift, drift = found.shift[best], found.drift[best]
         how = f"moved by {_numbers(shift)} m and {_numbers(drift)} m/s"
         return _compared(flight, "nearby", shift, drift, how)
-    felt = lookalike.sensitivity(position, time, flight.duration)
+    felt = ambiguity.sensitivity(position, time, flight.duration)
     return _refusal(flight, exact, felt, worst[best], tolerance, apart)
 
 
@@ -264,13 +264,13 @@ def _worst(flight: _Flight, shift: Array, drift: Array) -> float:
 
 
 def _refusal(
-    flight: _Flight, exact: Twin | None, felt: lookalike.Sensitivity, best: float, tolerance: float, apart: float
+    flight: _Flight, exact: Twin | None, felt: ambiguity.Sensitivity, best: float, tolerance: float, apart: float
 ) -> Refusal:
     least = float(felt.singular[-1])
     others = f"the best lookalike {apart:g} m away is off by {best:.2g} m, more than the tolerance of {tolerance:g} m"
     if exact is not None and _rms(flight, exact) > ITSELF:
         kind, reason = "too near", f"no twin {apart:g} m away, only this one, {exact.words}; {others}"
-    elif least < lookalike.BLIND:
+    elif least < ambiguity.BLIND:
         later = _worst(flight, apart * felt.shift, apart * felt.drift)
         kind, reason = (
             "locally blind",

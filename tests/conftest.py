@@ -10,12 +10,12 @@ import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
 
-from tests import shapes
+from tests.support import shape_checker
 
 SOURCE = Path(__file__).parent.parent
 COMPILED = "kernels"
 """numba needs the functions as they are written; a wrapper around each cannot be compiled."""
-NO_VISER = ("explorer.compute", "explorer.depth", "explorer.settings")
+NO_VISER = ("explorer.model.compute", "explorer.model.details", "explorer.model.settings")
 """The explorer's arrays are made there; its other modules only hand them on."""
 
 
@@ -29,7 +29,7 @@ settings.register_profile("developer", deadline=None)  # the first call compiles
 settings.register_profile("gate", deadline=None, derandomize=True)  # the gate judges the change, not the draw
 settings.load_profile("gate" if os.environ.get("CI") else "developer")
 
-install_import_hook([*_checked_modules(), *NO_VISER], f"{shapes.__name__}.checked")
+install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -42,10 +42,10 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(scope="module")
 def sessions():
     """(port, Sessions) of a server of this module's own."""
-    from explorer.access import open_server
-    from explorer.sessions import Sessions
+    from explorer.server import Sessions
     from explorer.warming import Warming
-    from tests.house import house
+    from explorer.web.security import open_server
+    from tests.support.shared_server import house
 
     server, warming = open_server("127.0.0.1", 0), Warming()
     made = Sessions(server, house(server, warming))
@@ -57,8 +57,8 @@ def sessions():
 @pytest.fixture
 def editing(sessions):
     """A visitor (tests/editing.py) of that server."""
-    from tests.editing import Editing, newest
-    from tests.wire import Wire
+    from tests.support.waiting_visitor import Editing, newest
+    from tests.support.wire import Wire
 
     tab = Wire(sessions[0])
     yield Editing(tab, newest(sessions[1], tab))

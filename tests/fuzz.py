@@ -20,12 +20,12 @@ import numpy as np
 from scipy.io import savemat
 
 from rangenav import formats, motion, preset, record
-from rangenav.certificate import artifacts, exported
-from rangenav.formats import euroc, reread
-from rangenav.formats.presets import as_preset
+from rangenav.certificate import exports, files
+from rangenav.formats import euroc, readback
+from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Formula, bandwidth_until, expressions, series
-from tests.families import EXAMPLES
+from tests.support.signal_examples import EXAMPLES
 
 DEADLINE = 1.0
 """s; a case that takes longer hangs, as far as somebody typing is concerned."""
@@ -262,7 +262,7 @@ def exported_record(random: random.Random) -> None:
     if random.random() < 0.05:
         damaged[random.choice(("../x", "a/b", "metadata.yaml", ".", "y"))] = b"z"
     try:
-        time, position = reread.places(damaged, name, "x")
+        time, position = readback.places(damaged, name, "x")
     except ValueError as error:
         _check_sentence(str(error), "x")
         return
@@ -362,7 +362,7 @@ def _records() -> list[tuple[str, dict[str, bytes]]]:
         requirement = msgspec.structs.replace(soft.requirement, window=1.5)
         short = msgspec.structs.replace(soft, duration=3.0, sensors=slow, requirement=requirement)
         with tempfile.TemporaryDirectory() as folder:
-            for name in exported.RUNS:
+            for name in exports.RUNS:
                 path = Path(folder) / f"x-{name}"
                 try:
                     formats.export(short, name, path)
@@ -370,10 +370,10 @@ def _records() -> list[tuple[str, dict[str, bytes]]]:
                     if "rangenav[ros]" in str(error):  # it is not installed
                         continue
                     raise
-                content = artifacts.read_bytes(path)
-                _RECORDED.append((name, artifacts.unpacked(content, "x") if path.is_dir() else {"": content}))
+                content = files.read_bytes(path)
+                _RECORDED.append((name, files.unpacked(content, "x") if path.is_dir() else {"": content}))
         for name, seeds in _RECORDED:  # undamaged they are read
-            assert len(reread.places(seeds, name, "x")[0]) > 100
+            assert len(readback.places(seeds, name, "x")[0]) > 100
     return _RECORDED
 
 

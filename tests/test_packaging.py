@@ -75,7 +75,7 @@ def test_the_wheel_holds_both_packages_every_preset_and_the_licence(wheel: Path)
         "rangenav/__init__.py",
         "rangenav/kernels/cascade.py",
         "explorer/__init__.py",
-        "explorer/compute.py",
+        "explorer/model/compute.py",
     ):
         assert module in names
     presets = {Path(name).name for name in names if name.startswith("rangenav/presets/")}

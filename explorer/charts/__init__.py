@@ -6,18 +6,18 @@ from functools import partial
 import numpy as np
 from viser import ClientHandle
 
-from explorer.beside import NOTHING, Beside
-from explorer.charts import catalogue, export, markup, reading
+from explorer.charts import cursor_values, markup, plot_file, plot_list
 from explorer.charts.chart import Chart
-from explorer.charts.column import Column
+from explorer.charts.plot_tabs import Column
 from explorer.charts.pointer import Pointer, curve_id
-from explorer.compute import Picture
+from explorer.model.comparison import NOTHING, Beside
+from explorer.model.compute import Picture
 
 NARROW_WIDTH, COLUMN_WIDTH = 360, 303
 """px of a single column, and of each of two: a second one always opens at viser's own width, so two keep that."""
 HEIGHT, NARROW_HEIGHT = 162, 102
 """px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
-TITLES = {plot.name: plot.title for group in catalogue.GROUPS for plot in group.plots}
+TITLES = {plot.name: plot.title for group in plot_list.GROUPS for plot in group.plots}
 """Of all plots, by their names."""
 
 
@@ -36,8 +36,8 @@ class Charts:
         self._picture: Picture | None = None
         self._beside = NOTHING
         self._time = 0.0
-        errors, *others = catalogue.GROUPS
-        columns = [catalogue.GROUPS] if narrow else [(errors,), tuple(others)]
+        errors, *others = plot_list.GROUPS
+        columns = [plot_list.GROUPS] if narrow else [(errors,), tuple(others)]
         # The browser puts each new column outermost, whatever viser's documentation says: so the first comes last.
         columns = [Column(client, groups, self._pointer, height=self._height) for groups in reversed(columns)]
         self._columns = columns[::-1]
@@ -71,9 +71,9 @@ class Charts:
         duration, place = float(picture.motion.time[-1]), self._pointer.place
         hovered = None if place is None else (place, f"{place * duration:.2f} s")
         moment = time if place is None else place * duration
-        fraction, window = float(np.clip(time / duration, 0.0, 1.0)), reading.window_at(picture, time)
+        fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
         for i, column in enumerate(self._columns):
-            said = reading.sentence(picture, time) if i == 0 else ""
+            said = cursor_values.sentence(picture, time) if i == 0 else ""
             values = [entry for chart in column.charts for entry in chart.values(moment)]
             column.live.content = markup.live(fraction, window, values, said, hovered)
 
@@ -91,7 +91,7 @@ class Charts:
             for column in tuple(chart.off):
                 chart.toggle(column)
 
-    def plan(self, name: str, kind: export.Kind) -> Callable[[], bytes]:
+    def plan(self, name: str, kind: plot_file.Kind) -> Callable[[], bytes]:
         """What makes a file of a plot as it is shown now; it may be called in any thread, and takes its time.
 
         Raises ValueError with one sentence if there is no such plot, nothing in it, or too much."""
@@ -102,8 +102,8 @@ class Charts:
             raise ValueError(f"{chart.plot.title}: still shows an earlier state; it follows as soon as nothing moves")
         unseen = chart.unseen(chart.drawing)
         columns = tuple(i for i in range(len(chart.plot.curves)) if i not in unseen)
-        export.refuse(chart.plot, chart.drawing, columns)
-        return partial(export.WRITERS[kind], chart.plot, chart.drawing, columns, chart.duration)
+        plot_file.refuse(chart.plot, chart.drawing, columns)
+        return partial(plot_file.WRITERS[kind], chart.plot, chart.drawing, columns, chart.duration)
 
     def show_paper_figures(self) -> None:
         """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab, so in the

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from viser import ClientHandle, GuiHtmlHandle, GuiUplotHandle, uplot
 
-from explorer.beside import Beside
-from explorer.charts import curves, markup, overlay, reading
-from explorer.charts.overlay import Pinned
+from explorer.charts import comparison_curves, cursor_values, curves, markup
+from explorer.charts.comparison_curves import Pinned
 from explorer.charts.plots import Curve, Drawing, Plot
-from explorer.compute import Picture
+from explorer.model.comparison import Beside
+from explorer.model.compute import Picture
 
 BAND_TINT, HEX = "38", len("#rrggbb")
 """Opacity, hexadecimal; and how much of a colour stands before its own."""
@@ -40,8 +40,8 @@ class Chart:
     def draw(self, picture: Picture, beside: Beside) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
         self.stale = False
-        self.pinned = overlay.pinned(self.base, beside.pinned, self.pinned)
-        plot, drawing = overlay.over(self.base, picture, beside, self.pinned)
+        self.pinned = comparison_curves.pinned(self.base, beside.pinned, self.pinned)
+        plot, drawing = comparison_curves.over(self.base, picture, beside, self.pinned)
         if plot.curves != self.plot.curves:  # what stood beside has come or gone, and others have its places
             self.off.difference_update(range(len(self.base.curves), len(self.plot.curves)))
         self.plot, self.drawing = plot, drawing
@@ -80,9 +80,9 @@ class Chart:
         """The text of each curve in the legend at a time; a window counts until the next one starts."""
         if self.drawing is None:
             return []
-        row = reading.row_at(self.drawing, time)
+        row = cursor_values.row_at(self.drawing, time)
         unseen = self.unseen(self.drawing)
-        return [(markup.variable(self.plot, i), reading.said(row[i])) for i in self.plot.named if i not in unseen]
+        return [(markup.variable(self.plot, i), cursor_values.said(row[i])) for i in self.plot.named if i not in unseen]
 
 
 def add_chart(client: ClientHandle, plot: Plot, height: int, off: set[int]) -> Chart:

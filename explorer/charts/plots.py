@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from explorer.charts import curves, words
-from explorer.compute import Picture
+from explorer.charts import curves, definitions
+from explorer.model.compute import Picture
 from rangenav import sensors, vehicle
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
@@ -69,7 +69,7 @@ class Plot:
     unit: str
     curves: tuple[Curve, ...]
     draw: Callable[[Picture], Drawing]
-    words: words.Words
+    words: definitions.Words
     log: bool = True
     again: tuple[int, ...] = (0,)
     """The curves that are drawn once more for a pinned run."""

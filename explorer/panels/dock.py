@@ -7,31 +7,31 @@ from dataclasses import dataclass, replace
 import msgspec
 import viser
 
-from explorer.beside import Beside
-from explorer.compute import Picture
-from explorer.jobs import Jobs
+from explorer.model.comparison import Beside
+from explorer.model.compute import Picture
+from explorer.model.jobs import Jobs
+from explorer.model.settings import Settings
 from explorer.panels import motion, sensors
-from explorer.panels.basin import BasinPanel
 from explorer.panels.compare import ComparePanel
-from explorer.panels.exporting import PackPanel
-from explorer.panels.flights import FlightPanel
 from explorer.panels.gains import GainsPanel
-from explorer.panels.guess import GuessPanel
-from explorer.panels.importing import ImportPanel
+from explorer.panels.gains.basin import BasinPanel
+from explorer.panels.gains.guess import GuessPanel
+from explorer.panels.gains.tuning import TuningPanel
 from explorer.panels.presets import PresetsPanel
-from explorer.panels.printed import PrintedPanel
-from explorer.panels.progress import ProgressPanel
-from explorer.panels.repairing import RepairPanel
-from explorer.panels.sheet import Action, Refused, Sheet
-from explorer.panels.tuning import TuningPanel
-from explorer.panels.twin import TwinPanel
-from explorer.panels.vehicle import VehiclePanel
+from explorer.panels.presets.bundle import PackPanel
+from explorer.panels.presets.flights import FlightPanel
+from explorer.panels.presets.import_panel import ImportPanel
+from explorer.panels.presets.printed import PrintedPanel
+from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
-from explorer.parcel import Send
-from explorer.settings import Settings
-from explorer.shelf import Shelf
-from explorer.uploads import Uploads
+from explorer.panels.world.twin import TwinPanel
+from explorer.panels.world.vehicle import VehiclePanel
+from explorer.storage.bundle import Send
+from explorer.storage.catalog import Shelf
+from explorer.web.uploads import Uploads
+from explorer.widgets.form import Action, Refused, Sheet
+from explorer.widgets.progress import ProgressPanel
 from rangenav import axes
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset

@@ -9,9 +9,9 @@ from functools import partial
 from pathlib import PurePath
 from typing import Literal
 
-from explorer import written
-from explorer.panels.sheet import Section, Sheet
-from explorer.settings import Settings
+from explorer.model.settings import Settings
+from explorer.storage import preset_file
+from explorer.widgets.form import Section, Sheet
 
 Kind = Literal["csv", "svg", "png"]
 PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."
@@ -86,7 +86,7 @@ class ExportPanel:
 
     def _preset(self) -> None:
         file, settings = self._sources.settings()
-        self._sources.send(file, written.document(settings))
+        self._sources.send(file, preset_file.document(settings))
 
 
 def python_lines(settings: Settings, file: str) -> str:

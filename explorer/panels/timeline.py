@@ -5,9 +5,9 @@ from typing import Literal
 
 import viser
 
-from explorer.panels.controls import when_moved
-from explorer.panels.sheet import Section, Sheet
-from explorer.playback import STEP, Playback
+from explorer.model.playback import STEP, Playback
+from explorer.widgets.controls import when_moved
+from explorer.widgets.form import Section, Sheet
 
 BUTTONS = {
     "|◀": "home",

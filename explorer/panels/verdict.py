@@ -5,8 +5,8 @@ import math
 
 import viser
 
-from explorer.compute import Picture
-from explorer.panels.sheet import Complaint
+from explorer.model.compute import Picture
+from explorer.widgets.form import Complaint
 from rangenav import certificate, sensors
 from rangenav.vehicle import FREE
 

@@ -8,14 +8,13 @@ from numpy import ndarray as Array
 from viser import ClientHandle
 from viser.transforms import SO3
 
-from explorer.beside import NOTHING, Beside
-from explorer.compute import Picture
-from explorer.depth import Depth
-from explorer.scene import stage as stages
+from explorer.model.comparison import NOTHING, Beside
+from explorer.model.compute import Picture
+from explorer.model.details import Depth
+from explorer.scene import bounds as stages
 from explorer.scene.arrows import Arrow
 from explorer.scene.basin import Globe
-from explorer.scene.beside import Companions
-from explorer.scene.broken import BrokenPath
+from explorer.scene.bounds import NO_LINE, UNSEEN, Stage
 from explorer.scene.colors import (
     BLUE,
     GREEN,
@@ -28,8 +27,9 @@ from explorer.scene.colors import (
     VERMILLION,
     linear,
 )
+from explorer.scene.comparison import Companions
 from explorer.scene.excitation import ExcitationEllipsoid
-from explorer.scene.stage import NO_LINE, UNSEEN, Stage
+from explorer.scene.limits import BrokenPath
 from explorer.scene.twin import TwinGhost
 from explorer.scene.vehicle import Vehicle
 from explorer.scene.view import View

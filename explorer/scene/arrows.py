@@ -8,8 +8,8 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import SceneApi
 
+from explorer.scene.bounds import turn_from_x
 from explorer.scene.colors import Color, linear
-from explorer.scene.stage import turn_from_x
 
 ALONG_X = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]], dtype=np.float32)
 BOTH_WAYS = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], [[0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]]], dtype=np.float32)

@@ -12,10 +12,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import SceneApi
 
-from explorer import attraction
-from explorer.compute import Picture
+from explorer.model import basin
+from explorer.model.compute import Picture
+from explorer.scene.bounds import NO_LINE, Stage
 from explorer.scene.colors import PURPLE
-from explorer.scene.stage import NO_LINE, Stage
 from explorer.scene.view import direction
 from rangenav.ensemble import Basin
 
@@ -95,13 +95,13 @@ class Globe:
     def _draw_dots(self, found: Basin, radius: float, up: Float[Array, "3"]) -> None:
         settles = np.isfinite(found.settle)
         size = DOT * radius * min((CROWDED / len(settles)) ** 0.5, LARGEST)
-        colors = attraction.colors(found)
+        colors = basin.colors(found)
         for cloud, chosen, larger in ((self._dots, settles, 1.0), (self._never, ~settles, LARGER)):
             cloud.visible = bool(chosen.any())
             if chosen.any():
                 cloud.points, cloud.colors = (radius * found.axis[chosen]).astype(np.float32), colors[chosen]
                 cloud.point_size = larger * size
-        last = attraction.slowest(found)
+        last = basin.slowest(found)
         axis, when = found.axis[last], found.settle[last]
         self._rim.points = (0.995 * radius * axis[None]).astype(np.float32)
         self._rim.point_size = (LARGER if settles[last] else LARGER**2) * size
@@ -112,7 +112,7 @@ class Globe:
         self._title.text = f"starts at {np.degrees(found.angle):.4g}°"
 
     def _draw_equilibria(self, picture: Picture, radius: float) -> None:
-        axes = attraction.equilibria(picture)
+        axes = basin.equilibria(picture)
         self._sticks.points = (STICK * radius * np.stack([-axes, axes], axis=1)).astype(np.float32)
         for k, label in enumerate(self._names):
             sign = (1.0, -1.0)[k % 2]

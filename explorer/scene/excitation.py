@@ -7,11 +7,11 @@ import numpy as np
 from viser import SceneApi
 from viser.transforms import SO3
 
-from explorer import depth
-from explorer.compute import Picture
+from explorer.model import details
+from explorer.model.compute import Picture
 from explorer.scene.arrows import Arrow
+from explorer.scene.bounds import Stage
 from explorer.scene.colors import GREEN, ORANGE
-from explorer.scene.stage import Stage
 from rangenav.observability import blindness
 from rangenav.observability.ellipsoid import Ellipsoid
 
@@ -56,7 +56,7 @@ class ExcitationEllipsoid:
     def move(self, time: float, on: Stage) -> None:
         """Show the excitation of the window that starts at a time (s)."""
         if self._picture is not None:
-            self.draw(self._picture, depth.excitation_at(self._picture.preset, time), on)
+            self.draw(self._picture, details.excitation_at(self._picture.preset, time), on)
 
     def draw(self, picture: Picture, found: Ellipsoid, on: Stage) -> None:
         """Show the excitation of one window, in the middle of that part of the path."""

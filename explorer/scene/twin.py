@@ -8,9 +8,9 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import MeshHandle, SceneApi, SceneNodeDragEvent
 
-from explorer.compute import Picture
+from explorer.model.compute import Picture
+from explorer.scene.bounds import MAX_POINTS, Stage, dashed
 from explorer.scene.colors import OLIVE
-from explorer.scene.stage import MAX_POINTS, Stage, dashed
 from explorer.scene.vehicle import Vehicle
 from rangenav.inputs import Vec3
 from rangenav.twin import Refusal, Twin

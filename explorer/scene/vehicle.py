@@ -7,8 +7,8 @@ from viser import MeshHandle, SceneApi
 from viser.transforms import SO3
 
 from explorer.scene import airframe
+from explorer.scene.bounds import Stage, turn_from_x
 from explorer.scene.colors import Color
-from explorer.scene.stage import Stage, turn_from_x
 
 
 class Vehicle:

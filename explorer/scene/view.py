@@ -13,7 +13,7 @@ from numpy import ndarray as Array
 from viser import CameraHandle
 from viser.transforms import SO3
 
-from explorer.scene.stage import Stage
+from explorer.scene.bounds import Stage
 
 RESTING = 0.5
 """s without camera movement, after which the camera may be set anew."""

@@ -4,11 +4,11 @@ certify(bytes)      the certificate of a file's bytes       gate(certificate)   
 verify_file(path)   what is wrong with a file and the certificate beside it, a sentence each
 """
 
-from rangenav.certificate.artifacts import beside
-from rangenav.certificate.checking import verify, verify_file
-from rangenav.certificate.checks import gate, restriction
-from rangenav.certificate.contents import Certificate, dumps, loads, plain
-from rangenav.certificate.making import READERS, Held, Reader, certify, certify_file, read_preset
+from rangenav.certificate.certify import READERS, Held, Reader, certify, certify_file, read_preset
+from rangenav.certificate.files import beside
+from rangenav.certificate.requirements import gate, restriction
+from rangenav.certificate.schema import Certificate, dumps, loads, plain
+from rangenav.certificate.verify import verify, verify_file
 
 __all__ = [
     "READERS",

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rangenav import motion, vehicle
-from rangenav.certificate import envelope
-from rangenav.certificate.envelope import UnboundedError
+from rangenav.certificate import derivative_bounds
+from rangenav.certificate.derivative_bounds import UnboundedError
 from rangenav.certificate.sums import least
 from rangenav.observability import accuracy
 from rangenav.preset import Preset
@@ -49,7 +49,7 @@ def figures(preset: Preset) -> Figures:
     """The quick look. Raises ValueError where the motion cannot be flown at all, or would be too much work."""
     path, window = preset.path, preset.requirement.window
     last = preset.duration - window
-    edges = envelope.knots_until(path, preset.duration)
+    edges = derivative_bounds.knots_until(path, preset.duration)
     few = edges[:: 1 + len(edges) // MAX_KNOTS]
     events = np.concatenate([few, few - window])
     start = np.union1d(np.linspace(0, last, WINDOWS), events[(events >= 0) & (events <= last)])

@@ -16,8 +16,8 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import provenance, signals
-from rangenav.certificate.bounds import oriented
-from rangenav.certificate.envelope import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.excitation_bound import oriented
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
 from rangenav.observability import blindness, excitation
 from rangenav.preset import Preset

@@ -11,8 +11,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
-from rangenav.certificate import envelope
-from rangenav.certificate.envelope import UnboundedError
+from rangenav.certificate import derivative_bounds
+from rangenav.certificate.derivative_bounds import UnboundedError
 from rangenav.signals import Signal, knots, operations
 
 GAUSS = 4
@@ -81,7 +81,7 @@ def _running(terms: Float[Array, "c 3 3"]) -> Float[Array, "d 3 3"]:
 
 def least(path: Signal, window: float, end: float) -> float:
     """λ_min of the least of some windows that start in [0, end] (s), those at knots among them: a sample, no bound."""
-    edges = envelope.knots_until(path, end + window)
+    edges = derivative_bounds.knots_until(path, end + window)
     found = sums(path, window, first_starts(window, end, edges), edges, TURN)
     return float(np.linalg.eigvalsh(found.matrix)[:, 0].min())
 

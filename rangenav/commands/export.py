@@ -57,7 +57,7 @@ def exported(
     says how to ask for that.
     """
     from rangenav import formats
-    from rangenav.certificate import exported as certificates
+    from rangenav.certificate import exports as certificates
 
     complaint = None if to in formats.REFUSED else certificates.gate(chosen, to)
     if complaint is not None and not uncertified:
@@ -86,7 +86,7 @@ def _certificate(
     chosen: Preset, to: str, output: Path, *, name: str, steady: tuple[float, float] | None, attitude: str
 ) -> Path:
     """The certificate of what was written, from its bytes. Raises ValueError, and takes it away, if it fails."""
-    from rangenav.certificate import exported as certificates
+    from rangenav.certificate import exports as certificates
 
     try:
         found = certificates.certified(chosen, to, output, steady=steady, attitude=attitude)

@@ -36,7 +36,7 @@ def import_(
         json: Print one JSON object.
     """
     from rangenav import formats
-    from rangenav.formats.presets import as_preset
+    from rangenav.formats.path_preset import as_preset
 
     require_place("-o", output, ".toml")
     if from_ == "preset":

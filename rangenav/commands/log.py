@@ -71,8 +71,8 @@ def log(
         position_sigma: Predicted position error (m) above which a window is weak.
         json: Print one JSON object.
     """
-    from rangenav import formats, logs, still
-    from rangenav.formats import flights
+    from rangenav import formats, logs, rest
+    from rangenav.formats import recorded_flight
 
     confirm = {"time": time_unit, "gyro": gyro_unit, "accel": accel_unit, "mag": mag_unit, "range": range_unit}
     answers = {key: value for key, value in {**confirm, "frame": frame, "lines": lines}.items() if value is not None}
@@ -85,14 +85,16 @@ def log(
         flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
     require(range_sigma > 0, f"--range-sigma must be positive, got {range_sigma:g}")
     place = anchor or flight.anchor
-    around, questions, told = still.world_of(
+    around, questions, told = rest.world_of(
         flight, anchor=place or (0.0, 0.0, 0.0), given=given, confirmed=world == "still"
     )
     if len(flight.range):
         formats.settled(found, also=(*questions, *(() if place is not None else (_where(),))))
     noise = noise_at_rest(flight)
     if begin is not None or end is not None:
-        flight = flights.between(flight, begin if begin is not None else 0.0, end if end is not None else math.inf)
+        flight = recorded_flight.between(
+            flight, begin if begin is not None else 0.0, end if end is not None else math.inf
+        )
     seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
     report = _understood(found, flight, told) | {"informative": informative_report(seen), "verdict": seen.verdict}
     if len(flight.range) and around is not None:
@@ -105,13 +107,13 @@ def log(
 
 
 def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> Any:
-    from rangenav.formats import flights
+    from rangenav.formats import recorded_flight
 
     if anchor is None:
         raise ValueError("--synthetic-ranges needs --anchor X Y Z")
     low, high = SYNTHETIC
     require(low <= sigma <= high, f"--synthetic-ranges must lie between {low:g} m and {high:g} m, got {sigma:g}")
-    return flights.with_ranges(flight, anchor, sigma=sigma, seed=seed)
+    return recorded_flight.with_ranges(flight, anchor, sigma=sigma, seed=seed)
 
 
 def _understood(found: Any, flight: Any, told: str) -> dict[str, Any]:
@@ -154,16 +156,16 @@ def _where() -> Any:
 
 def noise_at_rest(flight: Any) -> tuple[float, float, float] | None:
     """Noise and bias of the IMU at rest, None if the record does not start still."""
-    from rangenav import still
+    from rangenav import rest
 
-    seconds = still.still_seconds(flight)
+    seconds = rest.still_seconds(flight)
     if seconds == 0 or flight.mag is None:
         return None
     try:
-        rest = still.still(flight, seconds)
+        still = rest.still(flight, seconds)
     except ValueError:
         return None
-    return rest.gyro_noise, rest.accel_noise, float(np.linalg.norm(rest.gyro_bias))
+    return still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias))
 
 
 def informative_report(seen: Any) -> dict[str, Any]:

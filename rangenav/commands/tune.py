@@ -17,7 +17,7 @@ from rangenav.commands.output import PresetName, flattened, print_json, readable
 from rangenav.inputs import require
 
 if TYPE_CHECKING:
-    from rangenav.trade import Measure, Point
+    from rangenav.tradeoff import Measure, Point
     from rangenav.tune import Tuned
 
 WORDS = {
@@ -140,7 +140,7 @@ def _reached(point: "Point") -> dict[str, float]:
 
 
 def _curve(found: "Tuned", settle: "Measure", steady: "Measure", factor: float, unit: str) -> list[dict[str, Any]]:
-    from rangenav.trade import front
+    from rangenav.tradeoff import front
 
     points = []
     for point in front(found.seen, settle, steady):

@@ -21,10 +21,10 @@ def verify(
         json: Print one JSON object.
     """
     from rangenav import certificate
-    from rangenav.certificate import exported
+    from rangenav.certificate import exports
 
     require(len(files) > 0, "verify: no file was named")
-    readers = exported.readers()
+    readers = exports.readers()
     failures = {name: certificate.verify_file(name, readers=readers) for name in files}
     if json:
         print_json({"files": {name: {"holds": not wrong, "failures": wrong} for name, wrong in failures.items()}})

@@ -10,10 +10,10 @@ from dataclasses import replace
 from pathlib import Path
 
 from rangenav.formats import text
-from rangenav.formats.flights import Flight
-from rangenav.formats.imported import Imported, Question, settled
-from rangenav.formats.refused import REFUSED
-from rangenav.formats.written import Written, marked
+from rangenav.formats.import_result import Imported, Question, settled
+from rangenav.formats.output_files import Written, marked
+from rangenav.formats.recorded_flight import Flight
+from rangenav.formats.unsupported import REFUSED
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -87,7 +87,7 @@ def _writer(format: str, attitude: str) -> Callable[[Preset, Path], Written]:
     from rangenav.formats import arrays, euroc, log, polynomial, reference, ros, tum
 
     def as_preset(preset: Preset, path: Path) -> Written:
-        from rangenav.formats.written import write_text
+        from rangenav.formats.output_files import write_text
         from rangenav.preset import dumps
 
         write_text(path, dumps(preset))

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from rangenav import __version__, preset, record
-from rangenav.formats.runs import Run, quaternions, run_of
-from rangenav.formats.written import Written, write_bytes, write_text
+from rangenav.formats.exported_run import Run, quaternions, run_of
+from rangenav.formats.output_files import Written, write_bytes, write_text
 from rangenav.preset import Preset
 
 FIELDS = ("time", "position", "velocity", "acceleration", "jerk", "snap", "rotation", "angular_velocity")

@@ -13,12 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy import ndarray as Array
 
-from rangenav.formats import knotted, log, recorded, text
-from rangenav.formats.imported import Imported, increasing, spacing
-from rangenav.formats.recorded import Raw
-from rangenav.formats.runs import nanoseconds, quaternions, upright_run
+from rangenav.formats import flight_columns, log, spline_fit, text
+from rangenav.formats.exported_run import nanoseconds, quaternions, upright_run
+from rangenav.formats.flight_columns import Raw
+from rangenav.formats.import_result import Imported, increasing, spacing
+from rangenav.formats.output_files import Written, new_folder, write_text
 from rangenav.formats.text import Table
-from rangenav.formats.written import Written, new_folder, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -71,7 +71,7 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
     if TRUTH in sides:
         position = _onto(time, sides[TRUTH], POSITION)
         rotation = log.attitude(_onto(time, sides[TRUTH], ATTITUDE), source)
-    return recorded.flight(
+    return flight_columns.flight(
         Raw(
             table=imu,
             format="euroc",
@@ -99,7 +99,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
     require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
     findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; ns, m, z-up as the format has it"]
     rate = spacing(time, table, findings)
-    curve = knotted.knotted(time, position, spacing=knots, source=source)
+    curve = spline_fit.knotted(time, position, spacing=knots, source=source)
     findings.append(curve.words)
     return Imported(
         source=source,
@@ -113,7 +113,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
         derivatives="fit",
         fitted=curve.words,
         fit_error=curve.largest,
-        unjudged=knotted.unjudged(time, position),
+        unjudged=spline_fit.unjudged(time, position),
     )
 
 

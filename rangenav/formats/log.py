@@ -14,13 +14,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.formats import frames, recorded, text, units
-from rangenav.formats.flights import Frame
-from rangenav.formats.imported import Imported
-from rangenav.formats.recorded import Raw
-from rangenav.formats.runs import quaternions, run_of
+from rangenav.formats import flight_columns, frames, text, units
+from rangenav.formats.exported_run import quaternions, run_of
+from rangenav.formats.flight_columns import Raw
+from rangenav.formats.import_result import Imported
+from rangenav.formats.output_files import Written, write_text
+from rangenav.formats.recorded_flight import Frame
 from rangenav.formats.text import Table
-from rangenav.formats.written import Written, write_text
 from rangenav.inputs import Vec3, require
 from rangenav.preset import Preset
 
@@ -78,7 +78,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
         anchor=world.get("anchor"),
         findings=tuple(findings),
     )
-    return recorded.flight(raw, confirm)
+    return flight_columns.flight(raw, confirm)
 
 
 def write(preset: Preset, path: Path) -> Written:

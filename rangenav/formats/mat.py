@@ -10,9 +10,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy import ndarray as Array
 
-from rangenav.formats import log, mat5, recorded, text
-from rangenav.formats.imported import Imported
-from rangenav.formats.recorded import Raw
+from rangenav.formats import flight_columns, log, mat5, text
+from rangenav.formats.flight_columns import Raw
+from rangenav.formats.import_result import Imported
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 
@@ -55,7 +55,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
     quaternion, moving = vectors["quaternion"], parts["moving"]
     broad = set(found) >= BROAD
     time = _time(parts, count, source)
-    return recorded.flight(
+    return flight_columns.flight(
         Raw(
             table=_table(source, time),
             format="mat",

@@ -13,10 +13,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.axes import upright
-from rangenav.formats import hermite, ramped, text
-from rangenav.formats.imported import Imported
-from rangenav.formats.ramped import Ramped
-from rangenav.formats.written import Written, write_text
+from rangenav.formats import hermite, hover_ramps, text
+from rangenav.formats.hover_ramps import Ramped
+from rangenav.formats.import_result import Imported
+from rangenav.formats.output_files import Written, write_text
 from rangenav.inputs import require
 from rangenav.observability import excitation
 from rangenav.preset import Preset
@@ -132,11 +132,11 @@ def fitted(preset: Preset) -> tuple[Ramped, Polynomials]:
     if own is not None and len(own.pieces) <= MAX_SEGMENTS:
         length = sum(piece.duration for piece in own.pieces)
         if length <= preset.duration * (1 + 1e-9):
-            course = ramped.ramped(own, length, window=0.0)
+            course = hover_ramps.ramped(own, length, window=0.0)
             if course.ramp == 0:
                 return course, own
     step = 2 * np.pi / bandwidth_until(path, preset.duration) / PER_TURN if path.period != 0 else np.inf
-    course = ramped.ramped(path, preset.duration, window=window)
+    course = hover_ramps.ramped(path, preset.duration, window=window)
     ramp_pieces = max(RAMP_PIECES, int(np.ceil(course.ramp / step))) if course.ramp else 0
     left = MAX_SEGMENTS - 2 * ramp_pieces
     longest = max(left, 0) * step
@@ -162,7 +162,7 @@ def _hermite(course: Ramped, preset: Preset, ramp_pieces: int, left: int, step: 
         ]
     knots = np.concatenate(parts)
     derivatives = np.stack([course(knots, order) for order in range(4)], axis=1)
-    turn = np.stack(ramped.yaw(preset.angular_velocity, course, knots), axis=1)
+    turn = np.stack(hover_ramps.yaw(preset.angular_velocity, course, knots), axis=1)
     return hermite.polynomials(knots, derivatives, yaw=turn)
 
 

@@ -17,10 +17,10 @@ from numpy import ndarray as Array
 
 from rangenav import motion
 from rangenav.axes import upright
-from rangenav.formats import frames, hermite, knotted, ramped, text
-from rangenav.formats.imported import Imported, increasing, spacing
+from rangenav.formats import frames, hermite, hover_ramps, spline_fit, text
+from rangenav.formats.import_result import Imported, increasing, spacing
+from rangenav.formats.output_files import Written, write_text
 from rangenav.formats.text import Table
-from rangenav.formats.written import Written, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Polynomials
@@ -100,9 +100,9 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Writt
     turned = upright(preset)
     window = turned.requirement.window
     if attitude == "preset":
-        course = ramped.Ramped(path=turned.path, duration=turned.duration, ramp=0.0)
+        course = hover_ramps.Ramped(path=turned.path, duration=turned.duration, ramp=0.0)
     else:
-        course = ramped.ramped(turned.path, turned.duration, window=window)
+        course = hover_ramps.ramped(turned.path, turned.duration, window=window)
     t = np.append(np.arange(0, course.end - 1e-9, 1 / RATE), course.end)
     rotation, rate, second = _attitude(turned, course, t, attitude)
     p, v, a, j, s = (course(t, order) for order in range(5))
@@ -118,9 +118,9 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Writt
     return Written(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures={"rows": len(t)})
 
 
-def _attitude(preset: Preset, course: ramped.Ramped, t: Array, kind: Attitudes) -> tuple[Array, Array, Array]:
+def _attitude(preset: Preset, course: hover_ramps.Ramped, t: Array, kind: Attitudes) -> tuple[Array, Array, Array]:
     if kind == "flown":
-        body = ramped.attitude(course, preset.angular_velocity, preset.world.gravity, t)
+        body = hover_ramps.attitude(course, preset.angular_velocity, preset.world.gravity, t)
         return body.rotation, body.angular_velocity, body.angular_acceleration
     moved = motion.simulate(
         preset.path,
@@ -158,11 +158,11 @@ def _check_quaternion(table: Table, findings: list[str]) -> None:
 
 def _path(
     time: Array, position: Array, derivatives: list[Array | None], knots: float | None, source: str, findings: list[str]
-) -> tuple[Polynomials | knotted.Waypoints, float, str, str | None]:
+) -> tuple[Polynomials | spline_fit.Waypoints, float, str, str | None]:
     """The path, its largest distance from the file's positions (m), what was fitted, and why it is not judged."""
     velocity, acceleration, jerk, snap = derivatives
     if velocity is None or acceleration is None or jerk is None:
-        found = knotted.knotted(time, position, spacing=knots, source=source)
+        found = spline_fit.knotted(time, position, spacing=knots, source=source)
         findings.append(found.words)
         return found.path, found.largest, found.words, UNJUDGED
     fit = fitted(time, np.stack([position, velocity, acceleration, jerk], axis=1), snap, source=source)

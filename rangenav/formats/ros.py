@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from rangenav.formats.runs import Run, nanoseconds, quaternions, upright_run
-from rangenav.formats.written import Written, new_folder, write_bytes
+from rangenav.formats.exported_run import Run, nanoseconds, quaternions, upright_run
+from rangenav.formats.output_files import Written, new_folder, write_bytes
 from rangenav.inputs import require
 from rangenav.preset import Preset
 

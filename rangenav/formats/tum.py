@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from rangenav.formats import knotted, text
-from rangenav.formats.imported import Imported, Question, answer, increasing, spacing
-from rangenav.formats.runs import quaternions, upright_run
-from rangenav.formats.written import Written, write_text
+from rangenav.formats import spline_fit, text
+from rangenav.formats.exported_run import quaternions, upright_run
+from rangenav.formats.import_result import Imported, Question, answer, increasing, spacing
+from rangenav.formats.output_files import Written, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -35,7 +35,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
     off = np.abs(np.linalg.norm(table.values[:, 4:], axis=-1) - 1) > 1e-2
     if off.any():
         findings.append(f"{int(off.sum())} quaternions are not of unit length; the path does not need them")
-    curve = knotted.knotted(time, position, spacing=knots, source=source)
+    curve = spline_fit.knotted(time, position, spacing=knots, source=source)
     findings.append(curve.words)
     frame = answer(confirm, "frame", FRAMES)
     question = Question(
@@ -59,7 +59,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
         derivatives="fit",
         fitted=curve.words,
         fit_error=curve.largest,
-        unjudged=knotted.unjudged(time, position),
+        unjudged=spline_fit.unjudged(time, position),
     )
 
 

@@ -7,7 +7,7 @@ mean of what the vectors say at both ends, exactly, so that no step is too long 
 import numpy as np
 
 from rangenav.kernels import rotation as rot
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 
 
 @kernel

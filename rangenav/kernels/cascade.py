@@ -8,7 +8,7 @@ import numpy as np
 
 from rangenav.kernels import attitude, riccati
 from rangenav.kernels import rotation as rot
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 
 
 @kernel

@@ -4,7 +4,7 @@ import numpy as np
 
 from rangenav.kernels import rotation as rot
 from rangenav.kernels import strapdown
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 
 N = strapdown.N
 

@@ -7,7 +7,7 @@ that rows do not overlap and work on four columns at once: 50 ns for Φ P, again
 
 import numpy as np
 
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 from rangenav.kernels.layout import CONSISTENCY_TIME, ROUNDING
 
 N = 13

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 
 SMALL_SQUARE = 1e-4
 """rad²; below it sin θ/θ and (1 − cos θ)/θ² are series whose first dropped term is under 1e-20."""

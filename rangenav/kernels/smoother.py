@@ -8,7 +8,7 @@ import numpy as np
 
 from rangenav.kernels import rotation as rot
 from rangenav.kernels import strapdown
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 
 N = strapdown.N
 ROW, GAIN, INNOVATION, TOTAL, KEPT = 0, N, 2 * N, 2 * N + 1, 2 * N + 2

@@ -7,7 +7,7 @@ isotropic one at every step. P is a flat array of 81, row by row; P, rows and ga
 import numpy as np
 
 from rangenav.kernels import rotation as rot
-from rangenav.kernels.compiled import kernel
+from rangenav.kernels.jit import kernel
 
 N = 9
 NO_GRADIENT = 1e-6

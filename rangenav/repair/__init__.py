@@ -19,7 +19,7 @@ from rangenav.certificate.figures import figures
 from rangenav.inputs import require
 from rangenav.observability import blindness
 from rangenav.preset import Preset
-from rangenav.repair import changes, tones
+from rangenav.repair import path_changes, tones
 from rangenav.repair.change import KINDS, Change, Kind
 from rangenav.repair.outcome import NOWHERE, CannotRepairError, Repair, certified, defeat, made, outcome, report
 from rangenav.repair.search import Budget, CancelledError, Look, Progress, Search, least, sharpest
@@ -88,7 +88,7 @@ def improve(
     Raises CannotRepairError if the motion is blind, which is for `repair`, or if σ does not fall by a tenth.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
-    found, refused = figures(preset), changes.refusal(by, preset)
+    found, refused = figures(preset), path_changes.refusal(by, preset)
     if refused is not None:
         raise CannotRepairError(f"{by}: {refused}")
     if not np.isfinite(found.sigma):
@@ -141,7 +141,7 @@ def _limited(preset: Preset, by: Kind, budget: Budget) -> Iterator[Preset]:
 
 def _refuse_hopeless(preset: Preset, by: Kind, before: Certificate) -> None:
     """What no size or speed changes: a path that has no snap along a direction keeps having none."""
-    refused = changes.refusal(by, preset)
+    refused = path_changes.refusal(by, preset)
     along = blindness.name(np.asarray(before.excitation.direction))
     if refused is None and by in ("amplitude", "timescale") and before.excitation.found is None:
         change = "larger or smaller" if by == "amplitude" else "faster or slower"
@@ -191,7 +191,7 @@ def _changes(preset: Preset, by: Kind, at: float, budget: Budget) -> Iterator[Ch
             yield tones.found_tones(preset, added)
     elif by == "waypoints":
         for directions in remedy.directions(preset, at):
-            yield changes.waypoints(preset, directions)
+            yield path_changes.waypoints(preset, directions)
     if by != "waypoints":
         yield _wide(preset, by)
 
@@ -202,13 +202,13 @@ def _wide(preset: Preset, by: Kind) -> Change:
         case "tones":
             return tones.free_tones(preset)
         case "amplitude":
-            return changes.amplitude(preset)
+            return path_changes.amplitude(preset)
         case "frequency":
-            return changes.frequency(preset)
+            return path_changes.frequency(preset)
         case "timescale":
-            return changes.timescale(preset)
+            return path_changes.timescale(preset)
         case "waypoints":
-            return changes.waypoints(preset, tuple(np.eye(3)))
+            return path_changes.waypoints(preset, tuple(np.eye(3)))
 
 
 def _spent(budget: Budget) -> Iterator[int]:

@@ -1,6 +1,7 @@
 """What the vehicle measures: rates, noise, what the paper's model does not have, and the record of a motion."""
 
 from rangenav.sensors.antenna import distance
+from rangenav.sensors.effects import MODELLED, Unmodelled
 from rangenav.sensors.measuring import Measurements, check, measure
 from rangenav.sensors.noise import (
     MAX_RATE,
@@ -15,7 +16,6 @@ from rangenav.sensors.noise import (
     per_sample,
 )
 from rangenav.sensors.suite import Sensors, effects, words
-from rangenav.sensors.unmodelled import MODELLED, Unmodelled
 
 __all__ = [
     "MAX_RATE",

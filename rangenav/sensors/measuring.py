@@ -14,8 +14,8 @@ from numpy import ndarray as Array
 from rangenav.inputs import require
 from rangenav.motion import Motion, World, to_body
 from rangenav.sensors import antenna
+from rangenav.sensors.effects import Unmodelled
 from rangenav.sensors.suite import Sensors
-from rangenav.sensors.unmodelled import Unmodelled
 from rangenav.signals import Signal
 
 

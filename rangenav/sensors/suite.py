@@ -1,8 +1,8 @@
 """What a vehicle carries: how often each sensor speaks, how noisy it is, and what else is wrong with it."""
 
 from rangenav.inputs import Input, require, require_within
+from rangenav.sensors.effects import MODELLED, Unmodelled, told
 from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, given_as
-from rangenav.sensors.unmodelled import MODELLED, Unmodelled, told
 
 
 class Sensors(Input, frozen=True, kw_only=True):

@@ -22,9 +22,9 @@ from rangenav.signals.edits import (
     started_at,
 )
 from rangenav.signals.families import Family, Signal, Sum, bandwidth_until
-from rangenav.signals.flown import Attitude, Flown
 from rangenav.signals.formula import Formula
 from rangenav.signals.jets import jet
+from rangenav.signals.multirotor import Attitude, Flown
 from rangenav.signals.multisine import AXES, Multisine, Tone
 from rangenav.signals.polynomials import Piece, Polynomials
 from rangenav.signals.waypoints import MinimumSnap, Waypoint, Waypoints

@@ -9,8 +9,8 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3, require
 from rangenav.signals import expressions
 from rangenav.signals.families import Signal, Sum
-from rangenav.signals.flown import Flown, attitude
 from rangenav.signals.formula import Formula
+from rangenav.signals.multirotor import Flown, attitude
 from rangenav.signals.multisine import AXES
 
 MAX_WORK = 5e7

@@ -16,7 +16,7 @@ from rangenav.signals import expressions
 from rangenav.signals.expressions import Node
 from rangenav.signals.intervals import Interval
 from rangenav.signals.multisine import AXES, MAX_DRIFT, MAX_OFFSET, common_period
-from rangenav.signals.rhythm import frequencies
+from rangenav.signals.periodicity import frequencies
 from rangenav.signals.series import Series, variable
 
 Rows = tuple[Vec3, Vec3, Vec3]

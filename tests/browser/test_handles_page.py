@@ -10,10 +10,10 @@ import pytest
 import viser
 from playwright.sync_api import Browser
 
-from explorer import access, visitor
-from explorer.scene.handles import GIZMO_SHARE, Handles
-from explorer.scene.stage import Stage
-from explorer.visitor import Slots
+from explorer.scene.bounds import Stage
+from explorer.scene.drag_handles import GIZMO_SHARE, Handles
+from explorer.web import identity, security
+from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
 from tests.browser.page import Visitor, chromium, why_not
 
@@ -44,7 +44,7 @@ class Room:
     """Handles and nothing else, moved as the session would."""
 
     def __init__(self, client: viser.ClientHandle) -> None:
-        access.accept_values_only(client)
+        security.accept_values_only(client)
         client.scene.set_up_direction(UP)
         client.camera.position, client.camera.look_at = (1.0, 6.0, -3.0), (0.0, 0.0, 0.0)
         self._wake, self._places = threading.Event(), dict(PLACES)
@@ -75,7 +75,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="module")
 def tab(browser: Browser) -> Iterator[Visitor]:
-    server = access.open_server("127.0.0.1", 0)
+    server = security.open_server("127.0.0.1", 0)
     server.on_client_connect(lambda client: Room(client) and None)
     url = f"http://127.0.0.1:{server.get_port()}/"
     opened = Visitor(browser, url, width=900, height=700, density=COARSE, says=READY_WORD)
@@ -87,7 +87,7 @@ def tab(browser: Browser) -> Iterator[Visitor]:
     yield opened
     assert opened.complaints == []
     opened.close()
-    access.close_server(server)
+    security.close_server(server)
 
 
 def until(holds, what: str, patience: float = 20.0) -> None:
@@ -152,13 +152,13 @@ def test_each_tab_gets_its_own_seat_back_after_a_reload_and_from_a_new_server(br
     seats: list[str | None] = []
 
     def serve(port: int) -> viser.ViserServer:
-        server = access.open_server("127.0.0.1", port)
-        slots = Slots(lambda tab: visitor.connected(server, tab))
+        server = security.open_server("127.0.0.1", port)
+        slots = Slots(lambda tab: identity.connected(server, tab))
 
         def greet(client: viser.ClientHandle) -> None:
-            access.accept_values_only(client)
+            security.accept_values_only(client)
             client.scene.add_frame("/path")
-            seats.append(visitor.seat_of(client, slots))
+            seats.append(identity.seat_of(client, slots))
             client.gui.add_markdown(f"You are {seats[-1]}")
 
         server.on_client_disconnect(lambda client: slots.free(client.client_id))
@@ -177,7 +177,7 @@ def test_each_tab_gets_its_own_seat_back_after_a_reload_and_from_a_new_server(br
         tab.reload()
         assert seats[-1] == seat
     with second.reconnecting(), first.reconnecting():
-        access.close_server(server)
+        security.close_server(server)
         seats.clear()
         server = serve(port)
     for tab, seat in ((second, two), (first, one)):
@@ -185,7 +185,7 @@ def test_each_tab_gets_its_own_seat_back_after_a_reload_and_from_a_new_server(br
     assert len(seats) == 2
     second.close()
     first.close()
-    access.close_server(server)
+    security.close_server(server)
 
 
 def _three(offset: list[float]) -> Vec3:

@@ -4,16 +4,16 @@ from functools import partial
 
 from msgspec.structs import replace
 
-from explorer.compute import Picture
-from explorer.languages import place_of
-from explorer.panels.controls import Choice
-from explorer.panels.gains import told
-from explorer.panels.gains.paper import PaperDials
-from explorer.panels.gains.physical import PhysicalDials
+from explorer.model.compute import Picture
+from explorer.model.gain_units import place_of
+from explorer.model.settings import Language, Settings
+from explorer.panels.gains import summary
+from explorer.panels.gains.paper_units import PaperDials
+from explorer.panels.gains.physical_units import PhysicalDials
 from explorer.panels.gains.schedule import ScheduleDials
-from explorer.panels.notes import NOTE
-from explorer.panels.sheet import Section, Sheet
-from explorer.settings import Language, Settings
+from explorer.widgets.controls import Choice
+from explorer.widgets.form import Section, Sheet
+from explorer.widgets.html import NOTE
 from rangenav.gains import Gains
 
 LANGUAGES: dict[Language, str] = {"paper": "in the paper's letters", "physical": "in physical words"}
@@ -37,7 +37,7 @@ class GainsPanel:
             self._physical.add_attitude(sheet)
             self._rates = sheet.gui.add_html("")
             self._schedule = ScheduleDials(sheet)
-        self._beside = Section(sheet, told.OTHERS["paper"])
+        self._beside = Section(sheet, summary.OTHERS["paper"])
         with self._beside:
             self._table = sheet.gui.add_html("")
         self.language: Language = "paper"
@@ -81,8 +81,8 @@ class GainsPanel:
         """Show what follows from the gains."""
         self._picture = picture
         for line, content in (
-            (self._rates, told.rates(picture, self.language)),
-            (self._table, told.in_other_language(picture, self.language)),
+            (self._rates, summary.rates(picture, self.language)),
+            (self._table, summary.in_other_language(picture, self.language)),
         ):
             if content != line.content:
                 line.content = content
@@ -90,7 +90,7 @@ class GainsPanel:
     def _turn_to(self, language: Language) -> None:
         """The gains as they are, on the dials of a language."""
         self.language = language
-        self._beside.caption(told.OTHERS[language])
+        self._beside.caption(summary.OTHERS[language])
         if language == "paper":
             self._paper.write(self._gains, self._base)
         else:
@@ -102,6 +102,6 @@ class GainsPanel:
         noise = gains.mode == "constant"
         self._paper.show(self.language == "paper", noise=noise)
         self._physical.show(self.language == "physical", noise=noise)
-        words = NOTE.format(told.MODE_WORDS[gains.mode])
+        words = NOTE.format(summary.MODE_WORDS[gains.mode])
         if words != self._mode_words.content:
             self._mode_words.content = words

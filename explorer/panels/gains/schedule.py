@@ -1,8 +1,8 @@
 """A schedule of k1: high while the measured vectors disagree with the expected ones, low once they agree."""
 
-from explorer.panels.controls import LogDial, Switch
-from explorer.panels.notes import NOTE
-from explorer.panels.sheet import Section, Sheet
+from explorer.widgets.controls import LogDial, Switch
+from explorer.widgets.form import Section, Sheet
+from explorer.widgets.html import NOTE
 from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule
 
 STEADY_LIMITS = (0.01, 50.0)

@@ -1,0 +1,248 @@
+"""All plots of the page, in the groups that become dock panels or tabs."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from explorer.charts import definitions, details, plots, styles
+from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
+from explorer.model.compute import Picture
+
+PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
+"""The dashes of what the paper's misprints give."""
+
+
+class Group(NamedTuple):
+    """Plots that are shown together."""
+
+    title: str
+    plots: tuple[Plot, ...]
+    say: Callable[[Picture], tuple[str, ...]] | None = None
+    """Plain sentences above the plots, if there is something to say."""
+    later: bool = False
+    """Drawn only when nothing moves: they take as long as all others together."""
+
+
+ERRORS = Group(
+    "Errors",
+    (
+        styles.error("position", "Position error", "m", plots.position_error, definitions.POSITION_ERROR),
+        styles.error("velocity", "Velocity error", "m/s", plots.velocity_error, definitions.VELOCITY_ERROR),
+        styles.error("gravity", "Gravity error", "m/s²", plots.gravity_error, definitions.GRAVITY_ERROR),
+        Plot(
+            name="attitude",
+            title="Attitude error",
+            unit="°",
+            curves=(Curve(label="error", color=plots.VERMILLION),),
+            draw=plots.attitude_error,
+            words=definitions.ATTITUDE_ERROR,
+        ),
+    ),
+)
+OBSERVABILITY = Group(
+    "Observability",
+    (
+        Plot(
+            name="snap",
+            title="Excitation signal φ",
+            unit="m/s⁴, body axes",
+            curves=styles.components("", (SOLID, DASHED, DOTTED, SOLID)) + styles.components("printed ", PRINTED),
+            draw=plots.snap,
+            words=definitions.SNAP,
+            log=False,
+            again=(3,),
+        ),
+        Plot(
+            name="excitation",
+            title="PE eigenvalues",
+            unit="m²/s⁷, by window start",
+            across="window start",
+            curves=(
+                *styles.eigenvalues("", (SOLID, DASHED, DOTTED)),
+                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+                *styles.eigenvalues("printed ", PRINTED[:3]),
+            ),
+            draw=plots.excitation,
+            words=definitions.EXCITATION,
+        ),
+        Plot(
+            name="gramian",
+            title="Gramian spectrum",
+            unit="SI, by window start",
+            across="window start",
+            curves=styles.spectrum("λ₁", "λ₁₃", "floor"),
+            draw=plots.gramian,
+            words=definitions.GRAMIAN,
+        ),
+        Plot(
+            name="predicted",
+            title="Predicted σ",
+            unit="m, by window start",
+            across="window start",
+            curves=(
+                Curve(label="lifted", color=plots.BLUE, dash=DASHED, width=2.0),
+                Curve(label="nonlinear", color=plots.GREEN, dash=DOTTED, width=2.0),
+                Curve(label="actual", color=plots.VERMILLION),
+                Curve(label="wanted", color=plots.GREY, dash=DASH_DOT),
+            ),
+            draw=plots.predicted,
+            words=definitions.PREDICTED,
+            again=(0, 1),
+        ),
+    ),
+)
+SIGNALS = Group(
+    "Signals",
+    (
+        Plot(
+            name="innovation",
+            title="Innovation",
+            unit="in its own σ",
+            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION, unit=""),),
+            draw=plots.innovation,
+            words=definitions.INNOVATION,
+            log=False,
+        ),
+        Plot(
+            name="distance",
+            title="Range",
+            unit="m",
+            curves=(
+                Curve(label="measured", color=plots.SKY, width=1.0),
+                Curve(label="true", color=plots.BLUE, dash=DASHED),
+            ),
+            draw=plots.distance,
+            words=definitions.DISTANCE,
+            log=False,
+            again=(1,),
+        ),
+        Plot(
+            name="speed",
+            title="Speed",
+            unit="m/s",
+            curves=(Curve(label="true", color=plots.BLUE), styles.limit("limit", plots.BLUE, DASHED)),
+            draw=plots.speed,
+            words=definitions.SPEED,
+            log=False,
+        ),
+        Plot(
+            name="effort",
+            title="Thrust/weight and body rate",
+            unit="1, rad/s",
+            curves=(
+                Curve(label="thrust/weight", color=plots.BLUE, unit=""),
+                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED, unit="rad/s"),
+                styles.limit("thrust limit", plots.BLUE, DASH_DOT, ""),
+                styles.limit("|ω| limit", plots.ORANGE, DOTTED, "rad/s"),
+            ),
+            draw=plots.effort,
+            words=definitions.EFFORT,
+            log=False,
+            again=(0, 1),
+        ),
+    ),
+)
+DEPTH = Group(
+    "In depth",
+    (
+        Plot(
+            name="rank-by-length",
+            title="Rank by window length",
+            unit="of 13",
+            across="window length",
+            curves=styles.by_length("all"),
+            draw=details.rank_by_length,
+            words=definitions.RANK_BY_LENGTH,
+            log=False,
+        ),
+        Plot(
+            name="sigma-by-length",
+            title="Predicted σ by window length",
+            unit="m",
+            across="window length",
+            curves=styles.by_length("wanted"),
+            draw=details.sigma_by_length,
+            words=definitions.SIGMA_BY_LENGTH,
+        ),
+        Plot(
+            name="scaled",
+            title="Scaled spectrum",
+            unit="by window start",
+            across="window start",
+            curves=styles.spectrum("s₁₃", "s₁", "tolerance", unit=""),
+            draw=details.scaled,
+            words=definitions.SCALED,
+        ),
+        Plot(
+            name="functions",
+            title="The 13 functions",
+            unit="over their peaks, by τ",
+            across="τ",
+            curves=styles.functions(),
+            draw=details.functions,
+            words=definitions.FUNCTIONS,
+            log=False,
+            again=(),
+        ),
+    ),
+    details.say_depth,
+    later=True,
+)
+TWIN = Group(
+    "Twin",
+    (
+        Plot(
+            name="twin-range",
+            title="Range of the evil twin",
+            unit="m",
+            curves=(
+                Curve(label="true", color=plots.BLUE, width=2.5),
+                Curve(label="twin", color=plots.OLIVE, dash=DASHED),
+            ),
+            draw=details.ranges,
+            words=definitions.TWIN_RANGE,
+            log=False,
+        ),
+        Plot(
+            name="twin-apart",
+            title="How far off, and unseen",
+            unit="m",
+            curves=(
+                Curve(label="apart", color=plots.OLIVE, dash=DASHED, width=2.0),
+                Curve(label="range differs", color=plots.VERMILLION),
+                Curve(label="tolerance", color=plots.GREY, dash=DASH_DOT),
+            ),
+            draw=details.apart,
+            words=definitions.TWIN_APART,
+        ),
+        Plot(
+            name="phi-both",
+            title="|φ| derived and printed",
+            unit="m/s⁴",
+            curves=(
+                Curve(label="derived", color=plots.BLUE, width=2.0),
+                Curve(label="printed", color=plots.ORANGE, dash=LONG),
+            ),
+            draw=details.phi,
+            words=definitions.PHI_BOTH,
+            log=False,
+        ),
+        Plot(
+            name="pe-both",
+            title="PE as printed",
+            unit="m²/s⁷, by window start",
+            across="window start",
+            curves=(
+                Curve(label="derived", color=plots.BLUE, width=2.0),
+                Curve(label="φ printed", color=plots.ORANGE, dash=DASHED),
+                Curve(label="body axes", color=plots.GREEN, dash=DOTTED),
+                Curve(label="both", color=plots.VERMILLION, dash=LONG, width=2.0),
+                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+            ),
+            draw=details.certificates,
+            words=definitions.CERTIFICATES,
+        ),
+    ),
+    details.say_twin,
+    later=True,
+)
+GROUPS = (ERRORS, OBSERVABILITY, DEPTH, TWIN, SIGNALS)

@@ -1,0 +1,88 @@
+"""How long the attitude takes from starts all around: which settings that belongs to, its colours, the slowest start.
+
+A start is a turn by one angle about one of many axes (`rangenav.ensemble.basin`); each axis is a point on a sphere, and
+its colour says when the attitude error stays below 5°. No viser here.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, UInt8
+from msgspec.structs import replace
+from numpy import ndarray as Array
+
+from explorer.model.compute import Picture
+from rangenav import attitude, record
+from rangenav.ensemble import Basin
+from rangenav.gains import Gains, Guess
+from rangenav.preset import Preset
+from rangenav.record import Course
+from rangenav.sensors import Sensors
+
+STOPS = (
+    (253, 231, 37),
+    (173, 220, 48),
+    (94, 201, 98),
+    (40, 174, 128),
+    (33, 145, 140),
+    (44, 114, 142),
+    (59, 82, 139),
+    (71, 44, 122),
+    (68, 1, 84),
+)
+"""viridis from its light end (soonest) to its dark one (latest), in nine steps: the lightness alone tells the order, so
+that it is read without telling colours apart."""
+NEVER = (213, 94, 0)
+"""Vermillion, which is not on the scale; what never settles is also larger and of another shape."""
+
+
+class Setup(NamedTuple):
+    """Everything that decides how long a start takes, but for the start."""
+
+    course: Course
+    sensors: Sensors
+    seed: int
+    gains: Gains
+    guess: Guess
+    """With no attitude error of its own."""
+
+
+def setup_of(shown: Preset) -> Setup:
+    """What a sphere of starts belongs to that is computed for a preset, its time scale and printed start applied."""
+    usual = Guess()
+    guess = replace(shown.guess, attitude_axis=usual.attitude_axis, attitude_angle=usual.attitude_angle)
+    return Setup(record.course_of(shown), shown.sensors, shown.seed, shown.gains, guess)
+
+
+def slowest(found: Basin) -> int:
+    """Which start settles last; of those that never do, the one that ends farthest away."""
+    return int(np.lexsort((found.final, found.settle))[-1])
+
+
+def ends(found: Basin) -> tuple[float, float] | None:
+    """The soonest and the latest settling (s), None if nothing settles."""
+    settled = found.settle[np.isfinite(found.settle)]
+    return (float(settled.min()), float(settled.max())) if len(settled) else None
+
+
+def colors(found: Basin) -> UInt8[Array, "a 3"]:
+    """A colour for each start, light for the soonest."""
+    span, share = ends(found), np.zeros(len(found.settle))
+    if span is not None and span[1] > span[0]:
+        share = (np.minimum(found.settle, span[1]) - span[0]) / (span[1] - span[0])
+    scale = on_scale(share)
+    scale[~np.isfinite(found.settle)] = NEVER
+    return scale
+
+
+def on_scale(share: Float[Array, "a"]) -> UInt8[Array, "a 3"]:
+    """Colours (sRGB) from the light end (0) to the dark one (1)."""
+    places = np.linspace(0.0, 1.0, len(STOPS))
+    channels = [np.interp(share, places, channel) for channel in np.array(STOPS, dtype=float).T]
+    return np.stack(channels, axis=1).round().astype(np.uint8)
+
+
+def equilibria(picture: Picture) -> Float[Array, "3 3"]:
+    """The axes u of the undesired equilibria R̃ = 2uuᵀ − I, a row for each, of the largest eigenvalue of M first."""
+    _, vectors = np.linalg.eigh(attitude.decay_matrix(picture.preset.gains.attitude, picture.preset.world))
+    return vectors.T[::-1]

@@ -1,0 +1,157 @@
+"""settings -> Picture, in stages cached by their own inputs: a gain slider never recomputes a Gramian. No viser here.
+
+motion        <- path, angular velocity, world, duration, rate
+breaks        <- motion's inputs, vehicle
+gramian       <- path, gravity, window            (not attitude, not gains, not the anchor)
+accuracy      <- gramian's inputs, anchor, sensors
+printed       <- path, angular velocity, world, window
+measurements  <- motion's inputs, sensors, seed
+estimate      <- measurements' inputs, gains, guess
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from explorer.model.settings import Printed, Settings, effective
+from rangenav import attitude, cascade, motion, record, vehicle
+from rangenav.analysis import WINDOWS, Analysis, analyse
+from rangenav.errors import Errors
+from rangenav.gains import Gains, Guess
+from rangenav.model import Form
+from rangenav.motion import Limits, Motion
+from rangenav.observability import excitation, reduced
+from rangenav.preset import Preset
+from rangenav.record import Course, Outcome, Summary, course_of
+from rangenav.sensors import Measurements, Sensors
+from rangenav.vehicle import Break, Vehicle
+
+CACHED = 4
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Picture:
+    """Everything the page draws, all of it belonging to the same settings."""
+
+    settings: Settings
+    preset: Preset
+    """The preset as computed: time scale and printed initial values applied."""
+    motion: Motion
+    limits: Limits
+    breaks: tuple[Break, ...]
+    """The limits of the preset's vehicle that the motion breaks, the one broken for longest first."""
+    phi: Float[Array, "n 3"]
+    """Rᵀp⁗ (m/s⁴), body axes."""
+    phi_printed: Float[Array, "n 3"]
+    """The printed φ, body axes."""
+    analysis: Analysis
+    """Spectra over sliding windows, worst windows, blind directions, predicted accuracy, verdict (derived forms)."""
+    printed_excitation: Float[Array, "w 3"]
+    """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
+    measurements: Measurements
+    estimate: cascade.Estimate
+    errors: Errors
+    position_estimate: Float[Array, "n 3"]
+    """p̂_I (m, inertial)."""
+    summary: Summary
+    """Peak, settling and steady errors, in numbers; and whether the covariance diverged."""
+    attitude_time_constants: Float[Array, "3"]
+    """s, slowest first; under the printed switch twice as long."""
+    reduced_min: float
+    """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
+
+
+def compute(settings: Settings) -> Picture:
+    """The picture of the settings. Raises ValueError with one sentence if they cannot be computed."""
+    p, printed = effective(settings), settings.printed
+    course, found = course_of(p), analyse(p)
+    phi, phi_printed = _phi(course)
+    outcome, position = _observed(
+        course, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
+    )
+    return Picture(
+        settings=settings,
+        preset=p,
+        motion=record.simulated(course).motion,
+        limits=_limits(course),
+        breaks=_breaks(course, p.vehicle),
+        phi=phi,
+        phi_printed=phi_printed,
+        analysis=found,
+        printed_excitation=_printed_excitation(course, p.requirement.window, printed),
+        measurements=record.measured(course, p.sensors, p.seed),
+        estimate=outcome.estimate,
+        errors=outcome.errors,
+        position_estimate=position,
+        summary=outcome.summary,
+        attitude_time_constants=attitude.time_constants(
+            p.gains.attitude, p.world, "printed" if printed.attitude_rate else "derived"
+        ),
+        reduced_min=_reduced(course, p.requirement.window, found, printed),
+    )
+
+
+def warm_up(progress: Callable[[float, str], None]) -> None:
+    """Compile the kernels (seconds the first time ever, then read from disk), saying how far it has come."""
+    from rangenav.kernels import precompile
+
+    precompile.compile_all(progress)
+
+
+def warm_up_estimators() -> None:
+    """The same for what may be switched on beside the cascade, which no picture waits for."""
+    from rangenav.kernels import precompile
+
+    precompile.compile_estimators(lambda _fraction, _what: None)
+
+
+@lru_cache(maxsize=CACHED)
+def _phi(course: Course) -> tuple[Array, Array]:
+    moved = record.simulated(course).motion
+    return excitation.phi(moved), excitation.phi_printed(moved)
+
+
+@lru_cache(maxsize=CACHED)
+def _limits(course: Course) -> Limits:
+    return motion.limits(record.simulated(course).motion, world=course.world)
+
+
+@lru_cache(maxsize=CACHED)
+def _breaks(course: Course, limited: Vehicle) -> tuple[Break, ...]:
+    return vehicle.broken(record.simulated(course).motion, limited, world=course.world)
+
+
+@lru_cache(maxsize=CACHED)
+def _printed_excitation(course: Course, window: float, printed: Printed) -> Array:
+    """Excitation under the switches; with none of them on, the derived one from the same samples."""
+    moved = record.simulated(course).motion
+    signal = excitation.chosen_signal(moved, printed_formula=printed.excitation, body_axes=printed.body_axes)
+    start = np.linspace(0, course.duration - window, WINDOWS)
+    return excitation.sampled_eigenvalues(signal, moved.time, start, window)
+
+
+@lru_cache(maxsize=CACHED)
+def _observed(
+    course: Course, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: Form
+) -> tuple[Outcome, Array]:
+    """The estimate stage, and the estimated path in inertial axes."""
+    truth, z = record.simulated(course), record.measured(course, sensors, seed)
+    outcome = record.observed(truth, z, course.world, sensors, gains, guess, form)
+    return outcome, outcome.estimate.position(course.world)
+
+
+def _reduced(course: Course, window: float, found: Analysis, printed: Printed) -> float:
+    if not (printed.excitation or printed.reduced_row or printed.body_axes):
+        return found.reduced_min
+    return reduced.sampled_least_eigenvalue(
+        record.simulated(course).motion,
+        found.gramian_at,
+        window,
+        printed_formula=printed.excitation,
+        printed_row=printed.reduced_row,
+        body_axes=printed.body_axes,
+    )

@@ -1,0 +1,142 @@
+"""Does the observer know how wrong it is, and does it reach what was predicted? Figures over the steady part of a run.
+
+    NIS = ν²/S below its 95 % point for 95 % of the ranges;   NEES = eᵀP⁻¹e is 3 on average, for a position
+The steady part is the last quarter, as for all steady errors. One run's neighbours are not independent of each other:
+its mean has no honest band, only its single values have; the mean over seeds has one. No viser here.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from explorer.model.compute import Picture
+from rangenav import consistency, ensemble
+from rangenav.analysis import Analysis
+from rangenav.consistency import Consistency
+from rangenav.ensemble import Ensemble
+from rangenav.model import POSITION
+from rangenav.motion import to_body
+
+STEADY = 0.75
+"""Share of the run after which it counts."""
+AXES = 3
+"""Degrees of freedom of a position."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Agreement:
+    """Figures of one run, or of many seeds; NaN where there is nothing to judge by."""
+
+    nis: float
+    """Mean."""
+    nis_inside: float
+    """Share of them inside the 95 % band: of single values for a run, of the mean for seeds."""
+    nees: float
+    """Mean."""
+    nees_low: float
+    nees_high: float
+    """The 95 % band: of single values for a run, of the mean for seeds."""
+    nees_inside: float
+    """Share of the steady part inside it."""
+    cramer_rao: float
+    """m, predicted 1-σ position from a window's ranges alone, nonlinear."""
+    lifted: float
+    """m, the same for the lifted problem."""
+    believed: float
+    """m, the observer's own √tr P."""
+    reached: float
+    """m, RMS."""
+
+    @property
+    def words(self) -> str:
+        """Too sure, too cautious, or consistent."""
+        if np.isnan(self.nees):
+            return "nothing to judge by"
+        if self.nees > self.nees_high:
+            return "too sure of itself: errors are larger than P says"
+        return "too cautious: errors are smaller than P says" if self.nees < self.nees_low else "consistent"
+
+
+def of_run(picture: Picture) -> Agreement:
+    """Of the run on view."""
+    time, z, found = picture.motion.time, picture.measurements, picture.estimate
+    part = _steady(time)
+    moved, anchor = picture.motion, np.asarray(picture.preset.world.anchor)
+    error = found.state[part, POSITION] - to_body(moved.rotation[part], moved.position[part] - anchor)
+    P = found.covariance[part, 0]
+    nees = consistency.errors(error, P)
+    nis = consistency.innovations(found.innovation)[_steady(z.range_time)]
+    low, high = (float(end[0]) for end in consistency.band(np.array([AXES])))
+    nis_low, nis_high = (float(end[0]) for end in consistency.band(np.array([1])))
+    cramer_rao, lifted = _predicted(picture.analysis)
+    with np.errstate(invalid="ignore"):
+        believed = float(np.sqrt(np.mean(np.trace(P, axis1=-2, axis2=-1))))
+    return Agreement(
+        nis=_mean(nis),
+        nis_inside=_share(nis, nis_low, nis_high),
+        nees=_mean(nees),
+        nees_low=low,
+        nees_high=high,
+        nees_inside=_share(nees, low, high),
+        cramer_rao=cramer_rao,
+        lifted=lifted,
+        believed=believed,
+        reached=picture.summary.steady_position,
+    )
+
+
+def of_seeds(runs: Ensemble, found: Analysis) -> Agreement:
+    """Of many seeds of the same settings."""
+    nees, nis, reached = runs.position_consistency, runs.innovation_consistency, ensemble.achieved(runs, found)
+    part = _steady(nees.time)
+    end = reached.time >= STEADY * float(runs.time[-1])
+    cramer_rao, lifted = _predicted(found)
+    return Agreement(
+        nis=_mean(nis.mean[_steady(nis.time)]),
+        nis_inside=_inside(nis, _steady(nis.time)),
+        nees=_mean(nees.mean[part]),
+        nees_low=float(np.median(nees.low[part])),
+        nees_high=float(np.median(nees.high[part])),
+        nees_inside=_inside(nees, part),
+        cramer_rao=cramer_rao,
+        lifted=lifted,
+        believed=_rms(reached.believed[end]),
+        reached=float(np.sqrt(np.mean(np.square(runs.steady_position)))),
+    )
+
+
+def _predicted(found: Analysis) -> tuple[float, float]:
+    """Cramér–Rao and lifted, over the windows that end in the steady part."""
+    windows = found.windows
+    ends = windows.start + windows.window
+    part = ends >= STEADY * float(ends[-1])
+    return _rms(windows.sigma_nonlinear[part]), _rms(windows.sigma_lifted[part])
+
+
+def _steady(time: Float[Array, "n"]) -> Bool[Array, "n"]:
+    return time >= STEADY * float(time[-1]) if len(time) else np.zeros(0, dtype=bool)
+
+
+def _inside(found: Consistency, part: Bool[Array, "n"]) -> float:
+    mean = found.mean[part]
+    there = (mean >= found.low[part]) & (mean <= found.high[part])
+    seen = np.isfinite(mean)
+    return float(np.mean(there[seen])) if seen.any() else np.nan
+
+
+def _share(square: Float[Array, "n"], low: float, high: float) -> float:
+    kept = square[np.isfinite(square)]
+    return float(np.mean((kept >= low) & (kept <= high))) if len(kept) else np.nan
+
+
+def _mean(square: Float[Array, "n"]) -> float:
+    kept = square[np.isfinite(square)]
+    return float(np.mean(kept)) if len(kept) else np.nan
+
+
+def _rms(sigma: Float[Array, "n"]) -> float:
+    """NaN if any is: a window that is blind has no σ."""
+    with np.errstate(invalid="ignore", over="ignore"):
+        return float(np.sqrt(np.mean(np.square(sigma)))) if len(sigma) else np.nan

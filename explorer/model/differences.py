@@ -1,0 +1,123 @@
+"""What differs between two runs, in words: what was chosen otherwise, and what came of it. No viser here."""
+
+import math
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import msgspec
+
+from explorer.model.compute import Picture
+from rangenav import certificate
+from rangenav.preset import Preset
+
+NOTABLE = 0.005
+"""Relative: a smaller change of a figure is not told."""
+MOST_CHOICES = 6
+FOLD = 10.0
+"""A change by more than so many times is told as a factor."""
+
+
+class Figure(NamedTuple):
+    """One number that both runs have; None where it never comes to be."""
+
+    name: str
+    unit: str
+    of: Callable[[Picture], float | None]
+
+
+FIGURES = (
+    Figure("rank", "of 13", lambda p: p.analysis.rank),
+    Figure("μ", "m²/s⁷", lambda p: p.analysis.mu if p.analysis.mu >= p.analysis.mu_floor else 0.0),
+    Figure("predicted σ, lifted", "m", lambda p: p.analysis.lifted_end.position),
+    Figure("predicted σ, nonlinear", "m", lambda p: p.analysis.nonlinear_end.position),
+    Figure("steady position", "m", lambda p: p.summary.steady_position),
+    Figure("steady velocity", "m/s", lambda p: p.summary.steady_velocity),
+    Figure("steady attitude", "°", lambda p: p.summary.steady_attitude_deg),
+    Figure("position settled", "s", lambda p: p.summary.settle_position_s),
+    Figure("attitude settled", "s", lambda p: p.summary.settle_attitude_s),
+    Figure("peak position", "m", lambda p: p.summary.peak_position),
+    Figure("thrust/weight", "", lambda p: p.limits.thrust_to_weight),
+    Figure("speed", "m/s", lambda p: p.limits.speed),
+)
+
+
+def figures(a: Picture, b: Picture) -> list[str]:
+    """From A to B, one sentence for each figure that changed."""
+    before, after = verdict(a), verdict(b)
+    told = [f"{before} → {after}"] if before != after else []
+    for name, seen in (("A", a), ("B", b)):
+        if seen.summary.diverged:
+            told.append(f"{name}'s covariance diverges: its errors say nothing")
+    changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
+    return told + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
+
+
+def verdict(picture: Picture) -> str:
+    """The verdict in a word; of an imported curve whose snap is a fit's, or that jumps, there is none."""
+    return picture.analysis.verdict if certificate.restriction(picture.preset) is None else "not judged"
+
+
+def notable(before: float | None, after: float | None) -> bool:
+    """Whether a figure changed by more than half a percent, or came or went."""
+    x, y = _number(before), _number(after)
+    if math.isnan(x) or math.isnan(y):
+        return math.isnan(x) != math.isnan(y)
+    return abs(y - x) > NOTABLE * max(abs(x), abs(y))
+
+
+def choices(a: Preset, b: Preset) -> list[str]:
+    """What was chosen otherwise, by its place in the preset's file; no more than six, and how many more there are."""
+    found = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
+    more = len(found) - MOST_CHOICES
+    return found if more <= 0 else [*found[:MOST_CHOICES], f"and {more} more"]
+
+
+def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
+    if isinstance(a, dict) and isinstance(b, dict) and a.get("type") == b.get("type"):
+        for key in a | b:
+            if key not in ("title", "story"):
+                yield from _choices(a.get(key), b.get(key), f"{where}.{key}" if where else key)
+    elif isinstance(a, list | tuple) and isinstance(b, list | tuple) and len(a) == len(b) and _tables(a):
+        for k, (x, y) in enumerate(zip(a, b, strict=True)):
+            yield from _choices(x, y, f"{where}[{k + 1}]")
+    elif a != b:
+        yield f"{where} {_value(a)} → {_value(b)}" if _short(a) and _short(b) else f"{where} is another"
+
+
+def _tables(entries: Any) -> bool:
+    return any(isinstance(entry, dict) for entry in entries)
+
+
+def _short(value: Any) -> bool:
+    """Whether it can be told in a few characters: a number, a word or a vector."""
+    numbers = isinstance(value, list | tuple) and len(value) <= 3 and all(isinstance(x, float | int) for x in value)
+    return numbers or value is None or isinstance(value, float | int) or (isinstance(value, str) and len(value) < 24)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return f"({', '.join(_value(entry) for entry in value)})"
+    if value is None:
+        return "none"
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _sentence(figure: Figure, before: float | None, after: float | None) -> str:
+    x, y = _number(before), _number(after)
+    text = f"{figure.name} {_said(x)} → {_said(y)} {figure.unit}".rstrip()
+    return f"{text} ({_how_much(x, y)})" if x > 0 and y > 0 and math.isfinite(x + y) and figure.name != "rank" else text
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None or not math.isfinite(value) else float(value)
+
+
+def _said(value: float) -> str:
+    return "not reached" if math.isnan(value) else f"{value:.3g}"
+
+
+def _how_much(x: float, y: float) -> str:
+    ratio = y / x
+    if not 1 / FOLD < ratio < FOLD:
+        return f"{ratio:.3g} times as much" if ratio > 1 else f"{1 / ratio:.3g} times less"
+    return f"{abs(ratio - 1):.0%} {'more' if ratio > 1 else 'less'}" if abs(ratio - 1) >= 0.01 else "about 1 %"

@@ -1,0 +1,112 @@
+"""The gains in two languages: the paper's letters, which a preset stores, and physical words (rangenav.physical).
+
+What is stored is never turned: words are made of the letters to be shown, at the path's typical state, and letters of
+the words that a visitor moves.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+
+from msgspec.structs import replace
+
+from explorer.model.settings import Settings, effective
+from rangenav import physical_gains
+from rangenav.gains import Gains
+from rangenav.inputs import Input
+from rangenav.motion import World
+from rangenav.physical_gains import PhysicalGains, Typical
+from rangenav.sensors import Sensors
+from rangenav.signals import Signal
+
+CACHED = 4
+
+
+class Place(Input, frozen=True, kw_only=True):
+    """What decides which physical words stand for which gains."""
+
+    at: Typical
+    world: World
+    sensors: Sensors
+
+
+@dataclass(frozen=True)
+class Word:
+    """What a physical word is called on the page."""
+
+    label: str
+    """Of 13 to 16 characters: with its value it is two lines in the narrow column that viser gives it, and viser breaks
+    lines within numbers where that fits."""
+    unit: str
+    limits: tuple[float, float]
+    """Of its slider; what is chosen beyond them is judged by the model alone."""
+    hint: str
+
+
+WORDS = {
+    "range_sigma": Word(
+        "noise σ of range", "m", (1e-3, 10.0), "σ of one range for which q = rate/(d²σ² + ½σ⁴) is made."
+    ),
+    "accel_sigma": Word("noise σ of accel", "m/s²", (1e-3, 10.0), "σ of one accelerometer sample; decides V(ξ)."),
+    "gyro_sigma": Word("noise σ of gyro", "rad/s", (1e-4, 1.0), "σ of one gyro sample; decides V(g) = ⅔|g|²σ²/rate."),
+    "position_factor": Word(
+        "position factor", "", (1e-2, 1e3), "V(p) over what the gyro's noise alone makes of it; 1 adds nothing."
+    ),
+    "velocity_factor": Word(
+        "velocity factor", "", (1e-2, 1e3), "V(v) over what gyro and accelerometer noise make of it; 1 adds nothing."
+    ),
+    "position_box": Word(
+        "position box ±",
+        "m",
+        (0.1, 100.0),
+        "The start may be wrong by this much on each axis; P₀(p) = b²/3 of that box.",
+    ),
+    "velocity_box": Word("velocity box ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
+    "gravity_box": Word("gravity box ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
+    "xi_factor": Word("factor on P₀(ξ)", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."),
+    "attitude_time": Word(
+        "slowest time T", "s", (0.02, 100.0), "Slowest time constant of a small attitude error; decides k1."
+    ),
+    "gravity_weight": Word(
+        "gravity weight",
+        "",
+        (1e-2, 1e2),
+        "ρ2|g|²/(ρ1|m|²): what the direction of gravity counts beside that of the magnetic field; decides ρ2.",
+    ),
+}
+
+
+def place_of(settings: Settings) -> Place:
+    """Where gains are put into words: the path as it is flown. Raises ValueError if it has no typical state."""
+    p = effective(settings)
+    return Place(at=_typical(p.path, p.world, p.duration), world=p.world, sensors=p.sensors)
+
+
+@lru_cache(maxsize=CACHED)
+def _typical(path: Signal, world: World, duration: float) -> Typical:
+    return physical_gains.typical(path, world, duration)
+
+
+def in_words(gains: Gains, place: Place) -> PhysicalGains:
+    """What gains stand for; mode and schedule are the same in both languages, and left out. Raises ValueError where
+    they stand for nothing sensible, as where there is next to no gravity."""
+    plain = replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None))
+    try:
+        return physical_gains.to_physical(plain, place.at, world=place.world, sensors=place.sensors)
+    except ArithmeticError:
+        raise ValueError("they are beyond all numbers in this world") from None
+
+
+def understood(words: PhysicalGains, place: Place, known: Iterable[Gains]) -> Gains:
+    """The gains of some words; those that would be found for known gains too are theirs to the last bit. Raises
+    ValueError, in the page's own words, if one asks for a gain outside its range."""
+    at, rest = place.at, {"world": place.world, "sensors": place.sensors}
+    plain = [replace(one, mode="constant", attitude=replace(one.attitude, schedule=None)) for one in known]
+    return physical_gains.keeping(physical_gains.to_paper(words, at, **rest), plain, at, **rest)
+
+
+def labelled(sentence: str) -> str:
+    """A sentence of the model in the labels of the page."""
+    for name, word in WORDS.items():
+        sentence = sentence.replace(name, word.label)
+    return sentence

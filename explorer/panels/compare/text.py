@@ -1,0 +1,148 @@
+"""The words and tables of the Compare tab, as HTML. Names of presets and of files are a visitor's text: escaped."""
+
+import html
+import math
+from collections.abc import Iterable
+
+from explorer.model.comparison import COLORS, PINNED_COLOR, Rival
+from explorer.model.compute import Picture
+from explorer.model.consistency import Agreement
+from rangenav.ensemble import Ensemble, spread
+from rangenav.record import Summary
+
+VERMILLION = "#D55E00"
+"""The run on view."""
+BOX = (
+    '<div style="padding:0.2em 0.9em 0.5em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">{}</div>'
+)
+TABLE = '<table style="border-collapse:collapse;width:100%">{}</table>'
+CELL = "padding:0.1em 0.5em 0.1em 0;vertical-align:top"
+HEAD = f"{CELL};opacity:.65;text-align:left;font-weight:400"
+GREY = '<span style="opacity:.7">{}</span>'
+
+
+def nothing_pinned() -> str:
+    """What pinning is for."""
+    return BOX.format(GREY.format("Pin a run, change anything: A stays in every plot, and what changed is told here."))
+
+
+def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) -> str:
+    """From A to B."""
+    head = (
+        f'<b style="color:{PINNED_COLOR}">A</b> {_run(a)} <span style="opacity:.7">(pinned)</span><br>'
+        f'<b style="color:{VERMILLION}">B</b> {_run(b)} <span style="opacity:.7">(what you change)</span>'
+    )
+    if not choices:
+        return BOX.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
+    came = _list(figures) if figures else GREY.format("No figure changed by more than half a percent.")
+    return BOX.format(
+        f"{head}<div style='margin-top:.4em'>chosen otherwise:</div>{_list(choices)}what came of it:{came}"
+    )
+
+
+def seeds(picture: Picture, runs: Ensemble | None, note: str) -> str:
+    """Which seed is on view, and what the band shows, or a note why there is none."""
+    own = f"noise seed on view: <b>{picture.preset.seed}</b> (Sensors tab)"
+    if runs is None:
+        return BOX.format(own + (GREY.format(f"<br>{note}") if note else ""))
+    count, settled = len(runs.seed), int(runs.settled.sum())
+    band = f"<b>{count} seeds of these settings</b> ({runs.seed[0]} to {runs.seed[-1]}): median and 10–90 %"
+    rows = [
+        ("steady position", runs.steady_position, "m"),
+        ("steady attitude", runs.steady_attitude_deg, "°"),
+        ("position settled", runs.settle_position, "s"),
+    ]
+    lines = "".join(
+        _row([name, f"<b>{_with(middle.median, unit)}</b>", f"{_with(middle.low, unit)} – {_with(middle.high, unit)}"])
+        for name, middle, unit in ((name, spread(values), unit) for name, values, unit in rows)
+    )
+    return BOX.format(f"{own}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude.")
+
+
+def rivals(picture: Picture, found: Iterable[Rival], refusals: list[str]) -> str:
+    """The cascade and its rivals, figure by figure."""
+    found = tuple(found)
+    if not found:
+        return BOX.format(GREY.format("Switch one on: it runs on the same record, and is drawn beside the cascade."))
+    steps = len(picture.motion.time) - 1
+    cost = _milliseconds(picture.summary, steps)
+    lines = _head(["", "settled", "steady", "time"]) + _contender("cascade", VERMILLION, picture.summary, steps, cost)
+    told = []
+    for name, contender in found:
+        color = COLORS[name]
+        if contender is None:
+            lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
+        else:
+            lines += _contender(name, color, contender.summary, steps, cost)
+            told.append(f"<b>{name}</b>: {html.escape(contender.words)}")
+    told += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
+    return BOX.format(TABLE.format(lines) + "<br>".join(told))
+
+
+def _contender(name: str, color: str, summary: Summary, steps: int, cost: float) -> str:
+    settled = "never" if summary.settle_position_s is None else f"{summary.settle_position_s:.3g} s"
+    steady = f"<b>{_number(summary.steady_position)} m</b>, {_number(summary.steady_attitude_deg)}°"
+    own = _milliseconds(summary, steps)
+    ratio = f" ({own / cost:.2g}×)" if cost > 0 and name != "cascade" else ""
+    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{own:.3g} ms{ratio}"])
+
+
+def agreement(run: Agreement, many: Agreement | None, count: int, *, matched: bool) -> str:
+    """Innovations and errors against what P expects, and predicted against achieved σ, over the last quarter."""
+    columns = [run] if many is None else [run, many]
+    lines = _head(["last quarter", "this run", *([f"{count} seeds"] if many is not None else [])])
+    lines += _row(["NIS (1 expected)", *(f"<b>{_number(column.nis)}</b>" for column in columns)])
+    lines += _row(["inside its 95 % band", *(_percent(column.nis_inside) for column in columns)])
+    lines += _row(["NEES (3 expected)", *(f"<b>{_number(column.nees)}</b>" for column in columns)])
+    lines += _row(["its 95 % band", *(f"{_number(c.nees_low)} – {_number(c.nees_high)}" for c in columns)])
+    lines += _row(["inside it", *(_percent(column.nees_inside) for column in columns)])
+    lines += _row(["σ achieved (RMS)", *(f"<b>{_metres(column.reached)}</b>" for column in columns)])
+    lines += _row(["σ that P claims", *(_metres(column.believed) for column in columns)])
+    lines += _row(["σ predicted, lifted", *(_metres(column.lifted) for column in columns)])
+    lines += _row(["σ predicted, nonlinear", *(_metres(column.cramer_rao) for column in columns)])
+    said = (
+        "Bands here are of single values; many seeds have one of their mean, which is narrow."
+        if many is None
+        else f"The observer is {many.words} (position, {count} seeds; their bands are of the mean)."
+    )
+    if not matched:
+        said += " With constant gains P follows from q and V, not from the noise: it promises nothing."
+    said += " Predictions know one window of ranges and perfect IMU; the observer also remembers what came before."
+    return BOX.format(TABLE.format(lines) + GREY.format(said))
+
+
+def _run(picture: Picture) -> str:
+    return f"{html.escape(picture.settings.origin or 'unnamed')}, noise seed {picture.preset.seed}"
+
+
+def _list(sentences: list[str]) -> str:
+    items = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in sentences)
+    return f'<ul style="margin:0 0 .3em;padding-left:1.2em;overflow-wrap:anywhere">{items}</ul>'
+
+
+def _head(cells: list[str]) -> str:
+    return "<tr>" + "".join(f'<th style="{HEAD}">{cell}</th>' for cell in cells) + "</tr>"
+
+
+def _row(cells: list[str]) -> str:
+    return "<tr>" + "".join(f'<td style="{CELL}">{cell}</td>' for cell in cells) + "</tr>"
+
+
+def _milliseconds(summary: Summary, steps: int) -> float:
+    return summary.microseconds_per_step * steps / 1e3
+
+
+def _with(value: float, unit: str) -> str:
+    return _number(value) if math.isinf(value) else f"{_number(value)} {unit}"
+
+
+def _percent(share: float) -> str:
+    return "–" if math.isnan(share) else f"{share:.0%}"
+
+
+def _metres(value: float) -> str:
+    return f"{_number(value)} m" if math.isfinite(value) else "not determined"
+
+
+def _number(value: float) -> str:
+    return "–" if math.isnan(value) else "never" if math.isinf(value) else f"{value:.3g}"

@@ -1,0 +1,106 @@
+"""Starts at and near the undesired equilibria R̃ = 2uuᵀ − I (paper, U_π): half turns about the eigenvectors u of M."""
+
+import html
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from explorer.model.compute import Picture
+from explorer.widgets.form import Section, Sheet
+from explorer.widgets.html import NOTE
+from rangenav import attitude, so3
+from rangenav.attitude import AttitudeGains
+from rangenav.inputs import Vec3
+from rangenav.motion import World
+
+ALMOST = math.radians(1.0)
+SPANS = ("across both m and g", "in their plane, across it", "between m and g")
+"""Of M = ρ1 mmᵀ + ρ2 ggᵀ: the eigenvector of eigenvalue zero, of the middle one and of the largest."""
+WORDS = (
+    "At R̃ = 2uuᵀ − I, u an eigenvector of M = ρ1 mmᵀ + ρ2 ggᵀ, the filter's correction vanishes: “almost global” leaves"
+    " these three out. At exactly 180° noise alone decides when and which way the filter leaves. From x̂(0) = zero the "
+    "gravity estimate is wrong at first and pushes it off within a second; from the truth, and with little noise, it "
+    "lingers."
+)
+HINT = "Sets angle and axis above. u is in inertial axes, and follows from the gains, the magnetic field and gravity."
+Turn = Callable[[Vec3, float], None]
+
+
+@dataclass(frozen=True)
+class HalfTurn:
+    """One of the three equilibria."""
+
+    axis: Vec3
+    """u, of length one; its largest component is positive."""
+    span: str
+    """Where it lies, in words."""
+
+    @property
+    def label(self) -> str:
+        """What its button says."""
+        return f"180° · {told(self.axis)} · {self.span}"
+
+
+def half_turns(gains: AttitudeGains, world: World) -> list[HalfTurn]:
+    """The three equilibria, that of the largest eigenvalue first."""
+    _, axes = np.linalg.eigh(attitude.decay_matrix(gains, world))
+    pointed = [u * np.sign(u[np.argmax(np.abs(u))]) for u in axes.T]
+    found = [HalfTurn((float(u[0]), float(u[1]), float(u[2])), span) for u, span in zip(pointed, SPANS, strict=True)]
+    return found[::-1]
+
+
+def distances(error: Float[Array, "3 3"], turns: list[HalfTurn]) -> list[float]:
+    """Angles (rad) from an attitude error R̃ to each of the equilibria."""
+    axes = np.array([turn.axis for turn in turns])
+    equilibria = 2 * axes[:, :, None] * axes[:, None, :] - np.eye(3)
+    return [float(angle) for angle in so3.angle(equilibria.swapaxes(1, 2) @ error)]
+
+
+def told(axis: Vec3) -> str:
+    """An axis in two decimals."""
+    return "(" + ", ".join(f"{round(entry, 2) + 0.0:g}" for entry in axis) + ")"
+
+
+class HalfTurns:
+    """A line that says how far the start is from the nearest, and in a closed folder a button for each."""
+
+    def __init__(self, sheet: Sheet, turn: Turn) -> None:
+        self._turn = turn
+        self._line = sheet.gui.add_html("")
+        with Section(sheet, "Start at a half turn", expanded=False):
+            sheet.gui.add_html(NOTE.format(html.escape(WORDS)))
+            self._buttons = [sheet.button(f"180°, {k}", partial(self._go, k), hint=HINT) for k in range(3)]
+            hint = "The half turn that is nearest now, but by 179°."
+            sheet.button("almost: 1° off the nearest of these", self._almost, hint=hint)
+        self._turns: list[HalfTurn] = []
+        self._nearest = 0
+
+    def draw(self, picture: Picture) -> None:
+        """Label the buttons, and say how far the start is from the nearest."""
+        p = picture.preset
+        self._turns = half_turns(p.gains.attitude, p.world)
+        for button, turn in zip(self._buttons, self._turns, strict=True):
+            if turn.label != button.label:
+                button.label = turn.label
+        axis = np.array(p.guess.attitude_axis) / math.hypot(*p.guess.attitude_axis)
+        away = distances(so3.exp(p.guess.attitude_angle * axis), self._turns)
+        self._nearest = int(np.argmin(away))
+        nearest = self._turns[self._nearest]
+        degrees = round(math.degrees(away[self._nearest]), 2)
+        line = f"The start is <b>{degrees:g}°</b> from the nearest half turn at which the filter stands still, the one "
+        line += f"about {told(nearest.axis)}, {nearest.span}."
+        if NOTE.format(line) != self._line.content:
+            self._line.content = NOTE.format(line)
+
+    def _go(self, k: int) -> None:
+        if self._turns:  # else nothing is drawn yet, and no button says what it does
+            self._turn(self._turns[k].axis, math.pi)
+
+    def _almost(self) -> None:
+        if self._turns:
+            self._turn(self._turns[self._nearest].axis, math.pi - ALMOST)

@@ -1,0 +1,72 @@
+"""The initial estimate: x̂(0), and the attitude error R̃(0) = R(0) R̂(0)ᵀ as a turn about an axis."""
+
+import math
+from typing import Literal
+
+from explorer.model.compute import Picture
+from explorer.panels.gains.equilibria import HalfTurns
+from explorer.widgets.controls import Choice, Dial, Vector
+from explorer.widgets.form import Section, Sheet
+from rangenav.gains import Guess
+from rangenav.inputs import Vec3
+
+STATES: dict[Literal["zero", "truth", "offset"], str] = {
+    "zero": "zero",
+    "truth": "the truth",
+    "offset": "truth plus offsets",
+}
+
+
+class GuessPanel:
+    """Where the observer starts."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self._section = section = Section(sheet, "Initial estimate")
+        with section:
+            hint = (
+                "x̂(0): zero as in the paper's scenario, the true lifted state, or the lift of truth plus the offsets."
+            )
+            self._state = Choice(section, "x̂(0)", STATES, hint=hint)
+            hint = "Angle of the initial attitude error R̃(0) (degrees); near 180° the filter lingers (paper, U_π)."
+            self._angle = Dial(section, "R̃(0) angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0))
+            hint = "Axis of the initial attitude error, inertial axes; any length but zero."
+            self._axis = Vector(section, "R̃(0) axis", step=0.01, hint=hint)
+            self._half_turns = HalfTurns(sheet, self._turn)
+        self._offsets = section = Section(sheet, "Offsets from the truth", expanded=False)
+        with section:
+            hint = "used when x̂(0) is truth plus offsets; inertial axes."
+            self._position = Vector(section, "position (m)", step=0.1, hint=f"m, {hint}")
+            self._velocity = Vector(section, "velocity (m/s)", step=0.1, hint=f"m/s, {hint}")
+            self._gravity = Vector(section, "gravity (m/s²)", step=0.1, hint=f"m/s², {hint}")
+
+    def read(self) -> Guess:
+        """The guess chosen. Raises Refused after saying why beside the control."""
+        with self._section.catching():
+            state, axis, angle = self._state.read(), self._axis.read(), self._angle.read()
+            turned = Guess(attitude_axis=axis, attitude_angle=angle)
+        with self._offsets.catching():
+            return Guess(
+                state=state,
+                position_offset=self._position.read(),
+                velocity_offset=self._velocity.read(),
+                gravity_offset=self._gravity.read(),
+                attitude_axis=turned.attitude_axis,
+                attitude_angle=turned.attitude_angle,
+            )
+
+    def write(self, guess: Guess, base: Guess) -> None:
+        """Show a guess."""
+        self._state.write(guess.state, base.state)
+        self._axis.write(guess.attitude_axis, base.attitude_axis)
+        self._angle.write(guess.attitude_angle, base.attitude_angle)
+        self._position.write(guess.position_offset, base.position_offset)
+        self._velocity.write(guess.velocity_offset, base.velocity_offset)
+        self._gravity.write(guess.gravity_offset, base.gravity_offset)
+
+    def draw(self, picture: Picture) -> None:
+        """Say how far the start is from where the attitude filter stands still."""
+        self._half_turns.draw(picture)
+
+    def _turn(self, axis: Vec3, angle: float) -> None:
+        self._axis.show(axis)
+        self._angle.show(angle)

@@ -1,0 +1,86 @@
+"""The gains in the paper's letters: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
+
+from explorer.widgets.controls import LogDial
+from explorer.widgets.form import Section, Sheet
+from rangenav.attitude import AttitudeGains
+from rangenav.gains import Gains
+from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
+
+BLOCKS = {"xi": "ξ", "position": "p", "velocity": "v", "gravity": "g"}
+K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
+"""Ranges of the sliders, narrower than what the model accepts."""
+
+
+class PaperDials:
+    """A dial for each letter; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self._noise = section = Section(sheet, "Riccati observer: q and V")
+        with section:
+            hint = (
+                "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
+                "Larger trusts the ranges more."
+            )
+            self._q = LogDial(section, "q", Q_RANGE, hint=hint)
+            self._process = Section(sheet, "Process noise V", expanded=False)
+            why = "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
+            with self._process as section:
+                self._v = _blocks(section, "V", V_RANGE, why)
+        self._start = section = Section(sheet, "Initial covariance P₀", expanded=False)
+        with section:
+            why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
+            self._p0 = _blocks(section, "P₀", P0_RANGE, why)
+
+    def add_attitude(self, sheet: Sheet) -> None:
+        """The dials of the attitude filter, in the folder that is being made."""
+        self._attitude = section = Section(sheet)
+        with section:
+            hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
+            self._k1 = LogDial(section, "k1", K1_LIMITS, hint=hint, unit="1/s")
+            hint = "ρ1 (no unit): weight of the magnetometer, whose vector has length 1 (paper, eq. 9)."
+            self._rho1 = LogDial(section, "ρ1", RHO1_LIMITS, hint=hint)
+            hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."
+            self._rho2 = LogDial(section, "ρ2", RHO2_LIMITS, hint=hint)
+
+    def read(self) -> Gains:
+        """The gains chosen, of constant mode and without a schedule. Raises Refused after saying why."""
+        with self._noise.catching():
+            q = RiccatiGains(q=self._q.read()).q
+        with self._process.catching():
+            v = RiccatiGains(v=_read_blocks(self._v)).v
+        with self._start.catching():
+            riccati = RiccatiGains(q=q, v=v, p0=_read_blocks(self._p0))
+        with self._attitude.catching():
+            attitude = AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
+        return Gains(riccati=riccati, attitude=attitude)
+
+    def write(self, gains: Gains, base: Gains) -> None:
+        """Show gains."""
+        ours, theirs = gains.riccati, base.riccati
+        self._q.write(ours.q, theirs.q)
+        for name in BLOCKS:
+            self._v[name].write(getattr(ours.v, name), getattr(theirs.v, name))
+            self._p0[name].write(getattr(ours.p0, name), getattr(theirs.p0, name))
+        self._k1.write(gains.attitude.k1, base.attitude.k1)
+        self._rho1.write(gains.attitude.rho1, base.attitude.rho1)
+        self._rho2.write(gains.attitude.rho2, base.attitude.rho2)
+
+    def show(self, visible: bool, *, noise: bool) -> None:
+        """Whether they are on the page, and among them those that noise-matched gains leave unused."""
+        self._noise.show(visible and noise)
+        self._start.show(visible)
+        self._attitude.show(visible)
+
+
+def _blocks(section: Section, name: str, limits: tuple[float, float], why: str) -> dict[str, LogDial]:
+    """One dial for each block of the 13-state."""
+
+    def dial(block: str, letter: str) -> LogDial:
+        hint = f"{name}: the {block} block, in the square of its unit: {why}."
+        return LogDial(section, f"{name}({letter})", limits, hint=hint)
+
+    return {block: dial(block, letter) for block, letter in BLOCKS.items()}
+
+
+def _read_blocks(dials: dict[str, LogDial]) -> Blocks:
+    return Blocks(**{block: dial.read() for block, dial in dials.items()})

@@ -1,0 +1,90 @@
+"""What follows from the gains, in words and numbers: time constants, stiffness, and the same in the other language."""
+
+import html
+from itertools import zip_longest
+
+import numpy as np
+from msgspec.structs import replace
+
+from explorer.model.compute import Picture
+from explorer.model.gain_units import labelled, place_of
+from explorer.model.settings import Language
+from explorer.panels.gains.paper_units import BLOCKS
+from explorer.panels.gains.physical_units import tabled
+from explorer.widgets.controls import short
+from explorer.widgets.html import NOTE, table
+from rangenav import attitude
+from rangenav.gains import Gains
+
+MODE_WORDS = {
+    "constant": "q and V stay as they are set, as the theorem assumes.",
+    "noise-matched": (
+        "q and V are worked out at every sample from the noise in the Sensors tab, at the current estimate. So their "
+        "own dials are not used, and not shown; P₀ and the attitude filter are as set. Usually more accurate, but the "
+        "gain then depends on the estimate, and the theorem says nothing about it."
+    ),
+}
+OTHERS: dict[Language, str] = {"paper": "The same in physical words", "physical": "The same in the paper's letters"}
+STIFF = '<div style="color:light-dark(#9a5b00, #f0b35a);font-weight:600;margin-top:0.4em">▲ {}</div>'
+
+
+REMEDIES: dict[Language, dict[str, str]] = {
+    "paper": {"rho": "ρ"},
+    "physical": {
+        "lower k1 or rho2": "raise the slowest time T or lower the gravity weight",
+        "lower k1 or rho1": "raise the slowest time T",
+    },
+}
+"""What the library's sentence says in the names of the dials that are shown."""
+
+
+def rates(picture: Picture, language: Language = "paper") -> str:
+    """The three time constants of a small attitude error, under a schedule at both its ends; and a warning, if any."""
+    p = picture.preset
+    gains, squared = p.gains.attitude, float(np.dot(p.world.gravity, p.world.gravity))
+    upper, ends = replace(gains, schedule=None), [(gains.k1, picture.attitude_time_constants)]
+    if gains.schedule is not None:
+        form = "printed" if picture.settings.printed.attitude_rate else "derived"
+        ends = [
+            (gains.k1, attitude.time_constants(upper, p.world, form)),
+            (gains.schedule.steady, picture.attitude_time_constants),
+        ]
+    printed = ", <b>as printed</b>" if picture.settings.printed.attitude_rate else ""
+    rows = [(f"at k1 = {short(k1)}", ", ".join(f"{one:.3g}" for one in constants) + " s") for k1, constants in ends]
+    said = f"time constants of a small attitude error{printed}:{table((), rows)}"
+    said += f"ρ2·|g|² = <b>{gains.rho2 * squared:.3g}</b> (|g|² = {squared:.1f}) beside ρ1 = {short(gains.rho1)}"
+    stiff = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
+    if stiff is None:
+        return NOTE.format(said)
+    for theirs, ours in REMEDIES[language].items():
+        stiff = stiff.replace(theirs, ours)
+    return NOTE.format(said + STIFF.format(html.escape(stiff)))
+
+
+def in_other_language(picture: Picture, language: Language) -> str:
+    """The gains of a picture in the language that is not in use."""
+    try:
+        place = place_of(picture.settings)
+    except ValueError as error:
+        return NOTE.format(html.escape(f"not told: the path's typical {error}"))
+    gains = picture.preset.gains
+    try:
+        entries = tabled(gains, place) if language == "paper" else _letters(gains)
+    except ValueError as error:
+        return NOTE.format(html.escape(f"not told: {labelled(str(error))}"))
+    cells = [(label, f"{short(value)} {unit}".rstrip()) for label, value, unit in entries]
+    half = (len(cells) + 1) // 2
+    rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
+    where = f"at the path's typical {place.at.distance:.3g} m from the anchor and {place.at.speed:.3g} m/s"
+    return NOTE.format(html.escape(where) + table((), rows))
+
+
+def _letters(gains: Gains) -> list[tuple[str, float, str]]:
+    riccati, filtered = gains.riccati, gains.attitude
+    blocks = [
+        (f"{letter}({sign})", getattr(values, name), "")
+        for letter, values in (("V", riccati.v), ("P₀", riccati.p0))
+        for name, sign in BLOCKS.items()
+    ]
+    attitudes = [("k1", filtered.k1, "1/s"), ("ρ1", filtered.rho1, ""), ("ρ2", filtered.rho2, "")]
+    return [("q", riccati.q, ""), *blocks, *attitudes]

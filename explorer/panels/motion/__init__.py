@@ -1,0 +1,187 @@
+"""The Motion tab: duration, window and time scale; the path; the angular velocity and where the attitude starts."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
+
+from explorer.model.conversion import Kind
+from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
+from explorer.panels.motion.families import Place
+from explorer.panels.motion.path import PathPanel, WholePath
+from explorer.panels.motion.signal import SignalEditor
+from explorer.widgets.controls import Dial, LogDial, Number, Vector
+from explorer.widgets.form import Section, Sheet
+from rangenav.inputs import Vec3, require_within
+from rangenav.preset import MAX_DURATION, MIN_DURATION
+from rangenav.signals import Flown, Signal, Turning
+
+TURN = Place(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
+TURN_FAMILIES: dict[Kind, str] = {
+    "multisine": "sines",
+    "constant": "constant",
+    "formula": "formulas",
+    "waypoints": "keyframes",
+    "flown": "flown: as a multirotor must",
+}
+TURN_HINT = (
+    "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
+    "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."
+)
+NO_EFFECT = (
+    "Turning the body changes neither the Gramian's eigenvalues nor the derived PE: they depend on path and gravity "
+    "alone. It does change the **printed** φ (Presets, *As printed in the paper*)."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chosen:
+    """What this tab decides."""
+
+    path: Signal
+    angular_velocity: Turning
+    initial_rotation: Vec3
+    time_scale: float
+    duration: float
+    window: float
+
+    @staticmethod
+    def of(settings: Settings) -> "Chosen":
+        """The part of some settings that this tab shows."""
+        p = settings.preset
+        return Chosen(
+            path=p.path,
+            angular_velocity=p.angular_velocity,
+            initial_rotation=p.initial_rotation,
+            time_scale=settings.time_scale,
+            duration=p.duration,
+            window=p.requirement.window,
+        )
+
+
+class MotionPanel:
+    """All controls of the motion."""
+
+    def __init__(self, sheet: Sheet, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
+        self._time = _Time(sheet)
+        self.path = PathPanel(sheet)
+        with self.path.section:
+            self._whole = WholePath(sheet, edit)
+        self._turning = _Turning(sheet)
+
+    def read(self) -> Chosen:
+        """The motion chosen. Raises Refused after saying why beside the control."""
+        scale, duration, window = self._time.read()
+        self._whole.fit(duration)
+        path = self.path.read(duration)
+        turning, start = self._turning.read(duration)
+        return Chosen(
+            path=path,
+            angular_velocity=turning,
+            initial_rotation=start,
+            time_scale=scale,
+            duration=duration,
+            window=window,
+        )
+
+    def drafts(self) -> Drafts:
+        """What is entered in families that are not in use."""
+        path, wiggle = self.path.drafts()
+        return Drafts(path=path, wiggle=wiggle, angular_velocity=self._turning.drafts())
+
+    def write(self, chosen: Chosen, base: Chosen, drafts: Drafts) -> None:
+        """Show a motion."""
+        self._time.write(chosen, base)
+        self.path.write(chosen.path, base.path, drafts)
+        self._turning.write(chosen, base, drafts)
+
+    def draw(self, time_scale: float) -> None:
+        """Say what the time scale does to μ."""
+        self._time.draw(time_scale)
+
+    def set_window(self, length: float) -> None:
+        """Another window δ (s), as when it is drawn across a plot."""
+        self._time.set_window(length)
+
+    def complain(self, sentence: str) -> None:
+        """Say a sentence about the whole motion where its cause is."""
+        if sentence.startswith("path:"):
+            place = self.path.section
+        elif sentence.startswith(("angular_velocity:", "flown:", "initial_rotation")):
+            place = self._turning.section
+        else:
+            place = self._time.section
+        place.complaint.say(sentence)
+
+    def clear(self) -> None:
+        """Nothing is wrong with the motion as a whole."""
+        for place in (self._time.section, self.path.section, self._turning.section):
+            place.complaint.clear()
+
+
+class _Time:
+    """How long, over which window, and how slowly."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.section = section = Section(sheet)
+        with section:
+            hint = (
+                "s: the same path run s times slower. Its snap p⁗ falls as s⁻⁴ and the excitation μ over one period as "
+                "s⁻⁷ (paper, PE lemma), while thrust falls towards the weight."
+            )
+            self._scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
+            self._line = sheet.gui.add_markdown("")
+            hint = (
+                "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability). "
+                "Dragging across a plot draws one; a click goes to that moment."
+            )
+            self._window = Dial(section, "window δ (s)", (0.5, 15.0), step=0.1, hint=hint)
+            hint = f"How long the flight is, {MIN_DURATION:g} to {MAX_DURATION:g} s; a longer one takes longer to show."
+            self._duration = Number(section, "duration (s)", step=1.0, hint=hint)
+
+    def read(self) -> tuple[float, float, float]:
+        with self.section.catching():
+            duration = self._duration.read()
+            require_within("duration", duration, MIN_DURATION, MAX_DURATION, "s")
+            return self._scale.read(), duration, self._window.read()
+
+    def write(self, chosen: Chosen, base: Chosen) -> None:
+        self._scale.write(chosen.time_scale, base.time_scale)
+        self._window.write(chosen.window, base.window)
+        self._duration.write(chosen.duration, base.duration)
+
+    def set_window(self, length: float) -> None:
+        self._window.show(length)
+
+    def draw(self, time_scale: float) -> None:
+        line = f"μ ∝ s⁻⁷ over one period: × {time_scale**-7:.3g}; over a fixed δ about s⁻⁸: × {time_scale**-8:.3g}"
+        if line != self._line.content:
+            self._line.content = line
+
+
+class _Turning:
+    """ω(t) and R(0)."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self.section = section = Section(sheet, "Angular velocity ω(t), body axes", expanded=False)
+        with section:
+            sheet.gui.add_markdown(NO_EFFECT)
+            self._signal = SignalEditor(sheet, TURN, TURN_FAMILIES, hint=TURN_HINT)
+            self._start = start = Section(sheet, "Initial attitude R(0)", expanded=True)
+            with start:
+                hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
+                self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))
+
+    def read(self, duration: float) -> tuple[Turning, Vec3]:
+        turning = self._signal.read(duration)
+        self._start.show(not isinstance(turning, Flown))
+        with self._start.catching():
+            return turning, self._rotation.read()
+
+    def write(self, chosen: Chosen, base: Chosen, drafts: Drafts) -> None:
+        self._signal.write(chosen.angular_velocity, base.angular_velocity, drafts.angular_velocity)
+        self._rotation.write(chosen.initial_rotation, base.initial_rotation)
+        self._start.show(not isinstance(chosen.angular_velocity, Flown))
+
+    def drafts(self) -> tuple[Turning, ...]:
+        return cast(tuple[Turning, ...], self._signal.drafts())

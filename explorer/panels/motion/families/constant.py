@@ -1,0 +1,28 @@
+"""A constant: three numbers."""
+
+from explorer.panels.motion.families import Place
+from explorer.widgets.controls import Vector
+from explorer.widgets.form import Section, Sheet
+from rangenav.signals import Multisine
+
+
+class ConstantEditor:
+    """A signal that stays what it is: a Multisine of nothing but an offset."""
+
+    def __init__(self, sheet: Sheet, place: Place) -> None:
+        self._section = section = Section(sheet)
+        with section:
+            self._value = Vector(section, f"value ({place.unit})", step=place.step, hint=f"{place.unit}, at all times.")
+
+    def read(self) -> Multisine:
+        """The constant."""
+        with self._section.catching():
+            return Multisine(offset=self._value.read())
+
+    def write(self, signal: Multisine, base: Multisine | None) -> None:
+        """Show a constant."""
+        self._value.write(signal.offset, base and base.offset)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide it."""
+        self._section.show(visible)

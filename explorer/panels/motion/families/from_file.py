@@ -1,0 +1,51 @@
+"""A signal that only a file can bring, such as a sum as an angular velocity: it is named, and kept as it is."""
+
+import html
+
+from explorer.panels.motion.families import Place
+from explorer.widgets.form import Section, Sheet
+from rangenav.signals import Multisine, Sum, Turning
+
+WORDS = "as in the file"
+NAMES = {
+    "Multisine": "sines",
+    "Formula": "formulas",
+    "Waypoints": "a curve through points",
+    "MinimumSnap": "a minimum-snap curve",
+    "Polynomials": "polynomials",
+    "Flown": "flown",
+}
+LINE = (
+    '<div style="padding:0.1em 0.9em 0.6em;font-size:0.85em">Here: {}. It has no controls and is kept as it is; '
+    "another family starts from what it does.</div>"
+)
+
+
+class GivenEditor:
+    """What there is, in words."""
+
+    def __init__(self, sheet: Sheet, place: Place) -> None:
+        self._section = section = Section(sheet)
+        self._signal: Turning = Multisine()
+        with section:
+            self._line = sheet.gui.add_html("")
+
+    def read(self) -> Turning:
+        """The signal as it was written."""
+        return self._signal
+
+    def write(self, signal: Turning, base: Turning | None) -> None:
+        """Keep a signal."""
+        self._signal = signal
+        self._line.content = LINE.format(html.escape(named(signal)))
+
+    def show(self, visible: bool) -> None:
+        """Show or hide it."""
+        self._section.show(visible)
+
+
+def named(signal: Turning) -> str:
+    """What kind of signal it is."""
+    if isinstance(signal, Sum):
+        return f"{named(signal.base)} plus {named(signal.wiggle)}"
+    return NAMES[type(signal).__name__]

@@ -1,0 +1,86 @@
+"""Polynomials: one piece per line, as in uav_trajectories files; jumps at knots are named under them."""
+
+import html
+from typing import Literal
+
+from explorer.panels.motion.families import Place, table
+from explorer.widgets.controls import Choice, Text
+from explorer.widgets.form import Section, Sheet
+from rangenav.signals import Piece, Polynomials, polynomials
+from rangenav.signals.polynomials import Coefficients
+
+AXES = ("x", "y", "z", "yaw")
+COLUMNS = ("duration", *(f"{axis}^{power}" for axis in AXES for power in range(8)))
+LONGEST = 900_000
+"""Characters: 2000 pieces with all their digits."""
+MAX_COMPLAINTS = 4
+ENDS: dict[Literal["hold", "repeat"], str] = {"hold": "hold: it stays where it is", "repeat": "repeat: it begins anew"}
+
+
+class PiecesEditor:
+    """The pieces as text, and what happens after the last."""
+
+    def __init__(self, sheet: Sheet, place: Place) -> None:
+        self._table = _table()
+        self._section = section = Section(sheet)
+        with section:
+            hint = "After the last piece the signal holds where it is, or begins anew."
+            self._ends = Choice(section, "at the end", ENDS, hint=hint)
+            hint = (
+                f"One piece per line, as in a uav_trajectories file: its duration (s), then eight ascending "
+                f"coefficients in its own time for x, y, z ({place.unit}) and yaw (rad). A header line may stay."
+            )
+            self._text = Text(section, "pieces", hint=hint, longest=LONGEST, lines=True)
+            self._jumps = sheet.gui.add_html("", visible=False)
+
+    def read(self) -> Polynomials:
+        """The pieces as typed."""
+        with self._section.catching():
+            made = Polynomials(pieces=self._table.parse(_without_header(self._text.read())), ends=self._ends.read())
+        self._say(polynomials.complaints(made))
+        return made
+
+    def write(self, signal: Polynomials, base: Polynomials | None) -> None:
+        """Show pieces."""
+        self._text.write(self._table.format(signal.pieces), _table().format(base.pieces) if base else None)
+        self._ends.write(signal.ends, base and base.ends)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide it."""
+        self._section.show(visible)
+
+    def _say(self, complaints: tuple[str, ...]) -> None:
+        """Jumps are no error, a file may have them; but nobody can fly them."""
+        more = len(complaints) - MAX_COMPLAINTS
+        said = [f"▲ {html.escape(line)}" for line in complaints[:MAX_COMPLAINTS]]
+        said += [f"… and {more} more"] if more > 0 else []
+        content = f'<div style="font-size:0.85em;padding:0.1em 0.9em 0.6em;color:#8a5300">{"<br>".join(said)}</div>'
+        if content != self._jumps.content:
+            self._jumps.content = content
+        self._jumps.visible = bool(said)
+
+
+def _table() -> table.Table[Piece]:
+    return table.Table[Piece](COLUMNS, _row, _cells)
+
+
+def _without_header(text: str) -> str:
+    """Lines but a first one of names; and no comma at their ends."""
+    lines = text.split("\n")
+    if lines and lines[0].lower().startswith("duration"):
+        lines[0] = ""
+    return "\n".join(line.rstrip().rstrip(",") for line in lines)
+
+
+def _row(cells: list[float]) -> Piece:
+    x, y, z, yaw = (tuple(cells[1 + 8 * k : 9 + 8 * k]) for k in range(4))
+    return Piece(duration=cells[0], x=_eight(x), y=_eight(y), z=_eight(z), yaw=_eight(yaw))
+
+
+def _eight(values: tuple[float, ...]) -> Coefficients:
+    a, b, c, d, e, f, g, h = values
+    return a, b, c, d, e, f, g, h
+
+
+def _cells(piece: Piece) -> list[float]:
+    return [piece.duration, *piece.x, *piece.y, *piece.z, *piece.yaw]

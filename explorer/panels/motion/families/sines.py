@@ -1,0 +1,132 @@
+"""Sines: A sin(w t + φ₀) on an axis, as many as wanted, on an offset that drifts."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Literal
+
+import msgspec
+
+from explorer.panels.motion.families import Place
+from explorer.widgets.controls import Dial, Vector
+from explorer.widgets.form import Section, Sheet
+from rangenav.signals import Multisine, Tone
+
+NEW = (0.25, 4.0)
+"""Amplitude and frequency (rad/s) of an added tone: gentle, and visible."""
+Axis = Literal["x", "y", "z"]
+AXES: tuple[Axis, ...] = ("x", "y", "z")
+
+
+class SinesEditor:
+    """All tones of one signal; added and removed one by one."""
+
+    def __init__(self, sheet: Sheet, place: Place) -> None:
+        self._sheet, self._place = sheet, place
+        self._tones: list[_ToneSection] = []
+        self._base: Multisine | None = None
+        self._list = Section(sheet)
+        self._bottom = Section(sheet)
+        with self._bottom:
+            actions = {f"+ {axis}": partial(self._add, axis) for axis in AXES}
+            sheet.buttons("add a tone", actions, hint="One more sine on this axis.")
+        self._rest = _Rest(sheet, place)
+
+    def read(self) -> Multisine:
+        """The signal as the sliders have it."""
+        tones = tuple(tone.read() for tone in self._tones)
+        with self._bottom.catching():
+            return self._rest.read(Multisine(tones=tones))
+
+    def write(self, signal: Multisine, base: Multisine | None) -> None:
+        """Show a signal; its tones are made anew when they are on other axes."""
+        self._base = base
+        if [tone.axis for tone in signal.tones] != [tone.axis for tone in self._tones]:
+            for tone in self._tones:
+                tone.section.remove()
+            self._tones = [
+                self._made(axis.axis, expanded=i < self._place.open_tones) for i, axis in enumerate(signal.tones)
+            ]
+        bases = base.tones if base is not None else ()
+        for i, (editor, tone) in enumerate(zip(self._tones, signal.tones, strict=True)):
+            editor.write(tone, bases[i] if i < len(bases) and bases[i].axis == tone.axis else None)
+        self._rest.write(signal, base)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide all of it."""
+        for section in (self._list, self._bottom, self._rest.section):
+            section.show(visible)
+
+    def _made(self, axis: Axis, *, expanded: bool) -> "_ToneSection":
+        with self._list:
+            return _ToneSection(self._sheet, self._place, axis, self._remove, expanded=expanded)
+
+    def _add(self, axis: Axis) -> None:
+        with self._bottom.answering():
+            tones = tuple(tone.read() for tone in self._tones)
+            added = Tone(axis=axis, amplitude=NEW[0], frequency=NEW[1])
+            Multisine(tones=(*tones, added))  # refuses one too many
+        self._tones.append(self._made(axis, expanded=True))
+        self._tones[-1].write(added, None)
+
+    def _remove(self, tone: "_ToneSection") -> None:
+        if tone in self._tones:  # a second click may come for one that is gone
+            self._tones.remove(tone)
+            tone.section.remove()
+
+
+class _ToneSection:
+    """A sin(w t + φ₀) on one axis."""
+
+    def __init__(
+        self, sheet: Sheet, place: Place, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
+    ) -> None:
+        self.axis: Axis = axis
+        self.section = section = Section(sheet, axis, expanded=expanded)
+        with section:
+            hint = f"A ({place.unit}): adds A sin(w t + φ₀) to the {axis} component; its fourth derivative is A w⁴."
+            self._amplitude = Dial(section, f"A ({place.unit})", place.amplitude, step=0.001, hint=hint)
+            hint = "w (rad/s): the tone's frequency at s = 1; it must stay below the IMU's Nyquist frequency."
+            self._frequency = Dial(section, "w (rad/s)", place.frequency, step=0.01, hint=hint)
+            hint = "φ₀ (rad): the tone's phase at t = 0; π/2 makes it a cosine."
+            self._phase = Dial(section, "φ₀ (rad)", (-3.142, 3.142), step=0.001, hint=hint)
+            sheet.buttons("", {"− remove this tone": partial(remove, self)}, hint="Ctrl+Z brings it back.")
+
+    def read(self) -> Tone:
+        with self.section.catching():
+            tone = Tone(
+                axis=self.axis,
+                amplitude=self._amplitude.read(),
+                frequency=self._frequency.read(),
+                phase=self._phase.read(),
+            )
+        self._say(tone)
+        return tone
+
+    def write(self, tone: Tone, base: Tone | None) -> None:
+        self._amplitude.write(tone.amplitude, base and base.amplitude)
+        self._frequency.write(tone.frequency, base and base.frequency)
+        self._phase.write(tone.phase, base and base.phase)
+        self._say(tone)
+
+    def _say(self, tone: Tone) -> None:
+        self.section.caption(f"{tone.axis}: {tone.amplitude:.3g} sin({tone.frequency:.3g} t {tone.phase:+.3g})")
+
+
+class _Rest:
+    """Where a signal starts and how it drifts: a line or a hover has nothing else."""
+
+    def __init__(self, sheet: Sheet, place: Place) -> None:
+        self.section = section = Section(sheet, "Offset and drift", expanded=False)
+        with section:
+            hint = f"{place.unit}: added to the tones. It moves a path against the anchor; the excitation stays."
+            self._offset = Vector(section, f"offset ({place.unit})", step=0.01, hint=hint)
+            hint = f"{place.unit}/s: a constant rate added to the tones. It has no snap, so it excites nothing."
+            self._drift = Vector(section, f"drift ({place.unit}/s)", step=0.01, hint=hint)
+
+    def read(self, signal: Multisine) -> Multisine:
+        with self.section.catching():
+            return msgspec.structs.replace(signal, offset=self._offset.read(), drift=self._drift.read())
+
+    def write(self, signal: Multisine, base: Multisine | None) -> None:
+        self._offset.write(signal.offset, base and base.offset)
+        self._drift.write(signal.drift, base and base.drift)

@@ -1,0 +1,126 @@
+"""The Presets tab: browse, read what a preset teaches, keep one's own, reproduce the paper's figures, download."""
+
+import html
+
+from explorer.model.compute import Picture
+from explorer.model.settings import Settings
+from explorer.panels.presets.card import card
+from explorer.panels.presets.gallery import Gallery
+from explorer.panels.presets.library import LibraryPanel
+from explorer.storage.catalog import Shelf
+from explorer.web.uploads import Uploads
+from explorer.widgets.controls import Choice
+from explorer.widgets.form import Action, Refused, Section, Sheet
+from explorer.widgets.html import NOTE
+from explorer.widgets.page import Page
+
+ALSO = (
+    "The first puts every control back to what the preset says. The second loads the paper's own scenario and shows "
+    "the errors of position, velocity and gravity (fig. 3) and of attitude (fig. 4), and both paths (fig. 5)."
+)
+DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
+PICK = "Every shipped motion with its sensors, gains and requirement; ★ are yours. Ctrl+Z brings back what was there."
+BROWSE = "Opens the one before or after it in the menu, or shows all of them as small pictures (and hides them again)."
+
+
+class PresetsPanel:
+    """Picker, card and buttons."""
+
+    def __init__(
+        self,
+        sheet: Sheet,
+        shelf: Shelf,
+        page: Page,
+        uploads: Uploads,
+        *,
+        again: Action,
+        paper: Action,
+        download: Action,
+    ) -> None:
+        self._sheet, self._shelf, self._page = sheet, shelf, page
+        self._section = section = Section(sheet)
+        self._shown, self._changed = "", False
+        self._words: dict[str, str] = {}
+        with section:
+            self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
+            browse = {"‹ previous": self._previous, "next ›": self._next, "see all": self._all}
+            sheet.buttons("browse", browse, hint=BROWSE)
+            self._card = sheet.gui.add_html("")
+        self._gallery = Gallery(sheet, shelf, self.open)
+        self._library = LibraryPanel(sheet, shelf, page, uploads, changed=lambda: self._changed, news=self.refresh)
+        with Section(sheet):
+            sheet.button("Download this preset", download, hint=DOWNLOAD)
+            sheet.buttons("also", {"start this preset again": again, "the paper's figures 3–5": paper}, hint=ALSO)
+        for label, action in (
+            ("Download this preset", download),
+            ("Start this preset again", again),
+            ("The paper's figures 3–5", paper),
+        ):
+            sheet.command(label, action)
+
+    def read(self) -> str:
+        """The name of the chosen preset. Raises Refused if the browser sent another."""
+        with self._section.catching():
+            return self._choice.read()
+
+    def write(self, settings: Settings) -> None:
+        """Show a preset's name, story and badge."""
+        name = self._shown = settings.origin
+        self._offer()
+        self._choice.write(name, name)
+        self._library.write(settings)
+        self._draw_card()
+
+    def draw(self, picture: Picture) -> None:
+        """Say whether what is on the page is what the preset says."""
+        settings = picture.settings
+        self._changed = settings.time_scale != 1.0 or settings.preset != self._shelf.presets[settings.origin]
+        self._draw_card()
+
+    def refresh(self) -> None:
+        """Show what other pages have done to the library, and certificates that have come."""
+        self._shelf.refresh_now_and_then()
+        self._offer()
+        self._draw_card()
+
+    def open(self, name: str) -> None:
+        """Put a preset on the page. Raises Refused, and what is there stays, if its file cannot be read any more."""
+        try:
+            with self._library.section.catching():
+                settings = self._shelf.open(name)
+        except Refused:
+            self._choice.show(self._shown)
+            raise
+        self._page.write(settings)
+
+    def _previous(self) -> None:
+        self._step(-1)
+
+    def _next(self) -> None:
+        self._step(1)
+
+    def _step(self, by: int) -> None:
+        """Open a neighbour in the menu; after the last comes the first."""
+        names = list(self._shelf.words(self._shown))
+        self.open(names[(names.index(self._shown) + by) % len(names)])
+
+    def _all(self) -> None:
+        self._gallery.toggle(self._shown)
+
+    def _offer(self) -> None:
+        """Bring the menu up to date; what is chosen there may be called otherwise now."""
+        words = self._shelf.words(self._shown)
+        if words != self._words:
+            self._words = words
+            self._choice.offer(words)
+            self._choice.show(self._shown)
+
+    def _draw_card(self) -> None:
+        shown = self._shelf.presets[self._shown]
+        found = self._shelf.badge(self._shown, shown, self._sheet.note)
+        content = card(shown, found, changed=self._changed)
+        if self._shelf.complaint:
+            content += NOTE.format(f"⚠ {html.escape(self._shelf.complaint)}")
+        if content != self._card.content:
+            self._card.content = content
+        self._gallery.draw(self._shown)

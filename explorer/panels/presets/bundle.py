@@ -1,0 +1,80 @@
+"""Export: what is on the page, certified from its written bytes, as one zip with the formats chosen."""
+
+from explorer.model.jobs import Cancelled, Jobs, Progress
+from explorer.model.settings import effective
+from explorer.storage.bundle import Parcel, Send, parcel
+from explorer.storage.catalog import Shelf
+from explorer.storage.preset_file import file_name
+from explorer.widgets.controls import Switch
+from explorer.widgets.form import Section, Sheet
+from explorer.widgets.html import NOTE, bullets
+from explorer.widgets.page import Page
+
+FORMATS = {
+    "reference": ("reference CSV", "Agilicious, RPG, GTSAM: position, attitude and derivatives up to snap, by name."),
+    "polynomial": ("polynomials", "uav_trajectories pieces for a Crazyflie, at most 31."),
+    "bag": ("ROS 2 bag", "IMU, magnetic field, ranges and poses as messages, in a folder."),
+    "mcap": ("MCAP", "The same messages in one MCAP file."),
+    "tum": ("TUM", "Positions and attitudes, for evo."),
+    "euroc": ("EuRoC", "Ground truth, IMU and ranges, in a folder as EuRoC has them."),
+    "mat": ("MATLAB", "The whole run as one struct, version 5."),
+    "npz": ("NumPy", "The whole run as arrays, without loss."),
+    "csv": ("plain CSV", "Time, position, velocity, acceleration: for anything."),
+    "log": ("log CSV", "What the sensors read, and the truth."),
+}
+"""Label and hint of each."""
+CHOSEN = "Goes into the zip beside the preset and its certificate. {}"
+EACH = "Chooses every format, or none."
+MARKED = (
+    "Files that miss the requirement are refused, with what is missing and what would help. "
+    "Switched on, they are written with “uncertified” in their names."
+)
+
+
+class PackPanel:
+    """A switch for each format, one for what misses its requirement, and a button."""
+
+    def __init__(self, sheet: Sheet, shelf: Shelf, page: Page, jobs: Jobs, send: Send) -> None:
+        self._shelf, self._page, self._jobs, self._send = shelf, page, jobs, send
+        self._section = section = Section(sheet, "Download with certificate", expanded=False)
+        with section:
+            sheet.buttons("formats", {"all": self._all, "none": self._none}, hint=EACH)
+            self._formats = {
+                form: Switch(section, label, hint=CHOSEN.format(hint)) for form, (label, hint) in FORMATS.items()
+            }
+            self._marked = Switch(section, "even if uncertified", hint=MARKED)
+            sheet.button("Export as a zip", self._export, hint="Certifies the written bytes, then downloads the zip.")
+            self._said = sheet.gui.add_html("", visible=False)
+        sheet.command("Export as a zip", self._export)
+
+    def _all(self) -> None:
+        for switch in self._formats.values():
+            switch.show(True)
+
+    def _none(self) -> None:
+        for switch in self._formats.values():
+            switch.show(False)
+
+    def _export(self) -> None:
+        with self._section.answering():
+            settings, marked = self._page.read(), self._marked.read()
+            forms = tuple(form for form, switch in self._formats.items() if switch.read())
+        shown = effective(settings)
+        stem = file_name(settings.origin, shown, self._shelf.presets[settings.origin]).removesuffix(".toml")
+        self._said.visible = False
+
+        def work(progress: Progress, cancelled: Cancelled) -> Parcel:
+            return parcel(shown, stem, forms, uncertified=marked, progress=progress, cancelled=cancelled)
+
+        self._jobs.start("export", work, self._done, self._refuse)
+
+    def _refuse(self, reason: str) -> None:
+        """A line for each thing that is missing, until something else is on the page."""
+        first, *more = reason.split("; ")
+        head, refused, rest = first.partition(": refused: ")
+        self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))
+
+    def _done(self, packed: Parcel) -> None:
+        self._send(packed.name, packed.content)
+        self._said.content = NOTE.format(bullets((f"{packed.name}, {len(packed.content)} bytes", *packed.notes)))
+        self._said.visible = True

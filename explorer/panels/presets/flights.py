@@ -1,0 +1,140 @@
+"""A recorded flight: was it informative, what do the observers make of it, how far off were they?"""
+
+import math
+from typing import Any
+
+from explorer.model.jobs import Jobs
+from explorer.storage.flight_report import Asked, Judged, Source, judge, world_evidence
+from explorer.widgets.controls import Choice, Number, Switch, Vector
+from explorer.widgets.form import Section, Sheet
+from explorer.widgets.html import NOTE, bullets, table
+from rangenav.formats import Flight, Imported
+
+SHAPES = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
+SOURCES: dict[Source, str] = {"": "as the file says", "still": "as its still start says", "given": "as given below"}
+ANCHOR = "m, in the inertial frame of the record; no log can tell it, unless it says so."
+SOURCE = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
+SYNTHETIC = "For a record with a true position and no ranges: makes some, with the noise below."
+SIGMA = "σ of the ranges (m)."
+WINDOW = "δ (s): each window of this length is judged by itself."
+PART = (
+    "The part of the record that is judged, by its own stamps: at rest, before and after a flight, nothing is excited, "
+    "and an observer that has nothing to go by drifts away. Gravity, field and noise are taken from the whole."
+)
+WEAK = "Predicted position error (m) above which a window of full rank counts as weak."
+JUDGE = "Rank and predicted error on sliding windows, from the IMU alone; then the observers, if there are ranges."
+
+
+class FlightPanel:
+    """Hidden until a flight has been read."""
+
+    def __init__(self, sheet: Sheet, jobs: Jobs) -> None:
+        self._jobs, self._flight, self._source = jobs, None, ""
+        self._section = section = Section(sheet, "Recorded flight")
+        with section:
+            self._evidence = sheet.gui.add_html("")
+            self._anchor = Vector(section, "its anchor (m)", step=0.01, hint=ANCHOR)
+            self._world = Choice(section, "gravity, field", SOURCES, hint=SOURCE)
+            self._gravity = Vector(section, "its gravity (m/s²)", step=0.01, hint="Inertial; used if given.")
+            self._magnetic = Vector(section, "its field", step=0.01, hint="Its direction, inertial; used if given.")
+            self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC)
+            self._sigma = Number(section, "ranges ± (m)", step=0.01, hint=SIGMA)
+            self._begin = Number(section, "from (s)", step=1, hint=PART)
+            self._end = Number(section, "to (s)", step=1, hint=PART)
+            self._window = Number(section, "windows of (s)", step=0.5, hint=WINDOW)
+            self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK)
+            sheet.button("Was it informative?", self._judge, hint=JUDGE)
+            self._report = sheet.gui.add_html("", visible=False)
+        section.show(False)
+
+    def take(self, found: Imported) -> None:
+        """Offer a flight that was read."""
+        flight = self._flight = found.flight
+        if flight is None:
+            return
+        source, evidence = world_evidence(flight)
+        self._source = found.source
+        self._evidence.content = NOTE.format(bullets((f"{found.source}: {_has(flight)}", evidence)))
+        usual = Asked(anchor=flight.anchor or (0.0, 0.0, 0.0))
+        self._anchor.show(usual.anchor)
+        self._world.show(source)
+        self._gravity.show((0.0, 0.0, -9.81 if flight.frame == "z-up" else 9.81))
+        self._magnetic.show(flight.magnetic or usual.magnetic)
+        self._synthetic.show(len(flight.range) == 0 and flight.position is not None)
+        self._sigma.show(usual.range_sigma)
+        self._begin.show(float(flight.time[0]))
+        self._end.show(math.ceil(1e3 * flight.time[-1]) / 1e3)
+        self._window.show(min(usual.window, found.duration / 2))
+        self._weak.show(usual.position_sigma)
+        self._report.visible = False
+        self._section.show(True)
+
+    def _judge(self) -> None:
+        flight = self._flight
+        if flight is None:
+            return
+        with self._section.catching():
+            asked = Asked(
+                anchor=self._anchor.read(),
+                source=self._world.read(),
+                gravity=self._gravity.read(),
+                magnetic=self._magnetic.read(),
+                ranges="synthetic" if self._synthetic.read() else "measured",
+                range_sigma=self._sigma.read(),
+                begin=self._begin.read(),
+                end=self._end.read(),
+                window=self._window.read(),
+                position_sigma=self._weak.read(),
+            )
+        self._report.visible = False
+        name = f"judging {self._source}"
+        self._jobs.start(name, lambda *_: judge(flight, asked), self._show, self._section.complaint.say)
+
+    def _show(self, judged: Judged) -> None:
+        self._report.content = NOTE.format(report(judged))
+        self._report.visible = True
+
+
+def report(judged: Judged) -> str:
+    """The answer as HTML: a word, windows by verdict, the worst one, and the observers' errors."""
+    seen = judged.informative
+    head = f"{SHAPES.get(judged.verdict, '')} {judged.verdict}: {judged.words}"
+    rows = [
+        ("windows", ", ".join(f"{count} {name}" for name, count in seen["windows"].items() if count)),
+        ("worst window", f"from {seen['at']:.4g} s: rank {seen['rank']} of 13"),
+        ("σ there", _number(seen["position"], "m", seen.get("reason", ""))),
+        ("σ, median", _number(seen["position_median"], "m")),
+    ]
+    said = bullets((head, *([judged.told] if judged.told else []))) + table((), rows)
+    if judged.observer is None:
+        return said + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
+    return said + _observers(judged.observer)
+
+
+def _observers(found: dict[str, Any]) -> str:
+    place = ", ".join(_number(value) for value in found["final_position"])
+    rows: list[tuple[str, ...]] = []
+    for name, words, unit in (("position", "position error", "m"), ("attitude_deg", "attitude error", "°")):
+        errors = found[name]
+        if errors is not None:
+            rows.append(
+                (f"{words} ({unit})", *(_number(value) for value in (*errors["quarters_rmse"], errors["median"])))
+            )
+    said = bullets((f"ends at {place} m; innovations {_number(found['innovation_rms'], 'm²')} rms",))
+    if not rows:
+        return said + bullets(("no truth in the file to hold the estimate against",))
+    return said + table(("rms by quarters", "1st", "2nd", "3rd", "4th", "median"), rows)
+
+
+def _has(flight: Flight) -> str:
+    length = flight.time[-1] - flight.time[0]
+    parts = [f"{len(flight.time)} samples over {length:.4g} s", f"{len(flight.range)} ranges"]
+    parts.append("a magnetometer" if flight.mag is not None else "no magnetometer")
+    parts.append("a true position" if flight.position is not None else "no truth")
+    return ", ".join(parts)
+
+
+def _number(value: float | None, unit: str = "", reason: str = "") -> str:
+    if value is None or not math.isfinite(value):
+        return f"not determined ({reason.removeprefix('null: ')})" if reason else "not determined"
+    return f"{value:.3g} {unit}".rstrip()

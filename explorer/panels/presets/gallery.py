@@ -1,0 +1,104 @@
+"""All presets at a glance: a tile for each with its path and the shape of its badge; a click on it opens the preset.
+
+viser has no picture that can be clicked. So beside the tiles there is a row of buttons, one for each, hidden, and a
+click on a tile presses its button. Nothing of this is sent to the browser before somebody asks for it.
+"""
+
+import html
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+
+from explorer.panels.presets.card import DIMMED, badge, picture
+from explorer.storage.catalog import Shelf, marked
+from explorer.widgets.form import Section, Sheet
+from rangenav.preset import Preset
+
+SIDE, POINTS = 70, 120
+"""px of a drawing, so that four stand beside each other in the dock; points along it."""
+MAX_TILES = 60
+"""More would make the page slow; the menu has them all."""
+DRAWN = 2 * MAX_TILES
+FROM_A_CORNER = np.array([(0.82, -0.57), (0.40, 0.57), (0.0, 0.82)])
+"""Seen a little from above no two shipped paths look alike, as a circle and its tilted sister do from the top."""
+HIDDEN = ':has(> * > * > label[for="{}"]){{display:none}}'
+"""The row of buttons, whose tiles are all that needs to be seen; should viser build its rows otherwise, they show."""
+PRESS = (
+    "let row = document.querySelector('label[for=&quot;{}&quot;]'); while (row && !row.querySelector('button'))"
+    " row = row.parentElement; row?.querySelectorAll('button')[{}]?.click()"
+)
+TILE = (
+    '<button class="tile" onclick="{press}" title="{title}" style="all:unset;cursor:pointer;width:{side}px;'
+    'font-size:0.72em;line-height:1.25;text-align:center;overflow-wrap:anywhere">{drawing}'
+    '<div style="font-weight:{weight}"><span style="color:{colour}">{shape}</span> {name}</div></button>'
+)
+TILES = (
+    '<div class="tiles" style="display:flex;flex-wrap:wrap;gap:0.6em 0.7em;align-items:flex-start;padding:0.3em 0.9em">'
+    f'{{}}</div><style>{{}}</style><div style="{DIMMED};font-size:0.75em;padding:0.2em 1.1em 0.6em">'
+    "● certified observable, ▲ weak, ✕ unobservable; ◌ not certified, or not yet{}</div>"
+)
+OPEN = "The same as a click on its picture. Ctrl+Z brings back what was on the page."
+
+
+class Gallery:
+    """Shown when asked for, hidden when asked again."""
+
+    def __init__(self, sheet: Sheet, shelf: Shelf, open_preset: Callable[[str], None]) -> None:
+        self._sheet, self._shelf, self._open = sheet, shelf, open_preset
+        self._visible = False
+        self._labels: tuple[str, ...] = ("",)
+        with Section(sheet):
+            self._tiles = sheet.gui.add_html("", visible=False)
+            self._row = sheet.gui.add_button_group("open", self._labels, hint=OPEN, visible=False)
+        self._row.on_click(lambda event: sheet.do(lambda label=event.target.value: self._press(label)))
+
+    def toggle(self, shown: str) -> None:
+        """Show or hide it."""
+        self._visible = not self._visible
+        self.draw(shown)
+        self._tiles.visible = self._row.visible = self._visible
+
+    def draw(self, shown: str) -> None:
+        """Bring it up to date, if anybody sees it."""
+        if not self._visible:
+            return
+        names = list(self._offered)
+        labels = tuple(marked(name) for name in names)
+        if labels != self._labels:
+            self._labels = self._row.options = labels
+        left_out = len(self._shelf.words(shown)) - len(names)
+        more = f". {left_out} more are in the menu" if left_out > 0 else ""
+        offered = enumerate(self._offered.items())
+        tiles = "".join(self._tile(k, name, one, name == shown) for k, (name, one) in offered)
+        content = TILES.format(tiles, HIDDEN.format(self._row._impl.uuid), more)
+        if content != self._tiles.content:
+            self._tiles.content = content
+
+    @property
+    def _offered(self) -> dict[str, Preset]:
+        return dict(list(self._shelf.offered.items())[:MAX_TILES])
+
+    def _tile(self, number: int, name: str, one: Preset, shown: bool) -> str:
+        shape, colour, words = badge(one, self._shelf.badge(name, one, self._sheet.note))
+        return TILE.format(
+            press=PRESS.format(self._row._impl.uuid, number),
+            title=html.escape(f"{one.title}: {words.lower()}"),
+            side=SIDE,
+            drawing=_drawing(one),
+            weight=700 if shown else 400,
+            colour=colour,
+            shape=shape,
+            name=html.escape(marked(name)),
+        )
+
+    def _press(self, label: str) -> None:
+        for name in self._offered:
+            if marked(name) == label:
+                self._open(name)
+                return
+
+
+@lru_cache(maxsize=DRAWN)
+def _drawing(shown: Preset) -> str:
+    return picture(shown, FROM_A_CORNER, SIDE, POINTS, "the path, seen from a corner")

@@ -1,0 +1,157 @@
+"""One's own presets: save, save as, duplicate, rename, delete, bring back, hand over; what came of it in a sentence."""
+
+import html
+from collections.abc import Callable
+
+import msgspec
+import viser
+
+from explorer.model.settings import Settings, effective
+from explorer.storage.catalog import MINE, Shelf, bare, titled
+from explorer.storage.import_file import Received, preset_in
+from explorer.storage.library import slug
+from explorer.web.uploads import Uploads
+from explorer.widgets.controls import Text
+from explorer.widgets.form import Action, Section, Sheet
+from explorer.widgets.html import NOTE
+from explorer.widgets.page import Page
+from rangenav.preset import MAX_TITLE, Preset
+
+TITLE = "Any letters will do; a new file's name is made of it."
+KEEP = (
+    "“save” writes what is on the page, under the title above, over your preset's file; “save as” keeps it as a new "
+    "one; “duplicate” copies the preset as it was opened."
+)
+TIDY = (
+    "Of the preset chosen above, if it is yours. “rename” changes title and file name. What is deleted goes to a "
+    "trash, and “undo delete” brings back the last of it, also after a reload."
+)
+UPLOAD = "A preset file (.toml), or a zip with one as this page packs it; it joins your library and is opened."
+LONGEST_TYPED = 4 * MAX_TITLE
+
+
+class LibraryPanel:
+    """A title, two rows of buttons and an upload."""
+
+    def __init__(
+        self, sheet: Sheet, shelf: Shelf, page: Page, uploads: Uploads, changed: Callable[[], bool], news: Action
+    ) -> None:
+        """`changed`: whether what is on the page differs from its preset. `news`: the library has other files now."""
+        self._shelf, self._page, self._changed, self._news = shelf, page, changed, news
+        self._shown = ""
+        self._deleted: list[str] = []
+        self.section = section = Section(sheet)  # its complaints stay until the next thing is asked for
+        with section:
+            self._title = Text(section, "title", hint=TITLE, longest=LONGEST_TYPED)
+            keep = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
+            sheet.buttons("keep", self._guarded(keep), hint=KEEP)
+            tidy = {"rename": self._rename, "delete": self._delete, "undo delete": self._restore}
+            sheet.buttons("tidy", self._guarded(tidy), hint=TIDY)
+            self._said = sheet.gui.add_html("", visible=False)
+        self._files = section = Section(sheet)
+        with section:
+            uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
+            self._came = sheet.gui.add_html("", visible=False)
+        sheet.command("Save the preset", self._guarded({"": self._save})[""])
+
+    def write(self, settings: Settings) -> None:
+        """Show the title to save under."""
+        self._shown = settings.origin
+        self._title.write(settings.preset.title, self._shelf.presets[settings.origin].title)
+
+    def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
+        """Actions that say beside the buttons why they failed."""
+
+        def guard(action: Action) -> Action:
+            def guarded() -> None:
+                self._said.visible = False
+                with self.section.catching():
+                    action()
+
+            return guarded
+
+        return {label: guard(action) for label, action in actions.items()}
+
+    def _save(self) -> None:
+        settings = self._page.read()
+        new = retitled(effective(settings), self._title.read())
+        self._keep(settings, self._shelf.save(settings.origin, new, edition=settings.edition))
+        self._say(f"saved as {self._name()}")
+
+    def _save_as(self) -> None:
+        settings = self._page.read()
+        new = retitled(effective(settings), self._title.read())
+        self._keep(settings, self._shelf.add(new))
+        self._say(f"saved as {self._name()}{_instead(self._shown, new.title)}")
+
+    def _duplicate(self) -> None:
+        opened = self._shelf.presets[self._shown]
+        copy = self._shelf.add(retitled(opened, f"{opened.title[: MAX_TITLE - 7]}, copy"))
+        if self._changed():
+            self._news()
+            self._say(f"kept as {file_of(copy.origin)}; the page still shows your changes to {self._name()}")
+        else:
+            self._page.write(copy)
+            self._say(f"kept as {self._name()}, which is open now")
+
+    def _rename(self) -> None:
+        settings, title = self._page.read(), titled(self._title.read())
+        opened = self._shelf.presets[settings.origin]
+        renamed = self._shelf.rename(settings.origin, retitled(opened, title), edition=settings.edition)
+        shown = msgspec.structs.replace(settings.preset, title=title)
+        self._page.write(
+            msgspec.structs.replace(settings, origin=renamed.origin, edition=renamed.edition, preset=shown)
+        )
+        self._say(f"renamed to {self._name()}{_instead(self._shown, title)}")
+
+    def _delete(self) -> None:
+        settings = self._page.read()
+        self._deleted.append(self._shelf.delete(settings.origin, edition=settings.edition))
+        self._say(f"{self._name()} is in the trash; what is on the page stays, and “undo delete” brings it back")
+        self._news()
+
+    def _restore(self) -> None:
+        marks = self._deleted or self._shelf.deleted()[:1]  # this page's own first, then what went before it came
+        if not marks:
+            raise ValueError("nothing was deleted: the trash is empty")
+        restored = self._shelf.restore(marks.pop())
+        self._news()
+        self._say(f"{file_of(restored.origin)} is back")
+
+    def _upload(self, name: str, content: bytes) -> None:
+        self._came.visible = False
+        with self._files.catching():
+            self._page.write(self._shelf.add(preset_in(Received(name, content))))
+            _tell(self._came, f"{name} joined your library as {self._name()}")
+
+    def _keep(self, settings: Settings, now: Settings) -> None:
+        """What was saved is open now; what was entered beside it stays."""
+        printed = msgspec.structs.replace(settings.printed, initial_values=False)  # they are in the path by now
+        self._page.write(msgspec.structs.replace(now, printed=printed, drafts=settings.drafts))
+
+    def _name(self) -> str:
+        return file_of(self._shown)
+
+    def _say(self, sentence: str) -> None:
+        _tell(self._said, sentence)
+
+
+def retitled(shown: Preset, title: str) -> Preset:
+    """The same under another title. Raises ValueError if it is none."""
+    return msgspec.structs.replace(shown, title=titled(title))
+
+
+def _tell(place: viser.GuiHtmlHandle, sentence: str) -> None:
+    place.content = NOTE.format(f"✓ {html.escape(sentence)}")
+    place.visible = True
+
+
+def _instead(name: str, title: str) -> str:
+    """Says so if another file has the name that the title would make."""
+    usual = slug(title)
+    return "" if bare(name) == usual else f", beside {usual}.toml, which is left as it was"
+
+
+def file_of(name: str) -> str:
+    """The file of a preset on the shelf, for reading."""
+    return f"{bare(name)}.toml" if name.startswith(MINE) else name

@@ -1,0 +1,146 @@
+"""One switch for each misprint of the paper that changes a computation, each with what it does here and now."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from explorer.model.compute import Picture
+from explorer.model.settings import Printed
+from explorer.widgets.controls import Switch
+from explorer.widgets.form import Section, Sheet
+
+UNDESIRED = (
+    "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
+    "The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
+)
+
+
+class PrintedPanel:
+    """The switches "as printed"."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        section = Section(sheet, "As printed in the paper", expanded=False)
+        with section:
+            sheet.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
+            self._switches = {name: _Row(section, row) for name, row in ROWS.items()}
+            sheet.gui.add_markdown(UNDESIRED)
+
+    def read(self) -> Printed:
+        """The switches that are on."""
+        return Printed(**{name: row.switch.read() for name, row in self._switches.items()})
+
+    def write(self, printed: Printed) -> None:
+        """Show switches."""
+        for name, row in self._switches.items():
+            row.switch.write(getattr(printed, name), False)
+
+    def draw(self, picture: Picture) -> None:
+        """Say beside each switch what it does to this picture."""
+        for name, row in self._switches.items():
+            row.draw(ROWS[name].consequence(picture))
+
+
+@dataclass(frozen=True)
+class Row:
+    """One departure."""
+
+    label: str
+    hint: str
+    consequence: Callable[[Picture], str]
+
+
+class _Row:
+    def __init__(self, section: Section, row: Row) -> None:
+        self.switch = Switch(section, row.label, hint=row.hint)
+        self._line = section.gui.add_markdown("")
+
+    def draw(self, sentence: str) -> None:
+        if sentence != self._line.content:
+            self._line.content = sentence
+
+
+def _model(picture: Picture) -> str:
+    error = f"position error over the last quarter: {picture.summary.steady_position:.3g} m"
+    if picture.settings.printed.model:
+        return f"On: ξ₄ is fed a third of what it should be; {error}, and it never converges."
+    return f"Off: {error}."
+
+
+def _excitation(picture: Picture) -> str:
+    return _printed_mu(picture, picture.settings.printed.excitation)
+
+
+def _body_axes(picture: Picture) -> str:
+    return _printed_mu(picture, picture.settings.printed.body_axes)
+
+
+def _printed_mu(picture: Picture, on: bool) -> str:
+    mu, needed = picture.analysis.mu, picture.preset.requirement.mu
+    derived = _above(mu, picture.analysis.mu_floor)
+    if not on:
+        return f"Off: μ = {derived} m²/s⁷."
+    printed = float(np.min(picture.printed_excitation))
+    false = " — a false certificate" if printed >= needed > mu else ""
+    return f"On: μ reads {printed:.3g} m²/s⁷ where the derived one is {derived}{false}."
+
+
+def _reduced_row(picture: Picture) -> str:
+    derived = _above(picture.analysis.reduced_min, picture.analysis.reduced_floor)
+    if not picture.settings.printed.reduced_row:
+        return f"Off: the reduced pair's least eigenvalue is {derived} (SI)."
+    return (
+        f"On: the reduced pair's least eigenvalue reads {picture.reduced_min:.3g}; the derived one is {derived} (SI)."
+    )
+
+
+def _above(value: float, floor: float) -> str:
+    return f"{value:.3g}" if value >= floor else "0 (below the noise floor)"
+
+
+def _initial_values(picture: Picture) -> str:
+    if not picture.settings.printed.initial_values:
+        return "Off: p(0) and v(0) follow from the formula."
+    position = picture.motion.position
+    drift = float(np.linalg.norm(position[-1] - position[0]))
+    return f"On: the path is {drift:.3g} m from its start after {picture.preset.duration:g} s; it drifts away."
+
+
+def _attitude_rate(picture: Picture) -> str:
+    slowest = picture.attitude_time_constants[0]
+    state = "On: the slowest reads" if picture.settings.printed.attitude_rate else "Off: the slowest is"
+    return f"{state} {slowest:.3g} s."
+
+
+ROWS = {
+    "model": Row(
+        "model: C₅ = 0",
+        "Printed: C₅ ≡ 0 and B_m with |g|² (paper, eq. 6–7). Derived: C₅ = 6 on the g block and 3|g|² into ξ₄.",
+        _model,
+    ),
+    "excitation": Row(
+        "φ printed",
+        "Printed: φ = ä − ω×ȧ − 2ω×(ω×a). Derived: φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗ (paper, eq. 11–12).",
+        _excitation,
+    ),
+    "reduced_row": Row(
+        "row r₄,₂ printed",
+        "Printed: 4ȧᵀ − 3aᵀ[ω]x. Derived: 4ȧᵀ − 4aᵀ[ω]x (paper, eq. 11–12, the reduced pair).",
+        _reduced_row,
+    ),
+    "body_axes": Row(
+        "PE in body axes",
+        "Printed: pair (Ā, R̄ r₄), so the integral of φφᵀ runs in body axes. Derived: inertial axes, ∫p⁗p⁗ᵀ.",
+        _body_axes,
+    ),
+    "initial_values": Row(
+        "p(0), v(0) printed",
+        "Printed: p(0) = (1, 0, 0), v(0) = (−.0125, 2.5, −4.33), which belong to another, planar path.",
+        _initial_values,
+    ),
+    "attitude_rate": Row(
+        "attitude rate ½",
+        "Printed: the error equation has −k1 R̂ψ(MR̃). Derived: −2 k1 ψ(MR̃), twice as fast (paper, eq. 10).",
+        _attitude_rate,
+    ),
+}

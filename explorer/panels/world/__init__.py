@@ -1,0 +1,78 @@
+"""The World tab: the anchor, gravity and which way z points, the magnetic direction."""
+
+import math
+
+from explorer.widgets.controls import Vector
+from explorer.widgets.form import Action, Section, Sheet
+from rangenav.inputs import Vec3, require
+from rangenav.motion import World
+
+Z_DOWN, Z_UP = "z points down, as in the paper (NED, FRD)", "z points up (NWU, FLU)"
+OTHER = "gravity is not along z"
+HINT = (
+    "Describes the same world, path, body and offsets with y and z the other way round, inertial and body axes alike. "
+    "Nothing that can be measured changes."
+)
+
+
+class WorldPanel:
+    """What does not move."""
+
+    def __init__(self, sheet: Sheet, relabel: Action) -> None:
+        self._anchor_section = anchor = Section(sheet, "Anchor")
+        with anchor:
+            hint = "m, inertial axes; drag the beacon in the scene or type. It changes σ, never the Gramian or μ."
+            self._anchor = Vector(anchor, "anchor (m)", step=0.05, hint=hint)
+        self.section = axes = Section(sheet, "Gravity and axes")
+        with axes:
+            self._line = sheet.gui.add_markdown("")
+            hint = "m/s², inertial axes, as it enters v̇ = g + R a; “up” in the scene is −g."
+            self._gravity = Vector(axes, "g (m/s²)", step=0.01, hint=hint)
+            self._relabel = sheet.button("Relabel the axes: z up ↔ z down", relabel, hint=HINT)
+        self._magnetic_section = magnetic = Section(sheet, "Magnetic direction")
+        with magnetic:
+            hint = "Inertial axes, of any length: only its direction counts, and it must not be that of gravity."
+            self._magnetic = Vector(magnetic, "m", step=0.01, hint=hint)
+        self._exact: Vec3 = (0.0, 0.0, 0.0)
+
+    def read(self) -> World:
+        """The world chosen. Raises Refused after saying why beside the control."""
+        with self._anchor_section.catching():
+            anchor = self._anchor.read()
+            World(anchor=anchor)
+        with self.section.catching():
+            gravity = self._gravity.read()
+            World(gravity=gravity, magnetic=_any_but_along(gravity))
+        self._say(gravity)
+        with self._magnetic_section.catching():
+            typed = self._magnetic.read()
+            return World(anchor=anchor, gravity=gravity, magnetic=typed if typed == self._exact else _direction(typed))
+
+    def write(self, world: World, base: World) -> None:
+        """Show a world."""
+        self._anchor.write(world.anchor, base.anchor)
+        self._gravity.write(world.gravity, base.gravity)
+        self._exact = world.magnetic
+        self._magnetic.write(world.magnetic, base.magnetic)
+        self._say(world.gravity)
+
+    def move_anchor(self, position: Vec3) -> None:
+        """Put the anchor elsewhere, as when it is dragged."""
+        self._anchor.show(position)
+
+    def _say(self, gravity: Vec3) -> None:
+        aside = math.hypot(gravity[0], gravity[1]) > 1e-9 * math.hypot(*gravity)
+        line = OTHER if aside else Z_DOWN if gravity[2] > 0 else Z_UP
+        if line != self._line.content:
+            self._line.content = line
+
+
+def _direction(vector: Vec3) -> Vec3:
+    length = math.hypot(*vector)
+    require(1e-9 < length < 1e9, f"the magnetic direction must have a length between 1e-9 and 1e9, got {length:g}")
+    return vector[0] / length, vector[1] / length, vector[2] / length
+
+
+def _any_but_along(gravity: Vec3) -> Vec3:
+    """A unit vector that is not collinear with gravity, to judge gravity by itself."""
+    return (1.0, 0.0, 0.0) if abs(gravity[0]) <= 0.5 * math.hypot(*gravity) else (0.0, 1.0, 0.0)

@@ -1,0 +1,77 @@
+"""Whose limits the motion is held against, and how much of each it takes: live, with the moment of the worst."""
+
+from explorer.model.compute import Picture
+from explorer.widgets.controls import Choice
+from explorer.widgets.form import Section, Sheet
+from rangenav import vehicle
+from rangenav.vehicle import CATALOGUE, Vehicle
+
+HINT = (
+    "The limits that the path is held against; the path is marked where it breaks one. Of a vehicle's thrust "
+    f"{vehicle.THRUST_MARGIN:.0%} is kept in hand to steer with."
+)
+CELL = "padding:0.1em 0.5em 0.1em 0;white-space:nowrap"
+BAR = (
+    '<div style="width:2.2em;height:0.55em;background:#8883;display:inline-block;vertical-align:middle">'
+    '<div style="width:{:.0f}%;height:100%;background:{}"></div></div>'
+)
+SHORT = {"times the weight": "× weight"}
+NAMES = {"least distance to the anchor": "to the anchor"}
+GOOD, BAD = "light-dark(#00785a, #4fd1ad)", "light-dark(#b3261e, #ff8f86)"
+
+
+class VehiclePanel:
+    """A dropdown, and a table of what the motion asks for."""
+
+    def __init__(self, sheet: Sheet) -> None:
+        self._section = section = Section(sheet, "Vehicle and its limits")
+        with section:
+            self._choice = Choice(section, "vehicle", _words(CATALOGUE), hint=HINT)
+            self._table = sheet.gui.add_html("")
+
+    def read(self) -> Vehicle:
+        """The vehicle chosen."""
+        with self._section.catching():
+            return self._choice.read()
+
+    def write(self, chosen: Vehicle, base: Vehicle) -> None:
+        """Show a vehicle; one of a preset's own joins those to choose from."""
+        self._choice.offer(_words((*CATALOGUE, *(own for own in (base, chosen) if own not in CATALOGUE))))
+        self._choice.write(chosen, base)
+
+    def draw(self, picture: Picture) -> None:
+        """Show what the motion asks for against what the vehicle can."""
+        head = _cells("", "worst", "of the limit" if picture.preset.vehicle != vehicle.FREE else "", "at")
+        rows = head + "".join(
+            _row(use) for use in vehicle.uses(picture.motion, picture.preset.vehicle, world=picture.preset.world)
+        )
+        style = "padding:0.1em 0.9em 0.6em;font-size:0.78em;line-height:1.45;font-variant-numeric:tabular-nums"
+        content = f'<div style="{style}"><table style="border-collapse:collapse">{rows}</table></div>'
+        if content != self._table.content:
+            self._table.content = content
+
+
+def _words(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
+    """Each under its name; a preset's own may be called like another."""
+    named: dict[Vehicle, str] = {}
+    for one in vehicles:
+        word = one.name
+        while word in named.values():
+            word += " (of the preset)"
+        named.setdefault(one, word)
+    return named
+
+
+def _row(use: vehicle.Use) -> str:
+    worst, when = f"{use.reached:.3g} {SHORT.get(use.unit, use.unit)}", f"{use.at:.1f} s"
+    name = NAMES.get(use.name, use.name)
+    if use.allowed is None:
+        return _cells(name, worst, "", when)
+    mark, colour = ("✕", BAD) if use.broken else ("✓", GOOD)
+    share = 100 * min(use.share, 1.0)
+    allowed = f"{BAR.format(share, colour)} {'≥' if use.least else '≤'} {use.allowed:.3g}"
+    return _cells(f'<span style="color:{colour}">{mark}</span> {name}', worst, allowed, when)
+
+
+def _cells(*cells: str) -> str:
+    return "<tr>" + "".join(f'<td style="{CELL}">{cell}</td>' for cell in cells) + "</tr>"

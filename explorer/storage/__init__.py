@@ -1,0 +1,1 @@
+"""What outlives a reload: the work of each tab, presets, certificates, imported and exported files. No viser here."""

@@ -1,0 +1,82 @@
+"""One visitor's work, kept while they work and found again after a reload, a lost connection or a server's restart."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import msgspec
+
+from explorer.model.settings import Language, Settings
+from explorer.storage.files import Store, Unsaved
+from rangenav.inputs import Input
+
+PERIOD = 1.0
+"""s: what is changed faster is written once."""
+
+
+class Kept(Input, frozen=True, kw_only=True):
+    """What is in the file."""
+
+    version: Literal[1] = 1
+    opened: str
+    """The preset that the program was started with."""
+    settings: Settings
+    language: Language = "paper"
+
+
+class Keeping:
+    """The file of one tab, or none where browser or disk refuse; `tell` is called with the reason when that begins."""
+
+    def __init__(self, store: Store, opened: str, tell: Callable[[str], None]) -> None:
+        self._store, self._opened, self._tell = store, opened, tell
+        self._seat: str | None = None
+        self._noted: tuple[Settings, Language] | None = None
+        self._unwritten: tuple[Settings, Language] | None = None
+        self._written = float("-inf")
+        self._failing = False
+        """Told once; each change is tried again, for a disk may have room later, or the work be smaller."""
+
+    def find(self, seat: str | None) -> Kept | None:
+        """The work kept under a name, None if there is none; from now on work is kept there."""
+        self._seat = seat
+        if seat is None:
+            self._tell("This browser keeps nothing, so a reload begins anew.")
+            return None
+        try:
+            found = self._store.load(seat)
+            return None if found is None else msgspec.json.decode(found, type=Kept)
+        except Unsaved as reason:
+            self._tell(_sentence(reason))
+        except (msgspec.DecodeError, ValueError, RecursionError) as error:
+            self._tell(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
+        return None
+
+    def note(self, settings: Settings, language: Language = "paper") -> None:
+        """This is what should be kept."""
+        if (settings, language) != self._noted:
+            self._noted = self._unwritten = settings, language
+
+    def wait(self, now: float) -> float | None:
+        """How long (s) until something should be written; None if there is nothing."""
+        return None if self._unwritten is None else max(0.0, self._written + PERIOD - now)
+
+    def write(self, now: float, *, at_once: bool = False) -> None:
+        """Write what is due."""
+        if self._unwritten is None or not (at_once or now - self._written >= PERIOD):
+            return
+        (settings, language), self._unwritten, self._written = self._unwritten, None, now
+        if self._seat is None:
+            return
+        try:
+            kept = Kept(opened=self._opened, settings=settings, language=language)
+            self._store.save(self._seat, msgspec.json.encode(kept))
+        except Unsaved as reason:
+            if not self._failing:
+                self._tell(f"{_sentence(reason)} The page works on; download what you need.")
+            self._failing = True
+        else:
+            self._failing = False
+
+
+def _sentence(reason: Unsaved) -> str:
+    words = str(reason)
+    return f"{words[:1].upper()}{words[1:]}."

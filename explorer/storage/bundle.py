@@ -1,0 +1,98 @@
+"""One zip to take along: a preset and its motion or run in other formats, each with its certificate. No viser here.
+
+Everything in it passes the gate of `rangenav export`, is certified from the bytes that are in the zip, and can be
+verified where it is unpacked. What the gate refuses is left out, or, asked for all the same, has "uncertified" in its
+name and no certificate.
+"""
+
+import io
+import tempfile
+import zipfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from explorer.model.jobs import Cancelled, Progress, Stopped
+from rangenav import formats
+from rangenav.commands.export import exported
+from rangenav.preset import Preset
+
+SUFFIXES = {
+    "preset": ".toml",
+    "bag": ".bag",
+    "euroc": ".euroc",
+    "mcap": ".mcap",
+    "tum": ".tum.txt",
+    "mat": ".mat",
+    "npz": ".npz",
+    "csv": ".csv",
+}
+"""Bags and EuRoC records are folders; the rest are CSV files that say in their names what they are."""
+OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
+MARK = ".uncertified"
+VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
+STAMP = (2020, 1, 1, 0, 0, 0)
+"""The time of every file inside: equal inputs make equal zips."""
+
+
+@dataclass(frozen=True, eq=False)
+class Parcel:
+    """What is downloaded."""
+
+    name: str
+    content: bytes
+    notes: tuple[str, ...]
+    """What a person should know about it, a sentence each; they are inside as well."""
+
+
+def parcel(
+    shown: Preset,
+    stem: str,
+    forms: Sequence[str],
+    *,
+    uncertified: bool,
+    progress: Progress,
+    cancelled: Cancelled,
+) -> Parcel:
+    """Pack a preset and some formats, each with its certificate. Raises ValueError with the gate's refusal of the
+    preset, or with what the only format asked for cannot hold; of several formats such a one is left out and named."""
+    notes: list[str] = []
+    with tempfile.TemporaryDirectory(prefix="rangenav-") as made:
+        folder = Path(made)
+        for k, form in enumerate(("preset", *forms)):
+            progress((k + 1) / (len(forms) + 2))
+            if cancelled():
+                raise Stopped
+            path = folder / (stem + SUFFIXES.get(form, f".{form}.csv"))
+            try:
+                notes += _written(shown, form, path, uncertified=uncertified)
+            except ValueError as error:
+                if form == "preset" or len(forms) == 1:
+                    raise
+                notes.append(f"{form}: left out: {error}")
+        (folder / "README.txt").write_text("".join(f"{note}\n" for note in (VERIFY, *notes)), "utf-8")
+        marked = any(MARK in path.name for path in folder.iterdir())
+        return Parcel(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
+
+
+def _written(shown: Preset, form: str, path: Path, *, uncertified: bool) -> list[str]:
+    """Write one format and its certificate; what is to be known about the file."""
+    report = exported(shown, form, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE)
+    name = formats.marked(path).name if report["uncertified"] else path.name
+    proof = "uncertified" if report["uncertified"] else f"certified ({Path(report['certificate']).name})"
+    about = f"{name}: {form}, {report['frame']}, {proof}"
+    return [about, *(f"{name}: {note}" for note in report["notes"])]
+
+
+def _zipped(folder: Path) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in sorted(path for path in folder.rglob("*") if path.is_file()):
+            entry = zipfile.ZipInfo(path.relative_to(folder).as_posix(), STAMP)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            archive.writestr(entry, path.read_bytes())
+    return packed.getvalue()
+
+
+Send = Callable[[str, bytes], None]
+"""Gives a visitor a file to download."""

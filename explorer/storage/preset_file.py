@@ -1,0 +1,54 @@
+"""What is on the page as a preset file to download, with the verdict in its first lines. No viser here.
+
+The verdict is computed from the text that follows it, so that the file says what it holds.
+"""
+
+import math
+
+from explorer.model.settings import Settings, effective
+from rangenav import analysis, certificate, preset
+from rangenav.preset import Preset
+
+PRINTED_START = (
+    "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
+)
+UNJUDGED = (
+    "# verdict: none, not judged: the path jumps, or its snap is a fit's; `rangenav certify` on this file says which\n"
+)
+
+
+def document(settings: Settings) -> bytes:
+    """A preset as a TOML file; the verdict in its first lines is computed from the text that follows them."""
+    text = preset.dumps(effective(settings))
+    read_back = preset.loads(text, source="this file")
+    start = PRINTED_START if settings.printed.initial_values else ""
+    return (verdict_comments(read_back) + start + "\n" + text).encode()
+
+
+def verdict_comments(shown: Preset) -> str:
+    """Comment lines that state what was computed, without a word from the preset's own text; of an imported curve whose
+    snap is a fit's, or that jumps, that nothing is judged."""
+    if certificate.restriction(shown) is not None:
+        return UNJUDGED
+    found, needed = analysis.analyse(shown), shown.requirement
+    met = "met" if found.mu >= needed.mu else "NOT met"
+    lines = [
+        f"verdict: {found.verdict}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); required mu {met}",
+        f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
+        f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
+        f"predicted 1-sigma position at the end of the worst window: {_metres(found.lifted_end.position)} lifted, "
+        f"{_metres(found.nonlinear_end.position)} nonlinear; required {needed.position_sigma:g} m",
+        f"it assumes {analysis.noise_note(shown.sensors)}",
+    ]
+    lines += [f"blind: {direction.words}" for direction in found.directions]
+    return "".join(f"# {line}\n" for line in lines)
+
+
+def file_name(name: str, shown: Preset, shipped: Preset) -> str:
+    """The name of the download: the preset's own, marked if it was changed."""
+    stem = name.rpartition(":")[2]
+    return f"{stem}.toml" if shown == shipped else f"{stem}-changed.toml"
+
+
+def _metres(sigma: float) -> str:
+    return f"{sigma:.4g} m" if math.isfinite(sigma) else "not determined"

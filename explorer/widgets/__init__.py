@@ -1,0 +1,1 @@
+"""Controls that viser lacks, made once and used by every panel."""

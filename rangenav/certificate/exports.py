@@ -1,0 +1,158 @@
+"""Certificates of exported files, recomputed from what was written, and the one gate that exports pass.
+
+polynomial, reference       the motion that the file itself holds between its two ramps: its own pieces, cut out, and
+                            judged by the preset's world, sensors, requirement and vehicle
+bag, mcap, tum, euroc,      a record of one run: a motion cannot be had back from samples with its snap, so the preset
+mat, npz, csv, log          in the certificate is judged, after every position in the file was found to lie on its path
+preset                      as any preset
+A file is as long as its path and one ramp, and steady from one ramp after its beginning to one before its end: its
+length less the steady one is two ramps.
+"""
+
+import math
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import cast
+
+import msgspec
+import numpy as np
+
+from rangenav import formats, provenance
+from rangenav import preset as presets
+from rangenav.axes import upright
+from rangenav.certificate import files, requirements
+from rangenav.certificate.certify import READERS, Held, Reader, certify
+from rangenav.certificate.files import beside, read_bytes
+from rangenav.certificate.schema import Certificate, dumps
+from rangenav.formats import readback, text
+from rangenav.inputs import require
+from rangenav.preset import Preset
+from rangenav.signals import Flown, Piece, Polynomials
+from rangenav.signals.polynomials import MIN_DURATION, Coefficients
+
+MOTIONS = ("polynomial", "reference")
+FOLDERS = ("bag", "euroc")
+RUNS = ("bag", "mcap", "tum", "euroc", "mat", "npz", "csv", "log")
+DEGREE = 7
+ON_PATH = 1e-6
+"""m; TUM has nine decimals, the others all digits, and stamps in nanoseconds cost 1e-9 of the speed."""
+AT_REST = 1e-6
+"""s; a ramp shorter than that is rounding of one that is not there."""
+RECORDED = "the path of the run, on which every position in the file lies; of what was measured on it, nothing"
+CACHED = 4
+TIME = re.compile(r"\bt\b")
+"""The time in a formula."""
+
+
+def readers() -> Mapping[str, Reader]:
+    """How the bytes of every format that can be certified are read again."""
+    return {**READERS, **{form: _steady(form) for form in MOTIONS}, **{form: _recorded(form) for form in RUNS}}
+
+
+def certified(
+    preset: Preset, form: str, path: Path, *, steady: tuple[float, float] | None = None, attitude: str = "flown"
+) -> Certificate:
+    """The certificate of the file or folder that a preset was exported to, from its bytes.
+
+    `steady` says from when to when (s, in the file) the path runs at its own speed, `attitude` which one was written.
+    Raises ValueError for what cannot be read again.
+    """
+    context = None if form == "preset" else preset
+    if form in MOTIONS:
+        context = _steady_context(upright(preset), *cast("tuple[float, float]", steady))
+        if form == "reference" and attitude == "preset":
+            context = msgspec.structs.replace(context, angular_velocity=upright(preset).angular_velocity)
+    return certify(read_bytes(path), source=path.name, form=form, context=context, readers=readers())
+
+
+@lru_cache(maxsize=CACHED)
+def gate(preset: Preset, form: str = "preset") -> str | None:
+    """Why a preset may not be exported in a format, one sentence; None if it may.
+
+    What is to be flown must meet every requirement; of a preset and of a run it is enough that the preset is what it
+    says it is, so that a hover can be studied.
+    """
+    found = certify(presets.dumps(preset).encode(), source="preset")
+    return None if found.certified and form not in MOTIONS else requirements.gate(found)
+
+
+def write_beside(found: Certificate, path: Path) -> Path:
+    """Write a certificate where `verify` looks for that of a file or folder."""
+    place = beside(path)
+    place.write_bytes(dumps(found))
+    return place
+
+
+def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
+    """The pieces from `begin` on, for a duration (s), each developed anew about where it starts."""
+    ends = np.cumsum([piece.duration for piece in path.pieces])
+    inside = ends[(ends > begin + MIN_DURATION) & (ends < begin + duration - MIN_DURATION)]
+    knots = np.concatenate([[begin], inside, [begin + duration]])
+    require(duration > MIN_DURATION and knots[-1] <= ends[-1] + MIN_DURATION, "the file ends before its path does")
+    order = np.array([math.factorial(j) for j in range(DEGREE + 1)])
+    middle = (knots[1:] + knots[:-1]) / 2  # where there is no doubt which piece is meant
+    tables = np.stack([path(middle, j) for j in range(DEGREE + 1)], axis=1) / order[:, None]  # (m, 8, 3)
+    pieces = []
+    for table, half in zip(tables, np.diff(knots) / 2, strict=True):
+        shifted = [np.polynomial.Polynomial(axis)(np.polynomial.Polynomial([-half, 1.0])) for axis in table.T]
+        x, y, z = (
+            cast(Coefficients, tuple(np.pad(one.coef, (0, DEGREE + 1 - len(one.coef))).tolist())) for one in shifted
+        )
+        pieces.append(Piece(duration=float(2 * half), x=x, y=y, z=z))
+    return Polynomials(pieces=tuple(pieces))
+
+
+def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
+    """What the steady part of a file is judged by: its body is flown along the path, at the yaw that was asked for.
+
+    Where a body of its own angular velocity could not be flown so, it keeps that.
+    """
+    own, steady = turned.angular_velocity, msgspec.structs.replace(turned, duration=end - begin)
+    if isinstance(own, Flown):
+        later = Flown(yaw=TIME.sub(f"(t + {begin / 2!r})", own.yaw))  # of its ramp the path takes half the time
+        return msgspec.structs.replace(steady, angular_velocity=later if begin else own)
+    try:
+        return msgspec.structs.replace(steady, angular_velocity=Flown())
+    except ValueError:
+        return steady
+
+
+def _steady(form: str) -> Reader:
+    def read(content: bytes, source: str, context: Preset | None) -> Held:
+        if context is None:
+            raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
+        why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
+        require(why is None, f"{source}: {why}")
+        require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
+        found = formats.parse(content, form, source=source, confirm={})
+        require(found.unjudged is None, f"{source}: {found.unjudged}")
+        path = cast(Polynomials, found.path)
+        ramp = max(0.0, (found.duration - context.duration) / 2)
+        try:
+            steady = msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
+        except ValueError as error:
+            raise ValueError(f"{source}: {error}") from None
+        covers = f"{ramp:.6g} s to {ramp + context.duration:.6g} s of the file, between its ramps, and no more"
+        return Held(steady, covers if ramp > AT_REST else msgspec.UNSET)
+
+    return read
+
+
+def _recorded(form: str) -> Reader:
+    def read(content: bytes, source: str, context: Preset | None) -> Held:
+        if context is None:
+            raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
+        parts = files.unpacked(content, source) if form in FOLDERS else {"": content}
+        time, position = readback.places(parts, form, source)
+        path = upright(context).path if form in readback.UPRIGHT else context.path
+        rule = f"{source}: its stamps do not lie within the {context.duration:g} s of the preset that is certified"
+        require(time.min() >= -ON_PATH and time.max() <= context.duration + ON_PATH, rule)
+        away = np.linalg.norm(path(time) - position, axis=-1)
+        worst = int(np.argmax(away))
+        said = f"at t = {time[worst]:.4g} s it is {away[worst]:.2g} m from the path of the preset that is certified"
+        require(float(away[worst]) <= ON_PATH, f"{source}: {said}")
+        return Held(context, RECORDED)
+
+    return read

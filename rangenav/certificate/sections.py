@@ -1,0 +1,276 @@
+"""The parts of a certificate: what a preset's motion excites, sees, predicts, asks for and where it jumps."""
+
+from typing import Literal
+
+import msgspec
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import provenance, record, vehicle
+from rangenav.analysis import noise_note
+from rangenav.certificate import derivative_bounds, schema
+from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.excitation_bound import TIE, Bounds, bounds, oriented
+from rangenav.certificate.schema import Claim, figure, known
+from rangenav.inputs import Vec3
+from rangenav.model import STATES
+from rangenav.observability import accuracy, blindness, excitation, spectrum
+from rangenav.preset import Preset
+from rangenav.signals import Flown, knots, piecewise
+from rangenav.vehicle import THRUST_MARGIN
+
+WINDOWS = 201
+"""Start times on which ranks and accuracy are sampled, besides those at which a knot enters or leaves the window."""
+MAX_EVENTS = 100
+Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
+EVERY: Starts = "every t >= 0"
+FLIGHT: Starts = "every t in [0, duration - window]"
+SAME_TIME = 1e-9
+"""Share of the flight; a knot nearer than that to its beginning or end is its beginning or end."""
+SIGMA_TIE = 1e-3
+"""Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
+
+
+def excited(preset: Preset) -> tuple[Claim, schema.Excitation]:
+    """μ over every window at any t where the path repeats, else over every window of the flight."""
+    period, why, needed = preset.path.period, "the path does not repeat", preset.requirement.mu
+    every: Bounds | None = None
+    if period is not None:
+        try:
+            end = period or _last(preset)  # a period of 0: nothing bends, and one window is as good as another
+            every = bounds(preset.path, preset.requirement.window, end)
+            if every.lower >= needed or every.found < needed:
+                return _bounded(preset, every, EVERY, None)
+            why = f"over the period of {period:.4g} s no less than {every.lower:.4g} m²/s⁷ can be shown"
+        except UnboundedError as error:
+            why = str(error)
+    try:
+        found = bounds(preset.path, preset.requirement.window, _last(preset))
+    except UnboundedError as error:
+        return _sampled(preset, str(error))
+    if every is not None and found.lower < needed:
+        return _bounded(preset, every, EVERY, None)
+    return _bounded(preset, found, FLIGHT, why)
+
+
+def _last(preset: Preset) -> float:
+    """The last start of a window within the flight (s)."""
+    return preset.duration - preset.requirement.window
+
+
+def _claim(preset: Preset, starts: Starts, why: str | None) -> Claim:
+    return Claim(
+        starts=starts,
+        window=preset.requirement.window,
+        duration=preset.duration,
+        period=None if preset.path.period is None else figure(preset.path.period),
+        reason=msgspec.UNSET if why is None else f"not every t: {why}",
+    )
+
+
+def _bounded(preset: Preset, found: Bounds, starts: Starts, why: str | None) -> tuple[Claim, schema.Excitation]:
+    blind = found.found <= found.floor
+    part = schema.Excitation(
+        required=preset.requirement.mu,
+        lower=figure(found.lower, toward=-1),
+        upper=figure(found.upper, toward=1),
+        upper_everywhere=figure(found.upper_everywhere, toward=1),
+        found=None if blind else figure(found.found),
+        floor=figure(found.floor, toward=1),
+        at=figure(found.at),
+        direction=_vec(found.direction),
+        starts=found.starts,
+        reason="found: null, below the floor of rounding" if blind else msgspec.UNSET,
+    )
+    return _claim(preset, starts, why), part
+
+
+def _sampled(preset: Preset, why: str) -> tuple[Claim, schema.Excitation]:
+    """Without a bound: what sampled windows say, and why there is no more."""
+    path, window = preset.path, preset.requirement.window
+    start = _starts(preset, _last(preset))
+    every = excitation.eigenvalues(path, start, window)[:, 0]
+    k = int(np.argmin(every))
+    mu, at = float(every[k]), float(start[k])
+    values, axes = excitation.directions(path, at, window)
+    floor = excitation.floor(values[None])
+    part = schema.Excitation(
+        required=preset.requirement.mu,
+        lower=None,
+        upper=None,
+        upper_everywhere=None,
+        found=figure(mu) if mu > floor else None,
+        floor=figure(floor, toward=1),
+        at=figure(at),
+        direction=_vec(oriented(axes[:, 0])),
+        starts=len(start),
+        reason=f"lower, upper: null, sampled only, as {why}" + ("" if mu > floor else "; found: null, below the floor"),
+    )
+    return _claim(preset, FLIGHT, why), part
+
+
+def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
+    """Start times in [0, end]: even ones, and those at which a knot enters or leaves the window."""
+    window = preset.requirement.window
+    try:
+        edges = derivative_bounds.knots_until(preset.path, end + window)
+    except UnboundedError:
+        edges = np.zeros(0)
+    edges = edges[:: 1 + 2 * len(edges) // MAX_EVENTS]
+    events = np.concatenate([edges, edges - window])
+    return np.union1d(np.linspace(0, end, WINDOWS), events[(events > 0) & (events < end)])
+
+
+def ranked(preset: Preset, claim: Claim) -> schema.Rank:
+    """The least rank of the lifted Gramian and of the nonlinear one over sampled windows, and the blind directions."""
+    path, window, world = preset.path, preset.requirement.window, preset.world
+    period = preset.path.period if claim.starts == EVERY else None
+    start = _starts(preset, period or _last(preset))
+    lifted = spectrum.window_spectra(path, world.gravity, start, window)
+    local = spectrum.nonlinear_spectra(path, world.anchor, start, window)
+    rank = int(lifted.rank.min())
+    least = np.where(lifted.rank == rank, lifted.scaled[:, STATES - 1] if rank == STATES else 0.0, np.inf)
+    k = _first_near(least, float(least.min()), TIE)
+    values, axes = excitation.directions(path, float(start[k]), window)
+    blind = blindness.directions(spectrum.null_basis(lifted, k), values, axes) if rank < STATES else ()
+    return schema.Rank(
+        rank=rank,
+        of=STATES,
+        tolerance=figure(float(lifted.tolerance[k] / lifted.scaled[k, 0])),
+        smallest_singular=figure(float(lifted.scaled[k, -1])) if rank == STATES else None,
+        at=figure(float(start[k])),
+        nonlinear=int(local.rank.min()),
+        windows=len(start),
+        blind=tuple(direction.words for direction in blind),
+        reason=msgspec.UNSET if rank == STATES else "smallest_singular: null, below the tolerance",
+    )
+
+
+def predicted(preset: Preset) -> schema.Accuracy:
+    """Predicted σ on the sampled window of the flight that is worst for the lifted position at its end."""
+    path, window, world, sensors = preset.path, preset.requirement.window, preset.world, preset.sensors
+    sigma, rate, share = sensors.sigma.range, sensors.range_rate, sensors.arriving
+    start = _starts(preset, _last(preset))
+    curve = accuracy.end_sigmas(path, world, start, window, sigma=sigma, rate=rate, kind="lifted", share=share)[:, 0]
+    curve = np.nan_to_num(curve, nan=np.inf)
+    worst = float(curve.max())
+    k = int(np.argmax(curve >= worst * (1 - SIGMA_TIE)))
+    at = float(start[k])
+
+    def ends(kind: accuracy.Kind) -> schema.Ends:
+        both = [
+            accuracy.predict(path, world, at, window, sigma=sigma, rate=rate, kind=kind, at=end, share=share)
+            for end in ("start", "end")
+        ]
+        return schema.Ends(start=_sigma(both[0]), end=_sigma(both[1]))
+
+    return schema.Accuracy(
+        required=preset.requirement.position_sigma,
+        at=figure(at),
+        range_sigma=sigma,
+        range_rate=rate,
+        noise=noise_note(sensors),
+        lifted=ends("lifted"),
+        nonlinear=ends("nonlinear"),
+    )
+
+
+def _sigma(found: accuracy.Accuracy) -> schema.Sigma:
+    position, velocity, gravity = known(found.position), known(found.velocity), known(found.gravity)
+    blind = None in (position, velocity, gravity)
+    return schema.Sigma(
+        position=position,
+        velocity=velocity,
+        gravity=gravity,
+        reason="null: blind, this window does not determine it" if blind else msgspec.UNSET,
+    )
+
+
+def flown(preset: Preset) -> tuple[schema.Extremes, schema.Flying]:
+    """What the motion asks for on the IMU's samples, and whether the preset's vehicle can do that."""
+    moved = record.simulated(record.course_of(preset)).motion
+    asked = vehicle.demands(moved, world=preset.world)
+    broken = vehicle.broken(moved, preset.vehicle, world=preset.world)
+    limits = schema.Extremes(
+        speed=_most(asked.speed),
+        acceleration=_most(asked.acceleration),
+        jerk=_most(asked.jerk),
+        snap=_most(asked.snap),
+        thrust_to_weight=_most(asked.thrust_to_weight),
+        tilt_deg=_most(np.degrees(asked.tilt)),
+        body_rate=_most(asked.body_rate),
+        height_min=figure(float(asked.height.min())),
+        height_max=_most(asked.height),
+        anchor_distance_min=figure(float(asked.anchor_distance.min())),
+        rate=preset.sensors.imu_rate,
+    )
+    flying = schema.Flying(
+        name=preset.vehicle.name,
+        flyable=not broken,
+        thrust_margin=THRUST_MARGIN,
+        broken=tuple(one.words for one in broken),
+    )
+    return limits, flying
+
+
+def _most(values: Float[Array, "n"]) -> float:
+    return figure(float(values.max()))
+
+
+def jumped(preset: Preset) -> schema.Jumps:
+    """The largest jumps at knots strictly inside the flight."""
+    largest, count = np.zeros(len(piecewise.JUMP_ORDERS)), 0
+    for found in knots.pieces(preset.path):
+        once, steps = found.knots, piecewise.jumps(found)
+        if found.repeats:
+            once = np.mod(once, found.duration)
+        end = preset.duration * (1 - SAME_TIME)
+        inside = (once < end) & ((once > SAME_TIME * end) | (found.repeats & (found.duration < end)))
+        if inside.any():
+            sizes = np.linalg.norm(steps[inside], axis=-1).max(axis=0)
+            rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(found, order) for order in piecewise.JUMP_ORDERS]
+            largest = np.maximum(largest, np.where(sizes > rounding, sizes, 0.0))
+            count += int(inside.sum())
+    position, velocity, acceleration, jerk, snap = (figure(float(f"{size:.3g}")) for size in largest)
+    return schema.Jumps(
+        knots=count, position=position, velocity=velocity, acceleration=acceleration, jerk=jerk, snap=snap
+    )
+
+
+def source(preset: Preset) -> schema.Source | msgspec.UnsetType:
+    """The file that the path was imported from."""
+    came = preset.source
+    if came is None:
+        return msgspec.UNSET
+    return schema.Source(
+        file=came.file,
+        sha256=came.sha256,
+        format=came.format,
+        derivatives=came.derivatives,
+        fitted=came.fitted,
+        edited=provenance.edited(came, preset.path),
+    )
+
+
+def frame(preset: Preset) -> schema.Frame:
+    """Which way is up, and where the attitude comes from."""
+    gravity = np.asarray(preset.world.gravity)
+    up = -gravity / np.linalg.norm(gravity)
+    k = int(np.argmax(np.abs(up)))
+    axis = ("-" if up[k] < 0 else "+") + "xyz"[k]
+    return schema.Frame(
+        gravity=preset.world.gravity,
+        up=axis if abs(up[k]) > 1 - 1e-12 else blindness.name(up),
+        body="flown along the path" if isinstance(preset.angular_velocity, Flown) else "angular velocity of its own",
+    )
+
+
+def _first_near(values: Float[Array, "n"], target: float, share: float) -> int:
+    """The first value within a share of the least one, so that rounding does not choose among equals."""
+    return int(np.argmax(values <= target + share * abs(target)))
+
+
+def _vec(vector: Float[Array, "3"]) -> Vec3:
+    x, y, z = (figure(float(value)) if abs(value) > 1e-9 else 0.0 for value in vector)
+    return (x, y, z)

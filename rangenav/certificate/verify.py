@@ -1,0 +1,139 @@
+"""Verification: read the bytes again, compute the certificate again, compare it with the one that lies beside the file.
+
+Figures may differ by rounding between processors and versions, and by no more: tolerances are stated here. Words are
+compared with the numbers in them. Everything read is a stranger's: it is answered with sentences, whatever it holds.
+"""
+
+import hashlib
+import re
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from rangenav import preset as presets
+from rangenav.certificate import schema
+from rangenav.certificate.certify import READERS, Reader, certify
+from rangenav.certificate.files import beside, certified_by, read_bytes
+from rangenav.certificate.schema import Certificate
+
+RELATIVE = 1e-4
+"""Figures agree to this share: eight digits are written, and the worst window may move by a share of 1e-6."""
+ABSOLUTE = {
+    "at": 1e-3,  # s: a grid of starts may round differently
+    "direction": 1e-3,  # cosines
+    "smallest_singular": 1e-11,  # rounding of rows is 1e-13 of a largest one of some tens
+}
+"""Besides, by this much."""
+LOOSE = {
+    "floor": 0.5,  # an allowance, not a figure
+    "starts": 0.1,  # points of a grid, whose refinement rounds upwards
+    "remedy": 0.3,  # what a search ends with
+}
+"""Shares that replace the relative tolerance."""
+IN_WORDS = 0.02
+"""Numbers in sentences have three or four figures."""
+UNCOMPARED = {"tool"}
+"""Who computed it does not have to be who verifies."""
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+SHOWN = 60
+"""Characters of a value that a sentence quotes."""
+
+
+def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = READERS) -> tuple[str, ...]:
+    """What is wrong with a file and the certificate beside it, one sentence each; empty if everything holds.
+
+    The file is a shipped preset's name, a preset, an exported file or folder whose format `readers` knows, or the
+    certificate of any of these.
+    """
+    try:
+        path = _find(name_or_path)
+        content, certificate = read_bytes(path), beside(path)
+        if not certificate.is_file():
+            return (f"{path.name}: there is no certificate beside it ({certificate.name})",)
+        stored = schema.loads(read_bytes(certificate), source=certificate.name)
+        return verify(content, stored, source=path.name, readers=readers)
+    except ValueError as error:
+        return (str(error),)
+
+
+def verify(
+    content: bytes, stored: Certificate, *, source: str, readers: Mapping[str, Reader] = READERS
+) -> tuple[str, ...]:
+    """What is wrong with a file's bytes and their certificate, one sentence each; empty if everything holds."""
+    digest = hashlib.sha256(content).hexdigest()
+    if digest != stored.artifact.sha256:
+        return (f"{source}: its bytes are not those that were certified: SHA-256 {digest[:12]}… differs",)
+    try:
+        context = (
+            None if stored.context is msgspec.UNSET else presets.loads(stored.context, source=f"{source}, context")
+        )
+        found = certify(content, source=source, form=stored.artifact.format, context=context, readers=readers)
+    except ValueError as error:
+        return (str(error),)
+    differing = _differences(_plain(stored), _plain(found), "")
+    wrong = [f"{source}: {sentence}" for sentence in differing]
+    return (*wrong, *(f"{source}: {sentence}" for sentence in found.failures))
+
+
+def _find(name_or_path: str | Path) -> Path:
+    path = Path(name_or_path)
+    owner = certified_by(path)
+    if owner is not None:
+        if not owner.exists():
+            raise ValueError(f"{path.name}: there is no {owner.name} beside it that could be verified")
+        path = owner
+    if path.suffix or path.parent != Path(".") or path.is_dir():
+        if not path.exists():
+            raise ValueError(f"{path}: no such file")
+        return path.resolve() if path.name in ("", "..") else path
+    return presets.find(path)
+
+
+def _plain(certificate: Certificate) -> dict[str, Any]:
+    return {key: value for key, value in schema.plain(certificate).items() if key not in UNCOMPARED}
+
+
+def _differences(stored: Any, found: Any, path: str) -> Iterator[str]:
+    """A sentence for each place where the stored certificate is not the one found."""
+    if isinstance(stored, dict) and isinstance(found, dict):
+        for key in [*stored, *(key for key in found if key not in stored)]:
+            place = f"{path}.{key}".lstrip(".")
+            if key in stored and key in found:
+                yield from _differences(stored[key], found[key], place)
+            else:
+                yield f"{place} {'is not found again' if key in stored else 'is missing'}"
+    elif isinstance(stored, list) and isinstance(found, list) and len(stored) == len(found):
+        for k, (one, other) in enumerate(zip(stored, found, strict=True)):
+            yield from _differences(one, other, f"{path}[{k}]")
+    elif not _same(stored, found, path.rsplit(".", 1)[-1].split("[")[0]):
+        yield f"{path} is {_shown(stored)} in the certificate, found again as {_shown(found)}"
+
+
+def _same(stored: Any, found: Any, key: str) -> bool:
+    numbers = [value for value in (stored, found) if isinstance(value, int | float) and not isinstance(value, bool)]
+    if len(numbers) == 2:
+        if isinstance(stored, int) and isinstance(found, int) and key not in LOOSE:
+            return stored == found
+        return _near(stored, found, LOOSE.get(key, RELATIVE), ABSOLUTE.get(key, 0.0))
+    if isinstance(stored, str) and isinstance(found, str) and key not in ("sha256", "context"):
+        return _same_words(stored, found, LOOSE.get(key, IN_WORDS))
+    return type(stored) is type(found) and stored == found
+
+
+def _near(one: float, other: float, share: float, slack: float) -> bool:
+    return one == other or abs(one - other) <= share * max(abs(one), abs(other)) + slack
+
+
+def _same_words(one: str, other: str, share: float) -> bool:
+    """The same sentence, with numbers that agree to a share of them."""
+    if NUMBER.sub("#", one) != NUMBER.sub("#", other):
+        return False
+    pairs = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
+    return all(_near(float(a), float(b), share, IN_WORDS) for a, b in pairs)
+
+
+def _shown(value: Any) -> str:
+    text = " ".join(str(value).split())
+    return text if len(text) <= SHOWN else text[: SHOWN - 1] + "…"

@@ -1,0 +1,148 @@
+"""A path that a vehicle can enter and leave: from hover and back, along itself, by running its own time up and down.
+
+    p(σ(t)),   σ' = 35u⁴ − 84u⁵ + 70u⁶ − 20u⁷,  u = t/ramp:  0 → 1 with three derivatives zero at either end
+so position to snap start and end at rest and pass smoothly into the steady part, where σ' = 1. No place is visited that
+the path itself does not visit. A ramp of r seconds covers the path's first r/2: the file lasts r longer than the path,
+and between its ramps lie the path's own seconds from r/2 to T − r/2. Only there the excitation is the path's.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.formats import hermite
+from rangenav.inputs import Vec3, require
+from rangenav.signals import Flown, Polynomials, Signal, formula, multirotor
+from rangenav.signals.multirotor import Attitude
+
+RAMP = 2.0
+"""s; a metre per second is reached with 1.1 m/s²."""
+AT_REST = 1e-6
+"""Velocity, acceleration and jerk below this (SI) at an end: the path hovers there by itself."""
+BLEND = np.polynomial.Polynomial([0, 0, 0, 0, 0, 7.0, -14.0, 10.0, -2.5])
+"""σ/ramp over u; its value at 1 is ½."""
+ORDERS = 5
+RAMP_STEP = 0.05
+"""s of the pieces of degree 7 on which the attitude on a ramp is found."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Ramped:
+    """A path from 0 to `duration`, entered and left from hover; callable like a signal, up to snap."""
+
+    path: Signal
+    duration: float
+    """s of the path itself."""
+    ramp: float
+    """s of each ramp; 0 if the path starts and ends at rest."""
+
+    @property
+    def end(self) -> float:
+        """s the whole of it lasts."""
+        return self.duration + self.ramp
+
+    @property
+    def steady(self) -> tuple[float, float]:
+        """From when to when (s) it runs at the path's own speed."""
+        return self.ramp, self.duration
+
+    def __call__(self, t: Float[Array, "n"], order: int = 0) -> Float[Array, "n 3"]:
+        """The derivative of the given order (0 to 4) at times t (s)."""
+        own = self.own_time(t)
+        return chained([self.path(own[:, 0], k) for k in range(order + 1)], own)[order]
+
+    def own_time(self, t: Float[Array, "n"]) -> Float[Array, "n 5"]:
+        """σ(t), the path's own time, and its first four derivatives."""
+        own = np.zeros((len(t), ORDERS))
+        own[:, 0], own[:, 1] = t - self.ramp / 2, 1.0
+        if self.ramp == 0:
+            return own
+        rising, falling = t < self.ramp, t > self.duration
+        for k in range(ORDERS):
+            blend = BLEND.deriv(k) if k else BLEND
+            scale = self.ramp ** (1 - k)
+            own[rising, k] = blend(np.maximum(t[rising], 0.0) / self.ramp) * scale
+            left = np.maximum(self.end - t[falling], 0.0) / self.ramp
+            own[falling, k] = (-1.0) ** (k + 1) * blend(left) * scale
+        own[falling, 0] += self.duration
+        return own
+
+
+def ramped(path: Signal, duration: float, *, window: float, ramp: float = RAMP) -> Ramped:
+    """The path with its ramps. Raises ValueError if they leave less than one window (s) of steady flight."""
+    ends = np.array([0.0, duration])
+    if max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) < AT_REST:
+        return Ramped(path=path, duration=duration, ramp=0.0)
+    left = duration - ramp
+    rule = f"ramps of {ramp:g} s leave {left:.3g} s of the path, less than its window of {window:g} s: fly longer"
+    require(left >= window, rule)
+    return Ramped(path=path, duration=duration, ramp=ramp)
+
+
+def chained(value: list[Array], own: Float[Array, "n 5"]) -> list[Array]:
+    """Derivatives of f(σ(t)) from those of f at σ, up to the fourth (Faà di Bruno)."""
+    s1, s2, s3, s4 = (own[:, k].reshape(-1, *[1] * (value[0].ndim - 1)) for k in range(1, ORDERS))
+    terms = [
+        lambda f: f[0],
+        lambda f: f[1] * s1,
+        lambda f: f[2] * s1**2 + f[1] * s2,
+        lambda f: f[3] * s1**3 + 3 * f[2] * s1 * s2 + f[1] * s3,
+        lambda f: f[4] * s1**4 + 6 * f[3] * s1**2 * s2 + f[2] * (3 * s2**2 + 4 * s1 * s3) + f[1] * s4,
+    ]
+    return [term(value) for term in terms[: len(value)]]
+
+
+def yaw(turning: object, course: Ramped, t: Float[Array, "n"]) -> list[Float[Array, "n"]]:
+    """The yaw angle (rad) and its first three derivatives: what a flown body was asked to do, else none."""
+    if not isinstance(turning, Flown):
+        return [np.zeros(len(t)) for _ in range(4)]
+    own = course.own_time(t)
+    asked = formula.derivatives(turning.yaw, own[:, 0], 3)
+    return chained([np.broadcast_to(part, t.shape) for part in asked], own)
+
+
+def attitude(course: Ramped, turning: object, gravity: Vec3, t: Float[Array, "n"]) -> Attitude:
+    """What a multirotor must do to fly the course: thrust along the specific force, turned about it by the yaw."""
+    tilt = _tilt(course, gravity, t)
+    angle, rate, second, _ = yaw(turning, course, t)
+    c, s, zero = np.cos(angle), np.sin(angle), np.zeros(len(t))
+    turn = np.stack([c, -s, zero, s, c, zero, zero, zero, zero + 1], axis=-1).reshape(-1, 3, 3)
+    axis = np.array([0.0, 0.0, 1.0])
+    seen = np.einsum("nij,ni->nj", turn, tilt.angular_velocity)
+    seen_rate = np.einsum("nij,ni->nj", turn, tilt.angular_acceleration)
+    return Attitude(
+        rotation=tilt.rotation @ turn,
+        angular_velocity=seen + rate[:, None] * axis,
+        angular_acceleration=seen_rate + second[:, None] * axis - rate[:, None] * np.cross(axis, seen),
+    )
+
+
+def _tilt(course: Ramped, gravity: Vec3, t: Array) -> Attitude:
+    """Steady flight from the path itself, ramps from fine pieces of degree 7 (they hold still before and after)."""
+    first, last = course.steady
+    parts: list[tuple[Array, float, Signal | None]] = [
+        (t < first, 0.0, _pieces(course, 0.0, first)),
+        (t > last, last, _pieces(course, last, course.end)),
+    ]
+    parts.append((~(t < first) & ~(t > last), course.ramp / 2, course.path))
+    found = Attitude(
+        rotation=np.empty((len(t), 3, 3)),
+        angular_velocity=np.empty((len(t), 3)),
+        angular_acceleration=np.empty((len(t), 3)),
+    )
+    for inside, begin, signal in parts:
+        if signal is None or not inside.any():
+            continue
+        part = multirotor.attitude(Flown(), signal, gravity, t[inside] - begin)
+        for name in ("rotation", "angular_velocity", "angular_acceleration"):
+            getattr(found, name)[inside] = getattr(part, name)
+    return found
+
+
+def _pieces(course: Ramped, begin: float, end: float) -> Polynomials | None:
+    if course.ramp == 0:
+        return None
+    knots = np.linspace(begin, end, round((end - begin) / RAMP_STEP) + 1)
+    return hermite.polynomials(knots - begin, np.stack([course(knots, order) for order in range(4)], axis=1))

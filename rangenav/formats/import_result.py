@@ -1,0 +1,131 @@
+"""What a file was understood to be, what is wrong with it, and what must be answered before it may be used.
+
+Nothing is converted silently: where a unit, a frame or a sign is not beyond doubt there is a `Question` with what the
+data suggest and why, and `settled` raises until each is answered.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from rangenav.formats.recorded_flight import Flight, Frame
+from rangenav.formats.text import Table
+from rangenav.inputs import Vec3, require
+from rangenav.signals import Signal
+
+GRAVITY = 9.81
+"""m/s², where a format says which way is down but not how strong."""
+GAP = 1.75
+"""A step longer than this many usual ones is a gap: at least one sample is missing."""
+NAMED = 5
+"""Lines that are named one by one; of more, the first and the number."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """One thing that a file leaves open."""
+
+    key: str
+    """What `confirm` calls it, and the command line's flag."""
+    flag: str
+    asks: str
+    options: tuple[str, ...]
+    suggestion: str | None
+    evidence: str
+
+    @property
+    def words(self) -> str:
+        """The question as one clause, with the flag that answers it."""
+        answer = f"{self.flag} {self.suggestion or '|'.join(self.options)}"
+        return f"{self.asks}? {self.evidence}: {answer}"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Imported:
+    """A file as it was understood."""
+
+    source: str
+    format: str
+    rows: int
+    rate: float | None
+    """Hz, of the median step; None for a file without samples."""
+    duration: float
+    """s"""
+    frame: Frame
+    findings: tuple[str, ...]
+    """What was noticed, one sentence each: units, gaps, jumps, missing columns, repeated stamps."""
+    questions: tuple[Question, ...] = ()
+    path: Signal | None = None
+    derivatives: Literal["file", "fit"] = "file"
+    """Whether the derivatives up to snap stand in the file, or come from fitting."""
+    fitted: str = ""
+    """What was fitted, and how near it is; empty if the path is the file's own."""
+    fit_error: float | None = None
+    """m, the largest distance of the path from the file's positions; None if the path is the file's own."""
+    unjudged: str | None = None
+    """Why excitation cannot be judged from this path; None if it can."""
+    flight: Flight | None = None
+    sha256: str = ""
+    """Of the file's bytes; empty for a folder."""
+
+
+def settled(found: Imported, *, also: tuple[Question, ...] = ()) -> Imported:
+    """The same, if nothing is open. Raises ValueError with every open question, its evidence and its flag."""
+    open_questions = (*found.questions, *also)
+    if open_questions:
+        asked = "; ".join(question.words for question in open_questions)
+        raise ValueError(f"{found.source}: not used before this is answered: {asked}")
+    return found
+
+
+def gravity(frame: Frame) -> Vec3:
+    """The gravity vector of a frame."""
+    return (0.0, 0.0, -GRAVITY if frame == "z-up" else GRAVITY)
+
+
+def answer(confirm: Mapping[str, str], key: str, options: tuple[str, ...]) -> str | None:
+    """The answer to a question, None if there is none. Raises ValueError if it is none of the options."""
+    given = confirm.get(key)
+    rule = f"{key} must be one of {', '.join(options)}, got {given!r}"
+    require(given is None or given in options, rule)
+    return given
+
+
+def spacing(time: Float[Array, "n"], found: Table, findings: list[str]) -> float | None:
+    """The median rate (Hz) of stamps that increase, with gaps said; None for a single row."""
+    if len(time) < 2:
+        return None
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > GAP * usual)
+    if len(gaps):
+        worst = int(gaps[np.argmax(steps[gaps])])
+        places = lines(found.lines[gaps + 1])
+        count = "1 gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
+        findings.append(f"{count}, the longest {steps[worst]:.3g} s (usual {usual:.3g} s): before {places}")
+    return 1 / usual if usual > 0 else None
+
+
+def repeated(time: Float[Array, "n"]) -> Bool[Array, "n"]:
+    """Rows whose stamp does not come after every one before."""
+    before = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
+    return np.asarray(~(time > before))
+
+
+def lines(numbers: Array) -> str:
+    """Line numbers for reading: a few by name, of many the first and the last."""
+    if len(numbers) <= NAMED:
+        return ("line " if len(numbers) == 1 else "lines ") + ", ".join(str(int(number)) for number in numbers)
+    named = ", ".join(str(int(number)) for number in numbers[:NAMED])
+    return f"lines {named} … {int(numbers[-1])} ({len(numbers)} in all)"
+
+
+def increasing(time: Float[Array, "n"], found: Table) -> None:
+    """Raise ValueError naming the lines whose stamps do not increase."""
+    bad = repeated(time)
+    if bad.any():
+        raise ValueError(f"{found.source}: stamps must increase: they repeat or go back on {lines(found.lines[bad])}")

@@ -1,0 +1,74 @@
+"""A preset from an imported path: flown where it can be, judged over windows of six seconds, and it knows its file."""
+
+from pathlib import Path
+from typing import cast
+
+from rangenav.formats.import_result import Imported, gravity, settled
+from rangenav.inputs import Vec3, require
+from rangenav.motion import World
+from rangenav.preset import MAX_DURATION, MAX_TITLE, MIN_DURATION, Preset, Requirement
+from rangenav.provenance import MAX_FILE, MAX_WORDS, Format, Source, fingerprint
+from rangenav.signals import Flown, Multisine, Turning
+
+WINDOW = 6.0
+"""s, as in the shipped presets; half the flight where that is shorter."""
+MAGNETIC = 0.7071067811865476
+"""North and down in equal parts, as in the shipped presets."""
+SAME_LENGTH = 1e-6
+"""Share by which a duration may be rounded up."""
+
+
+def as_preset(found: Imported, *, duration: float | None = None, anchor: Vec3 = (0.0, 0.0, 0.0)) -> Preset:
+    """The preset of a path that was read. Raises ValueError for open questions, or a file that holds no path."""
+    settled(found)
+    if found.path is None:
+        raise ValueError(f"{found.source}: holds a recorded flight and no path: ask `rangenav log` about it")
+    longest = min(found.duration, MAX_DURATION)
+    length = longest if duration is None else duration
+    known = f"duration must lie between {MIN_DURATION:g} s and the file's {longest:.6g} s, got {length:g} s"
+    require(MIN_DURATION <= length <= longest * (1 + SAME_LENGTH), f"{found.source}: {known}")
+    path, origin = found.path, source(found)
+    world = World(
+        gravity=gravity(found.frame),
+        magnetic=(MAGNETIC, 0.0, -MAGNETIC if found.frame == "z-up" else MAGNETIC),
+        anchor=anchor,
+    )
+
+    def made(turning: Turning) -> Preset:
+        return Preset(
+            title=Path(found.source).stem[:MAX_TITLE] or "imported",
+            story=f"Imported from {found.format}."
+            if found.derivatives == "file"
+            else f"Imported from {found.format}; its snap is the fit's, not the flight's.",
+            duration=length,
+            path=path,
+            angular_velocity=turning,
+            world=world,
+            requirement=Requirement(window=min(WINDOW, length / 2)),
+            source=origin,
+        )
+
+    try:
+        return made(Flown())
+    except ValueError as error:
+        if "flown" not in str(error):
+            raise ValueError(f"{found.source}: {error}") from None
+    try:
+        return made(Multisine())
+    except ValueError as error:
+        raise ValueError(f"{found.source}: {error}") from None
+
+
+def source(found: Imported) -> Source:
+    """Where the path comes from. Raises ValueError for a file that holds none."""
+    if found.path is None:
+        raise ValueError(f"{found.source}: holds no path")
+    return Source(
+        file="".join(c if c.isprintable() else "?" for c in found.source)[-MAX_FILE:] or "?",
+        sha256=found.sha256,
+        format=cast(Format, found.format),
+        derivatives=found.derivatives,
+        fitted=found.fitted[:MAX_WORDS],
+        unjudged=(found.unjudged or "")[:MAX_WORDS],
+        path_sha256=fingerprint(found.path),
+    )

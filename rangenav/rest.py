@@ -1,0 +1,160 @@
+"""What the still start of a recorded flight tells: gravity, the magnetic direction, and how noisy the sensors are.
+
+At rest the accelerometer reads −Rᵀg and the magnetometer Rᵀm. With a true attitude both follow in its frame; without
+one the world is laid by them: z along gravity, x towards magnetic north, which is all a range to an anchor leaves open.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.formats.import_result import Question
+from rangenav.formats.recorded_flight import Flight, Frame
+from rangenav.inputs import Vec3, require
+from rangenav.motion import World, to_inertial
+
+TURNING = 0.05
+"""rad/s; a body on a table reads its gyro's bias and noise, a hand ten times more."""
+SHAKING = 0.3
+"""m/s²; the same for the accelerometer."""
+AVERAGED = 0.2
+"""s over which samples are averaged before they are judged, so that noise alone is not movement."""
+LEAST = 0.5
+"""s; less is no rest."""
+USUAL_GRAVITY = (9.7, 9.9)
+"""m/s²; anywhere on earth, with 0.1 for the accelerometer's own scale."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Still:
+    """A rest at the start of a record."""
+
+    seconds: float
+    gravity: Vec3
+    """m/s², inertial."""
+    magnetic: Vec3
+    """Unit vector, inertial."""
+    gyro_bias: Float[Array, "3"]
+    """rad/s; what the gyro reads at rest. It is said and not taken off."""
+    gyro_noise: float
+    """rad/s, standard deviation per sample and axis."""
+    accel_noise: float
+    """m/s²"""
+    aligned: bool
+    """Directions are in the frame of the file's own attitude; else z along gravity and x towards magnetic north."""
+
+    @property
+    def words(self) -> str:
+        """What it tells, with the evidence."""
+        size, bias = float(np.linalg.norm(self.gravity)), np.degrees(np.linalg.norm(self.gyro_bias))
+        dip = np.degrees(np.arcsin(np.clip(np.dot(self.gravity, self.magnetic) / size, -1, 1)))
+        frame = "in the frame of the file's attitude" if self.aligned else "with x towards magnetic north"
+        odd = "" if USUAL_GRAVITY[0] <= size <= USUAL_GRAVITY[1] else " (not the earth's: is the scale right?)"
+        return (
+            f"the first {self.seconds:.3g} s are still and give gravity {size:.3f} m/s²{odd} and a field {dip:.1f}° "
+            f"below the horizon, {frame}; the gyro reads {bias:.2g}°/s at rest"
+        )
+
+
+def still_seconds(flight: Flight) -> float:
+    """How long the record is still from its first sample on (s); 0 if it starts moving."""
+    step = float(np.median(np.diff(flight.time)))
+    width = max(1, min(round(AVERAGED / step), len(flight.time)))
+    gyro, accel = _averaged(flight.gyro, width), _averaged(flight.accel, width)
+    at_first = gyro[: max(1, len(gyro) // 1000)].mean(axis=0)
+    if np.linalg.norm(at_first) > TURNING:
+        return 0.0
+    turning = np.linalg.norm(gyro - at_first, axis=-1) > TURNING
+    shaking = np.linalg.norm(accel - accel[0], axis=-1) > SHAKING
+    moving = turning | shaking
+    first = int(np.argmax(moving)) if moving.any() else len(moving) - 1
+    seconds = float(flight.time[first] - flight.time[0]) if first > 0 else 0.0
+    return seconds if seconds >= LEAST else 0.0
+
+
+def still(flight: Flight, seconds: float) -> Still:
+    """What a rest of so many seconds tells. Raises ValueError if there is no magnetometer or nothing to average."""
+    rest = flight.time - flight.time[0] <= seconds
+    mag = None if flight.mag is None else flight.mag[rest]
+    if mag is None or np.isnan(mag).any(axis=-1).all():
+        raise ValueError("without a magnetometer at rest the world's magnetic direction must be given")
+    require(int(rest.sum()) >= 2, f"{seconds:g} s of rest hold fewer than two samples")
+    gyro, accel = flight.gyro[rest], flight.accel[rest]
+    mag_mean, accel_mean = np.nanmean(mag, axis=0), accel.mean(axis=0)
+    force, field = _laid(accel_mean, mag_mean, flight.frame)
+    known = None if flight.rotation is None else ~np.isnan(flight.rotation[rest]).any(axis=(1, 2))
+    aligned = False
+    if known is not None and flight.rotation is not None and not np.isnan(mag[known]).any(axis=-1).all():
+        rotation = flight.rotation[rest][known]
+        force = np.mean(to_inertial(rotation, accel[known]), axis=0)
+        field = np.nanmean(to_inertial(rotation, mag[known]), axis=0)
+        aligned = True
+    return Still(
+        seconds=seconds,
+        gravity=_vec(-force),
+        magnetic=_vec(field / np.linalg.norm(field)),
+        gyro_bias=gyro.mean(axis=0),
+        gyro_noise=float(gyro.std(axis=0).mean()),
+        accel_noise=float(accel.std(axis=0).mean()),
+        aligned=aligned,
+    )
+
+
+def world_of(
+    flight: Flight, *, anchor: Vec3, given: tuple[Vec3, Vec3] | None = None, confirmed: bool = False
+) -> tuple[World | None, tuple[Question, ...], str]:
+    """The world of a record: given (gravity, magnetic), the file's own, or its still start's if that is confirmed.
+
+    Returns the world, or None with the question that stands before it; and in words where it comes from.
+    """
+    own = (flight.gravity, flight.magnetic) if flight.gravity is not None and flight.magnetic is not None else None
+    if given is not None or own is not None:
+        gravity, magnetic = given or own  # type: ignore[misc]
+        source = "as given" if given else "as the file says"
+        return World(gravity=gravity, magnetic=magnetic, anchor=anchor), (), f"gravity and field {source}"
+    seconds = still_seconds(flight)
+    if seconds == 0:
+        evidence = "the record does not start still, so nothing tells them"
+        return None, (_question(None, evidence),), ""
+    try:
+        found = still(flight, seconds)
+    except ValueError as error:
+        return None, (_question(None, str(error)),), ""
+    if not confirmed:
+        return None, (_question("still", found.words),), ""
+    return World(gravity=found.gravity, magnetic=found.magnetic, anchor=anchor), (), found.words
+
+
+def _question(suggestion: str | None, evidence: str) -> Question:
+    return Question(
+        key="world",
+        flag="--world",
+        asks="where do gravity and the magnetic field point",
+        options=("still", "given --gravity X Y Z --magnetic X Y Z"),
+        suggestion=suggestion,
+        evidence=evidence,
+    )
+
+
+def _laid(accel: Array, mag: Array, frame: Frame) -> tuple[Array, Array]:
+    """Force and field in a world whose z is along the force (z-up) or against it, and whose x points north."""
+    sign = 1.0 if frame == "z-up" else -1.0
+    up = accel / np.linalg.norm(accel)
+    vertical = float(mag @ up)
+    level = float(np.linalg.norm(mag - vertical * up))
+    force = np.array([0.0, 0.0, sign * np.linalg.norm(accel)])
+    return force, np.array([level, 0.0, sign * vertical])
+
+
+def _averaged(values: Float[Array, "n 3"], width: int) -> Float[Array, "n 3"]:
+    """Means over `width` samples around each."""
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(values, axis=0)])
+    first = np.clip(np.arange(len(values)) - width // 2, 0, len(values) - width)
+    return (total[first + width] - total[first]) / width
+
+
+def _vec(values: Array) -> Vec3:
+    x, y, z = values.tolist()
+    return x, y, z

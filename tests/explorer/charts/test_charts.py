@@ -1,0 +1,330 @@
+"""The plots: what is drawn is what was computed, and nothing that a plot could not show is sent to it."""
+
+import dataclasses
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from explorer.charts import Charts, curves, markup, plot_list, plots
+from explorer.charts.plots import Drawing, Plot
+from explorer.model.compute import Picture, compute
+from explorer.model.settings import Printed, Settings
+from rangenav import preset
+from rangenav.sensors import Sensors, Unmodelled
+from rangenav.signals import Multisine, Tone
+from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Vehicle
+from tests.explorer.scene.test_scene import astronomic, picture
+from tests.support.sent_messages import Page
+
+ALL = [plot for group in plot_list.GROUPS for plot in group.plots]
+MOST_POINTS = 2 * curves.BUCKETS
+
+
+def printed(name: str, switches: Printed) -> Picture:
+    return compute(Settings(preset=preset.load(name), printed=switches))
+
+
+def named(name: str) -> Plot:
+    return next(plot for plot in ALL if plot.name == name)
+
+
+@pytest.fixture(scope="module")
+def slow() -> Picture:
+    return picture("paper-slow")
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield Page(server)
+    server.stop()
+
+
+def sent(page: Page, prop: str) -> list:
+    """All new values of a property since the messages were last cleared."""
+    updates = [vars(message)["updates"] for message in page.messages if type(message).__name__ == "GuiUpdateMessage"]
+    return [update[prop] for update in updates if prop in update]
+
+
+def live(page: Page) -> str:
+    """The elements that change as time moves."""
+    return "".join(content for content in sent(page, "content") if markup.FRACTION + ":" in content)
+
+
+@given(st.integers(2, 3000), st.integers(0, 2**32))
+def test_decimation_keeps_both_extremes_of_every_curve(count: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    time, values = np.arange(count) / 200, rng.standard_normal((count, 3))
+    x, y = curves.decimate(time, values)
+    assert len(x) == len(y) <= MOST_POINTS
+    assert (np.diff(x) > 0).all()
+    assert y.min(axis=0) == pytest.approx(values.min(axis=0))
+    assert y.max(axis=0) == pytest.approx(values.max(axis=0))
+    assert set(np.unique(y)) <= set(np.unique(values))
+
+
+def test_decimation_shows_a_spike_of_one_sample_within_a_pixel() -> None:
+    time, values = np.arange(4001) / 200, np.zeros((4001, 1))
+    values[1234] = 1.0
+    x, y = curves.decimate(time, values)
+    assert abs(x[np.argmax(y)] - time[1234]) < 20 / curves.BUCKETS
+
+
+def test_a_curve_ends_at_its_first_nan() -> None:
+    values = np.array([[1.0, 1.0], [np.nan, 2.0], [3.0, 3.0]])
+    assert np.array_equal(curves.end_at_first_nan(values), [[1, 1], [np.nan, 2], [np.nan, 3]], equal_nan=True)
+
+
+@given(st.floats(1e-30, 1e17), st.floats(1.0, 1e12))
+def test_log_axis_holds_the_data_in_whole_decades_with_few_true_labels(low: float, ratio: float) -> None:
+    axis = curves.decades(np.array([low, low * ratio, np.nan, -1.0, 0.0]))
+    assert axis[0] <= low * (1 + 1e-12)
+    assert axis[1] >= low * ratio * (1 - 1e-12)
+    places, labels = curves.decade_ticks(axis)
+    assert 1 <= len(places) == len(labels) <= curves.MAX_LABELS
+    assert all(axis[0] * 0.99 <= place <= axis[1] * 1.01 for place in places)
+    assert labels == [curves.decade_label(round(np.log10(place))) for place in places]
+
+
+def test_labels_of_decades_and_numbers() -> None:
+    assert [curves.decade_label(k) for k in (-12, -6, -2, 0, 3, 5)] == ["10⁻¹²", "10⁻⁶", "0.01", "1", "1000", "10⁵"]
+    assert [curves.number(v) for v in (0.0, 0.01234, 12.34, 1234.0, 1.234e-7, -7.1e4, np.nan)] == [
+        "0", "0.0123", "12.3", "1234", "1.23e-7", "-7.1e4", "–",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [path.stem for path in preset.shipped_files()])
+def test_every_plot_of_every_preset_is_drawable(name: str) -> None:
+    seen = picture(name)
+    for plot in ALL:
+        drawable(plot, plot.draw(seen))
+
+
+@pytest.mark.parametrize("name", ["hover", "paper-slow"])
+def test_plots_of_an_astronomic_estimate_are_drawable(name: str) -> None:
+    seen = astronomic(name)
+    for plot in ALL:
+        drawable(plot, plot.draw(seen))
+    position = named("position").draw(seen)
+    assert np.nanmax(position.read[:, 0]) > 1e15  # the number is told as it is
+    assert np.isnan(position.drawn[-1]).all()  # and the curve ends where it is none
+
+
+def drawable(plot: Plot, drawing: Drawing) -> None:
+    """Finite, or NaN to the end; positive on a log axis; one column for each curve."""
+    low, high = drawing.axis
+    assert drawing.drawn.shape == drawing.read.shape == (len(drawing.time), len(plot.curves))
+    assert np.isfinite([low, high]).all()
+    assert low < high
+    gone = np.isnan(drawing.drawn)
+    assert np.array_equal(gone, np.maximum.accumulate(gone, axis=0)), f"{plot.name}: a hole would be bridged by a line"
+    kept = drawing.drawn[~gone]
+    assert np.isfinite(kept).all()
+    if plot.log:
+        assert (kept > 0).all()
+        assert low > 0
+    assert (np.diff(drawing.time) > 0).all()
+
+
+def test_eigenvalues_below_the_floor_are_told_so_and_run_along_it() -> None:
+    seen = picture("circle")
+    drawing, windows = plots.gramian(seen), seen.analysis.windows
+    below = windows.gramian <= windows.floor[:, None]
+    assert below.any()
+    assert (drawing.read[:, :13][below] == -np.inf).all()
+    assert drawing.drawn[:, :13][below] == pytest.approx(np.broadcast_to(windows.floor[:, None], below.shape)[below])
+    assert drawing.drawn[:, :13][~below] == pytest.approx(windows.gramian[~below])
+    assert (drawing.drawn >= windows.floor[:, None]).all()
+    assert drawing.axis[0] < windows.floor.min()
+
+
+def test_an_excitation_of_rounding_noise_is_said_to_be_zero_and_lies_below_the_axis() -> None:
+    drawing = plots.excitation(picture("circle"))
+    assert (drawing.read[:, 0] == 0).all()
+    assert (drawing.drawn[:, 0] < drawing.axis[0]).all()
+    assert (drawing.read[:, 1:3] > 0).all()
+    assert drawing.axis[0] < picture("circle").preset.requirement.mu < drawing.axis[1]
+
+
+def test_a_blind_window_has_no_predicted_sigma() -> None:
+    drawing = plots.predicted(picture("circle"))
+    assert (drawing.read[:, 0] == np.inf).all()
+    assert (drawing.drawn[:, 0] > drawing.axis[1]).all()
+    assert np.isfinite(drawing.read[:, 1]).all()
+
+
+def test_predicted_sigma_stands_beside_the_error_at_the_same_windows_end() -> None:
+    seen = picture("paper-slow")
+    drawing, windows = plots.predicted(seen), seen.analysis.windows
+    k = len(windows.start) // 2
+    at = np.argmin(np.abs(seen.motion.time - (windows.start[k] + windows.window)))
+    assert drawing.read[k, 2] in seen.errors.position[at - 1 : at + 2]
+
+
+def sensed(**effects: Any) -> Picture:
+    """The slow path without range noise, with effects that the paper does not model."""
+    p = preset.load("paper-slow")
+    silent = msgspec.structs.replace(p.sensors.noise, range=0.0)
+    return compute(
+        Settings(preset=msgspec.structs.replace(p, sensors=Sensors(noise=silent, unmodelled=Unmodelled(**effects))))
+    )
+
+
+def test_the_true_range_is_the_antennas() -> None:
+    read = plots.distance(sensed(lever_arm=(0.3, 0.2, -0.4))).read
+    np.testing.assert_array_equal(read[:, 0], read[:, 1])
+
+
+def test_plots_of_a_flight_without_any_range_are_drawable_and_their_values_are_dashes(page: Page) -> None:
+    seen = sensed(burst_length=100.0)
+    for plot in ALL:
+        drawable(plot, plot.draw(seen))
+    charts = Charts(page.client, narrow=False)
+    charts.draw(seen)
+    page.messages.clear()
+    charts.cursor(seen, 5.0)
+    assert '--distance-0:"–"' in live(page)
+
+
+def test_printed_signal_is_shown_only_when_switched_on() -> None:
+    assert plots.snap(picture("hover")).hidden == (4, 5, 6, 7)
+    shown = plots.snap(printed("hover", Printed(excitation=True)))
+    assert shown.hidden == ()
+    assert (shown.read[:, 3] == 0).all()  # a hover has no snap
+    assert shown.read[:, 7].max() > 0.1  # and the printed formula says it has
+    assert plots.excitation(printed("hover", Printed(body_axes=True))).hidden == ()
+
+
+def flown_by(name: str, by: Vehicle) -> Picture:
+    return compute(Settings(preset=replace(preset.load(name), vehicle=by)))
+
+
+def test_limits_of_the_vehicle_stand_beside_what_is_asked_of_it_and_are_hidden_where_it_has_none() -> None:
+    seen = flown_by("paper-slow", CRAZYFLIE)
+    speed, effort = plots.speed(seen), plots.effort(seen)
+    assert speed.hidden == effort.hidden == ()
+    assert (speed.read[:, 1] == 8.3).all()
+    assert effort.read[0, 2:] == pytest.approx([1.95 / 1.35, 10.0])
+    assert plots.effort(flown_by("paper-slow", HAND_HELD)).hidden == (2,)
+    assert plots.speed(flown_by("paper-slow", FREE)).hidden == (1,)
+    assert plots.effort(flown_by("paper-slow", FREE)).hidden == (2, 3)
+
+
+@given(st.floats(0.05, 1e3), st.floats(0.05, 1e3))
+def test_a_limit_that_is_near_is_in_the_plot_and_one_far_away_does_not_flatten_the_curve(
+    slow: Picture, speed: float, rate: float
+) -> None:
+    seen = dataclasses.replace(slow, preset=replace(slow.preset, vehicle=Vehicle(name="a", speed=speed)))
+    drawing = plots.speed(seen)
+    greatest = float(drawing.read[:, 0].max())
+    assert drawing.axis[1] >= greatest
+    assert (drawing.axis[1] >= speed) or speed >= plots.NEAR * greatest
+    assert greatest >= drawing.axis[1] / (2 * plots.NEAR)
+    drawable(named("speed"), drawing)
+    both = Vehicle(name="b", thrust_to_weight=speed, body_rate=rate)
+    drawable(named("effort"), plots.effort(dataclasses.replace(seen, preset=replace(seen.preset, vehicle=both))))
+
+
+def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> None:
+    for name in ("snap", "excitation", "gramian"):
+        plot = named(name)
+        folded = re.sub("<details>.*</details>", "", markup.header(plot, height=100, hidden=()))
+        assert plot.words.note in folded
+        assert "Turning the body" in folded
+    still = replace(slow.preset, angular_velocity=Multisine(tones=(Tone(axis="x", amplitude=0.5, frequency=1.0),)))
+    other, windows = compute(Settings(preset=still)), slow.analysis.windows
+    assert other.analysis.windows.excitation == pytest.approx(windows.excitation)
+    assert other.analysis.windows.gramian == pytest.approx(windows.gramian, rel=1e-6, abs=windows.floor.max())
+    before, after = plots.snap(slow).read, plots.snap(other).read
+    assert after[:, 3] == pytest.approx(before[:, 3], rel=1e-9)
+    assert not np.allclose(after[:, :3], before[:, :3])
+    assert not np.allclose(np.linalg.norm(other.phi_printed, axis=1), np.linalg.norm(slow.phi_printed, axis=1))
+
+
+def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=False), picture("paper")
+    page.messages.clear()
+    charts.draw(seen)
+    assert len(sent(page, "data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.later)
+    charts.draw_later(seen)
+    data = sent(page, "data")
+    assert len(data) == len(ALL)
+    for arrays in data:
+        assert len({len(array) for array in arrays}) == 1
+        assert len(arrays[0]) <= MOST_POINTS
+        assert arrays[0][0] >= 0
+        assert arrays[0][-1] <= seen.preset.duration
+    assert [scales["x"]["range"] for scales in sent(page, "scales")] == [(0.0, seen.preset.duration)] * len(ALL)
+    assert all(scales["x"]["time"] is False for scales in sent(page, "scales"))
+
+
+def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
+    charts.draw(seen)
+    page.messages.clear()
+    charts.draw(dataclasses.replace(seen))
+    assert sent(page, "scales") == sent(page, "axes") == sent(page, "series") == []
+    assert page.kinds() == {"GuiUpdateMessage"}
+
+
+def test_cursor_is_one_small_message_for_each_column_and_tells_the_values_there(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
+    charts.draw(seen)
+    page.messages.clear()
+    charts.cursor(seen, 5.0)
+    assert len(page.messages) == 2
+    text = live(page)
+    assert len(text) < 2500
+    fraction = re.findall(r"--tcur:([\d.]+)", text)
+    assert [float(f) for f in fraction] == pytest.approx([5.0 / seen.preset.duration] * 2)
+    k = int(np.argmin(np.abs(seen.motion.time - 5.0)))
+    told = curves.number(seen.errors.position[k])
+    assert f'--position-0:"{told}"' in text
+    assert f"estimate off by <b>{told} m</b>" in text
+    distance = float(np.linalg.norm(seen.motion.position[k] - seen.preset.world.anchor))
+    assert f"{curves.number(distance)} m from the anchor" in text
+
+
+def test_a_window_is_read_only_while_it_can_start(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=True), picture("circle")
+    charts.draw(seen)
+    page.messages.clear()
+    charts.cursor(seen, 1.0)
+    assert '--gramian-0:"< floor"' in live(page)
+    assert '--predicted-0:"blind"' in live(page)
+    page.messages.clear()
+    charts.cursor(seen, seen.preset.duration)
+    assert '--gramian-0:"–"' in live(page)
+    assert '--position-0:"–"' not in live(page)
+
+
+def test_cursor_variables_of_the_legend_are_those_that_are_assigned() -> None:
+    for plot in ALL:
+        html = markup.header(plot, height=100, hidden=())
+        for i, curve in enumerate(plot.curves):
+            assert (f"var({markup.variable(plot, i)}," in html) == bool(curve.label)
+        assert plot.words.equation in html
+
+
+def test_every_curve_of_a_plot_differs_by_more_than_its_colour() -> None:
+    for plot in ALL:
+        looks = [(curve.dash, curve.width, curve.filled) for curve in plot.curves if curve.label]
+        assert len(set(looks)) == len(looks)
+
+
+def test_paper_figures_in_the_narrow_page_keep_one_tab_and_fill_the_new_ones(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=True), picture("paper")
+    charts.draw(seen)
+    page.messages.clear()
+    charts.show_paper_figures()
+    made = [message for message in page.messages if type(message).__name__ == "GuiUplotMessage"]
+    assert len(made) == len(ALL) - len(plot_list.ERRORS.plots)
+    assert len(sent(page, "data")) == len(ALL)

@@ -1,0 +1,265 @@
+"""What stands beside a picture: drawn in every plot on the picture's own times, told in words, and gone without it."""
+
+import dataclasses
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import viser
+from msgspec.structs import replace
+
+from explorer.charts import Charts, comparison_curves, plot_list, plots
+from explorer.model import comparison, consistency, differences
+from explorer.model.comparison import Beside, Rival
+from explorer.model.compute import Picture, compute
+from explorer.model.settings import Settings
+from explorer.panels.compare import text
+from explorer.scene import Scene
+from rangenav import comparison as estimators
+from rangenav import ensemble, record
+from rangenav.gains import Gains
+from rangenav.provenance import Source, fingerprint
+from tests.explorer.charts.test_charts import drawable, sent
+from tests.explorer.scene.test_scene import astronomic, picture
+from tests.support.sent_messages import Page
+
+ALL = [plot for group in plot_list.GROUPS for plot in group.plots]
+ERRORS = plot_list.GROUPS[0].plots
+
+
+def altered(a: Picture, **changes: object) -> Picture:
+    return compute(Settings(origin=a.settings.origin, preset=replace(a.preset, **changes)))
+
+
+@pytest.fixture(scope="module")
+def slow() -> Picture:
+    return picture("paper-slow")
+
+
+@pytest.fixture(scope="module")
+def crowd(slow: Picture) -> Beside:
+    """Everything at once."""
+    rivals = tuple(Rival(name, comparison.rival(name, slow)) for name in comparison.NAMES)
+    return Beside(pinned=picture("paper"), rivals=rivals, seeds=ensemble.seeds(slow.preset, 12))
+
+
+@pytest.fixture
+def page() -> Iterator[Page]:
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    yield Page(server)
+    server.stop()
+
+
+def over(plot: plots.Plot, seen: Picture, shown: Beside) -> tuple[plots.Plot, plots.Drawing]:
+    return comparison_curves.over(plot, seen, shown, comparison_curves.pinned(plot, shown.pinned, None))
+
+
+def test_with_nothing_beside_a_plot_is_what_it_was(slow: Picture) -> None:
+    for plot in ALL:
+        same, drawing = over(plot, slow, comparison.NOTHING)
+        assert same is plot
+        np.testing.assert_array_equal(drawing.drawn, plot.draw(slow).drawn)
+
+
+@pytest.mark.parametrize("name", ["paper-slow", "paper", "circle", "hover", "soft"])
+def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, slow: Picture) -> None:
+    other = picture(name)
+    for seen, a in ((slow, other), (other, slow), (astronomic("hover"), other), (slow, astronomic("hover"))):
+        for plot in ALL:
+            more, drawing = over(plot, seen, Beside(pinned=a))
+            drawable(more, drawing)
+            labels = [curve.label for curve in more.curves[len(plot.curves) :]]
+            assert len(labels) == len(plot.again)
+            assert all(label.startswith("A") for label in labels)
+            own = plot.draw(seen)
+            assert drawing.axis[0] <= own.axis[0] < own.axis[1] <= drawing.axis[1]
+            np.testing.assert_array_equal(drawing.read[:, : len(plot.curves)], own.read)
+
+
+def test_a_run_pinned_beside_itself_lies_on_its_own_curves(slow: Picture) -> None:
+    for plot in ALL:
+        _, drawing = over(plot, slow, Beside(pinned=slow))
+        first = len(plot.curves)
+        for k, column in enumerate(plot.again):
+            if column in drawing.hidden:
+                assert np.isnan(drawing.drawn[:, first + k]).all()
+                continue
+            np.testing.assert_array_equal(drawing.drawn[:, first + k], drawing.drawn[:, column])
+
+
+def test_what_a_plot_cannot_show_stays_outside_a_wider_axis() -> None:
+    blind, free = picture("circle"), picture("paper-slow")
+    for name in ("excitation", "predicted", "gramian"):
+        plot = next(plot for plot in ALL if plot.name == name)
+        for seen, a in ((blind, free), (free, blind)):
+            _, drawing = over(plot, seen, Beside(pinned=a))
+            zero, none = drawing.read == 0, drawing.read == np.inf
+            assert (drawing.drawn[zero] < drawing.axis[0]).all()
+            assert (drawing.drawn[none] > drawing.axis[1]).all()
+
+
+def test_pinned_curves_are_computed_once(slow: Picture) -> None:
+    kept = comparison_curves.pinned(ERRORS[0], slow, None)
+    assert comparison_curves.pinned(ERRORS[0], slow, kept) is kept
+    assert comparison_curves.pinned(ERRORS[0], dataclasses.replace(slow), kept) is not kept
+    assert comparison_curves.pinned(ERRORS[0], None, kept) is None
+
+
+def test_band_and_estimators_stand_in_the_error_plots_alone(slow: Picture, crowd: Beside) -> None:
+    for plot in ALL:
+        more, drawing = over(plot, slow, crowd)
+        drawable(more, drawing)
+        labels = {curve.label for curve in more.curves}
+        assert ({"12 seeds", "EKF", "refined"} <= labels) == (plot in ERRORS)
+        assert len(more.bands) == (plot in ERRORS)
+        looks = [(curve.dash, curve.width, curve.filled) for curve in more.curves if curve.label]
+        assert len(set(looks)) == len(looks)
+
+
+def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd: Beside) -> None:
+    runs = crowd.seeds
+    assert runs is not None
+    more, drawing = over(ERRORS[3], slow, crowd)
+    ((upper, lower),) = more.bands
+    high, low, median = drawing.read[:, upper], drawing.read[:, lower], drawing.read[:, upper - 1]
+    assert (low <= median).all()
+    assert (median <= high).all()
+    ends = np.searchsorted(slow.motion.time, runs.time)
+    np.testing.assert_allclose(median[ends], np.degrees(runs.band("attitude").median))
+
+
+def test_an_estimator_at_work_has_its_place_but_no_curve(slow: Picture) -> None:
+    more, drawing = over(ERRORS[0], slow, Beside(rivals=(Rival("refined", None),)))
+    assert more.curves[-1].label == "refined"
+    assert np.isnan(drawing.drawn[:, -1]).all()
+    assert drawing.axis == ERRORS[0].draw(slow).axis
+
+
+def test_estimators_are_the_librarys_on_the_same_record(slow: Picture) -> None:
+    found = {c.name: c for c in estimators.compare(record.run(slow.preset))}
+    for name, full in (("EKF", estimators.EKF), ("refined", estimators.REFINEMENT)):
+        ours = comparison.rival(name, slow)
+        np.testing.assert_array_equal(ours.errors.position, found[full].errors.position)
+
+
+def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were(
+    page: Page, slow: Picture, crowd: Beside
+) -> None:
+    charts = Charts(page.client, narrow=False)
+    for shown in (comparison.NOTHING, crowd, Beside(pinned=slow), comparison.NOTHING):
+        page.messages.clear()
+        charts.draw(slow, shown)
+        charts.draw_later(slow)
+        assert len(sent(page, "data")) >= len(ALL)
+        for handle in (chart.handle for column in charts._columns for chart in column.charts):
+            assert len(handle.data) == len(handle.series)
+            assert {len(array) for array in handle.data} == {len(handle.data[0])}
+            for band in handle.bands or ():
+                assert max(band["series"]) < len(handle.series)
+    page.messages.clear()
+    charts.draw(slow)
+    charts.draw_later(slow)
+    assert sent(page, "series") == sent(page, "bands") == sent(page, "axes") == []
+
+
+def test_a_is_in_the_scene_only_while_it_is_pinned(page: Page, slow: Picture, crowd: Beside) -> None:
+    scene = Scene(page.client, lambda: None)
+    nodes = scene._companions
+    scene.draw(slow)
+    assert not nodes._trail.visible
+    scene.draw(slow, crowd)
+    scene.move(slow, 10.0)
+    assert nodes._trail.visible
+    assert nodes._path.visible  # another motion
+    assert all(line.visible for line in nodes._rivals.values())
+    k = int(np.argmin(np.abs(crowd.pinned.motion.time - 10.0)))  # pyright: ignore[reportOptionalMemberAccess]
+    assert nodes._ghost._root.position == pytest.approx(crowd.pinned.position_estimate[k])  # pyright: ignore[reportOptionalMemberAccess]
+    scene.draw(slow, Beside(pinned=slow))
+    assert not nodes._path.visible
+    assert not any(line.visible for line in nodes._rivals.values())
+    scene.draw(slow)
+    assert not nodes._trail.visible
+    assert not nodes._ghost._root.visible
+    assert np.isfinite(list(page.numbers())).all()
+
+
+def test_differences_name_the_choice_and_the_figures_that_moved(slow: Picture) -> None:
+    assert differences.figures(slow, slow) == differences.choices(slow.preset, slow.preset) == []
+    gains = replace(slow.preset.gains, riccati=replace(slow.preset.gains.riccati, q=1.0))
+    b = altered(slow, gains=gains, seed=7)
+    q = f"gains.riccati.q {slow.preset.gains.riccati.q:.4g} → 1"
+    assert set(differences.choices(slow.preset, b.preset)) == {q, f"seed {slow.preset.seed} → 7"}
+    told = differences.figures(slow, b)
+    assert not any(sentence.startswith(("rank", "μ", "predicted")) for sentence in told)  # gains change none of these
+    before, after = slow.summary.steady_position, b.summary.steady_position
+    (steady,) = (sentence for sentence in told if sentence.startswith("steady position"))
+    assert steady.startswith(f"steady position {before:.3g} → {after:.3g} m (")
+
+
+def test_differences_of_verdicts_and_of_what_never_comes(slow: Picture) -> None:
+    told = differences.figures(slow, picture("circle"))
+    assert told[0] == "observable → blind"
+    assert any(sentence.startswith("rank 13 → ") for sentence in told)
+    assert any("→ not reached" in sentence for sentence in told)
+    assert differences.choices(slow.preset, picture("circle").preset)
+
+
+def test_a_fit_has_no_verdict_to_differ_from(slow: Picture) -> None:
+    source = Source(
+        file="flight.tum",
+        sha256=64 * "0",
+        format="tum",
+        derivatives="fit",
+        unjudged="it was sampled",
+        path_sha256=fingerprint(slow.preset.path),
+    )
+    assert differences.figures(altered(slow, source=source), picture("circle"))[0] == "not judged → blind"
+
+
+@pytest.mark.parametrize("mode", ["constant", "noise-matched"])
+def test_agreement_is_what_its_definition_says(mode: str, slow: Picture) -> None:
+    seen = altered(slow, gains=Gains(mode=mode))  # pyright: ignore[reportArgumentType]
+    found, part = consistency.of_run(seen), seen.motion.time >= 0.75 * seen.preset.duration
+    truth = record.simulated(record.course_of(seen.preset)).state
+    error, P = (seen.estimate.state - truth)[part, 4:7], seen.estimate.covariance[part, 0]
+    nees = [e @ np.linalg.inv(p) @ e for e, p in zip(error, P, strict=True)]
+    assert found.nees == pytest.approx(np.mean(nees), rel=1e-6)
+    value, variance = seen.estimate.innovation[seen.measurements.range_time >= 0.75 * seen.preset.duration].T
+    assert found.nis == pytest.approx(np.mean(value**2 / variance))
+    assert found.reached == pytest.approx(np.sqrt(np.mean(np.sum(error**2, axis=1))), rel=0.01)
+    if mode == "constant":
+        assert found.nees < 1.5  # the shipped gains are far too cautious about the noise that there is
+
+
+def test_a_blind_run_has_no_predicted_sigma_in_the_table() -> None:
+    seen = picture("circle")
+    found = consistency.of_run(seen)
+    assert np.isnan(found.lifted)
+    assert "not determined" in text.agreement(found, None, 0, matched=False)
+
+
+def test_what_visitors_type_is_escaped(slow: Picture) -> None:
+    named = dataclasses.replace(slow, settings=replace(slow.settings, origin="<img src=x onerror=alert(1)>"))
+    said = text.differences(named, named, ["<b>"], ["<i>"])
+    assert "<img" not in said
+    assert "<li><b>" not in said
+
+
+def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd: Beside) -> None:
+    assert crowd.seeds is not None
+    never = dataclasses.replace(crowd.seeds, settle_position=np.full(12, np.inf))
+    said = text.seeds(slow, never, "")
+    assert "never – never<" in said
+    assert "0 of 12 settle" in said
+
+
+def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_later(
+    page: Page, slow: Picture, crowd: Beside
+) -> None:
+    charts = Charts(page.client, narrow=False)
+    charts.draw(slow, Beside(seeds=crowd.seeds))
+    chart = charts._columns[0].charts[0]
+    chart.toggle(2)  # the median
+    assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, False, False, False]
+    charts.draw(slow, Beside(pinned=slow))
+    assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, True]

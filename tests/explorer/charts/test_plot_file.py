@@ -1,0 +1,253 @@
+"""Files of plots and lines of Python: they hold what the page shows, to the last digit where they are numbers."""
+
+import csv
+import io
+import json
+import math
+import re
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import viser
+
+from explorer.charts import Charts, plot_file, plot_list
+from explorer.charts.plots import Drawing, Plot
+from explorer.model.compute import Picture, compute
+from explorer.model.settings import Printed, Settings
+from explorer.panels.export import python_lines
+from explorer.server import Sessions
+from explorer.storage import preset_file
+from explorer.warming import Warming
+from explorer.web.security import open_server
+from rangenav import preset
+from tests.explorer.scene.test_scene import picture
+from tests.support.sent_messages import Page
+from tests.support.shared_server import house
+from tests.support.wire import Wire
+
+ALL = {plot.name: plot for group in plot_list.GROUPS for plot in group.plots}
+SVG = "{http://www.w3.org/2000/svg}"
+ROOT = Path(__file__).parents[3]
+
+
+def _columns(plot: Plot, drawing: Drawing) -> tuple[int, ...]:
+    return tuple(i for i in range(len(plot.curves)) if i not in drawing.hidden)
+
+
+def _duration(seen: Picture) -> float:
+    return float(seen.motion.time[-1])
+
+
+def _table(seen: Picture, name: str) -> tuple[list[str], np.ndarray]:
+    """Names and numbers of a plot's CSV, an empty cell as NaN."""
+    plot = ALL[name]
+    drawing = plot.draw(seen)
+    content = plot_file.table(plot, drawing, _columns(plot, drawing), _duration(seen)).decode()
+    names, *rows = csv.reader(io.StringIO(content))
+    return names, np.array([[float(cell) if cell else math.nan for cell in row] for row in rows])
+
+
+@pytest.mark.parametrize("name", list(ALL))
+@pytest.mark.parametrize("of", ["paper-slow", "circle"])
+def test_a_table_holds_every_sample_of_every_curve_to_the_last_digit(name: str, of: str):
+    seen = picture(of)
+    drawing = ALL[name].draw(seen)
+    names, numbers = _table(seen, name)
+    shown = drawing.read[:, _columns(ALL[name], drawing)]
+    np.testing.assert_array_equal(numbers[:, 0], drawing.time)
+    np.testing.assert_array_equal(numbers[:, 1:], np.where(np.isneginf(shown), np.nan, shown))
+    assert len(set(names)) == len(names) == numbers.shape[1]
+
+
+def test_the_first_line_names_every_curve_with_its_unit():
+    seen = picture("paper-slow")
+    assert _table(seen, "position")[0] == ["t (s)", "error (m)", "σ by P (m)"]
+    assert _table(seen, "effort")[0] == ["t (s)", "thrust/weight", "|ω| (rad/s)"]
+    gramian = _table(seen, "gramian")[0]
+    assert gramian[:3] == ["window start (s)", "λ₁ (SI)", "λ₂ (SI)"]
+    assert gramian[-3:] == ["λ₁₂ (SI)", "λ₁₃ (SI)", "floor (SI)"]
+    assert _table(seen, "snap")[0][1] == "x (m/s⁴)"
+
+
+def test_a_table_is_not_the_decimated_curve():
+    seen = picture("paper-slow")
+    assert len(_table(seen, "position")[1]) == len(seen.motion.time) > 1000
+
+
+def test_a_blind_window_is_inf_and_below_the_floor_there_is_nothing():
+    seen = picture("circle")
+    assert (_table(seen, "predicted")[1][:, 1] == math.inf).all()
+    assert np.isnan(_table(seen, "gramian")[1][:, 1]).all()
+
+
+def _patches(root: ElementTree.Element, colour: str) -> list[np.ndarray]:
+    """The points (px) of all open lines of a colour."""
+    found = []
+    for path in root.iter(f"{SVG}path"):
+        if f"stroke: {colour}" in path.get("style", "") and "clip-path" in path.attrib:
+            numbers = re.findall(r"-?\d+(?:\.\d+)?", path.get("d", ""))
+            found.append(np.array(numbers, dtype=float).reshape(-1, 2))
+    return found
+
+
+def test_the_svg_draws_the_curve_on_a_logarithmic_axis():
+    seen, plot = picture("paper-slow"), ALL["attitude"]
+    drawing = plot.draw(seen)
+    root = ElementTree.fromstring(plot_file.svg(plot, drawing, (0,), _duration(seen)))
+    (curve,) = _patches(root, plot.curves[0].color.lower())
+    corners = next(group for group in root.iter(f"{SVG}g") if group.get("id") == "patch_2")[0].get("d", "")
+    frame = np.array(re.findall(r"-?\d+(?:\.\d+)?", corners), dtype=float).reshape(-1, 2)
+    left, right, top, bottom = *(f(frame[:, 0]) for f in (min, max)), *(f(frame[:, 1]) for f in (min, max))
+    share = (bottom - curve[:, 1]) / (bottom - top)
+    low, high = np.log10(drawing.axis)
+    told = 10 ** (low + share * (high - low))
+    when = (curve[:, 0] - left) / (right - left) * _duration(seen)
+    inside = (told > drawing.axis[0]) & (told < drawing.axis[1])
+    assert inside.sum() > 100
+    # Lines are simplified to a ninth of a pixel, which is less than a hundredth of the axis' height per vertex.
+    near = [np.abs(np.log10(drawing.read[np.abs(seen.motion.time - t) < 0.05, 0]) - np.log10(v)).min()
+            for t, v in zip(when[inside], told[inside], strict=True)]  # fmt: skip
+    assert max(near) < 0.01 * (high - low)
+
+
+@pytest.mark.parametrize("name", ["gramian", "snap", "predicted"])
+def test_a_picture_has_its_size_and_the_same_plot_gives_the_same_bytes(name: str):
+    seen, plot = picture("circle"), ALL[name]
+    drawing = plot.draw(seen)
+    columns, duration = _columns(plot, drawing), _duration(seen)
+    drawn = plot_file.png(plot, drawing, columns, duration)
+    assert drawn[:8] == b"\x89PNG\r\n\x1a\n"
+    assert [int.from_bytes(drawn[k : k + 4], "big") for k in (16, 20)] == [1440, 720]
+    assert plot_file.svg(plot, drawing, columns, duration) == plot_file.svg(plot, drawing, columns, duration)
+
+
+def test_the_floor_is_drawn_and_a_curve_that_is_not_shown_is_not():
+    seen, plot = picture("circle"), ALL["gramian"]
+    drawing = plot.draw(seen)
+    grey, blue = plot.curves[-1].color.lower(), plot.curves[-2].color.lower()
+    every = ElementTree.fromstring(plot_file.svg(plot, drawing, _columns(plot, drawing), _duration(seen)))
+    assert len(_patches(every, grey)) == len(_patches(every, blue)) == 1
+    some = ElementTree.fromstring(plot_file.svg(plot, drawing, (0, 13), _duration(seen)))
+    assert (len(_patches(some, grey)), len(_patches(some, blue))) == (1, 0)
+
+
+def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    charts, seen, other = Charts(Page(server).client, narrow=False), picture("paper-slow"), picture("circle")
+    charts.draw(seen)
+    with pytest.raises(ValueError, match="no plot 'scaled' yet"):
+        charts.plan("scaled", "csv")
+    charts.draw_later(seen)
+    assert charts.plan("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
+    charts.draw(other)
+    assert charts.plan("position", "csv")()
+    with pytest.raises(ValueError, match="Scaled spectrum: still shows an earlier state"):
+        charts.plan("scaled", "csv")
+    turned = Settings(preset=other.preset, twin_turn=(0.0, 0.0, 0.5))
+    charts.draw_later(compute(turned))  # as when only the twin was turned
+    assert charts.plan("scaled", "csv")()
+    assert charts.plan("position", "csv")()
+    server.stop()
+
+
+def test_nothing_to_write_and_too_much_are_refused():
+    plot = ALL["position"]
+    drawing = plot.draw(picture("paper-slow"))
+    with pytest.raises(ValueError, match="Position error: no curve of it is shown"):
+        plot_file.refuse(plot, drawing, ())
+    count = plot_file.MAX_CELLS // 3
+    plot_file.refuse(plot, replace(drawing, time=np.zeros(count)), (0, 1))
+    with pytest.raises(ValueError, match=f"would hold {3 * count + 3} numbers"):
+        plot_file.refuse(plot, replace(drawing, time=np.zeros(count + 1)), (0, 1))
+
+
+def test_the_page_starts_without_matplotlib():
+    code = "import sys, explorer.session; print('matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True).stdout == "False\n"
+
+
+CASES = [
+    Settings(origin="paper-slow", preset=preset.load("paper-slow"), time_scale=1.5),
+    Settings(origin="circle", preset=preset.load("circle"), printed=Printed(model=True, initial_values=True)),
+    Settings(origin="hover", preset=preset.load("hover"), printed=Printed(excitation=True, body_axes=True)),
+]
+
+
+@pytest.mark.parametrize("settings", CASES, ids=[case.origin for case in CASES])
+def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp_path: Path):
+    (tmp_path / "mine.toml").write_bytes(preset_file.document(settings))
+    lines = python_lines(settings, "mine.toml")
+    assert len(lines.splitlines()) <= 6
+    ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), found.mu, found.verdict"
+    ask += ", printed.tolist()]))" if "printed =" in lines else "]))"
+    ran = subprocess.run(
+        [sys.executable, "-c", lines + ask], cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
+    )
+    assert ran.stderr == ""
+    position, mu, verdict, *rest = json.loads(ran.stdout)
+    seen = compute(settings)
+    np.testing.assert_array_equal(position, seen.errors.position)
+    assert (mu, verdict) == (seen.analysis.mu, seen.analysis.verdict)
+    if rest:
+        # The same sums, but in a process where numpy may add in another order: 14 digits of the greatest.
+        np.testing.assert_allclose(rest[0], seen.printed_excitation, rtol=0, atol=1e-14 * np.max(rest[0]))
+
+
+def test_the_printed_switches_change_what_the_lines_compute():
+    """Else the test above could not tell whether they are followed."""
+    plain = [compute(Settings(origin=case.origin, preset=case.preset)) for case in CASES]
+    assert plain[0].analysis.mu != compute(CASES[0]).analysis.mu
+    assert not np.array_equal(plain[1].errors.position, compute(CASES[1]).errors.position)
+    assert not np.array_equal(plain[2].printed_excitation, compute(CASES[2]).printed_excitation)
+
+
+@pytest.fixture(scope="module")
+def tab() -> Iterator[Wire]:
+    server, warming = open_server("127.0.0.1", 0), Warming()
+    Sessions(server, house(server, warming))
+    warming.start()
+    visitor = Wire(server.get_port())
+    visitor.wait_for_text("estimate off by")
+    yield visitor
+    visitor.close()
+    server.stop()
+
+
+def _download(tab: Wire, row: str, option: str) -> tuple[str, bytes]:
+    before = len(tab.downloads)
+    tab.press(row, option)
+    tab.wait_for(lambda: len(tab.downloads) > before, f"the download of {option}")
+    return tab.downloads[-1]
+
+
+@pytest.mark.parametrize("kind", ["CSV", "SVG", "PNG"])
+def test_a_visitor_gets_the_file_of_the_plot_they_chose(tab: Wire, kind: str):
+    tab.set("plot", "Attitude error")
+    time.sleep(0.1)
+    name, content = _download(tab, "file", kind)
+    assert name == f"paper-slow-attitude.{kind.lower()}"
+    plot = ALL["attitude"]
+    seen = picture("paper-slow")
+    assert content == plot_file.WRITERS[kind.lower()](plot, plot.draw(seen), (0,), _duration(seen))
+
+
+def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):
+    name, lines = _download(tab, "Python", "lines")
+    settings = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
+    assert (name, lines.decode()) == ("paper-slow.py", python_lines(settings, "paper-slow.toml"))
+    assert "flight = record.run(p)" in tab.text()
+    assert _download(tab, "Python", "preset file") == ("paper-slow.toml", preset_file.document(settings))
+
+
+def test_a_plot_that_is_none_is_refused_beside_the_buttons(tab: Wire):
+    tab.set("plot", "../../etc/passwd")
+    time.sleep(0.1)
+    tab.press("file", "CSV")
+    tab.wait_for_text("there is no plot")

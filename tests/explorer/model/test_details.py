@@ -1,0 +1,366 @@
+"""The page's depth stage, its plots and its scene nodes: what is shown is what the library found."""
+
+import asyncio
+import html
+import threading
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import viser
+from msgspec.structs import replace
+from viser.transforms import SO3
+
+from explorer.charts import Charts, markup, plot_list
+from explorer.charts import details as drawings
+from explorer.charts.cursor_values import window_at
+from explorer.charts.plot_tabs import FOLLOWS
+from explorer.model import details
+from explorer.panels.world.twin import TwinPanel
+from explorer.scene import bounds
+from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
+from explorer.scene.twin import TwinGhost
+from explorer.widgets.form import Refused, Sheet
+from rangenav import preset, twin
+from rangenav.inputs import Vec3
+from rangenav.signals import Multisine, Tone
+from rangenav.twin import Twin
+from tests.explorer.charts.test_charts import live, sent
+from tests.explorer.scene.test_scene import node, page, picture
+from tests.support.sent_messages import Page
+
+__all__ = ["page"]  # the fixture
+SLOW = preset.load("paper-slow")
+
+
+def test_a_gain_leaves_the_depth_alone_and_the_path_does_not() -> None:
+    before = details.of(SLOW)
+    tuned = details.of(replace(SLOW, gains=replace(SLOW.gains, mode="noise-matched"), seed=7))
+    moved = details.of(replace(SLOW, path=preset.load("soft").path))
+    for part in ("spectrum", "horizon", "functions", "twin", "printed"):
+        assert getattr(tuned, part) is getattr(before, part), part
+        assert getattr(moved, part) is not getattr(before, part), part
+
+
+def test_depth_is_about_the_analysis_own_windows() -> None:
+    seen = picture("circle")
+    found = details.of(seen.preset)
+    np.testing.assert_array_equal(found.spectrum.eigenvalues, seen.analysis.windows.gramian)
+    assert found.functions.start == seen.analysis.gramian_at
+    assert found.functions.rank == seen.analysis.rank
+    assert len(found.printed.least_printed) == len(seen.analysis.windows.start)
+    assert found.printed.mu == 0.0
+
+
+def test_a_turn_moves_the_twin_of_a_hover() -> None:
+    p = preset.load("hover")
+    still, turned = details.of(p).twin, details.of(p, turn=(0.0, 0.0, 0.3)).twin
+    assert isinstance(still, Twin)
+    assert isinstance(turned, Twin)
+    assert turned.turn == (0.0, 0.0, 0.3) != still.turn
+
+
+@pytest.mark.parametrize(("time", "start"), [(-1.0, 0.0), (3.0, 3.0), (14.0, 14.0), (20.0, 14.0)])
+def test_the_excitation_at_a_time_is_that_of_the_window_starting_there(time: float, start: float) -> None:
+    found = details.excitation_at(SLOW, time)
+    assert found.window == SLOW.requirement.window
+    assert found.start == pytest.approx(start, abs=0.5 * 14.0 / 100)
+
+
+def test_the_frozen_test_is_told_once_python_control_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(details, "LOADED", threading.Event())
+    assert details.frozen_words(SLOW) == ""
+    assert len(drawings.say_depth(picture("paper-slow"))) == 2
+    details.load_slow()
+    assert "rank 11 of 13 in body axes, 5 in turned axes" in details.frozen_words(SLOW)
+    assert len(drawings.say_depth(picture("paper-slow"))) == 3
+    assert len(drawings.say_depth(picture("circle"))) == 4
+
+
+# Plots
+
+
+def test_the_scaled_spectrum_draws_nothing_below_its_tolerance_as_if_it_were_data() -> None:
+    seen = picture("circle")
+    drawing, found = drawings.scaled(seen), details.of(seen.preset).spectrum
+    lost = found.scaled[:, ::-1] <= found.tolerance[:, None]
+    assert lost.sum() == (13 - found.rank).sum()
+    assert (drawing.read[:, :13][lost] == -np.inf).all()
+    assert (drawing.drawn >= found.tolerance[:, None] * (1 - 1e-12)).all()
+    assert drawing.axis[0] < found.tolerance.min()
+    assert (np.diff(np.where(np.isinf(drawing.read[:, :13]), 0.0, drawing.read[:, :13]), axis=1) >= 0).all()
+
+
+def test_the_functions_are_drawn_over_their_peaks_and_read_as_they_are() -> None:
+    seen = picture("hover")
+    drawing, found = drawings.functions(seen), details.of(seen.preset).functions
+    np.testing.assert_array_equal(drawing.read, found.values)
+    peaks = np.abs(drawing.drawn).max(axis=0)
+    present = np.abs(found.values).max(axis=0) > 0
+    assert present.sum() == 7  # 1, τ, τ², τ³ and the three of D_z
+    np.testing.assert_allclose(peaks[present], 1.0)
+    np.testing.assert_array_equal(peaks[~present], 0.0)
+
+
+def test_rank_and_sigma_by_length_stand_at_their_length_on_the_time_axis() -> None:
+    seen = picture("paper-slow")
+    found, rank, sigma = details.of(seen.preset).horizon, drawings.rank_by_length(seen), drawings.sigma_by_length(seen)
+    np.testing.assert_array_equal(rank.time, found.length)
+    np.testing.assert_array_equal(rank.read[:, :2], found.rank)
+    assert (rank.read[:, 2] == 13).all()
+    assert sigma.read[0, 1] == np.inf  # blind, and drawn above the axis
+    assert sigma.drawn[0, 1] > sigma.axis[1]
+    assert sigma.read[-1, 0] == pytest.approx(found.sigma[-1, 0])
+
+
+@pytest.mark.parametrize("name", ["hover", "circle", "wiggle"])
+def test_both_ranges_are_drawn_and_agree_while_the_twin_is_far_off(name: str) -> None:
+    seen = picture(name)
+    ranges, apart = drawings.ranges(seen), drawings.apart(seen)
+    assert ranges.hidden == apart.hidden == ()
+    assert np.abs(ranges.read[:, 0] - ranges.read[:, 1]).max() <= twin.TOLERANCE
+    assert apart.read[:, 1].max() <= twin.TOLERANCE
+    assert np.sqrt(np.mean(apart.read[:, 0] ** 2)) > 0.99
+    true = np.linalg.norm(seen.motion.position - np.asarray(seen.preset.world.anchor), axis=1)
+    np.testing.assert_allclose(np.interp(seen.motion.time, ranges.time, ranges.read[:, 0]), true, atol=1e-3)
+
+
+def test_a_refused_twin_is_not_drawn_and_its_reason_is_told() -> None:
+    seen = picture("paper-slow")
+    assert drawings.ranges(seen).hidden == (1,)
+    assert drawings.apart(seen).hidden == (0, 1)
+    told, _ = drawings.say_twin(seen)
+    assert told.startswith("No twin: a metre of the least felt difference")
+
+
+def test_the_printed_certificate_stands_beside_the_derived_one_whatever_is_switched_on() -> None:
+    seen = picture("circle")
+    drawing, mu = drawings.certificates(seen), seen.preset.requirement.mu
+    assert (drawing.read[:, 0] == 0).all()
+    assert (drawing.drawn[:, 0] < drawing.axis[0]).all()
+    assert (drawing.read[:, 3] > mu).all()
+    assert drawing.axis[0] < mu < drawing.axis[1]
+    assert drawings.say_twin(seen)[1].startswith("False certificate: ")
+    both = drawings.phi(seen)
+    np.testing.assert_allclose(both.read[:, 0], np.linalg.norm(seen.motion.snap, axis=1), rtol=1e-9)
+    assert np.abs(both.read[:, 1] - both.read[:, 0]).max() > 0.1
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow: bool) -> None:
+    charts, seen = Charts(page.client, narrow=narrow), picture("circle")
+    charts.draw(seen)
+    wanted = markup.sentences(drawings.say_twin(seen))
+    assert html.escape("the mirror image in the plane through the anchor with normal z") in wanted
+    assert markup.sentences((FOLLOWS,)) in sent(page, "content")
+    assert wanted not in sent(page, "content")
+    charts.draw_later(seen)
+    assert wanted in sent(page, "content")
+    page.messages.clear()
+    charts.draw_later(seen)
+    assert wanted not in sent(page, "content")
+    charts.draw(picture("hover"))
+    charts.draw_later(picture("hover"))
+    assert markup.sentences(drawings.say_twin(picture("hover"))) in sent(page, "content")
+
+
+def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=True), picture("circle")
+    charts.draw(seen)
+    page.messages.clear()
+    charts.show_paper_figures()
+    assert markup.sentences(drawings.say_depth(seen)) in sent(page, "content")
+
+
+def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> None:
+    charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
+    charts.draw(seen)
+    page.messages.clear()
+    charts.cursor(seen, 5.0)
+    assert f"{markup.WINDOW_FROM}:0.25000;{markup.WINDOW_SPAN}:0.30000;" in live(page)
+    assert window_at(seen, 19.0) == pytest.approx((0.7, 0.3))  # the last window there is
+    for group in plot_list.GROUPS:
+        for plot in group.plots:
+            top = markup.header(plot, height=100, hidden=())
+            assert f"var({markup.WINDOW_FROM}, 0)" in top
+            assert f"var({markup.WINDOW_SPAN}, 0)" in top
+
+
+# Scene
+
+
+def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(page: Page) -> None:
+    seen = picture("circle")
+    ghost, found = TwinGhost(page.scene, lambda: None), details.of(seen.preset).twin
+    ghost.draw(seen, found, bounds.stage(seen))
+    ghost.move(seen, 3.2149)
+    k = int(np.argmin(np.abs(seen.motion.time - 3.2149)))
+    place = np.asarray(node(page, "/twin").position)
+    anchor = np.asarray(seen.preset.world.anchor)
+    assert np.linalg.norm(place - anchor) == pytest.approx(np.linalg.norm(seen.motion.position[k] - anchor))
+    assert np.linalg.norm(place - seen.motion.position[k]) == pytest.approx(3.0)
+    assert SO3(node(page, "/twin").wxyz).as_matrix() == pytest.approx(seen.motion.rotation[k])
+    assert node(page, "/twin").visible
+    assert node(page, "/twin_path").visible
+    ends = node(page, "/twin_ranges").points  # type: ignore[attr-defined]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=-1)
+    assert lengths[0] == pytest.approx(lengths[1], rel=1e-6)
+
+
+def test_without_a_twin_nothing_of_it_is_shown(page: Page) -> None:
+    ghost = TwinGhost(page.scene, lambda: None)
+    for name in ("circle", "paper-slow"):
+        seen = picture(name)
+        ghost.draw(seen, details.of(seen.preset).twin, bounds.stage(seen))
+        ghost.move(seen, 1.0)
+    assert [node(page, name).visible for name in ("/twin", "/twin_path", "/twin_ranges")] == [False] * 3
+
+
+def test_a_twin_off_the_stage_is_not_drawn_and_no_error(page: Page) -> None:
+    seen = picture("circle")
+    p = replace(seen.preset, world=replace(seen.preset.world, anchor=(0.0, 0.0, 50.0)))
+    ghost = TwinGhost(page.scene, lambda: None)
+    ghost.draw(seen, twin.twin(p), bounds.stage(seen))
+    ghost.move(seen, 1.0)
+    assert not node(page, "/twin").visible
+    assert not node(page, "/twin_path").visible
+
+
+def drag(ghost: TwinGhost, position: tuple) -> None:
+    """As viser's loop tells it."""
+    asyncio.run(ghost._drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
+
+
+def test_a_drag_is_kept_until_it_is_asked_for_and_only_if_it_is_a_place(page: Page) -> None:
+    notes: list[None] = []
+    ghost = TwinGhost(page.scene, lambda: notes.append(None))
+    assert ghost.dragged() is None
+    for hostile in ((float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (1e30, 0.0, 0.0)):
+        drag(ghost, hostile)
+    assert ghost.dragged() is None
+    assert not notes
+    drag(ghost, (1.0, 2.0, 3.0))
+    drag(ghost, (3.0, 2.0, 1.0))
+    assert ghost.dragged() == (3.0, 2.0, 1.0)
+    assert ghost.dragged() is None
+    assert len(notes) == 2
+
+
+def test_a_twin_says_whether_it_may_be_dragged(page: Page) -> None:
+    ghost, label = TwinGhost(page.scene, lambda: None), "/twin/label"
+    for name, text in (("hover", "evil twin, drag it"), ("circle", "evil twin")):
+        seen = picture(name)
+        ghost.draw(seen, details.of(seen.preset).twin, bounds.stage(seen))
+        assert node(page, label).text == text  # type: ignore[attr-defined]
+
+
+def _nothing() -> None:
+    """For a section that nobody watches."""
+
+
+@pytest.fixture
+def panel(page: Page) -> TwinPanel:
+    return TwinPanel(Sheet(page.gui, _nothing))
+
+
+def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
+    p = preset.load("hover")
+    usual = details.of(p).twin
+    assert isinstance(usual, Twin)
+    panel.draw(usual)
+    assert panel.read() is None  # what is shown of the usual twin is no choice of the visitor's
+    assert panel._angle.read() == pytest.approx(np.pi / 2)
+    panel._axis.show((0.0, 2.0, 0.0))
+    panel._angle.show(np.radians(50.0))
+    turn = panel.read()
+    assert turn == pytest.approx((0.0, np.radians(50.0), 0.0))
+    panel.draw(details.of(p, turn=turn).twin)
+    assert panel.read() == turn
+    dragged = twin.turn_towards(p, (1.0, 2.0, -0.5), time=0.0)
+    panel.write(dragged)
+    panel.draw(details.of(p, turn=dragged).twin)
+    assert panel.read() == dragged
+    assert panel._angle.read() == pytest.approx(np.linalg.norm(dragged))
+    panel._forget()
+    assert panel.read() is None
+
+
+def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis_and_passes_through_nothing(
+    panel: TwinPanel,
+) -> None:
+    back_and_forth = Multisine(offset=(0.0, 2.0, -1.0), tones=(Tone(axis="x", amplitude=1.5, frequency=1.0),))
+    p = replace(preset.load("line"), path=back_and_forth)
+    found = details.of(p).twin
+    assert isinstance(found, Twin)
+    axis = found.axis
+    assert axis is not None
+    for angle in (-2.0, 0.0, 1.0):
+        panel.draw(found)
+        panel._angle.show(angle)
+        turn = panel.read()
+        assert turn == pytest.approx(angle * np.array(axis))
+        found = details.of(p, turn=turn).twin
+        assert isinstance(found, Twin)
+        panel.draw(found)
+        assert panel._axis.read() == pytest.approx(axis)
+        assert panel._angle.read() == pytest.approx(angle)
+
+
+@pytest.mark.parametrize("axis", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 1.0)])
+def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPanel, axis: Vec3) -> None:
+    found = details.of(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
+    panel.write((0.0, 0.0, 0.5))
+    panel.draw(found)
+    panel._axis.show(axis)
+    with pytest.raises(Refused):
+        panel.read()
+    panel._axis.show((0.0, 0.0, 1.0))
+    assert panel.read() == pytest.approx((0.0, 0.0, 0.5))
+
+
+def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: TwinPanel) -> None:
+    for name, shown in (("circle", False), ("hover", True), ("lissajous", False)):
+        panel.draw(details.of(preset.load(name)).twin)
+        assert panel._section._folder.visible == shown
+        assert panel.read() is None
+
+
+def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_weakest_axis(page: Page) -> None:
+    seen = picture("lissajous")
+    shown, on, found = ExcitationEllipsoid(page.scene), bounds.stage(seen), details.excitation_at(seen.preset, 2.0)
+    shown.draw(seen, found, on)
+    handle = node(page, "/excitation")
+    scale = np.array(handle.scale)  # type: ignore[attr-defined]
+    assert scale[2] == pytest.approx(LONGEST * on.radius)
+    np.testing.assert_allclose(scale / scale[2], found.semi_axes / found.semi_axes[2], rtol=1e-9)
+    assert SO3(handle.wxyz).as_matrix() == pytest.approx(found.axes)
+    arrow = SO3(node(page, "/weakest").wxyz).as_matrix()[:, 0]
+    assert abs(arrow @ found.weakest) == pytest.approx(1.0)
+    label = page.scene.get_handle_by_name("/weakest/label")
+    assert isinstance(label, viser.LabelHandle)
+    assert label.text == weakest_label(found) == f"weakest: x, μ = {found.eigenvalues[0]:.3g}"
+    assert bounds.stage(seen).holds(np.asarray(handle.position))
+
+
+def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> None:
+    seen, still = picture("circle"), picture("hover")
+    shown, on = ExcitationEllipsoid(page.scene), bounds.stage(seen)
+    shown.draw(seen, details.excitation_at(seen.preset, 0.0), on)
+    scale = np.array(node(page, "/excitation").scale)  # type: ignore[attr-defined]
+    assert scale[0] == pytest.approx(THINNEST * scale[2])
+    assert weakest_label(details.excitation_at(seen.preset, 0.0)) == "no snap along z"
+    shown.draw(still, details.excitation_at(still.preset, 0.0), bounds.stage(still))
+    assert not node(page, "/excitation").visible
+    assert not node(page, "/weakest").visible
+    shown.show(False)
+    shown.draw(seen, details.excitation_at(seen.preset, 0.0), on)
+    assert not node(page, "/excitation").visible
+
+
+def test_a_still_ellipsoid_sends_nothing(page: Page) -> None:
+    seen = picture("lissajous")
+    shown, on = ExcitationEllipsoid(page.scene), bounds.stage(seen)
+    shown.draw(seen, details.excitation_at(seen.preset, 2.0), on)
+    page.messages.clear()
+    shown.draw(seen, details.excitation_at(seen.preset, 2.001), on)
+    assert page.messages == []

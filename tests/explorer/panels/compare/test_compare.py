@@ -1,0 +1,155 @@
+"""The Compare tab through viser's messages: pin, seeds with progress and cancel, estimators, and bad input."""
+
+import math
+import re
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from explorer.charts import Charts
+from explorer.panels.compare import ComparePanel
+from explorer.server import Sessions
+from explorer.session import Session
+from tests.support.wire import Wire
+
+BAND = "of these settings"
+PRESS = 0.05
+"""s: presses of buttons go through a pool of threads, and may be overtaken."""
+
+
+@pytest.fixture
+def comparing(sessions: tuple[int, Sessions]) -> Iterator[tuple[Wire, Session]]:
+    port, made = sessions
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    yield tab, list(made._of.values())[-1]
+    tab.close()
+
+
+def labels(session: Session) -> list[set[str]]:
+    """The labels of the curves of every plot."""
+    charts: Charts = session._charts
+    shown = [chart for column in charts._columns for chart in column.charts if chart.base.again]
+    return [{curve.label for curve in chart.plot.curves} for chart in shown]
+
+
+def panel(session: Session) -> ComparePanel:
+    return session._dock.compare
+
+
+def words(tab: Wire) -> str:
+    return re.sub(r"<[^>]+>", "", tab.text())
+
+
+def test_a_pinned_run_is_in_every_plot_until_it_is_unpinned(comparing: tuple[Wire, Session]):
+    tab, session = comparing
+    assert not any("A" in shown for shown in labels(session))
+    tab.press("Pin this run as A")
+    tab.wait_for(lambda: all(any(name.startswith("A") for name in shown) for shown in labels(session)), "A")
+    tab.wait_for_text("Nothing is chosen otherwise yet.")
+    pinned = panel(session)._pinned
+    tab.set("q", 0.0)
+    tab.wait_for(lambda: "gains.riccati.q 5000 → 1" in words(tab), "what was chosen otherwise")
+    assert "steady position" in words(tab)
+    assert panel(session)._pinned is pinned
+    tab.press("Unpin")
+    tab.wait_for(lambda: not any("A" in shown for shown in labels(session)), "no A")
+
+
+def test_pinning_is_no_step_of_the_history(comparing: tuple[Wire, Session]):
+    tab, session = comparing
+    depth = session._history.depth
+    tab.press("Pin this run as A")
+    tab.wait_for_text("Nothing is chosen otherwise yet.")
+    assert session._history.depth == depth
+
+
+def test_seeds_give_a_band_which_never_outlives_the_settings(comparing: tuple[Wire, Session]):
+    tab, session = comparing
+    tab.set("N", 5)
+    time.sleep(PRESS)
+    tab.press("N seeds")
+    tab.wait_for_text(f"5 seeds {BAND}")
+    tab.wait_for(lambda: sum("5 seeds" in shown for shown in labels(session)) == 4, "four bands")
+    tab.set("k1", 0.3)
+    tab.wait_for_text("the band belonged to others and is gone")
+    assert not any("5 seeds" in shown for shown in labels(session))
+    assert panel(session)._seeds is None
+
+
+def test_moving_the_window_or_the_vehicle_keeps_the_band_for_the_runs_are_the_same(comparing: tuple[Wire, Session]):
+    tab, session = comparing
+    tab.set("N", 3)
+    time.sleep(PRESS)
+    tab.press("N seeds")
+    tab.wait_for_text(f"3 seeds {BAND}")
+    tab.set("window δ (s)", 5.0)
+    tab.wait_for_text("over δ = 5 s")
+    assert sum("3 seeds" in shown for shown in labels(session)) == 4
+
+
+def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
+    comparing: tuple[Wire, Session], monkeypatch: pytest.MonkeyPatch
+):
+    tab, session = comparing
+    heard: list[bool] = []
+
+    def endless(*_: object, progress, cancelled, **__: object):
+        while not cancelled():
+            progress(0.25)
+            time.sleep(0.01)
+        heard.append(True)
+
+    monkeypatch.setattr("rangenav.ensemble.seeds", endless)
+    tab.press("N seeds")
+    tab.wait_for_text("20 seeds**, 25 %")
+    tab.press("Stop")
+    tab.wait_for(lambda: len(heard) == 1 and session._jobs.running is None, "the job to end")
+    tab.press("N seeds")
+    tab.wait_for_text("20 seeds**, 25 %")
+    tab.set("q", 1.0)
+    tab.wait_for(lambda: len(heard) == 2, "the job to end")
+    tab.wait_for_text("The settings changed while the seeds ran")
+    assert panel(session)._seeds is None
+
+
+@pytest.mark.parametrize("value", [0, 101, 2.5, math.nan, math.inf, -1e300])
+def test_a_nonsense_number_of_seeds_gets_a_sentence(comparing: tuple[Wire, Session], value: float):
+    tab, session = comparing
+    tab.set("N", value)
+    time.sleep(PRESS)
+    tab.press("N seeds")
+    tab.wait_for_text("N must be a whole number between 1 and 100")
+    assert session._jobs.running is None
+
+
+def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple[Wire, Session]):
+    tab, session = comparing
+    tab.set("EKF", True)
+    time.sleep(PRESS)
+    tab.set("refinement", True)
+    tab.wait_for(lambda: "refined: converged after" in words(tab), "the refinement's words")
+    assert sum({"EKF", "refined"} <= shown for shown in labels(session)) == 4
+    before = words(tab)
+    run = panel(session)._rivals.found["refined"][0]
+    tab.set("noise seed", 3.0)
+    tab.wait_for(lambda: panel(session)._rivals.found["refined"][0] != run, "another refinement")
+    tab.wait_for(lambda: words(tab) != before and "at work" not in words(tab), "its words")
+    tab.set("EKF", False)
+    time.sleep(PRESS)
+    tab.set("refinement", False)
+    tab.wait_for_text("Switch one on")
+    assert not any({"EKF", "refined"} & shown for shown in labels(session))
+
+
+def test_a_record_without_ranges_is_refused_by_the_refinement_alone(comparing: tuple[Wire, Session]):
+    tab, session = comparing
+    tab.set("silent from (s)", 0.0)
+    time.sleep(PRESS)
+    tab.set("silent for (s)", 100.0)
+    time.sleep(PRESS)
+    tab.set("refinement", True)
+    tab.wait_for_text("a refinement needs ranges")
+    assert "Not shown" not in words(tab)
+    assert panel(session)._on == {"refined"}

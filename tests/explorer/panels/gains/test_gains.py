@@ -1,0 +1,255 @@
+"""The gains on the page in two languages: switching changes no bit, and a moved word only what it stands for."""
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as tried
+from msgspec.structs import replace
+
+from explorer.model import gain_units
+from explorer.model.compute import compute
+from explorer.model.gain_units import WORDS, in_words, place_of
+from explorer.model.settings import Language, Settings
+from explorer.panels.dock import Dock
+from explorer.panels.gains import summary
+from explorer.widgets.form import Refused
+from rangenav.attitude import AttitudeGains, Schedule
+from rangenav.gains import Gains
+from tests.explorer.panels.test_panels import SHIPPED, client, dock
+from tests.explorer.panels.test_round_trips import chosen
+
+__all__ = ["client", "dock"]  # fixtures
+pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
+"""The websocket's threads do, while hypothesis draws."""
+FEW = tried(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
+TOUCHED = {
+    "range_sigma": {"q"},
+    "accel_sigma": {"v.xi", "v.velocity"},
+    "gyro_sigma": {"v.position", "v.velocity", "v.gravity"},
+    "position_factor": {"v.position"},
+    "velocity_factor": {"v.velocity"},
+    "position_box": {"p0.position", "p0.xi"},
+    "velocity_box": {"p0.velocity", "p0.xi"},
+    "gravity_box": {"p0.gravity", "p0.xi"},
+    "xi_factor": {"p0.xi"},
+    "attitude_time": {"k1"},
+    "gravity_weight": {"k1", "rho2"},
+}
+"""Which gains each word decides, from the formulas at the top of rangenav.physical."""
+
+
+def _speak(dock: Dock, language: Language) -> None:
+    """As a visitor would, who moves the menu and nothing else."""
+    dock.gains._wanted.show(language)
+
+
+def _dial(dock: Dock, name: str) -> Any:
+    return dock.gains._physical._dials[name]
+
+
+def _numbers(gains: Gains) -> dict[str, float]:
+    """Every gain by its name."""
+    r, a = gains.riccati, gains.attitude
+    blocks = {f"{n}.{b}": getattr(getattr(r, n), b) for n in ("v", "p0") for b in r.v.__struct_fields__}
+    return {"q": r.q, **blocks, "k1": a.k1, "rho1": a.rho1, "rho2": a.rho2}
+
+
+@pytest.fixture(autouse=True)
+def _in_letters(dock: Dock) -> None:
+    """Each test begins with the paper's letters and a shipped preset."""
+    dock.gains.speak("paper")
+    dock.write(SLOW)
+
+
+@FEW
+@given(chosen(), chosen())
+def test_switching_there_and_back_any_number_of_times_changes_no_bit(dock: Dock, before: Settings, settings: Settings):
+    dock.gains.speak("paper")
+    dock.write(before)
+    for written in (settings, before):
+        dock.write(written)
+        for language in ("physical", "paper", "physical", "physical"):
+            _speak(dock, language)
+            assert dock.read() == written
+            assert dock.read() == written
+            assert dock.gains.language == language
+
+
+def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_language(dock: Dock):
+    gains = Gains(mode="noise-matched", attitude=AttitudeGains(k1=999.0, rho1=1e-6, rho2=1 / 3, schedule=Schedule()))
+    settings = replace(SLOW, preset=replace(SLOW.preset, gains=gains))
+    dock.write(settings)
+    _speak(dock, "physical")
+    assert dock.read() == settings
+    _speak(dock, "paper")
+    assert dock.read() == settings
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_others(dock: Dock, name: str):
+    _speak(dock, "physical")
+    before = dock.read().preset.gains
+    _dial(dock, name).show(0.6 * _dial(dock, name).read())
+    after = dock.read()
+    changed = {n for n, value in _numbers(after.preset.gains).items() if value != _numbers(before)[n]}
+    assert changed == TOUCHED[name]
+    # and what is now stored says what was asked, to rounding
+    assert getattr(in_words(after.preset.gains, place_of(after)), name) == pytest.approx(
+        _dial(dock, name).read(), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("name", WORDS)
+def test_a_word_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
+    _speak(dock, "physical")
+    dock.read()
+    dial = _dial(dock, name)
+    good = dial.read()
+    dial.show(good / 2)
+    assert dock.read() != SLOW
+    dial.show(good)
+    assert dock.read() == SLOW
+    for other in WORDS:
+        _dial(dock, other).show(0.9 * _dial(dock, other).read())
+        dock.read()
+    for other in WORDS:
+        assert _dial(dock, other).mark()
+        _dial(dock, other).reset()
+        dock.read()
+    assert dock.read() == SLOW
+
+
+def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock: Dock):
+    _speak(dock, "physical")
+    _dial(dock, "range_sigma").show(0.3)
+    gains = dock.read().preset.gains
+    for change in (
+        lambda: dock.motion._time._scale.show(3.0),
+        lambda: dock.world.move_anchor((4.0, 5.0, 6.0)),
+        lambda: dock.sensors._range_rate.show(20.0),
+        lambda: dock.sensors._imu_rate.show(700.0),
+    ):
+        shown = (
+            _dial(dock, "range_sigma").read(),
+            _dial(dock, "position_factor").read(),
+            _dial(dock, "gyro_sigma").read(),
+        )
+        change()
+        settings = dock.read()
+        assert settings.preset.gains == gains
+        words = in_words(gains, place_of(settings))
+        assert all(_dial(dock, name).read() == getattr(words, name) for name in WORDS)
+        assert shown != (words.range_sigma, words.position_factor, words.gyro_sigma)
+    _speak(dock, "paper")
+    assert dock.read().preset.gains == gains
+
+
+def test_a_word_moved_together_with_the_path_means_what_it_says_on_the_new_path(dock: Dock):
+    _speak(dock, "physical")
+    before = dock.read()
+    dock.world.move_anchor((4.0, 5.0, 6.0))
+    _dial(dock, "range_sigma").show(0.5)
+    after = dock.read()
+    at = place_of(after).at
+    variance = at.distance**2 * 0.5**2 + 0.5**4 / 2
+    assert after.preset.gains.riccati.q == pytest.approx(after.preset.sensors.range_rate / variance, rel=1e-12)
+    assert replace(after.preset.gains.riccati, q=1.0) == replace(before.preset.gains.riccati, q=1.0)
+    assert dock.read() == after
+
+
+def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
+    _speak(dock, "physical")
+    dock.read()
+    for name in WORDS:
+        _dial(dock, name).show(0.8 * _dial(dock, name).read())
+        dock.read()
+    dock.motion._time._scale.show(3.0)
+    dock.read()
+    dock.gains._section.sheet.reset_all()
+    assert dock.read() == SLOW
+
+
+@pytest.mark.parametrize("far", [1e280, 1e-280, math.nextafter(0, 1), 1e40])
+def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
+    _speak(dock, "physical")
+    good = dock.read().preset.gains
+    for name in WORDS:
+        shown = _dial(dock, name).read()
+        _dial(dock, name).show(far)
+        with pytest.raises(Refused) as refusal:
+            dock.read()
+        assert WORDS[name].label in str(refusal.value.__cause__)
+        assert dock.gains._physical._sections[name].complaint._line.visible
+        _dial(dock, name).show(shown)
+        assert dock.read().preset.gains == good
+
+
+def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, monkeypatch: pytest.MonkeyPatch):
+    _speak(dock, "physical")
+    good = dock.read()
+
+    def nowhere(settings: Settings) -> gain_units.Place:
+        raise ValueError("distance must lie between 0.001 and 100000 m, got 3e+07")
+
+    monkeypatch.setattr("explorer.panels.gains.place_of", nowhere)
+    dock.motion._time._scale.show(2.0)
+    assert dock.read().preset.gains == good.preset.gains
+    assert "the path&#x27;s typical distance must lie" in dock.gains._physical._noise.complaint._line.content
+    _dial(dock, "range_sigma").show(0.5)
+    with pytest.raises(Refused):
+        dock.read()
+    _speak(dock, "paper")
+    monkeypatch.undo()
+    dock.motion._time._scale.show(1.0)
+    assert dock.read().preset.gains != good.preset.gains
+
+
+def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(dock: Dock):
+    def shown() -> tuple[bool, ...]:
+        panels = (dock.gains._paper, dock.gains._physical)
+        return tuple(s._folder.visible for p in panels for s in (p._noise, p._attitude))
+
+    dock.read()
+    assert shown() == (True, True, False, False)
+    dock.gains._mode.show("noise-matched")
+    dock.read()
+    assert shown() == (False, True, False, False)
+    assert "not used, and not shown" in dock.gains._mode_words.content
+    _speak(dock, "physical")
+    dock.read()
+    assert shown() == (False, False, False, True)
+    dock.gains._mode.show("constant")
+    dock.read()
+    assert shown() == (False, False, True, True)
+    assert "as the theorem assumes" in dock.gains._mode_words.content
+
+
+def test_the_other_language_stands_beside(dock: Dock):
+    picture = compute(SLOW)
+    dock.gains.draw(picture)
+    words = in_words(SLOW.preset.gains, place_of(SLOW))
+    assert f"{words.range_sigma:.4g} m" in dock.gains._table.content
+    assert dock.gains._beside._folder.label == "The same in physical words"
+    _speak(dock, "physical")
+    dock.read()
+    dock.gains.draw(picture)
+    assert "5000" in dock.gains._table.content
+    assert all(dock.gains._table.content.count(f">{letter}<") == 1 for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1"))
+    assert dock.gains._beside._folder.label == "The same in the paper's letters"
+
+
+@pytest.mark.parametrize("size", [1e-14, 1e-100, 1e-161])
+def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(dock: Dock, size: float):
+    world = replace(SLOW.preset.world, gravity=(0.0, 0.0, size))
+    weightless = replace(SLOW, preset=replace(SLOW.preset, world=world))
+    _speak(dock, "physical")
+    dock.write(weightless)
+    assert dock.read().preset.gains == weightless.preset.gains
+    assert "no physical words" in dock.gains._physical._noise.complaint._line.content
+    assert "not told" in summary.in_other_language(compute(weightless), "paper")
+    dock.write(SLOW)
+    assert dock.read() == SLOW
+    assert not dock.gains._physical._noise.complaint._line.visible

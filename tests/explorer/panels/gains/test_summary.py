@@ -1,0 +1,132 @@
+"""A schedule of k1 on its dials, what is told of the attitude filter's gains, and starts where it stands still."""
+
+import math
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given
+from hypothesis import settings as tried
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from explorer.model.compute import compute
+from explorer.model.settings import Drafts, Settings
+from explorer.panels.dock import Dock
+from explorer.panels.gains import equilibria, summary
+from explorer.widgets.form import Refused
+from rangenav import attitude, so3
+from rangenav.attitude import SCHEDULED, AttitudeGains, Schedule
+from rangenav.gains import Gains
+from rangenav.motion import World
+from tests.explorer.panels.test_panels import SHIPPED, client, dock
+
+__all__ = ["client", "dock"]  # fixtures
+pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
+"""The websocket's threads do, while hypothesis draws."""
+FEW = tried(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
+
+
+@pytest.fixture(autouse=True)
+def _shipped(dock: Dock) -> None:
+    """Each test begins with the paper's letters and a shipped preset."""
+    dock.gains.speak("paper")
+    dock.write(SLOW)
+
+
+def _scheduled(plan: Schedule | None, **changes: Any) -> Settings:
+    filtered = AttitudeGains(k1=8.0, schedule=plan)
+    return replace(SLOW, preset=replace(SLOW.preset, gains=replace(SLOW.preset.gains, attitude=filtered)), **changes)
+
+
+def test_a_presets_schedule_is_shown_edited_and_kept_while_it_is_off(dock: Dock):
+    plan = Schedule(steady=1 / 3, halfway=0.07, memory=math.pi)
+    dock.write(_scheduled(plan))
+    dials = dock.gains._schedule
+    assert dials._group._folder.visible
+    assert dials._steady.read() == 1 / 3
+    dials._halfway.show(0.1)
+    assert dock.read() == _scheduled(replace(plan, halfway=0.1))
+    dials._on.show(False)
+    off = dock.read()
+    assert off.preset.gains.attitude.schedule is None
+    assert off.drafts.schedule == replace(plan, halfway=0.1)
+    assert not dials._group._folder.visible
+    dock.write(SLOW)
+    dock.write(off)  # as after a reload
+    dials._on.show(True)
+    assert dock.read() == _scheduled(replace(plan, halfway=0.1))
+
+
+def test_a_schedule_is_off_by_default_and_tells_what_the_theorem_says(dock: Dock):
+    dials = dock.gains._schedule
+    assert not dials._on.read()
+    dials._on.show(True)
+    assert dock.read().preset.gains.attitude.schedule == Schedule()
+    dials._steady.show(5.0)
+    with pytest.raises(Refused) as refusal:
+        dock.read()
+    assert str(refusal.value.__cause__) == "schedule.steady must not exceed k1 (4), got 5"
+    assert dials._group.complaint._line.visible
+
+
+@FEW
+@given(
+    st.builds(Schedule, steady=st.floats(1e-3, 4.0), halfway=st.floats(1e-4, 1), memory=st.floats(1e-3, 100)),
+    st.booleans(),
+)
+def test_schedules_and_their_drafts_are_read_back_as_they_were_written(dock: Dock, plan: Schedule, on: bool):
+    settings = _scheduled(plan) if on else _scheduled(None, drafts=Drafts(schedule=plan))
+    dock.write(settings)
+    assert dock.read() == settings
+    assert msgspec.json.decode(msgspec.json.encode(settings), type=Settings) == settings
+    dock._relabel()
+    dock._relabel()
+    assert dock.read() == settings
+
+
+def test_the_time_constants_stand_beside_and_under_a_schedule_at_both_ends():
+    picture = compute(replace(SLOW, preset=replace(SLOW.preset, gains=Gains(attitude=SCHEDULED))))
+    said = summary.rates(picture)
+    for k1 in (SCHEDULED.k1, 0.5):
+        expected = attitude.time_constants(AttitudeGains(k1=k1), picture.preset.world)
+        assert f"at k1 = {k1:g}" in said
+        assert ", ".join(f"{one:.3g}" for one in expected) + " s" in said
+    assert said.count("at k1") == 2
+    assert summary.rates(compute(SLOW)).count("at k1") == 1
+
+
+def test_stiff_gains_are_warned_of_in_words_and_a_mark_and_others_are_not():
+    stiff = replace(SLOW.preset, gains=Gains(attitude=AttitudeGains(k1=40.0, rho2=0.1)))
+    said = summary.rates(compute(replace(SLOW, preset=stiff)))
+    assert "▲ The attitude filter is stiff: 425/s times the IMU&#x27;s 5 ms is 2.1, above 1" in said
+    assert "▲" not in summary.rates(compute(SLOW))
+
+
+worlds = st.floats(0.02, math.pi - 0.02).map(lambda a: World(magnetic=(math.sin(a), 0.0, math.cos(a))))
+filters = st.builds(AttitudeGains, rho1=st.floats(0.1, 10), rho2=st.floats(1e-3, 1))
+
+
+@given(filters, worlds)
+def test_each_button_starts_where_the_filter_stands_still(gains: AttitudeGains, world: World):
+    """σ vanishes there for any attitude: R̂ᵀm and R̂ᵀg turned by R̃ cancel in their weighted sum."""
+    truth = so3.exp(np.array([0.3, -0.2, 0.9]))
+    m, g = np.array(world.magnetic), np.array(world.gravity)
+    for turn in equilibria.half_turns(gains, world):
+        error = so3.exp(math.pi * np.array(turn.axis))
+        estimate = error.T @ truth
+        sigma = attitude.innovation(estimate, truth.T @ m, truth.T @ g, gains=gains, world=world)
+        assert np.linalg.norm(sigma) < 1e-11 * (gains.rho1 + gains.rho2 * g @ g)
+        away = min(equilibria.distances(error, equilibria.half_turns(gains, world)))
+        assert away < 1e-7  # a trace of rounding, seen through an arc cosine
+        near = so3.exp((math.pi - 0.1) * np.array(turn.axis))
+        assert min(equilibria.distances(near, equilibria.half_turns(gains, world))) <= 0.1 + 1e-9
+
+
+def test_the_half_turns_are_told_in_words_and_numbers():
+    first, second, third = equilibria.half_turns(AttitudeGains(), World())
+    assert first.label == "180° · (0.39, 0, 0.92) · between m and g"
+    assert second.label == "180° · (0.92, 0, -0.39) · in their plane, across it"
+    assert third.label == "180° · (0, 1, 0) · across both m and g"

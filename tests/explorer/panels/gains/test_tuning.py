@@ -1,0 +1,309 @@
+"""The Auto-tune section through viser's messages: started, stopped, picked from, used, undone; and bad input."""
+
+import itertools
+import math
+import re
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+
+from explorer.panels.gains import tradeoff_plot, tuning_text
+from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, Marked
+from explorer.panels.gains.tuning import TuningPanel
+from rangenav import preset, tradeoff, tune
+from rangenav.attitude import AttitudeGains
+from rangenav.gains import Gains
+from rangenav.tradeoff import Point
+from rangenav.tune import Tuned
+from tests.support.waiting_visitor import Editing
+
+PRESS = 0.05
+"""s: presses of buttons go through a pool of threads, and may be overtaken."""
+SEEDS, TRIED = 2, 40
+
+
+@pytest.fixture
+def tuned(editing: Editing) -> Editing:
+    """A visitor who has tuned the gains."""
+    tune_gains(editing)
+    editing.tab.wait_for_text("Picked (found)")
+    editing.settle()
+    return editing
+
+
+def tune_gains(editing: Editing, seeds: float = SEEDS, tried: float = TRIED) -> None:
+    """Set the boxes and start."""
+    editing.set("seeds", seeds)
+    editing.set("gains to try", tried)
+    editing.press("Tune the gains")
+
+
+def panel(editing: Editing) -> TuningPanel:
+    return editing.session._dock.tuning
+
+
+def gains(editing: Editing) -> Gains:
+    return editing.settings.preset.gains
+
+
+def words(editing: Editing) -> str:
+    return re.sub(r"<[^>]+>", "", editing.tab.text())
+
+
+def pick(editing: Editing, place: float) -> None:
+    """Move along the curve, and wait until it was taken in."""
+    editing._carried_out(lambda: editing.tab.set("place", place))
+
+
+def test_what_is_found_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
+    before = gains(tuned)
+    found = panel(tuned)._found
+    assert found is not None
+    assert before == found[1].before.gains
+    tuned.press("Use these gains")
+    assert gains(tuned) == found[1].after.gains != before
+    tuned.tab.wait_for_text("On the page now.")
+    tuned.command("Undo")
+    assert gains(tuned) == before
+    tuned.tab.wait_for(lambda: "On the page now." not in tuned.tab.text(), "the mark to go")
+    tuned.command("Redo")
+    assert gains(tuned) == found[1].after.gains
+
+
+def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(tuned: Editing):
+    p, found = tuned.settings.preset, panel(tuned)._found
+    assert found is not None
+    training = tradeoff.runs(p, p.seed + tune.TRAINING_OFFSET, SEEDS)
+    held_out = tradeoff.runs(p, p.seed, SEEDS)
+    said = words(tuned)
+    for chosen, runs in itertools.product((found[1].before.gains, found[1].after.gains), (training, held_out)):
+        again = tradeoff.score(chosen, runs, preset=p, cancelled=lambda: False)
+        for figure in (again.settle_position, again.settle_attitude, again.steady_position):
+            assert f"{figure:.3g}" in said
+
+
+def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
+    walk = panel(tuned)._walk
+    assert len(walk) > 2
+    for place in (1, len(walk)):
+        pick(tuned, place)
+        tuned.tab.wait_for_text(f"position {tradeoff_plot.told(POSITION, walk[place - 1])}")
+        tuned.press("Use these gains")
+        assert gains(tuned) == walk[place - 1].gains
+    tuned.command("Undo")
+    assert gains(tuned) == walk[0].gains  # each use is a step of its own
+
+
+def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editing):
+    depth, before = tuned.session._history.depth, tuned.settings
+    pick(tuned, 1)
+    tuned._carried_out(lambda: tuned.tab.set("pick along", "attitude"))
+    assert tuned.session._history.depth == depth
+    assert tuned.settings == before
+
+
+@pytest.mark.parametrize(
+    ("curve", "settle", "steady"), [(c, *m) for c, m in [("position", POSITION[1:3]), ("attitude", ATTITUDE[1:3])]]
+)
+def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: str, settle: str, steady: str):
+    tuned._carried_out(lambda: tuned.tab.set("pick along", curve))
+    walk, found = panel(tuned)._walk, panel(tuned)._found
+    assert found is not None
+    times, errors = ([getattr(point, name) for point in walk] for name in (settle, steady))
+    assert times == sorted(times)
+    assert errors == sorted(errors, reverse=True)
+    for point in walk:  # nothing tried beats it in both, by the definition and not by the function
+        assert not any(
+            getattr(other, settle) < getattr(point, settle) and getattr(other, steady) < getattr(point, steady)
+            for other in found[1].seen
+        )
+    for point in walk:  # and of those with the same figures it is the best by J
+        same = [
+            o
+            for o in found[1].seen
+            if (getattr(o, settle), getattr(o, steady)) == (getattr(point, settle), getattr(point, steady))
+        ]
+        assert point.objective(0.5) == min(other.objective(0.5) for other in same)
+
+
+def test_discarding_takes_the_result_off_and_leaves_the_gains(tuned: Editing):
+    before = tuned.settings
+    tuned.press("Discard")
+    tuned.tab.wait_for(lambda: "Picked" not in tuned.tab.text(), "the result to go")
+    tuned.press("Use these gains")  # what no honest page could send
+    assert tuned.settings == before
+
+
+def test_another_path_or_sensor_is_told_beside_the_result_and_another_gain_is_not(tuned: Editing):
+    tuned.set("k1", 0.3)
+    assert "The page shows" not in tuned.tab.text()
+    tuned.set("slower s", 0.3)
+    tuned.tab.wait_for_text("The page shows another path by now")
+    tuned.set("range (Hz)", 20.0)
+    tuned.tab.wait_for_text("The page shows another path and other sensors by now")
+    tuned.command("Undo")
+    tuned.command("Undo")
+    tuned.tab.wait_for(lambda: "The page shows" not in tuned.tab.text(), "the warning to go")
+
+
+def endless(*_: object, progress, cancelled, **__: object) -> Tuned:
+    """A search that goes on until it is stopped."""
+    while not cancelled():
+        progress(0.5)
+        time.sleep(0.01)
+    HEARD.append(True)
+    raise AssertionError("its result is not wanted any more")
+
+
+HEARD: list[bool] = []
+
+
+def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
+    editing: Editing, monkeypatch: pytest.MonkeyPatch
+):
+    HEARD.clear()
+    before = gains(editing)
+    monkeypatch.setattr("rangenav.tune.tune", endless)
+    tune_gains(editing)
+    editing.tab.wait_for_text("auto-tune, 40 gains**, 48 %")
+    editing.set("k1", 0.3)  # the page is not held up, and the job goes on for what it was started with
+    assert gains(editing) != before
+    editing.tab.wait_for_text("auto-tune, 40 gains**, 48 %")
+    assert HEARD == []
+    editing.press("Stop")
+    editing.tab.wait_for(lambda: HEARD == [True] and editing.session._jobs.running is None, "the job to end")
+    assert panel(editing)._found is None
+    assert "Picked" not in editing.tab.text()
+
+
+def test_what_was_found_stays_when_another_search_is_stopped(tuned: Editing, monkeypatch: pytest.MonkeyPatch):
+    kept = panel(tuned)._found
+    monkeypatch.setattr("rangenav.tune.tune", endless)
+    tuned.press("Tune the gains")
+    tuned.tab.wait_for_text("48 %")
+    tuned.press("Stop")
+    tuned.tab.wait_for(lambda: tuned.session._jobs.running is None, "the job to end")
+    assert panel(tuned)._found is kept
+    assert "Picked (found)" in tuned.tab.text()
+
+
+@pytest.mark.parametrize(
+    ("label", "value"),
+    [
+        ("seeds", 0),
+        ("seeds", 33),
+        ("seeds", 2.5),
+        ("seeds", math.nan),
+        ("gains to try", math.inf),
+        ("gains to try", 1e300),
+    ],
+)
+def test_nonsense_in_a_box_gets_a_sentence(editing: Editing, label: str, value: float):
+    editing.set(label, value)
+    editing.press("Tune the gains")
+    editing.tab.wait_for_text(f"{label} must be a whole number between 1 and")
+    assert editing.session._jobs.running is None
+
+
+@pytest.mark.parametrize("value", [math.nan, -1, 7.5])
+def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
+    editing.set("steadiness w", value)
+    editing.press("Tune the gains")
+    editing.tab.wait_for_text("steadiness w must lie between 0 and 1")
+    assert editing.session._jobs.running is None
+
+
+@pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", -3), ("place", 1e9), ("pick along", "nothing")])
+def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str, value: object):
+    kept = panel(tuned)._picked
+    tuned._carried_out(lambda: tuned.tab.set(label, value))
+    tuned.tab.wait_for_text(f"{label} must be")
+    assert panel(tuned)._picked is kept
+
+
+def test_too_much_work_is_refused_in_a_sentence_where_it_was_asked_for(editing: Editing):
+    editing.set("duration (s)", 600.0)
+    tune_gains(editing, 32, 2000)
+    editing.tab.wait_for_text("runs × duration × IMU rate must not exceed")
+
+
+# Words and plots, without a page
+
+
+def point(settle: float, steady: float, *, settled: float = 1.0, k1: float = 1.0) -> Point:
+    return Point(
+        gains=Gains(attitude=AttitudeGains(k1=k1)),
+        settled=settled,
+        settle_position=settle,
+        settle_attitude=settle,
+        steady_position=steady,
+        steady_attitude=steady,
+    )
+
+
+def found(before: Point, after: Point, held_before: Point, held_after: Point, starts: tuple[float, float]) -> Tuned:
+    return Tuned(
+        preset=replace(preset.load("soft"), gains=after.gains),
+        steadiness=0.5,
+        before=before,
+        after=after,
+        seen=(before, after) if before is not after else (before,),
+        held_out_before=held_before,
+        held_out_after=held_after,
+        starts_before=starts[0],
+        starts_after=starts[1],
+    )
+
+
+def test_a_result_that_is_worse_on_held_out_seeds_says_so_and_a_better_one_does_not():
+    start, better, worse = point(5, 0.2), point(3, 0.1), point(9, 0.4)
+    assert "Worse on held-out seeds" in tuning_text.summary(found(start, better, start, worse, (1.0, 1.0)), 8)
+    assert "⚠" not in tuning_text.summary(found(start, better, start, better, (1.0, 1.0)), 8)
+
+
+def test_fewer_random_starts_that_hold_are_marked():
+    start, better = point(5, 0.2), point(3, 0.1)
+    said = tuning_text.summary(found(start, better, start, better, (1.0, 0.98)), 8)
+    assert "⚠ Of 200 random starts 100.0% hold" in said
+    assert "98.0%" in said
+
+
+def test_a_search_that_finds_nothing_better_says_so():
+    start = point(5, 0.2)
+    assert "None of the 0 other gains tried did better" in tuning_text.summary(
+        found(start, start, start, start, (1, 1)), 8
+    )
+
+
+figure = st.floats(1e-6, 1e6)
+
+
+@given(st.lists(st.tuples(figure, figure), min_size=1, max_size=40))
+def test_every_marked_point_lies_inside_its_plot_where_the_logarithms_put_it(pairs: list[tuple[float, float]]):
+    seen = tuple(point(*pair) for pair in pairs)
+    walk = tradeoff.front(seen, "settle_position", "steady_position")
+    drawn = tradeoff_plot.plot(POSITION, seen, Marked(start=seen[0], found=walk[0], picked=walk[-1], walk=walk))
+    spots = [(float(x), float(y)) for x, y in re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="3.2"', drawn)]
+    assert len(spots) == len(walk)
+    for x, y in spots:
+        assert tradeoff_plot.LEFT <= x <= tradeoff_plot.WIDTH - tradeoff_plot.RIGHT
+        assert tradeoff_plot.TOP <= y <= tradeoff_plot.HEIGHT - tradeoff_plot.BOTTOM
+    if len(walk) > 2:  # equal ratios are equally far apart; places are written with one decimal
+        (a, b), (x0, _), (x1, _), (x2, _) = (walk[0], walk[-1]), spots[0], spots[1], spots[-1]
+        share = math.log(walk[1].settle_position / a.settle_position) / math.log(b.settle_position / a.settle_position)
+        assert x1 - x0 == pytest.approx(share * (x2 - x0), abs=0.2)
+
+
+@given(figure, st.floats(1.0, 1e9))
+def test_an_axis_has_three_to_seven_numbers_on_it_in_order(low: float, ratio: float):
+    axis = tradeoff_plot.span((low, low * ratio))
+    places = tradeoff_plot.ticks(axis)
+    assert 3 <= len(places) <= 7
+    assert places == sorted(set(places))
+    assert axis[0] <= places[0]
+    assert places[-1] <= axis[1]
+    written = [f"{place:.3g}" for place in places]
+    assert len(set(written)) == len(written)

@@ -1,0 +1,564 @@
+"""Editing motion through viser's messages: every family, what is kept, undone and reset, and what bad input is told."""
+
+import math
+import time
+
+import msgspec
+import numpy as np
+import pytest
+
+from explorer.model.history import MOMENT
+from explorer.model.settings import Settings
+from explorer.server import Sessions
+from explorer.warming import Warming
+from explorer.web.security import open_server
+from rangenav import preset
+from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
+from tests.support.shared_server import house
+from tests.support.waiting_visitor import Editing, newest
+from tests.support.wire import Storage, Wire
+
+NOT_SHOWN = "Not shown"
+LONGEST_ANSWER = 1.0
+"""s that bad input may take to be told, beyond what the machine needs for a good picture."""
+
+
+def test_each_family_starts_from_what_was_there_and_keeps_what_was_entered(editing: Editing):
+    start = editing.settings.preset.path
+    places = start(np.linspace(0, 3, 50))
+    for words, kind in (
+        ("formulas", Formula),
+        ("waypoints", Waypoints),
+        ("minimum snap", MinimumSnap),
+        ("polynomials", Polynomials),
+    ):
+        editing.set("family", words)
+        path = editing.settings.preset.path
+        assert isinstance(path, kind)
+        assert np.abs(path(np.linspace(0, 3, 50)) - places).max() < 0.05
+    editing.set("family", "formulas")
+    editing.set("x(t) =", "cos(3*t)")
+    editing.set("family", "sines")
+    assert editing.settings.preset.path == start
+    editing.set("family", "formulas")
+    path = editing.settings.preset.path
+    assert isinstance(path, Formula)
+    assert path.x == "cos(3*t)"
+
+
+def test_a_mistake_in_a_formula_is_pointed_at_and_undone(editing: Editing):
+    editing.set("family", "formulas")
+    good = editing.settings
+    editing.set("y(t) =", "sin(2*t")
+    assert any("column 8" in text and "sin(2*t\n       ^" in text for text in editing.refusals())
+    assert editing.settings == good
+    editing.command("Undo")
+    editing.wait_until_accepted()
+    assert editing.tab.value("y(t) =") == good.preset.path.y  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("1/(t-1)", "no finite value at t = 1 s"),
+        ("1/0", "divides by zero"),
+        ("exp(exp(t))", "exceeds"),
+        ("__import__('os').system('true')", "__import__ is not known"),
+        ("sin(t)*" * 2000 + "1", "1000 characters"),
+        ("(" * 900, "nested too deeply"),
+        ("t" * 10_000_000, "20000 characters"),
+        ("", "the formula is empty"),
+        ("\x00<script>", "has no meaning"),
+        ("sin(1e4*t)", "faster than the IMU can sample"),
+    ],
+)
+def test_a_hostile_formula_gets_a_sentence_within_a_second_and_the_picture_stays(
+    editing: Editing, text: str, sentence: str
+):
+    editing.set("family", "formulas")
+    good = editing.settings
+    began = time.monotonic()
+    editing.tab.set("z(t) =", text)
+    editing.tab.wait_for(lambda: any(sentence in said for said in editing.refusals()), sentence)
+    assert time.monotonic() - began < LONGEST_ANSWER + 4  # a shared machine may be busy
+    assert editing.settings == good
+    editing.set("z(t) =", "sin(t)")
+    editing.wait_until_accepted()
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("0 0 0 0\n0 1 1 1", "waypoint 2 at 0 s must come"),
+        ("0 0 0 0\n2 1 1 1\n1 0 0 0", "waypoint 3 at 1 s must come"),
+        ("0 0 0 0", "2 to 2000 waypoints"),
+        ("", "2 to 2000 waypoints"),
+        ("\n".join(f"{k} 0 0 {k % 3}" for k in range(10_000)), "at most 5000 lines"),
+        ("\n".join(f"{k * 0.01:.2f} 0 0 {k % 3}" for k in range(3000)), "2 to 2000 waypoints"),
+        ("0 0 0\n1 1 1 1", "line 1: expected 4 numbers"),
+        ("0 0 0 0\n1 nan 1 1", "line 2: “nan” is no number"),
+        ("0 0 0 0\n1 1e300 1 1", "line 2: value must lie between"),
+        ("0 0 0 0\n1 x 1 1", "line 2: “x” is no number"),
+        ("7" * 1_000_000, "250000 characters"),
+    ],
+)
+def test_bad_waypoints_get_a_sentence_and_the_picture_stays(editing: Editing, text: str, sentence: str):
+    editing.set("family", "waypoints")
+    good = editing.settings
+    editing.set("ends", "open: at rest at both ends")
+    editing.tab.set("points: t x y z", text)
+    editing.tab.wait_for(lambda: any(sentence in said for said in editing.refusals()), sentence)
+    editing.command("Undo")
+    editing.wait_until_accepted()
+    assert editing.settings.preset.path.points == good.preset.path.points  # type: ignore[union-attr]
+
+
+def test_coincident_points_and_repeated_places_are_a_path(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("ends", "open: at rest at both ends")
+    editing.set("points: t x y z", "0 1 1 1\n5 1 1 1\n10 2 1 1\n15 2 1 1\n20 1 1 1")
+    editing.wait_until_accepted()
+    path = editing.settings.preset.path
+    assert isinstance(path, Waypoints)
+    assert [point.time for point in path.points] == [0, 5, 10, 15, 20]
+
+
+def test_a_waypoint_is_moved_retimed_inserted_and_deleted_by_numbers(editing: Editing):
+    editing.set("family", "waypoints")
+    before = editing.settings.preset.path
+    assert isinstance(before, Waypoints)
+    editing.set("point", "3")
+    editing.set("its place (m)", (0.5, 0.25, -0.125))
+    path = editing.settings.preset.path
+    assert isinstance(path, Waypoints)
+    assert path.points[2].value == (0.5, 0.25, -0.125)
+    assert path.points[3] == before.points[3]
+    assert "0.5  0.25  -0.125" in editing.tab.value("points: t x y z")
+    editing.set("its time (s)", 0.6)
+    assert editing.settings.preset.path.points[2].time == 0.6  # type: ignore[union-attr]
+    editing.press("", "+ after it")
+    assert len(editing.settings.preset.path.points) == len(before.points) + 1  # type: ignore[union-attr]
+    assert editing.tab.value("point") == "4"
+    editing.press("", "− delete it")
+    assert len(editing.settings.preset.path.points) == len(before.points)  # type: ignore[union-attr]
+    editing.set("its time (s)", 0.1)
+    assert any("must come at least" in said for said in editing.refusals())
+
+
+def test_the_table_and_the_boxes_show_the_same_point(editing: Editing):
+    editing.set("family", "waypoints")
+    lines = editing.tab.value("points: t x y z").split("\n")
+    lines[0] = "0  0.7  0.6  0.5"
+    editing.set("points: t x y z", "\n".join(lines))
+    assert tuple(editing.tab.value("its place (m)")) == (0.7, 0.6, 0.5)
+
+
+def test_polynomials_are_typed_as_in_their_files_and_jumps_are_named(editing: Editing):
+    editing.set("family", "polynomials")
+    header = "duration,x^0,x^1,…"
+    row = "5,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,"
+    editing.set("pieces", f"{header}\n{row}\n{row}")
+    path = editing.settings.preset.path
+    assert isinstance(path, Polynomials)
+    assert len(path.pieces) == 2
+    assert "position jumps by 5 m along x at t = 5.00 s" in editing.tab.text()
+    editing.set("pieces", f"{row}\n1,2,3")
+    assert any("line 2: expected 33 numbers" in said for said in editing.refusals())
+
+
+def test_tones_are_added_and_removed_and_come_back(editing: Editing):
+    before = editing.settings.preset.path
+    assert isinstance(before, Multisine)
+    editing.press("add a tone", "+ z")
+    after = editing.settings.preset.path
+    assert isinstance(after, Multisine)
+    assert after.tones[:-1] == before.tones
+    assert after.tones[-1].axis == "z"
+    editing.press("", "− remove this tone")
+    assert editing.settings.preset.path.tones == after.tones[1:]  # type: ignore[union-attr]
+    editing.command("Undo")
+    assert editing.settings.preset.path == after
+    editing.command("Undo")
+    assert editing.settings.preset.path == before
+
+
+def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
+    editing.set("preset", f"{preset.load('circle').title} (circle)")
+    assert "BLIND" in editing.tab.text()
+    editing.set("plus a wiggle", True)
+    path = editing.settings.preset.path
+    assert isinstance(path, Sum)
+    assert "BLIND" not in editing.tab.text()
+    editing.set("plus a wiggle", False)
+    assert editing.settings.preset.path == path.base
+    editing.set("plus a wiggle", True)
+    assert editing.settings.preset.path == path
+
+
+def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi(editing: Editing):
+    before = editing.session._picture
+    editing.set("R̃(0) angle (°)", 0.0)
+    families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
+    editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": "formulas"}})
+    editing.settle()
+    texts = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("x(t)")]
+    editing.tab.send({"type": "GuiUpdateMessage", "uuid": texts[-1], "updates": {"value": "2*sin(3*t)"}})
+    editing.settle()
+    after = editing.session._picture
+    assert before is not None
+    assert after is not None
+    assert isinstance(after.preset.angular_velocity, Formula)
+    assert np.array_equal(after.analysis.gramian, before.analysis.gramian)
+    assert after.analysis.mu == before.analysis.mu
+    norms = [np.linalg.norm(picture.phi_printed, axis=1) for picture in (before, after)]
+    assert np.abs(norms[1] - norms[0]).max() > 1
+
+
+def test_a_flown_body_leans_as_its_thrust_does(editing: Editing):
+    families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
+    words = "flown: as a multirotor must"
+    editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": words}})
+    editing.settle()
+    picture = editing.session._picture
+    assert picture is not None
+    felt = picture.motion.apparent_acceleration
+    assert np.abs(felt[:, :2]).max() < 1e-9
+    editing.set("yaw(t) =", "t t")
+    assert any("column 3" in said for said in editing.refusals())
+
+
+def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(editing: Editing):
+    before = editing.settings.preset.path
+    at = np.linspace(0, 3, 40)
+    editing.set("factor", 2.0)
+    editing.press("", "scale")
+    assert np.allclose(editing.settings.preset.path(at), 2 * before(at), atol=1e-12)
+    editing.command("Undo")
+    assert editing.settings.preset.path == before
+    editing.set("angle (°)", 90.0)
+    editing.press("", "turn")
+    x, y, z = before(at).T
+    assert np.allclose(editing.settings.preset.path(at), np.stack([-y, x, z], axis=1), atol=1e-12)
+    editing.command("Undo")
+    editing.press("", "mirror")
+    assert np.allclose(editing.settings.preset.path(at), np.stack([x, y, -z], axis=1), atol=1e-12)
+    editing.command("Undo")
+    editing.set("anchor (m)", (1.0, 2.0, 3.0))
+    editing.press("", "centre")
+    box = editing.settings.preset.path(np.linspace(0, 20, 4001))
+    assert np.allclose((box.max(axis=0) + box.min(axis=0)) / 2, (1, 2, 3), atol=1e-3)
+    editing.set("factor", math.nan)
+    editing.press("", "scale")
+    assert any("the factor must be a number" in said for said in editing.refusals())
+
+
+def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be_measured(editing: Editing):
+    editing.set("anchor (m)", (0.5, 0.25, -1.0))
+    before, picture = editing.settings, editing.session._picture
+    editing.press("Relabel the axes: z up ↔ z down")
+    once, flipped = editing.settings, editing.session._picture
+    assert once.preset.world.gravity == (0.0, 0.0, -9.81)
+    assert picture is not None
+    assert flipped is not None
+    assert np.allclose(flipped.analysis.gramian, picture.analysis.gramian, rtol=1e-9)
+    assert flipped.analysis.lifted_end.position == pytest.approx(picture.analysis.lifted_end.position, rel=1e-6)
+    assert "z points up" in editing.tab.text()
+    editing.press("Relabel the axes: z up ↔ z down")
+    assert editing.settings == before
+
+
+def test_a_vehicle_is_held_against_the_path_and_what_breaks_is_named(editing: Editing):
+    editing.set("slower s", math.log10(0.5))
+    editing.set("vehicle", "Crazyflie 2.1")
+    picture = editing.session._picture
+    assert picture is not None
+    assert {one.limit for one in picture.breaks} >= {"thrust_to_weight"}
+    assert "not flyable</b> by Crazyflie 2.1" in editing.tab.text()
+
+
+def test_undo_and_redo_go_over_everything_and_a_drag_is_one_step(editing: Editing):
+    states = [editing.settings]
+    for step in range(6):  # as while a slider is dragged
+        editing.tab.set("A (m)", 1.0 + 0.01 * (step + 1))
+        time.sleep(0.05)
+    editing.settle()
+    states.append(editing.settings)
+    for label, value in (("q", 2.0), ("range (Hz)", 20.0), ("vehicle", "hand-held"), ("duration (s)", 15.0)):
+        time.sleep(0.8)  # longer than a moment
+        editing.set(label, value)
+        states.append(editing.settings)
+    for state in states[-2::-1]:
+        editing.command("Undo")
+        assert editing.settings == state
+    editing.command("Undo")
+    assert editing.settings == states[0]
+    editing.tab.wait_for(lambda: any("Nothing to undo" in said for said in editing.tab.notifications), "a word")
+    for state in states[1:]:
+        editing.command("Redo")
+        assert editing.settings == state
+    editing.command("Redo")
+    editing.tab.wait_for(lambda: any("Nothing to redo" in said for said in editing.tab.notifications), "a word")
+
+
+def test_another_preset_is_a_step_that_can_be_undone(editing: Editing):
+    editing.set("A (m)", 1.5)
+    before = editing.settings
+    editing.set("preset", f"{preset.load('hover').title} (hover)")
+    assert editing.settings.origin == "hover"
+    editing.command("Undo")
+    assert editing.settings == before
+    assert editing.tab.value("preset") == f"{preset.load('paper-slow').title} (paper-slow)"
+
+
+def test_what_differs_from_the_preset_is_marked_and_can_be_reset(editing: Editing):
+    editing.set("A (m)", 1.5)
+    editing.set("w (rad/s)", 3.0)
+    assert editing.tab.elements[editing.tab.find("A (m)")]["label"] == "A (m) •"
+    editing.press("reset", "A (m)")
+    assert editing.tab.elements[editing.tab.find("A (m)")]["label"] == "A (m)"
+    assert editing.settings.preset.path.tones[0].frequency == 3.0  # type: ignore[union-attr]
+    editing.command("Reset the last control")
+    assert editing.settings.preset == preset.load("paper-slow")
+    editing.set("q", 1.0)
+    editing.set("noise seed", 5.0)
+    editing.command("Reset all controls")
+    assert editing.settings.preset == preset.load("paper-slow")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sentence"), [(0.0, "between 0.5 and 600"), (1e6, "between 0.5 and 600"), (3.0, "")]
+)
+def test_durations_beyond_reason_get_a_sentence(editing: Editing, seconds: float, sentence: str):
+    editing.set("duration (s)", seconds)
+    said = " ".join(editing.refusals())
+    assert sentence in said if sentence else "requirement.window must be shorter than the duration" in said
+
+
+def _beside(editing: Editing, sentence: str) -> list[str]:
+    """Where a sentence is said other than in the verdict."""
+    return [said for said in editing.refusals() if sentence in said and NOT_SHOWN not in said]
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "sentence"),
+    [
+        ("duration (s)", 0.0, "duration must lie between"),
+        ("noise seed", 1.5, "seed must be a whole number"),
+        ("duration (s)", 3.0, "requirement.window must be shorter"),
+    ],
+)
+def test_a_refused_number_is_told_beside_its_box_and_no_longer_once_it_is_good(
+    editing: Editing, label: str, value: float, sentence: str
+):
+    good = editing.tab.value(label)
+    editing.set(label, value)
+    assert _beside(editing, sentence)
+    editing.settle()
+    assert _beside(editing, sentence)
+    editing.set(label, good)
+    editing.wait_until_accepted()
+
+
+def test_a_sentence_about_the_whole_goes_when_another_takes_its_place(editing: Editing):
+    editing.set("w (rad/s)", 1e4)
+    assert _beside(editing, "faster than the IMU")
+    editing.set("range (Hz)", 2000.0)
+    editing.set("IMU (Hz)", 0.0)
+    assert not _beside(editing, "faster than the IMU")
+    assert _beside(editing, "imu_rate must lie")
+
+
+def test_why_a_button_did_nothing_is_told_until_something_else_is_shown(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("ends", "open: at rest at both ends")
+    editing.set("points: t x y z", "0 0 0 0\n20 1 1 1")
+    before = editing.settings
+    editing.press("", "− delete it")
+    assert _beside(editing, "2 to 2000 waypoints")
+    assert editing.settings == before
+    editing.set("q", 1.0)
+    editing.tab.wait_for(lambda: not _beside(editing, "2 to 2000 waypoints"), "no complaint")
+
+
+def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
+    editing.set("A (m)", 1.5)
+    editing.press("", "− remove this tone")
+    before = editing.settings
+    editing.command("Reset the last control")
+    assert editing.settings == before
+    assert not [said for said in editing.tab.notifications if "Internal error" in said]
+
+
+def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alone(editing: Editing):
+    editing.set("q", 1.0)
+    before = editing.settings
+    time.sleep(0.8)  # longer than a moment
+    sheet, uuid = editing.session._sheet, editing.tab.find("range (Hz)")
+    carry_out, dial = sheet.carry_out, editing.session._dock.sensors._range_rate
+
+    def busy() -> bool:
+        """A change and its undo come while the session is at work, and are seen together."""
+        sheet.carry_out = carry_out  # type: ignore[method-assign]
+        pending = len(sheet._actions)
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 33.0}})
+        editing.tab.wait_for(lambda: dial.read() == 33.0, "the change")
+        editing.tab.command("Undo")
+        editing.tab.wait_for(lambda: len(sheet._actions) > pending, "the undo")
+        return carry_out()
+
+    sheet.carry_out = busy  # type: ignore[method-assign]
+    editing.settle()
+    assert dial.read() == before.preset.sensors.range_rate
+    assert editing.settings == before
+
+
+def test_the_download_of_an_edited_path_is_read_back_exactly(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("plus a wiggle", True)
+    shown = editing.settings.preset
+    text = preset.dumps(shown)
+    assert preset.loads(text, source="test") == shown
+    assert msgspec.json.decode(msgspec.json.encode(editing.settings), type=Settings) == editing.settings
+
+
+def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
+    editing.set("family", "waypoints")
+    before = editing.settings.preset.path
+    assert isinstance(before, Waypoints)
+    editing.drag("/handles/waypoint3", (0.2, 0.9, -0.4), steps=5)
+    editing.settle()
+    path = editing.settings.preset.path
+    assert isinstance(path, Waypoints)
+    assert path.points[2].value == pytest.approx((0.2, 0.9, -0.4), abs=1e-2)
+    assert path.points[:2] == before.points[:2]
+    assert editing.tab.value("point") == "3"
+    assert tuple(editing.tab.value("its place (m)")) == path.points[2].value
+    editing.command("Undo")
+    assert editing.settings.preset.path == before
+
+
+def test_the_anchor_is_dragged_and_the_gramian_stays(editing: Editing):
+    before = editing.session._picture
+    editing.drag("/handles/anchor", (0.5, 0.25, -1.0))
+    editing.settle()
+    after = editing.session._picture
+    assert before is not None
+    assert after is not None
+    assert after.preset.world.anchor == pytest.approx((0.5, 0.25, -1.0), abs=1e-2)
+    assert np.array_equal(after.analysis.gramian, before.analysis.gramian)
+    assert after.analysis.lifted_end.position != before.analysis.lifted_end.position
+
+
+def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("plus a wiggle", True)
+    editing.set("sum's offset (m)", (0.0, 0.0, -2.0))
+    path, handle = editing.settings.preset.path, editing.tab.nodes["/handles/waypoint1"]
+    assert isinstance(path, Sum)
+    place = np.add(path.base.points[0].value, (0, 0, -2))  # type: ignore[union-attr]
+    editing.tab.wait_for(lambda: np.allclose(handle["position"], place, atol=1e-9), "the handle where the waypoint is")
+    editing.drag("/handles/waypoint1", (1.5, 0.0, -2.0))
+    editing.settle()
+    path = editing.settings.preset.path
+    assert path.base.points[0].value == pytest.approx((1.5, 0.0, 0.0), abs=1e-2)  # type: ignore[union-attr]
+
+
+def test_a_handle_dragged_to_nonsense_changes_nothing(editing: Editing):
+    before = editing.settings
+    editing.drag("/handles/anchor", (math.nan, math.inf, 1e300))
+    editing.settle()
+    assert editing.settings == before
+
+
+def _until_shown(editing: Editing, expected: Settings) -> None:
+    editing.tab.wait_for(lambda: editing.settings == expected, "the work")
+
+
+def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, Sessions]):
+    storage = Storage()
+    port, made = sessions
+    editing = Editing(tab := Wire(port, storage=storage), newest(made, tab))
+    editing.set("family", "formulas")
+    editing.set("x(t) =", "cos(3*t)")
+    editing.set("q", 2.0)
+    expected = editing.settings
+    tab.close()
+    back = Wire(port, storage=storage)
+    _until_shown(Editing(back, newest(made, back)), expected)
+    back.close()
+    server, warming = open_server("127.0.0.1", 0), Warming()
+    again = Sessions(server, house(server, warming))
+    warming.start()
+    later = Wire(server.get_port(), storage=storage)
+    _until_shown(Editing(later, newest(again, later)), expected)
+    assert later.value("x(t) =") == "cos(3*t)"
+    later.close()
+    server.stop()
+
+
+def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessions]):
+    port, made = sessions
+    browser = Storage()
+    first = Editing(one := Wire(port, storage=browser), newest(made, one))
+    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), newest(made, two))
+    first.set("q", 1.0)
+    second.set("q", 3.0)
+    one.close()
+    two.close()
+    back = Wire(port, storage=browser)
+    assert Editing(back, newest(made, back)).settings.preset.gains.riccati.q == 10.0
+    back.close()
+
+
+def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(editing: Editing):
+    hover = preset.load("hover")
+    editing.set("preset", f"{hover.title} (hover)")
+    editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["visible"], "the twin")
+    usual = editing.tab.nodes["/twin"]["position"]
+    editing.set("twin's angle (°)", 35.0)
+    turn = editing.settings.twin_turn
+    assert turn is not None
+    assert math.hypot(*turn) == pytest.approx(math.radians(35.0))
+    editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["position"] != usual, "the twin, elsewhere")
+    turned = editing.tab.nodes["/twin"]["position"]
+    time.sleep(1.1 * MOMENT)  # what moves the same thing sooner is the same step
+    editing.tab.drag("/twin/frame", usual, steps=3)
+    editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], usual, atol=1e-3), "it, dragged")
+    assert editing.tab.nodes["/twin"]["visible"]
+    editing.settle()
+    anchor, true = np.asarray(hover.world.anchor), hover.path(np.zeros(()))
+    apart = np.linalg.norm(usual - true) / np.linalg.norm(true - anchor)
+    shortest = math.degrees(2 * math.asin(apart / 2))  # a drag takes the shortest of all turns that lead there
+    assert editing.tab.value("twin's angle (°)") == pytest.approx(shortest, abs=0.1)
+    editing.press("", "↶ undo")
+    editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
+    editing.press("The usual twin")
+    assert editing.settings.twin_turn is None
+
+
+def test_a_drag_across_a_plot_draws_the_window_and_a_click_goes_to_its_moment(editing: Editing):
+    duration = editing.settings.preset.duration
+    editing.tab.set("pointer", "0.4500 100:0.2000-0.4500")
+    editing.tab.wait_for(lambda: editing.settings.preset.requirement.window == pytest.approx(0.25 * duration), "window")
+    editing.tab.wait_for_text(f"<b>{0.2 * duration:.2f} s</b>")
+    editing.tab.set("pointer", "0.7000 101:0.7000-0.7010")
+    editing.tab.wait_for_text(f"<b>{0.7 * duration:.2f} s</b>")
+    assert editing.settings.preset.requirement.window == pytest.approx(0.25 * duration)
+
+
+def test_an_angular_velocity_that_has_no_editor_is_kept_as_it_is_and_can_be_left_and_taken_up_again(editing: Editing):
+    wobble = Sum(base=Multisine(offset=(0.0, 0.0, 0.4)), wiggle=Formula(x="0.2*sin(3*t)", y="0", z="0"))
+    brought = msgspec.structs.replace(preset.load("paper-slow"), angular_velocity=wobble)
+    editing.tab.upload("Upload a preset", "wobble.toml", preset.dumps(brought).encode())
+    editing.tab.wait_for(lambda: editing.settings.preset.angular_velocity == wobble, "the preset")
+    assert "sines plus formulas" in editing.tab.text()
+    turning = [key for key, p in editing.tab.elements.items() if "as in the file" in (p.get("options") or ())]
+    assert len(turning) == 1
+    for word, kind in (("sines", Multisine), ("keyframes", Waypoints), ("as in the file", Sum)):
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": turning[0], "updates": {"value": word}})
+        editing.settle()
+        assert isinstance(editing.settings.preset.angular_velocity, kind)
+    assert editing.settings.preset.angular_velocity == wobble
+    editing.command("Undo")
+    assert isinstance(editing.settings.preset.angular_velocity, Waypoints)
+    assert editing.refusals() == []

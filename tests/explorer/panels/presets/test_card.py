@@ -1,0 +1,103 @@
+"""A preset's card: its badge by shape and words, its drawing, nothing in it that a browser would run."""
+
+import threading
+from xml.etree import ElementTree
+
+import msgspec
+import pytest
+
+from explorer.panels.presets.card import card, drawings
+from explorer.storage.certifier import Certifying
+from explorer.storage.import_file import Received, guess
+from rangenav import certificate, preset
+
+SHIPPED = preset.shipped()
+
+
+def _certificate(name: str) -> certificate.Certificate:
+    return certificate.certify(preset.dumps(SHIPPED[name]).encode(), source=name)
+
+
+@pytest.mark.parametrize(
+    ("name", "badge"),
+    [
+        ("paper-slow", "● CERTIFIED OBSERVABLE"),
+        ("wiggle", "▲ CERTIFIED WEAK"),
+        ("circle", "✕ CERTIFIED UNOBSERVABLE"),
+    ],
+)
+def test_a_badge_is_a_shape_and_words_and_says_what_is_certified(name: str, badge: str):
+    assert badge in card(SHIPPED[name], _certificate(name), changed=False)
+
+
+def test_what_is_not_certified_says_why_and_what_is_being_certified_says_so():
+    boasting = msgspec.structs.replace(SHIPPED["circle"], expect="observable")
+    found = certificate.certify(preset.dumps(boasting).encode(), source="x")
+    shown = card(boasting, found, changed=False)
+    assert "◌ UNCERTIFIED" in shown
+    assert "rank" in shown
+    assert "BEING CERTIFIED" in card(boasting, None, changed=False)
+    assert "◌ UNCERTIFIED" in card(boasting, "because <b>", changed=False)
+    assert "because &lt;b&gt;" in card(boasting, "because <b>", changed=False)
+
+
+def test_a_changed_preset_says_so():
+    assert "changed, not saved" in card(SHIPPED["soft"], None, changed=True)
+    assert "changed, not saved" not in card(SHIPPED["soft"], None, changed=False)
+
+
+def test_nothing_of_a_presets_own_text_is_markup():
+    hostile = "<img src=x onerror=alert(1)>"
+    shown = card(msgspec.structs.replace(SHIPPED["hover"], title=hostile, story=hostile), None, changed=False)
+    assert "<img" not in shown
+    assert shown.count("&lt;img") == 2
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_drawing_is_well_formed_stays_in_its_box_and_is_there_for_every_preset(name: str):
+    pictures = ElementTree.fromstring(f"<div>{drawings(SHIPPED[name])}</div>")
+    lines = [line.attrib["points"] for line in pictures.iter("polyline")]
+    assert len(lines) == 2
+    for line in lines:
+        places = [tuple(map(float, spot.split(","))) for spot in line.split()]
+        assert all(0 <= x <= 92 and 0 <= y <= 92 for x, y in places)
+
+
+def test_a_circle_is_drawn_round_and_seen_from_the_side_flat():
+    above, side = (
+        [tuple(map(float, spot.split(","))) for spot in line.attrib["points"].split()]
+        for line in ElementTree.fromstring(f"<div>{drawings(SHIPPED['circle'])}</div>").iter("polyline")
+    )
+    radii = {round(((x - 46) ** 2 + (y - 46) ** 2) ** 0.5) for x, y in above}
+    assert radii == {39}
+    assert {y for _, y in side} == {46.0}
+
+
+def test_certificates_come_one_after_the_other_and_are_remembered():
+    certifying, came = Certifying(), threading.Semaphore(0)
+    contents = [preset.dumps(SHIPPED[name]).encode() for name in ("paper-slow", "soft")] + [b"not a preset"]
+    for content in contents:
+        assert certifying.find(content, lambda: came.release()) is None
+    for _ in contents:
+        assert came.acquire(timeout=60)
+    first, second, third = (certifying.find(content, lambda: None) for content in contents)
+    assert isinstance(first, certificate.Certificate)
+    assert first.certified
+    assert isinstance(second, certificate.Certificate)
+    assert isinstance(third, str)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "form"),
+    [
+        ("a.mat", b"", "mat"),
+        ("A.TXT", b"", "tum"),
+        ("a.csv", b"duration,x^0,x^1", "polynomial"),
+        ("a.csv", b"t,p_x,p_y,p_z,q_w", "reference"),
+        ("a.csv", b"#timestamp, p_RS_R_x [m]", "euroc"),
+        ("a.csv", b"t [s],gyro_x [rad/s],p_x [m]", "log"),
+        ("a", b"\xff\xfe\x00", "log"),
+    ],
+)
+def test_a_format_is_guessed_from_name_and_first_line(name: str, content: bytes, form: str):
+    assert guess(Received(name, content)) == form

@@ -1,0 +1,495 @@
+"""The Presets tab through viser's messages: keeping, changing, deleting, importing, exporting, repairing, judging."""
+
+import errno
+import io
+import os
+import re
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from explorer.server import Sessions
+from explorer.storage import files
+from explorer.storage.catalog import MINE
+from explorer.storage.library import Library
+from explorer.web import uploads
+from rangenav import certificate, formats, preset
+from rangenav.certificate import exports
+from tests.support.waiting_visitor import Editing
+from tests.support.wire import Storage, Wire
+
+SHIPPED = preset.shipped()
+SAVE, TIDY = "keep", "tidy"
+WORST = re.compile(r"from ([\d.]+) s: rank")
+"""Where the worst window of a recorded flight begins."""
+
+
+@pytest.fixture
+def data(tmp_path: Path, sessions: tuple[int, Sessions]) -> Library:
+    """An empty library for this test's visitors."""
+    kept = Library(tmp_path / "presets")
+    object.__setattr__(sessions[1]._house, "library", kept)
+    return kept
+
+
+def _visitor(sessions: tuple[int, Sessions], storage: Storage | None = None) -> Editing:
+    port, made = sessions
+    tab = Wire(port, storage=storage)
+    tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
+    session = list(made._of.values())[-1]
+    tab.wait_for(lambda: session._picture is not None and "t (s)" in str(tab.elements), "the first picture")
+    return Editing(tab, session)
+
+
+@pytest.fixture
+def page(sessions: tuple[int, Sessions], data: Library) -> Iterator[Editing]:
+    visitor = _visitor(sessions)
+    yield visitor
+    visitor.tab.close()
+
+
+@pytest.fixture
+def reloaded(page: Editing, sessions: tuple[int, Sessions]) -> Iterator[Callable[[], Editing]]:
+    """Closes the page, and gives what a browser that keeps its storage finds afterwards."""
+    later: list[Editing] = []
+
+    def reload() -> Editing:
+        session = page.session
+        page.tab.close()
+        page.tab.wait_for(lambda: not session._thread.is_alive(), "the end of the session")
+        later.append(_visitor(sessions, page.tab.storage))
+        return later[0]
+
+    yield reload
+    for one in later:
+        one.tab.close()
+
+
+def _save_as(page: Editing, title: str) -> None:
+    page.set("title", title)
+    page.press(SAVE, "save as")
+    page.tab.wait_for_text("saved as")
+
+
+def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
+    page: Editing, data: Library, sessions: tuple[int, Sessions]
+):
+    page.set("q", 1.25)
+    shown = page.settings.preset
+    _save_as(page, "Mein <b>Flug</b> / über ../ alles")
+    (name,) = data.stamps()
+    assert name == "mein-b-flug-b-uber-alles"
+    kept = preset.loads(data.read(name).decode(), source=name)
+    assert kept == msgspec.structs.replace(shown, title="Mein <b>Flug</b> / über ../ alles")
+    assert page.settings.origin == MINE + name
+    page.tab.wait_for_text("● CERTIFIED OBSERVABLE")
+    assert "<svg" in page.tab.text()
+    assert "<b>Flug" not in page.tab.text()
+    page.tab.wait_for(lambda: data.beside(name), "the certificate beside it")
+    beside = data.beside(name)
+    assert beside is not None
+    assert certificate.verify(data.read(name), certificate.loads(beside, source="x"), source=name) == ()
+    other = _visitor(sessions)
+    other.set("preset", f"★ {kept.title} ({name})")
+    assert other.settings.preset == kept
+    other.tab.close()
+
+
+def test_a_shipped_preset_is_not_written_over(page: Editing, data: Library):
+    page.press(SAVE, "save")
+    assert any("use “save as”" in text for text in page.refusals())
+    assert data.stamps() == {}
+
+
+def test_a_save_over_what_another_page_has_changed_is_refused_and_both_are_kept(page: Editing, data: Library):
+    _save_as(page, "mine")
+    theirs = preset.dumps(SHIPPED["soft"]).encode()
+    data.save("mine", theirs, known={page.settings.edition})
+    page.set("q", 2.0)
+    mine = page.settings
+    page.press(SAVE, "save")
+    assert any("changed elsewhere since you opened it" in text for text in page.refusals())
+    assert data.read("mine") == theirs
+    assert page.settings == mine
+    page.press(SAVE, "save as")
+    assert data.read("mine") == theirs
+    assert preset.loads(data.read("mine-2").decode(), source="x").gains == mine.preset.gains
+
+
+def test_saving_again_and_again_is_no_conflict_with_oneself_and_undo_still_goes_back(page: Editing, data: Library):
+    _save_as(page, "mine")
+    before = page.settings
+    page.set("q", 2.0)
+    page.press(SAVE, "save")
+    assert "saved as mine.toml" in page.tab.text()
+    saved = data.read("mine")
+    page.command("Undo")
+    page.command("Undo")
+    assert page.settings.preset == before.preset
+    page.press(SAVE, "save")
+    assert page.refusals() == []
+    assert data.read("mine") != saved
+
+
+def test_what_is_deleted_stays_on_the_page_and_comes_back(page: Editing, data: Library):
+    _save_as(page, "mine")
+    content, shown = data.read("mine"), page.settings
+    page.press(TIDY, "delete")
+    assert data.stamps() == {}
+    assert page.settings == shown
+    assert "deleted" in page.tab.value("preset")
+    page.press(TIDY, "undo delete")
+    assert data.read("mine") == content
+    assert page.tab.value("preset") == "★ mine (mine)"
+    page.press(TIDY, "undo delete")
+    assert any("nothing was deleted" in text for text in page.refusals())
+
+
+def test_what_was_deleted_comes_back_after_a_reload_too(
+    page: Editing, data: Library, sessions: tuple[int, Sessions], reloaded: Callable[[], Editing]
+):
+    _save_as(page, "mine")
+    content, shown = data.read("mine"), page.settings.preset
+    page.press(TIDY, "delete")
+    later = reloaded()
+    assert later.settings.preset == shown
+    later.tab.wait_for(lambda: later.tab.value("preset") == "◌ mine, not saved (mine)", "the title")
+    later.press(TIDY, "undo delete")
+    assert data.read("mine") == content
+
+
+def test_what_was_imported_and_not_saved_keeps_its_title_over_a_reload(
+    page: Editing, reloaded: Callable[[], Editing], tmp_path: Path
+):
+    formats.export(SHIPPED["paper-slow"], "reference", tmp_path / "tour.csv")
+    page.tab.upload("Upload a file", "my_tour.csv", (tmp_path / "tour.csv").read_bytes())
+    page.tab.wait_for_text("opened as a preset")
+    page.settle()
+    shown = page.settings.preset
+    later = reloaded()
+    assert later.settings.preset == shown
+    later.tab.wait_for(lambda: later.tab.value("preset") == "◌ my_tour, not saved (my-tour)", "the title")
+    later.tab.wait_for(lambda: later.tab.value("title") == "my_tour", "the title to save under")
+
+
+def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_told(
+    page: Editing, data: Library, sessions: tuple[int, Sessions]
+):
+    _save_as(page, "mine")
+    other = _visitor(sessions)
+    _save_as(other, "Mine!")
+    assert "saved as mine-2.toml, beside mine.toml, which is left as it was" in other.tab.text()
+    other.tab.close()
+    page.set("title", "mine, better")
+    page.press(SAVE, "save")
+    assert preset.loads(data.read("mine").decode(), source="x").title == "mine, better"
+    assert page.tab.value("preset") == "★ mine, better (mine)"
+    page.set("title", "")
+    page.press(SAVE, "save")
+    assert any("printable characters" in text for text in page.refusals())
+    assert "saved as" not in page.tab.text()  # what went well before is not said beside what did not
+
+
+def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editing, data: Library):
+    _save_as(page, 'a "quoted" <b>')
+    (data.folder / 'mean"><img src=x>.toml').write_bytes(data.read("a-quoted-b"))
+    assert 'class="tile"' not in page.tab.text()  # nothing is sent before it is asked for
+    page.press("browse", "see all")
+    page.tab.wait_for_text("★ mean&quot;&gt;&lt;img src=x&gt;")
+    assert "<img src=x>" not in page.tab.text()
+    assert page.tab.text().count('class="tile"') == len(SHIPPED) + 2
+    page.press("open", "circle")
+    assert page.settings.preset == SHIPPED["circle"]
+    names = list(SHIPPED)
+    page.press("browse", "next ›")
+    assert page.settings.origin == names[names.index("circle") + 1]
+    page.press("browse", "‹ previous")
+    page.press("browse", "‹ previous")
+    assert page.settings.origin == names[names.index("circle") - 1]
+    page.press("browse", "see all")
+    assert 'class="tile"' not in page.tab.text()
+
+
+def test_renaming_keeps_what_was_changed_and_not_saved(page: Editing, data: Library):
+    _save_as(page, "old")
+    page.set("q", 2.0)
+    changed = page.settings.preset
+    page.set("title", "飛行 two")
+    page.press(TIDY, "rename")
+    assert list(data.stamps()) == ["two"]
+    assert page.settings.preset == msgspec.structs.replace(changed, title="飛行 two")
+    page.press(SAVE, "save")
+    assert preset.loads(data.read("two").decode(), source="x") == page.settings.preset
+
+
+def test_a_duplicate_is_a_file_of_its_own(page: Editing, data: Library):
+    page.press(SAVE, "duplicate")
+    (name,) = data.stamps()
+    assert page.settings.origin == MINE + name
+    assert page.settings.preset.title == f"{SHIPPED['paper-slow'].title}, copy"
+
+
+@pytest.mark.parametrize("number", [errno.ENOSPC, errno.EROFS], ids=["full", "read-only"])
+def test_a_disk_that_refuses_is_a_sentence_and_the_work_stays_on_the_page(
+    page: Editing, data: Library, monkeypatch: pytest.MonkeyPatch, number: int
+):
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(number, os.strerror(number))
+
+    page.set("q", 2.0)
+    mine = page.settings
+    page.set("title", "mine")
+    with monkeypatch.context() as patched:
+        patched.setattr(files.os, "replace", refuse)
+        page.press(SAVE, "save as")
+        assert any(os.strerror(number) in text for text in page.refusals())
+    assert page.settings == mine
+    assert data.stamps() == {}
+    page.press(SAVE, "save as")
+    assert list(data.stamps()) == ["mine"]
+
+
+@pytest.mark.parametrize("title", ["", "   ", "x" * 81, "a\x00b", "\u202edesrever"])
+def test_a_title_that_is_none_is_told(page: Editing, data: Library, title: str):
+    page.set("title", title)
+    page.press(SAVE, "save as")
+    assert any("printable characters" in text for text in page.refusals())
+    assert data.stamps() == {}
+
+
+def test_a_file_that_is_no_preset_is_named_beside_the_others(page: Editing, data: Library):
+    _save_as(page, "mine")
+    (data.folder / "broken.toml").write_bytes(b"\xff\x00")
+    (data.folder / "wrong.toml").write_text('title = "x"')
+    page.press(SAVE, "save")
+    page.tab.wait_for_text("broken.toml: not UTF-8 text")
+    assert "wrong.toml: Object missing required field" in page.tab.text()
+
+
+def test_an_uploaded_preset_joins_the_library_and_is_opened(page: Editing, data: Library):
+    content = preset.dumps(SHIPPED["soft"]).encode()
+    page.tab.upload("Upload a preset", "../../../soft one.toml", content)
+    page.tab.wait_for_text("soft one.toml joined your library")
+    page.settle()
+    assert page.settings.preset == SHIPPED["soft"]
+    assert list(data.stamps()) == ["soft-three-tone-path"]
+
+
+@pytest.mark.parametrize(
+    ("content", "said", "sentence"),
+    [
+        (b"not = a preset", {}, "x.toml: "),
+        (b"\xff\xfe", {}, "not UTF-8 text"),
+        (b"", {}, "the file is empty"),
+        (b"abc", {"size_bytes": 600_000_000}, "600 MB, more than the 20 MB"),
+        (b"abc", {"size_bytes": 2}, "did not arrive as sent"),
+        (b"abc", {"part_count": 10_000_000}, "are no file"),
+        (b"abc", {"size_bytes": 4}, "3 bytes came of 4"),
+    ],
+)
+def test_an_upload_that_will_not_do_is_a_sentence_and_the_next_one_is_taken(
+    page: Editing, data: Library, content: bytes, said: dict[str, object], sentence: str
+):
+    page.tab.upload("Upload a preset", "x.toml", content, **said)
+    page.tab.wait_for(lambda: any(sentence in text for text in page.refusals()), sentence)
+    page.tab.upload("Upload a preset", "soft.toml", preset.dumps(SHIPPED["soft"]).encode())
+    page.tab.wait_for_text("soft.toml joined your library")
+
+
+def _packed(*files: tuple[str, bytes]) -> bytes:
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files:
+            archive.writestr(name, content)
+    return packed.getvalue()
+
+
+def test_a_zip_is_taken_for_the_preset_in_it(page: Editing, data: Library):
+    soft = preset.dumps(SHIPPED["soft"]).encode()
+    for members, sentence in (
+        ([("x.csv", b"")], "0 presets (.toml) in it"),
+        ([("a.toml", soft), ("b.toml", soft)], "2 presets (.toml) in it"),
+        ([("bomb.toml", bytes(10**8))], "which no preset is"),
+        ([("../../a.toml", b"\xff")], "a.toml in x.zip: not UTF-8"),
+    ):
+        page.tab.upload("Upload a preset", "x.zip", _packed(*members))
+        page.tab.wait_for(lambda said=sentence: any(said in text for text in page.refusals()), sentence)
+    for broken in (_packed(("a.toml", soft))[:-30], b"PK\x03\x04" + bytes(90)):
+        page.tab.upload("Upload a preset", "broken.zip", broken)
+        page.tab.wait_for(lambda: any("zip cannot be read" in text for text in page.refusals()), "a sentence")
+        page.tab.upload("Upload a preset", "empty.zip", b"")
+        page.tab.wait_for(lambda: any("the file is empty" in text for text in page.refusals()), "a sentence")
+    assert data.stamps() == {}
+    page.tab.upload("Upload a preset", "x.zip", _packed(("s.toml", soft), ("s.certificate.json", b"{}")))
+    page.tab.wait_for_text("x.zip joined your library")
+    page.settle()
+    assert page.settings.preset == SHIPPED["soft"]
+
+
+def test_a_second_file_waits_for_the_first_and_a_stalled_one_gives_way(
+    page: Editing, data: Library, monkeypatch: pytest.MonkeyPatch
+):
+    page.tab.upload("Upload a preset", "slow.toml", b"abc", size_bytes=10, part_count=2)
+    page.tab.upload("Upload a preset", "hasty.toml", b"abc")
+    page.tab.wait_for(lambda: any("another file is on its way" in text for text in page.refusals()), "a word")
+    monkeypatch.setattr(uploads, "STALLED", 0.0)
+    page.tab.upload("Upload a preset", "soft.toml", preset.dumps(SHIPPED["soft"]).encode())
+    page.tab.wait_for_text("soft.toml joined your library")
+
+
+def test_names_are_for_reading_only():
+    assert uploads.readable("../../etc/pass\x00wd\u202e") == "passwd"
+    assert uploads.readable("C:\\folder\\a.csv") == "a.csv"
+    assert uploads.readable(7) == "file"
+    assert len(uploads.readable("x" * 10**6)) <= uploads.LONGEST_NAME
+
+
+def _zip(page: Editing, name: str) -> zipfile.ZipFile:
+    page.tab.wait_for(lambda: name in dict(page.tab.downloads), name)
+    return zipfile.ZipFile(io.BytesIO(dict(page.tab.downloads)[name]))
+
+
+def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editing, tmp_path: Path):
+    page.press("formats", "all")
+    page.press("Export as a zip")
+    packed = _zip(page, "paper-slow.zip")
+    packed.extractall(tmp_path)
+    assert certificate.verify_file(tmp_path / "paper-slow.toml") == ()
+    assert certificate.verify_file(tmp_path / "paper-slow.mat", readers=exports.readers()) == ()
+    assert certificate.verify_file(tmp_path / "paper-slow.euroc", readers=exports.readers()) == ()
+    assert preset.load(tmp_path / "paper-slow.toml") == page.settings.preset
+    names = set(packed.namelist())
+    for name in ("paper-slow.mat", "paper-slow.tum.txt", "paper-slow.mcap", "paper-slow.reference.csv", "README.txt"):
+        assert name in names
+    read_back = formats.read(tmp_path / "paper-slow.reference.csv", "reference")
+    assert read_back.path is not None
+
+
+def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.set("polynomials", True)  # what is to be flown must be observable; a circle may be studied
+    page.press("Export as a zip")
+    page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
+    assert page.tab.downloads == []
+    assert "• the rank is 11 of 13" in page.tab.text()
+    assert "it would do to add a tone" in page.tab.text()
+    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
+    page.wait_until_accepted()  # that was said of another motion
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.set("even if uncertified", True)
+    page.press("Export as a zip")
+    packed = _zip(page, "circle.uncertified.zip")
+    assert "circle.polynomial.uncertified.csv" in packed.namelist()
+    assert "circle.polynomial.csv.certificate.json" not in packed.namelist()
+    assert b"UNCERTIFIED" in packed.read("README.txt")
+
+
+def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_path: Path):
+    formats.export(SHIPPED["paper-slow"], "tum", tmp_path / "tour.txt")
+    lines = (tmp_path / "tour.txt").read_text().splitlines()
+    before = page.settings
+    page.tab.upload("Upload a file", "Tour 1.txt", "\n".join(lines[1:]).encode())
+    page.tab.wait_for_text("which way does z point")
+    assert page.settings == before
+    assert page.tab.value("format") == "TUM trajectory"
+    page.press("Confirm the answers")
+    if any("not answered yet" in text for text in page.refusals()):
+        page.set("frame", "z-up")
+        page.press("Confirm the answers")
+    page.tab.wait_for_text("opened as a preset that is not saved yet")
+    page.settle()
+    assert page.settings.preset.title == "Tour 1"
+    assert "NOT JUDGED" in page.tab.text()
+    assert "the path&#x27;s snap was not in Tour 1.txt" in page.tab.text()
+    assert page.settings.preset.world.gravity[2] < 0
+    _save_as(page, "Tour kept")
+    page.set("slower s", 0.05)  # another path: a design of the visitor's
+    assert "NOT JUDGED" not in page.tab.text()
+
+
+def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
+    before = page.settings
+    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,three\n")
+    page.tab.wait_for(lambda: any("line 2" in text for text in page.refusals()), "the line")
+    page.press("Read it as this format")
+    assert page.settings == before
+
+
+def test_what_was_guessed_is_told_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
+    page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
+    page.tab.wait_for(lambda: any("Non_sense 1.csv, line 2" in text for text in page.refusals()), "the file's own name")
+    assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
+    page.tab.upload("Upload a file", "mine.toml", preset.dumps(SHIPPED["soft"]).encode())
+    page.tab.wait_for(lambda: any("taken by “Upload a preset”" in text for text in page.refusals()), "the way")
+
+
+def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing, tmp_path: Path):
+    formats.export(SHIPPED["paper-slow"], "log", tmp_path / "flight.csv")
+    page.tab.upload("Upload a file", "flight.csv", (tmp_path / "flight.csv").read_bytes())
+    page.tab.wait_for_text("a recorded flight: judge it below")
+    before = page.settings
+    page.set("ranges ± (m)", 0.05)
+    page.press("Was it informative?")
+    page.tab.wait_for_text("rms by quarters")
+    assert "windows" in page.tab.text()
+    assert "as the file says" in page.tab.text()
+    page.set("from (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any(float(at) >= 12 for at in WORST.findall(page.tab.text())), "a later worst window")
+    page.set("to (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("must begin before it ends" in text for text in page.refusals()), "a sentence")
+    page.set("to (s)", 20.0)
+    page.set("windows of (s)", 1e9)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")
+    assert page.settings == before
+
+
+def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    circle = page.settings
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    assert page.settings == circle
+    page.press("Discard the motion")
+    assert "before (A)" not in page.tab.text()
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.press("Accept the motion")
+    after = page.settings.preset
+    assert certificate.certify(preset.dumps(after).encode(), source="x").certified
+    assert after.path != circle.preset.path
+    assert page.session._dock.compare._pinned is not None
+    assert page.session._dock.compare._pinned.settings == circle
+    assert page.tab.value("title") == after.title
+    page.command("Undo")
+    assert page.settings == circle
+
+
+def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_is_not_replaced(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.set("q", 2.0)
+    gains = page.settings.preset.gains
+    page.press("Accept the motion")
+    assert page.settings.preset.path != SHIPPED["circle"].path
+    assert page.settings.preset.gains == gains
+    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
+    page.press("Accept the motion")
+    assert any("the motion on the page is another one by now" in text for text in page.refusals())
+    assert page.settings.preset == SHIPPED["hover"]
+
+
+def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):
+    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
+    page.set("by changing", "its size")
+    page.press("Make it observable")
+    page.tab.wait_for(lambda: any("stays straight at any size" in text for text in page.refusals()), "the reason")

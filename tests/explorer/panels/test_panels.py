@@ -1,0 +1,371 @@
+"""What the panels show and read: values survive being shown, and words say what the numbers mean."""
+
+import dataclasses
+import html
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import msgspec
+import pytest
+import viser
+
+from explorer.model import compute
+from explorer.model.jobs import Jobs
+from explorer.model.settings import Printed, Settings, effective
+from explorer.panels import verdict
+from explorer.panels.dock import Dock, Requests
+from explorer.panels.presets.printed import ROWS
+from explorer.panels.presets.repair import RepairPanel
+from explorer.panels.sensors import OWN, Chosen, SensorsPanel
+from explorer.storage import preset_file
+from explorer.storage.catalog import Shelf
+from explorer.storage.certifier import Certifying
+from explorer.storage.library import Library
+from explorer.web.security import open_server
+from explorer.widgets.controls import Dial, LogDial, Vector
+from explorer.widgets.form import Complaint, Refused, Section, Sheet
+from rangenav import analysis, certificate, preset, sensors
+from rangenav.attitude import Schedule
+from rangenav.certificate.figures import Figures
+from rangenav.repair import Repair
+from rangenav.sensors import Noise, Sensors, Unmodelled
+from rangenav.sensors.sensor_sets import CATALOGUE, SensorSet
+from rangenav.signals import Multisine, Tone
+from tests.support.wire import Wire
+
+SHIPPED = preset.shipped()
+
+
+def _nothing() -> None:
+    """For controls that nobody moves."""
+
+
+def _unsent(name: str, content: bytes) -> None:
+    """For downloads that nobody asks for."""
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[viser.ClientHandle]:
+    server = open_server("127.0.0.1", 0)
+    visitor = Wire(server.get_port())
+    visitor.wait_for(server.get_clients, "the connection")
+    (found,) = server.get_clients().values()
+    yield found
+    visitor.close()
+    server.stop()
+
+
+@pytest.fixture(scope="module")
+def dock(client: viser.ClientHandle) -> Dock:
+    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing, send=_unsent)
+    return Dock(
+        Sheet(client.gui, _nothing), Shelf(SHIPPED, Library(), Certifying()), "paper-slow", requests, Jobs(_nothing)
+    )
+
+
+@pytest.fixture(scope="module")
+def section(client: viser.ClientHandle) -> Section:
+    return Section(Sheet(client.gui, _nothing))
+
+
+def _computed(name: str, **printed: bool) -> compute.Picture:
+    return compute.compute(Settings(preset=SHIPPED[name], printed=Printed(**printed)))
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_every_shipped_preset_is_read_back_as_it_was_written(dock: Dock, name: str):
+    """Shown numbers are rounded, those behind them are not: the page computes what the command line does."""
+    settings = Settings(origin=name, preset=SHIPPED[name])
+    dock.write(settings)
+    assert dock.read() == settings
+
+
+def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(dock: Dock):
+    p = SHIPPED["lissajous"]
+    tones = tuple(
+        msgspec.structs.replace(t, amplitude=-1234.5678, frequency=77.123456, phase=40.0) for t in p.path.tones
+    )
+    noise = msgspec.structs.replace(p.sensors.noise, gyro=0.0, accel=1e-9, range=900.0)
+    sensing = msgspec.structs.replace(p.sensors, imu_rate=3333.0, range_rate=1234.5, noise=noise)
+    attitude = msgspec.structs.replace(p.gains.attitude, k1=999.0, rho1=1e-6, schedule=Schedule(steady=0.123))
+    changed = msgspec.structs.replace(
+        p,
+        path=msgspec.structs.replace(p.path, tones=tones, offset=(1e-7, -3e4, 0.1)),
+        sensors=sensing,
+        gains=msgspec.structs.replace(p.gains, mode="noise-matched", attitude=attitude),
+        guess=msgspec.structs.replace(
+            p.guess, state="offset", attitude_angle=-math.pi, gravity_offset=(0.0, 1 / 3, 0.0)
+        ),
+        seed=2**52 + 1,
+    )
+    settings = Settings(
+        origin="lissajous", preset=changed, time_scale=1 / 3, printed=Printed(model=True, body_axes=True)
+    )
+    dock.write(settings)
+    assert dock.read() == settings
+
+
+EVERYTHING = Unmodelled(
+    gyro_bias=(0.1 / 3, -0.2, 1e-9),
+    accel_bias=(0.1, 1 / 7, -0.3),
+    range_bias=-0.123456789,
+    outlier_probability=1 / 3,
+    outlier_size=99.5,
+    dropout_probability=0.95,
+    burst_start=5.25,
+    burst_length=1 / 7,
+    lever_arm=(0.1, -0.05, 1e-5),
+)
+
+
+def _with_sensors(name: str, **changes: Any) -> Settings:
+    p = SHIPPED[name]
+    return Settings(
+        origin=name, preset=msgspec.structs.replace(p, sensors=msgspec.structs.replace(p.sensors, **changes))
+    )
+
+
+def test_densities_and_what_the_paper_does_not_model_are_read_back_as_they_were_written(dock: Dock):
+    noise = Noise(gyro=0.005 / 57.3, accel=1 / 300, mag=0.02, range=0.0, imu_unit="density")
+    settings = _with_sensors("paper", noise=noise, unmodelled=EVERYTHING)
+    dock.write(settings)
+    assert dock.read() == settings
+    dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
+    assert dock.read() == Settings(origin="paper", preset=SHIPPED["paper"])
+
+
+def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_last_bit(dock: Dock):
+    settings = _with_sensors("paper", noise=Noise(gyro=1 / 3, accel=1 / 7))
+    dock.write(settings)
+    folder = dock.sensors._noise
+    folder._as_density.show(True)
+    turned = dock.read().preset.sensors
+    assert turned.noise == sensors.given_as(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
+    assert folder._groups["density"]._folder.visible
+    assert not folder._groups["sample"]._folder.visible
+    assert "at 200 Hz: 0.3333 rad/s per sample" in folder._line.content
+    assert dock.read().preset.sensors == turned  # and stays so
+    folder._as_density.show(False)
+    assert dock.read() == settings
+
+
+def test_as_a_density_the_noise_is_kept_when_the_rate_changes_and_then_turned_back_at_the_new_rate(dock: Dock):
+    noise = Noise(gyro=1e-3, accel=1e-2, imu_unit="density")
+    dock.write(_with_sensors("paper", noise=noise))
+    dock.sensors._imu_rate.show(800.0)
+    assert dock.read().preset.sensors.noise == noise
+    dock.sensors._noise._as_density.show(False)
+    assert dock.read().preset.sensors.noise == sensors.given_as(noise, "sample", rate=800.0)
+
+
+def _pick(panel: SensorsPanel, name: str) -> None:
+    """As a visitor would, who moves the menu and nothing else."""
+    panel._set.show(name)
+
+
+@pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
+def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: Dock, entry: SensorSet):
+    dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
+    panel = dock.sensors
+    assert panel._set.read() == OWN
+    _pick(panel, entry.name)
+    assert panel.read() == Chosen(entry.sensors, SHIPPED["soft"].seed)
+    assert panel._set.read() == entry.name
+    assert html.escape(entry.words) in panel._set_words.content
+    assert panel._unmodelled._words.visible == bool(sensors.words(entry.sensors))
+    panel._range_rate.show(17.0)
+    assert panel.read().sensors == msgspec.structs.replace(entry.sensors, range_rate=17.0)
+    assert panel._set.read() == OWN
+    _pick(panel, entry.name)  # and it may be picked again
+    assert panel.read().sensors == entry.sensors
+
+
+def test_every_effect_that_is_on_is_told_outside_its_closed_folder(dock: Dock):
+    dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
+    dock.read()
+    told = dock.sensors._unmodelled._words
+    assert told.visible
+    for sentence in sensors.words(Sensors(unmodelled=EVERYTHING)):
+        assert html.escape(sentence) in told.content
+    dock.write(Settings(origin="soft", preset=SHIPPED["soft"]))
+    assert not told.visible
+
+
+def test_a_slider_is_widened_for_what_it_must_show(section: Section):
+    dial = Dial(section, "w", (0.0, 1.0), step=0.01, hint="")
+    dial.show(math.pi)
+    assert dial.read() == math.pi
+    assert dial._slider.max > math.pi
+    dial.show(-2.0)
+    assert dial._slider.min < -2.0
+
+
+def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: Section):
+    dial = Dial(section, "°", (-180.0, 180.0), step=0.1, hint="", scale=math.degrees(1))
+    dial.show(math.pi / 2)
+    assert dial._slider.value == 90.0
+    assert dial.read() == math.pi / 2
+    dial._slider.value = 45.0
+    assert dial.read() == pytest.approx(math.pi / 4, rel=1e-15)
+
+
+def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: viser.ClientHandle):
+    sheet = Sheet(client.gui, _nothing)
+    dial = LogDial(Section(sheet), "n", (1e-3, 10.0), hint="")
+    sheet.refresh()
+    assert sheet._last is None
+    dial._slider.value = 0.5
+    sheet.refresh()
+    assert sheet._last is dial
+
+
+@pytest.mark.parametrize("sent", [(), (1.0, 2.0), (1.0,) * 4, ("a", "b", "c"), (None, 1.0, 2.0)])
+def test_a_vector_that_is_none_is_refused(section: Section, sent: tuple[Any, ...]):
+    """viser casts what a browser sends to the kind that was there; after an empty vector to no kind at all."""
+    vector = Vector(section, "v", step=0.1, hint="", scale=2.0)
+    vector._box._impl.value = sent  # type: ignore[attr-defined]
+    with pytest.raises(ValueError, match="v must have three components"):
+        vector.read()
+
+
+def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
+    dial = LogDial(section, "σ", (1e-3, 10.0), hint="", zero_at_left=True)
+    assert dial.read() == 0.0
+    dial._slider.value = -1.0
+    assert dial.read() == pytest.approx(0.1, rel=1e-15)
+    assert dial._slider.label == "σ = 0.1"
+    dial._slider.value = dial._slider.min
+    assert dial.read() == 0.0
+    for value in (1e-3, 1e-7):
+        dial.show(value)
+        assert dial.read() == value
+        dial._slider.value = dial._slider.min
+        assert dial.read() == 0.0
+
+
+def test_a_complaint_is_words_and_a_sign_and_never_html(client: viser.ClientHandle):
+    complaint = Complaint(client.gui)
+    complaint.say("<script>alert(1)</script>")
+    assert "⚠ &lt;script&gt;" in complaint._line.content
+
+
+def _row(picture: compute.Picture, name: str) -> str:
+    return dict(verdict._rows(picture))[name]
+
+
+def test_the_verdict_names_what_is_blind_and_why():
+    picture = _computed("hover")
+    assert "5 of 13" in _row(picture, "rank")
+    assert "nothing excites" in _row(picture, "blind")
+
+
+def test_a_diverged_covariance_is_told_instead_of_errors():
+    picture = _computed("hover")
+    diverged = dataclasses.replace(picture, summary=dataclasses.replace(picture.summary, diverged=True))
+    assert "unobservable, covariance diverges" in _row(diverged, "observer")
+    assert "steady error" not in dict(verdict._rows(diverged))
+    assert "covariance diverges" in verdict._chips(diverged)
+
+
+def test_an_eigenvalue_below_the_noise_floor_is_not_given_as_a_number():
+    assert "below the noise floor" in _row(_computed("circle"), "least λ(W)")
+    assert "noise floor" in _row(_computed("paper-slow"), "least λ(W)")
+
+
+def test_what_is_not_determined_says_so():
+    assert verdict.number(math.nan, "m") == "not determined"
+    assert verdict.number(math.inf) == "not determined"
+    assert verdict.number(0.12345, "m") == "0.123 m"
+    assert verdict.number(1.02e-15, "m") == "0 m"
+    assert verdict.number(1.02e-15) == "1.02e-15"
+    assert verdict.number(1251.0, "m²/s⁷") == "1251 m²/s⁷"
+    assert verdict.number(5.62e6) == "5.62e6"
+
+
+def test_the_papers_thrust_is_told():
+    assert "14.9 times the weight" in _row(_computed("paper"), "vehicle")
+
+
+def test_printed_switches_that_are_on_are_labelled():
+    assert verdict._chips(_computed("paper-slow")) == ""
+    assert "PRINTED: model, body axes" in verdict._chips(_computed("paper-slow", model=True, body_axes=True))
+
+
+@pytest.mark.parametrize(
+    ("switch", "off", "on"),
+    [
+        ("model", "Off: position error", "never converges"),
+        ("excitation", "Off: μ = ", "On: μ reads"),
+        ("reduced_row", "Off: the reduced pair", "On: the reduced pair"),
+        ("body_axes", "Off: μ = ", "On: μ reads"),
+        ("initial_values", "follow from the formula", "drifts away"),
+        ("attitude_rate", "Off: the slowest is", "On: the slowest reads"),
+    ],
+)
+def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):
+    assert off in ROWS[switch].consequence(_computed("paper-slow"))
+    assert on in ROWS[switch].consequence(_computed("paper-slow", **{switch: True}))
+
+
+def test_every_departure_has_a_row():
+    assert set(ROWS) == set(Printed.__struct_fields__)
+
+
+def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_very_file():
+    shown = effective(Settings(preset=SHIPPED["paper-slow"], time_scale=1.5))
+    text = preset_file.document(Settings(preset=shown)).decode()
+    assert preset.loads(text, source="download") == shown
+    comments = [line for line in text.splitlines() if line.startswith("#")]
+    found = analysis.analyse(shown)
+    assert text.startswith(f"# verdict: {found.verdict}; rank {found.rank} of 13")
+    assert f"mu = {found.mu:.6g}" in comments[1]
+    assert "required: 500" in comments[1]
+
+
+def test_nothing_of_a_presets_own_text_reaches_the_comments_of_its_download():
+    hostile = msgspec.structs.replace(SHIPPED["hover"], title='"\nseed = 7\n# x')
+    text = preset_file.document(Settings(preset=hostile)).decode()
+    assert preset.loads(text, source="download") == hostile
+
+
+def test_a_changed_preset_is_downloaded_under_another_name():
+    p: Any = SHIPPED["hover"]
+    assert preset_file.file_name("hover", p, p) == "hover.toml"
+    assert preset_file.file_name("hover", msgspec.structs.replace(p, seed=9), p) == "hover-changed.toml"
+
+
+def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: viser.ClientHandle):
+    before = SHIPPED["soft"]
+    fast = Multisine(tones=(Tone(axis="x", amplitude=1e-3, frequency=80.0),))
+    after = msgspec.structs.replace(before, path=fast)
+    looked = Figures(mu=1.0, sigma=1.0, excess={})
+    found = Repair(
+        before=before,
+        after=after,
+        by="tones",
+        words="",
+        effort=1.0,
+        evaluations=1,
+        figures_before=looked,
+        figures_after=looked,
+        certificate=certificate.certify_file("soft"),
+    )
+    rates = dict.fromkeys(("imu_rate", "mag_rate", "range_rate"), 20.0)
+    slow = msgspec.structs.replace(before, sensors=msgspec.structs.replace(before.sensors, **rates))
+    done: list[str] = []
+
+    class Shown:
+        def read(self) -> Settings:
+            return Settings(origin="soft", preset=slow)
+
+        def write(self, settings: Settings) -> None:
+            done.append("written")
+
+    panel = RepairPanel(Sheet(client.gui, _nothing), Shown(), Jobs(_nothing), lambda: done.append("pinned"))
+    panel._show(found)
+    with pytest.raises(Refused) as refusal:
+        panel._take()
+    assert "faster than the IMU can sample" in str(refusal.value.__cause__)
+    assert done == []
+    assert panel._accept.visible  # nothing is lost: it fits again at the rate it was found for

@@ -1,0 +1,227 @@
+"""The dock gives back what it was given, whatever that was: undo, redo and autosave stand on it."""
+
+import math
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import HealthCheck, given, reject
+from hypothesis import settings as tried
+from hypothesis import strategies as st
+
+from explorer.model.conversion import kind_of
+from explorer.model.settings import Drafts, Printed, Settings
+from explorer.panels.dock import Dock
+from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, Text, Vector
+from explorer.widgets.form import Refused
+from rangenav import axes
+from rangenav.attitude import AttitudeGains, Schedule
+from rangenav.cascade import Gains, Guess
+from rangenav.motion import World
+from rangenav.riccati import Blocks, RiccatiGains
+from rangenav.sensors import Noise, Sensors
+from rangenav.signals import Family, Flown, Multisine, Sum, Turning
+from rangenav.vehicle import CATALOGUE
+from tests.explorer.panels.test_panels import EVERYTHING, SHIPPED, client, dock
+from tests.support.signal_examples import EXAMPLES
+
+__all__ = ["client", "dock"]  # fixtures
+pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
+"""The websocket's threads do, while hypothesis draws."""
+NUMBERS = st.floats(-1e3, 1e3)
+VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
+SIZES = st.floats(1e-3, 10.0)
+SIGMAS = st.one_of(st.just(0.0), st.floats(1e-6, 1.0))
+FAMILIES = st.one_of(
+    st.sampled_from([signal for signal in EXAMPLES.values() if isinstance(signal, Family)]),
+    st.builds(Multisine, offset=VECTORS),
+)
+PATHS = st.one_of(FAMILIES, st.builds(Sum, base=FAMILIES, wiggle=FAMILIES, offset=VECTORS, drift=VECTORS))
+TURNINGS = st.one_of(
+    FAMILIES.filter(lambda signal: kind_of(signal) in ("multisine", "formula", "waypoints")),
+    st.builds(Flown, yaw=st.sampled_from(("0", "sin(t)", "-(t)"))),
+)
+BLOCKS = st.builds(Blocks, xi=SIZES, position=SIZES, velocity=SIZES, gravity=SIZES)
+GAINS = st.builds(
+    Gains,
+    mode=st.sampled_from(("constant", "noise-matched")),
+    riccati=st.builds(RiccatiGains, q=st.floats(1e-3, 1e5), v=BLOCKS, p0=BLOCKS),
+    attitude=st.builds(
+        AttitudeGains,
+        k1=st.floats(1e-3, 1e3),
+        rho1=SIZES,
+        rho2=SIZES,
+        schedule=st.none() | st.builds(Schedule, steady=st.just(1e-3), halfway=st.floats(1e-4, 1.0)),
+    ),
+)
+SENSORS = st.builds(
+    Sensors,
+    imu_rate=st.floats(200, 900),
+    mag_rate=st.floats(20, 200),
+    range_rate=st.floats(20, 200),
+    noise=st.builds(
+        Noise, gyro=SIGMAS, accel=SIGMAS, mag=SIGMAS, range=SIGMAS, imu_unit=st.sampled_from(("sample", "density"))
+    ),
+    unmodelled=st.sampled_from((Sensors().unmodelled, EVERYTHING)),
+)
+GUESSES = st.builds(
+    Guess,
+    state=st.sampled_from(("zero", "truth", "offset")),
+    position_offset=VECTORS,
+    attitude_axis=st.tuples(st.floats(0.1, 2), NUMBERS, NUMBERS),
+    attitude_angle=st.floats(-3.1, 3.1),
+)
+WORLDS = st.builds(
+    World,
+    anchor=VECTORS,
+    gravity=st.sampled_from(((0.0, 0.0, 9.81), (0.0, 0.1, -9.7))),
+    magnetic=st.just((1.0, 0.0, 0.0)),
+)
+PARTS: dict[str, st.SearchStrategy[Any]] = {
+    "path": PATHS,
+    "angular_velocity": TURNINGS,
+    "initial_rotation": st.tuples(*[st.floats(-3, 3)] * 3),
+    "duration": st.floats(16, 30),
+    "world": WORLDS,
+    "sensors": SENSORS,
+    "gains": GAINS,
+    "guess": GUESSES,
+    "seed": st.integers(0, 2**53 - 1),
+    "vehicle": st.sampled_from(CATALOGUE),
+}
+
+
+def _kept(shown: Turning | None, found: list[Any]) -> tuple[Any, ...]:
+    """Drafts as the page leaves them: one of each family that is not in use."""
+    each = {kind_of(draft): draft for draft in found}
+    if shown is not None:
+        each.pop(kind_of(shown), None)
+    return tuple(each.values())
+
+
+@st.composite
+def chosen(draw: st.DrawFn) -> Settings:
+    """Settings as a visitor could have made them."""
+    origin = draw(st.sampled_from(sorted(SHIPPED)))
+    parts = draw(st.fixed_dictionaries({}, optional=PARTS))
+    p = SHIPPED[origin]
+    try:
+        p = msgspec.structs.replace(p, **parts)
+    except ValueError:  # too fast for these rates, and the like: no settings
+        reject()
+    path, few = p.path, st.lists(FAMILIES, max_size=4)
+    base, wiggle = (path.base, path.wiggle) if isinstance(path, Sum) else (path, None)
+    drafts = Drafts(
+        path=_kept(base, draw(few)),
+        wiggle=_kept(wiggle, draw(few)),
+        angular_velocity=_kept(p.angular_velocity, draw(st.lists(TURNINGS, max_size=4))),
+    )
+    switches = draw(st.builds(Printed, model=st.booleans(), initial_values=st.booleans()))
+    return Settings(origin=origin, preset=p, time_scale=draw(st.floats(0.1, 10)), printed=switches, drafts=drafts)
+
+
+FEW = tried(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+
+
+@FEW
+@given(chosen(), chosen())
+def test_settings_are_read_back_as_they_were_written_whatever_was_there_before(
+    dock: Dock, before: Settings, settings: Settings
+):
+    dock.write(before)
+    assert dock.read() == before
+    dock.write(settings)
+    assert dock.read() == settings
+    assert dock.read() == settings  # reading changes nothing
+    dock.write(before)
+    assert dock.read() == before
+
+
+@FEW
+@given(chosen())
+def test_settings_survive_the_file_they_are_kept_in(settings: Settings):
+    assert msgspec.json.decode(msgspec.json.encode(settings), type=Settings) == settings
+
+
+@FEW
+@given(chosen())
+def test_axes_named_anew_twice_are_the_old_ones_and_are_shown_as_such(dock: Dock, settings: Settings):
+    assert axes.flipped(axes.flipped(settings.preset)) == settings.preset
+    dock.write(settings)
+    dock._relabel()
+    assert dock.read().preset == axes.flipped(settings.preset)
+    dock._relabel()
+    assert dock.read() == settings
+
+
+def test_a_constant_is_kept_while_another_family_is_in_use(dock: Dock):
+    dock.write(Settings(origin="hover", preset=SHIPPED["hover"]))
+    turning = dock.motion._turning._signal
+    turning._family.show("constant")
+    dock.read()
+    turning._editors["constant"]._value.show((1.0, 2.0, 3.0))  # type: ignore[attr-defined]
+    dock.read()
+    turning._family.show("formula")
+    dock.read()
+    turning._editors["formula"]._texts["x"].show("7")  # type: ignore[attr-defined]
+    settings = dock.read()
+    dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
+    dock.write(settings)
+    assert dock.read() == settings
+    turning._family.show("constant")
+    assert dock.read().preset.angular_velocity == Multisine(offset=(1.0, 2.0, 3.0))
+
+
+def test_vehicles_of_one_name_are_told_apart(dock: Dock):
+    own = [msgspec.structs.replace(CATALOGUE[0], speed=float(k)) for k in (1, 2)]
+    for chosen, base in (own, own[::-1]):
+        dock.vehicle.write(chosen, base)
+        assert dock.vehicle.read() == chosen
+
+
+VALUES: dict[type, st.SearchStrategy[Any]] = {
+    Choice: st.integers(0, 99),
+    Dial: st.floats(-3, 90),
+    LogDial: st.floats(-6, 5),
+    Number: st.one_of(st.floats(-1, 30), st.just(math.nan)),
+    Vector: st.tuples(*[st.floats(-2, 2)] * 3),
+    Switch: st.booleans(),
+    Text: st.sampled_from(("sin(t)", "2*cos(3*t)", "t t", "", "0 0 0 0\n9 1 0 2\n20 0 0 1", "0 0 0 0\n0 1 1 1")),
+}
+DEEDS = st.tuples(st.integers(0, 999), st.tuples(*VALUES.values()))
+"""Which control, of those that can be seen, and to what value of its kind."""
+
+
+def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
+    """One thing that a visitor does: half of the time another family, for there is most to lose."""
+    sheet = dock.sensors._section.sheet
+    controls = [c for section in sheet.sections if section._folder.visible for c in section._controls]
+    families = [dock.motion.path._base._family, dock.motion._turning._signal._family]
+    control: Any = families[which % 4] if which % 4 < 2 else controls[which % len(controls)]
+    value = dict(zip(VALUES, values, strict=True))[type(control)]
+    if isinstance(control, Choice):
+        value = list(control._values)[value % len(control._values)]
+    control._handle.value = value
+
+
+def _read(dock: Dock) -> Settings | None:
+    try:
+        return dock.read()
+    except (Refused, ValueError):
+        return None
+
+
+@FEW
+@given(st.lists(DEEDS, min_size=1, max_size=12))
+def test_whatever_a_visitor_does_is_shown_again_as_they_left_it(dock: Dock, deeds: list[tuple[int, tuple[Any, ...]]]):
+    dock.write(Settings(origin="circle", preset=SHIPPED["circle"]))
+    good = dock.read()
+    for which, values in deeds:
+        _do(dock, which, values)
+        now = _read(dock)
+        if now is not None:
+            good = now
+            assert _read(dock) == good  # looking again changes nothing
+    dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
+    dock.write(good)
+    assert dock.read() == good

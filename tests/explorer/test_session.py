@@ -1,0 +1,270 @@
+"""A visitor's session through viser's messages: latest wins, nonsense gets a sentence, tabs are apart."""
+
+import math
+import threading
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from explorer.charts import plot_list
+from explorer.model.playback import FRAME_RATE, Playback
+from explorer.server import Sessions
+from explorer.warming import Warming
+from explorer.web.security import open_server
+from rangenav import preset
+from tests.support.shared_server import house
+from tests.support.wire import Wire
+
+NOT_SHOWN = "Not shown"
+
+
+@pytest.fixture(scope="module")
+def port() -> Iterator[int]:
+    server, warming = open_server("127.0.0.1", 0), Warming()
+    Sessions(server, house(server, warming))
+    warming.start()
+    yield server.get_port()
+    server.stop()
+
+
+@pytest.fixture
+def visitor(port: int) -> Iterator[Wire]:
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    yield tab
+    tab.close()
+
+
+def _threads() -> int:
+    return sum(thread.name.startswith("session") for thread in threading.enumerate())
+
+
+def _wait_for_threads(count: int) -> None:
+    deadline = time.monotonic() + 10
+    while _threads() != count and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert _threads() == count
+
+
+def _drawn(tab: Wire) -> str:
+    """The verdict block."""
+    return next(p["content"] for p in tab.elements.values() if "of 13</b>" in str(p.get("content")))
+
+
+def _settled(tab: Wire) -> None:
+    """Until the server has said nothing new for a while."""
+    before = None
+    while before != (before := sum(tab.counts.values())):
+        time.sleep(0.3)
+
+
+def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
+    before = _drawn(visitor)
+    visitor.set("q", 0.0)
+    visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
+    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 1 •", "the label")
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "sentence"),
+    [
+        ("A (m)", math.nan, "amplitude must be a finite number"),
+        ("A (m)", 1e300, "amplitude must"),
+        ("w (rad/s)", -3.0, "frequency must lie between 1e-06 and 10000 rad/s, got -3"),
+        ("w (rad/s)", 900.0, "faster than the IMU can sample"),
+        ("φ₀ (rad)", math.inf, "phase must be a finite number"),
+        ("slower s", 1e9, "log10 of slower s must be a number"),
+        ("slower s", -2.0, "time_scale must lie between 0.1 and 10"),
+        ("window δ (s)", 25.0, "requirement.window must be shorter than the duration"),
+        ("window δ (s)", math.nan, "window must be a finite number"),
+        ("range (Hz)", 0.0, "range_rate must lie between"),
+        ("IMU (Hz)", 1e12, "imu_rate must lie between"),
+        ("mag (Hz)", 900.0, "mag_rate must lie between 1 Hz and imu_rate"),
+        ("σ range", 200.0, "noise range must lie between"),
+        ("σ gyro", math.nan, "log10 of σ gyro must be a number"),
+        ("sensor set", "gold", "sensor set must be one of: paper, "),
+        ("gyro bias (rad/s)", [math.nan, 0.0, 0.0], "gyro_bias must be a finite number"),
+        ("gyro bias (rad/s)", [0.0], "gyro bias (rad/s) must have three components, got 1"),
+        ("accel bias (m/s²)", [1e30, 0.0, 0.0], "accel_bias must not be longer than 100 m/s²"),
+        ("range bias (m)", 1e9, "range_bias must lie between -1000 and 1000 m"),
+        ("outliers (%)", 100.0, "outlier_probability must lie between 0 and 1, 1 excluded, got 1"),
+        ("outlier size (m)", -1.0, "outlier_size must lie between"),
+        ("drop-outs (%)", math.nan, "dropout_probability must be a finite number"),
+        ("silent from (s)", -1.0, "burst_start must lie between 0"),
+        ("silent for (s)", math.inf, "burst_length must be a finite number"),
+        ("lever arm (m)", [0.0, 0.0, 1e6], "lever_arm must not be longer than 100 m"),
+        ("noise seed", -1.0, "seed must lie between"),
+        ("noise seed", 0.5, "seed must be a whole number"),
+        ("noise seed", math.nan, "seed must be a whole number"),
+        ("q", 9.0, "q must lie between 0.001 and 100000"),
+        ("V(p)", -9.0, "v.position must lie between"),
+        ("P₀(g)", 9.0, "p0.gravity must lie between"),
+        ("k1", -9.0, "k1 must lie between"),
+        ("ρ2", 1e6, "log10 of ρ2 must be a number"),
+        ("gains", "best", "gains must be one of"),
+        ("x̂(0)", "", "x̂(0) must be one of"),
+        ("R̃(0) angle (°)", 900.0, "attitude_angle must lie in"),
+        ("R̃(0) axis", [0.0, 0.0, 0.0], "attitude_axis must not be the zero vector"),
+        ("R̃(0) axis", [1.0], "R̃(0) axis must have three components, got 1"),
+        ("position (m)", [math.nan, 0.0, 0.0], "position_offset must be a finite number"),
+        ("position (m)", [1e30, 0.0, 0.0], "position_offset must not be longer than"),
+        ("drift (m/s)", [math.inf, 0.0, 0.0], "drift must be a finite number"),
+        ("preset", "nowhere", "preset must be one of"),
+    ],
+)
+def test_nonsense_gets_a_sentence_and_the_last_picture_stays(visitor: Wire, label: str, value: object, sentence: str):
+    good, before = visitor.value(label), _drawn(visitor)
+    visitor.set(label, value)
+    visitor.wait_for_text(NOT_SHOWN)
+    shown = [p["content"] for p in visitor.elements.values() if p.get("visible") and "⚠" in str(p.get("content"))]
+    assert any(sentence.replace("&", "&amp;") in text for text in shown), shown
+    assert _drawn(visitor) == before
+    visitor.set(label, good)
+    visitor.wait_for(lambda: NOT_SHOWN not in visitor.text(), "the complaint to go")
+
+
+def test_a_sensor_set_is_loaded_and_what_the_paper_does_not_model_is_told(visitor: Wire):
+    before = _drawn(visitor)
+    visitor.set("sensor set", "UWB behind obstacles")
+    visitor.wait_for_text("the paper&#x27;s observer has no gate")
+    visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
+    assert visitor.value("range (Hz)") == 100.0
+    visitor.set("outliers (%)", 0.0)
+    visitor.wait_for(lambda: visitor.value("sensor set") == "as set below", "the set to be no longer that one")
+    visitor.wait_for(lambda: "has no gate" not in visitor.text(), "the sentence to go")
+
+
+def test_a_flight_whose_ranges_are_all_lost_is_drawn(visitor: Wire):
+    visitor.set("silent for (s)", 1000.0)
+    visitor.wait_for_text("covariance diverges")
+    visitor.set("t (s)", 3.0)
+    _settled(visitor)
+    assert not visitor.notifications
+
+
+def test_a_sentence_is_shown_as_text_and_not_as_html(visitor: Wire):
+    visitor.set("preset", "<img src=x onerror=alert(1)>")
+    visitor.wait_for_text(NOT_SHOWN)
+    assert "<img src=x" not in visitor.text()
+
+
+def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
+    for step in range(60):
+        visitor.set("q", 1.0 + step / 30)
+    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •", "the last value")
+    _settled(visitor)
+    made = sum(len(group.plots) for group in plot_list.GROUPS)
+    assert visitor.counts["GuiUplotMessage"] <= made  # plots are made once, however many changes come
+    assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •"
+
+
+def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):
+    visitor.set("preset", f"{preset.load('hover').title} (hover)")
+    visitor.wait_for_text("BLIND")
+    _settled(visitor)
+    assert not any(p.get("label") == "A (m)" for p in visitor.elements.values())
+    visitor.set("preset", f"{preset.load('wiggle').title} (wiggle)")
+    visitor.wait_for(
+        lambda: any((p.get("label") or "").startswith("x: 0.02") for p in visitor.elements.values()), "tones"
+    )
+    visitor.wait_for_text("13 of 13")
+
+
+def test_a_written_preset_is_drawn_once_not_once_for_every_control(visitor: Wire):
+    _settled(visitor)
+    before = visitor.counts["GuiUpdateMessage"]
+    visitor.set("preset", f"{preset.load('lissajous').title} (lissajous)")
+    _settled(visitor)
+    assert visitor.counts["GuiUpdateMessage"] - before < 250
+
+
+def test_an_idle_session_sends_nothing(visitor: Wire):
+    _settled(visitor)
+    before = dict(visitor.counts)
+    time.sleep(1.0)
+    assert visitor.counts == before
+
+
+def test_two_tabs_do_not_disturb_each_other(port: int, visitor: Wire):
+    other = Wire(port)
+    other.wait_for_text("13 of 13")
+    before, label = _drawn(other), visitor.value("A (m)")
+    visitor.set("A (m)", 2.0)
+    visitor.set("preset", f"{preset.load('circle').title} (circle)")
+    visitor.wait_for_text("BLIND")
+    assert _drawn(other) == before
+    assert other.value("A (m)") == label
+    other.close()
+
+
+def test_a_tab_that_leaves_takes_its_thread_with_it(port: int):
+    _wait_for_threads(0)
+    tabs = [Wire(port) for _ in range(3)]
+    for tab in tabs:
+        tab.wait_for_text("13 of 13")
+    assert _threads() == 3
+    for tab in tabs:
+        tab.close()
+    _wait_for_threads(0)
+
+
+def test_an_unforeseen_error_is_told_and_the_session_goes_on(
+    visitor: Wire, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+):
+    def broken(_: object) -> None:
+        raise RuntimeError("a programmer's error")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("explorer.model.compute.compute", broken)
+        visitor.set("q", 0.5)
+        visitor.wait_for(lambda: any("Internal error" in text for text in visitor.notifications), "a notification")
+    assert "a programmer's error" in caplog.text
+    caplog.clear()
+    before = _drawn(visitor)
+    visitor.set("q", 0.0)
+    visitor.wait_for(lambda: _drawn(visitor) != before, "the session to go on")
+
+
+def test_scrubbing_pauses_and_stays_inside_the_run(visitor: Wire):
+    visitor.set("t (s)", 7.5)
+    visitor.set("t (s)", 1e9)
+    visitor.wait_for(lambda: visitor.value("t (s)") == preset.load("paper-slow").duration, "the end of the run")
+    visitor.set("t (s)", math.nan)
+    visitor.wait_for_text("time must be a finite number")
+    visitor.set("t (s)", 3.0)
+    visitor.wait_for(lambda: "time must be" not in visitor.text(), "the complaint to go")
+
+
+def test_the_clock_plays_loops_and_stops():
+    clock = Playback(10.0)
+    assert clock.wait(0.0) is None
+    clock.toggle(100.0)
+    clock.advance(101.0)
+    assert clock.time == 1.0
+    assert clock.wait(101.0) == pytest.approx(1 / FRAME_RATE)
+    assert clock.wait(105.0) == 0.0  # late frames are dropped, not made up for
+    clock.change_speed(+1)
+    clock.advance(106.0)
+    assert clock.time == 1.0  # 1 + 5 · 2 = 11 s of a 10 s run that loops
+    clock.toggle_loop()
+    clock.advance(200.0)
+    assert (clock.time, clock.playing) == (10.0, False)
+    clock.toggle(300.0)
+    assert (clock.time, clock.playing) == (0.0, True)
+    clock.seek(99.0)
+    assert (clock.time, clock.playing) == (10.0, False)
+    clock.fit(4.0)
+    assert clock.time == 4.0
+    with pytest.raises(ValueError, match="finite"):
+        clock.seek(math.nan)
+
+
+def test_speed_stays_within_its_list():
+    clock = Playback(1.0)
+    for _ in range(20):
+        clock.change_speed(-1)
+    assert clock.speed == 0.1
+    for _ in range(20):
+        clock.change_speed(+1)
+    assert clock.speed == 8.0

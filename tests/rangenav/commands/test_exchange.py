@@ -1,0 +1,211 @@
+"""`rangenav export`, `import` and `log` as people and scripts meet them: files, questions, exit codes, one sentence."""
+
+import io
+import re
+import zipfile
+
+import msgspec
+import numpy as np
+import pytest
+
+from explorer.storage.bundle import parcel
+from rangenav import formats, preset
+from rangenav.certificate import exports
+from tests.support.real_files import shared
+
+SUFFIX = {"preset": ".toml", "npz": ".npz", "mat": ".mat", "mcap": ".mcap", "bag": "", "euroc": ""}
+EVERYTHING = tuple(form for form in formats.WRITTEN if form != "preset")
+
+
+@pytest.mark.parametrize("format", formats.WRITTEN)
+def test_every_format_is_exported_and_what_was_written_is_said(answer, tmp_path, format):
+    if format in ("bag", "mcap"):
+        pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
+    path = tmp_path / f"x{SUFFIX.get(format, '.csv')}"
+    said = answer("export", "soft", "--to", format, "-o", path)
+    assert (said["preset"], said["format"], said["uncertified"]) == ("soft", format, False)
+    assert path.exists()
+    assert all(tmp_path in one.parents for one in map(type(tmp_path), said["files"]))
+    if format in ("reference", "polynomial"):
+        assert said["steady"]["to"] - said["steady"]["from"] >= 12.0
+        assert said["notes"][0].startswith("any certificate covers 2 s to ")
+
+
+def test_a_table_for_people_says_the_same(run, tmp_path):
+    code, out, err = run("export", "soft", "--to", "tum", "-o", tmp_path / "x.tum")
+    assert (code, err) == (0, "")
+    assert "soft as tum" in out
+
+
+def test_a_preset_that_misses_its_requirement_is_exported_only_marked(answer, complaint, tmp_path):
+    soft = preset.load("soft")
+    greedy = msgspec.structs.replace(soft, requirement=msgspec.structs.replace(soft.requirement, mu=1e4))
+    preset.save(greedy, tmp_path / "greedy.toml")
+    asked = ("export", tmp_path / "greedy.toml", "--to", "reference", "-o", tmp_path / "x.csv")
+    said = complaint(*asked)
+    assert "m²/s⁷ required" in said
+    assert "nothing was written (--uncertified writes it all the same, marked)" in said
+    assert not (tmp_path / "x.csv").exists()
+    said = answer(*asked, "--uncertified")
+    assert said["uncertified"]
+    assert any(
+        note.startswith("UNCERTIFIED: Soft three-tone path: refused: the excitation along ") for note in said["notes"]
+    )
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["greedy.toml", "x.uncertified.csv"]
+
+
+def test_the_page_and_the_command_line_pass_one_gate(complaint, tmp_path):
+    """What the command refuses, the page's zip refuses or leaves out, in the same words: direction, window, by how
+    much, and what would help."""
+    circle, words = preset.load("circle"), exports.gate(preset.load("circle"), "reference")
+    for said in ("along z over the 10 s from t = 0 s is nothing, 1 m²/s⁷ required", "it would do to add a tone of at"):
+        assert said in words
+    assert words in complaint("export", "circle", "--to", "reference", "-o", tmp_path / "x.csv")
+    told = {"uncertified": False, "progress": lambda _: None, "cancelled": lambda: False}
+    with pytest.raises(ValueError, match=re.escape(words)):
+        parcel(circle, "circle", ["reference"], **told)
+    both = parcel(circle, "circle", ["reference", "csv"], **told)
+    assert any(note.startswith("reference: left out:") and words in note for note in both.notes)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["soft", "torus", "circle"])
+def test_everything_in_the_pages_zip_verifies_where_it_is_unpacked_and_nothing_else_does(run, tmp_path, name):
+    pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
+    packed = parcel(
+        preset.load(name), name, EVERYTHING, uncertified=True, progress=lambda _: None, cancelled=lambda: False
+    )
+    zipfile.ZipFile(io.BytesIO(packed.content)).extractall(tmp_path)
+    marked = [path for path in tmp_path.iterdir() if "uncertified" in path.name]
+    proven = [path for path in tmp_path.iterdir() if path.name != "README.txt" and path not in marked]
+    artifacts = [path for path in proven if not path.name.endswith("certificate.json")]
+    refused = {"circle": 2, "torus": 0}.get(name, 0)
+    assert len(marked) == refused
+    assert (packed.name == f"{name}.uncertified.zip") == bool(refused)
+    left_out = sum(": left out: " in note for note in packed.notes)
+    assert len(artifacts) + refused + left_out == 1 + len(EVERYTHING), packed.notes
+    assert len(artifacts) >= 9
+    code, out, err = run("verify", *proven)
+    assert (code, err, out.count("✓")) == (0, "", len(proven))
+    if marked:
+        assert run("verify", *marked)[0] == 1
+    for path in artifacts:
+        file = path if path.is_file() else next(one for one in path.rglob("*.*") if one.name != "certificate.json")
+        content = bytearray(file.read_bytes())
+        content[len(content) // 3] ^= 1
+        file.write_bytes(content)
+    assert run("verify", *artifacts)[1].count("✕") == len(artifacts)
+
+
+@pytest.mark.parametrize("format", ["bezier", "qgc"])
+def test_formats_that_lose_the_excitation_say_why_they_are_not_written(complaint, tmp_path, format):
+    said = complaint("export", "soft", "--to", format, "-o", tmp_path / "x")
+    assert said.startswith(f"{format}: ")
+    assert "nothing about it can be certified" in said
+
+
+def test_what_was_exported_is_imported_again_with_the_same_verdict(answer, tmp_path):
+    for format in ("polynomial", "reference"):
+        answer("export", "paper-slow", "--to", format, "-o", tmp_path / "x.csv")
+        said = answer("import", tmp_path / "x.csv", "--from", format, "-o", tmp_path / "y.toml", "--duration", "11")
+        assert (said["rank"], said["attitude"], said["frame"]) == (13, "as flown", "z-up")
+        assert answer("analyze", tmp_path / "y.toml")["gramian"]["rank"] == 13
+        assert preset.load(tmp_path / "y.toml").duration == 11.0
+
+
+def test_an_import_that_leaves_something_open_asks_and_writes_nothing(answer, complaint, tmp_path):
+    answer("export", "soft", "--to", "tum", "-o", tmp_path / "x.tum")
+    asked = ("import", tmp_path / "x.tum", "--from", "tum", "-o", tmp_path / "y.toml")
+    said = complaint(*asked)
+    assert "which way does z point" in said
+    assert said.endswith("--frame z-up\n")
+    assert not (tmp_path / "y.toml").exists()
+    found = answer(*asked, "--frame", "z-up", "--anchor", "1", "2", "3")
+    assert (found["verdict"], found["fit_error"] > 0) == ("not judged", True)
+    assert (found["excitation"], found["rank"]) == (None, None)
+    assert "cannot be judged" in found["reason"]
+    assert preset.load(tmp_path / "y.toml").world.anchor == (1.0, 2.0, 3.0)
+
+
+def test_a_path_is_no_flight_and_a_flight_no_path(answer, complaint, tmp_path):
+    answer("export", "soft", "--to", "log", "-o", tmp_path / "x.csv")
+    said = complaint("import", tmp_path / "x.csv", "--from", "log", "-o", tmp_path / "y.toml")
+    assert said == "x.csv: holds a recorded flight and no path: ask `rangenav log` about it\n"
+    answer("export", "soft", "--to", "euroc", "-o", tmp_path / "flight")
+    truth = tmp_path / "flight" / "mav0" / "state_groundtruth_estimate0" / "data.csv"
+    assert "holds a path and no recorded flight" in complaint("log", truth, "--from", "euroc")
+    assert "must name a file that ends in .toml" in complaint("import", truth, "--from", "euroc", "-o", tmp_path / "y")
+
+
+def test_a_log_of_our_own_is_judged_and_observed_without_a_question(answer, tmp_path):
+    answer("export", "soft", "--to", "log", "-o", tmp_path / "x.csv")
+    said = answer("log", tmp_path / "x.csv", "--window", "12")
+    assert (said["verdict"], said["informative"]["rank"]) == ("observable", 13)
+    assert len(said["informative"]["eigenvalues"]) == 13
+    assert said["observer"]["position"]["quarters_rmse"][-1] < 1.0
+    assert said["observer"]["attitude_deg"]["quarters_rmse"][-1] < 5.0
+    assert said["world"]["anchor"] == [0.0, 0.0, 1.5]
+
+
+def test_a_euroc_folder_of_our_own_needs_a_world_and_an_anchor(answer, complaint, tmp_path):
+    answer("export", "soft", "--to", "euroc", "-o", tmp_path / "flight")
+    said = complaint("log", tmp_path / "flight")
+    assert "where do gravity and the magnetic field point? the record does not start still" in said
+    assert "where does the anchor stand? the file does not say: --anchor X Y Z" in said
+    given = ("--world", "given", "--gravity", "0", "0", "-9.81", "--magnetic", "1", "0", "-1")
+    found = answer("log", tmp_path / "flight", *given, "--anchor", "0", "0", "-1.5", "--window", "12")
+    assert found["observer"]["position"]["quarters_rmse"][-1] < 1.0
+    assert "--world given needs --gravity" in complaint("log", tmp_path / "flight", "--world", "given")
+    assert "used with --world given" in complaint("log", tmp_path / "flight", "--gravity", "0", "0", "-9.81")
+
+
+def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
+    answer("export", "hover", "--to", "log", "-o", tmp_path / "x.csv")
+    found = answer("log", tmp_path / "x.csv")
+    assert (found["verdict"], found["informative"]["position"]) == ("blind", None)
+    assert found["informative"]["reason"].startswith("null:")
+    rows = (tmp_path / "x.csv").read_text().splitlines()
+    k = next(j for j, row in enumerate(rows) if not row.startswith("#"))
+    columns = [row.split(",")[:10] for row in rows[k:]]
+    (tmp_path / "bare.csv").write_text("\n".join([*rows[:k], *map(",".join, columns)]))
+    bare = answer("log", tmp_path / "bare.csv")
+    assert bare["observer"] is None
+    assert "--synthetic-ranges" in bare["observer_reason"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("--synthetic-ranges", "0.05"), "--synthetic-ranges needs --anchor X Y Z"),
+        (("--synthetic-ranges", "-1", "--anchor", "0", "0", "0"), "must lie between 0.001 m and 100 m, got -1"),
+        (("--range-sigma", "0"), "--range-sigma must be positive, got 0"),
+        (("--window", "99"), "the window must be shorter than the record's 20 s"),
+        (("--window", "nan"), "the window must be shorter"),
+        (("--begin", "50"), "no samples between 50 s and inf s"),
+        (("--anchor", "nan", "0", "0"), "anchor must be a finite number"),
+    ],
+)
+def test_nonsense_is_refused_in_one_sentence(complaint, tmp_path, arguments, said):
+    formats.export(preset.load("soft"), "log", tmp_path / "x.csv")
+    assert said in complaint("log", tmp_path / "x.csv", *arguments)
+
+
+def test_the_unit_trap_stops_the_command_with_every_question_and_its_flag(complaint, answer):
+    path = shared("imu/fusion_sensor_data.csv")
+    said = complaint("log", path)
+    flags = ("--gyro-unit", "deg/s", "--accel-unit", "g", "--mag-unit", "uT", "--frame", "z-up")
+    for flag, value in zip(flags[::2], flags[1::2], strict=True):
+        assert f"{flag} {value}" in said
+    found = answer("log", path, *flags)
+    assert found["observer"] is None
+    assert found["informative"]["windows"]["blind"] > 40  # it mostly lies on a table
+
+
+def test_broad_on_the_command_line_is_the_library(answer):
+    path = shared("imu/broad_21_undisturbed_fast_combined.mat")
+    asked = ("--mag-unit", "uT", "--world", "still", "--anchor", "1.5", "1.2", "0.2", "--synthetic-ranges", "0.05")
+    found = answer("log", path, *asked, "--begin", "36.3", "--end", "154.2")
+    assert found["observer"]["position"]["median"] < 0.8
+    assert found["observer"]["attitude_deg"]["median"] < 5
+    assert found["informative"]["windows"]["blind"] == 1
+    assert np.linalg.norm(found["world"]["gravity"]) == pytest.approx(9.82, abs=0.01)

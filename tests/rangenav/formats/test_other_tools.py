@@ -1,0 +1,224 @@
+"""Every file that is written, read by a tool nobody here wrote: evo, GTSAM, cflib, mcap, scipy."""
+
+import os
+import struct
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import scipy.io
+
+from rangenav import formats, motion, preset, record
+from rangenav.axes import upright
+from rangenav.formats import exported_run, frames, hover_ramps
+from rangenav.observability import excitation
+from rangenav.signals import polynomials
+
+pytestmark = pytest.mark.filterwarnings("default")  # other people's warnings are theirs
+
+
+@pytest.fixture(scope="module")
+def evo(tmp_path_factory):
+    """evo(tool, arguments) -> what it printed, after success; its settings go to a folder of their own."""
+    pytest.importorskip("evo", reason="evo is not installed (the extra interop has it)")
+    home = tmp_path_factory.mktemp("home")
+
+    def call(tool, *arguments):
+        command = [str(Path(sys.executable).parent / tool), *map(str, arguments)]
+        environment = {**os.environ, "HOME": str(home), "MPLBACKEND": "agg"}
+        finished = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+        assert finished.returncode == 0, finished.stdout + finished.stderr
+        return finished.stdout
+
+    return call
+
+
+EVO = {
+    "tum": ("tum", "x.tum", ()),
+    "euroc": ("euroc", "x/mav0/state_groundtruth_estimate0/data.csv", ()),
+    "bag": ("bag2", "x.bag", ("/ground_truth",)),
+    "mcap": ("mcap", "x.mcap", ("/ground_truth",)),
+}
+NAMES = {"tum": "x.tum", "euroc": "x", "bag": "x.bag", "mcap": "x.mcap"}
+
+
+@pytest.mark.parametrize("format", EVO)
+def test_evo_finds_the_trajectory_whole_and_its_quaternions_and_stamps_right(evo, format, tmp_path):
+    p = preset.load("soft")
+    formats.export(p, format, tmp_path / NAMES[format])
+    kind, name, topic = EVO[format]
+    said = evo("evo_traj", kind, tmp_path / name, *topic, "--full_check")
+    checks = [line.split() for line in said.splitlines()]
+    for what in ("quaternions", "timestamps", "SE(3)"):
+        answers = [words[-1] for words in checks if words and words[0].startswith(what)]
+        assert all(answer in ("ok", "yes") for answer in answers), said
+    assert any(words[:2] == ["timestamps", "ok"] for words in checks), said
+    truth = record.run(p).truth.motion
+    top = [float(w[-1]) for w in checks if w[:2] == ["v_max", "(m/s)"]]
+    assert top == [pytest.approx(np.linalg.norm(truth.velocity, axis=-1).max(), rel=1e-3)], said
+
+
+@pytest.mark.parametrize("format", EVO)
+def test_evo_reads_the_very_poses_of_the_run(evo, format, tmp_path):
+    from evo.tools import file_interface
+
+    p = preset.load("paper-slow")
+    path = tmp_path / NAMES[format]
+    formats.export(p, format, path)
+    if format == "tum":
+        found = file_interface.read_tum_trajectory_file(str(path))
+    elif format == "euroc":
+        found = file_interface.read_euroc_csv_trajectory(str(tmp_path / EVO[format][1]))
+    else:
+        from rosbags.rosbag2 import Reader
+
+        with Reader(path) as reader:
+            found = file_interface.read_bag_trajectory(reader, "/ground_truth")
+    run = exported_run.upright_run(p)
+    np.testing.assert_allclose(found.positions_xyz, run.position, atol=1e-9)
+    np.testing.assert_allclose(np.asarray(found.timestamps) - found.timestamps[0], run.time, atol=1e-6)
+    turned = frames.to_rotation(np.asarray(found.orientations_quat_wxyz))
+    np.testing.assert_allclose(turned, run.rotation, atol=1e-8)
+
+
+def test_evo_sees_no_error_between_the_same_run_in_two_formats(evo, tmp_path):
+    p = preset.load("soft")
+    formats.export(p, "tum", tmp_path / "x.tum")
+    formats.export(p, "euroc", tmp_path / "x")
+    made = tmp_path / "x" / "mav0" / "state_groundtruth_estimate0" / "data.csv"
+    said = evo("evo_ape", "euroc", made, tmp_path / "x.tum", "--t_offset", "1")
+    assert float(next(line.split()[1] for line in said.splitlines() if "rmse" in line)) < 1e-6
+
+
+# --- GTSAM
+
+
+@pytest.fixture(scope="module")
+def gtsam():
+    found = pytest.importorskip("gtsam", reason="gtsam is not installed (the extra interop has it)")
+    if not hasattr(found, "DiscreteScenario"):
+        pytest.skip("this gtsam has no DiscreteScenario: 4.3 is the first")
+    return found
+
+
+@pytest.mark.parametrize("name", ["paper-slow", "soft"])
+@pytest.mark.parametrize("attitude", ["flown", "preset"])
+def test_gtsam_flies_the_reference_file_and_feels_the_specific_force_with_gravity_down(gtsam, name, attitude, tmp_path):
+    p = upright(preset.load(name))
+    formats.export(preset.load(name), "reference", tmp_path / "x.csv", attitude=attitude)
+    scenario = gtsam.DiscreteScenario.FromCSV(str(tmp_path / "x.csv"))
+    params = gtsam.PreintegrationParams.MakeSharedU(9.81)  # z up: gravity (0, 0, −9.81)
+    runner = gtsam.ScenarioRunner(scenario, params, 0.01, gtsam.imuBias.ConstantBias())
+    t = np.arange(25, 1950, 61) / 100  # on the file's own stamps: GTSAM interpolates between them
+    if attitude == "flown":
+        course = hover_ramps.ramped(p.path, p.duration, window=p.requirement.window)
+        body = hover_ramps.attitude(course, p.angular_velocity, p.world.gravity, t)
+    else:
+        course = p.path
+        truth = record.simulated(record.course_of(p)).motion
+        k = np.rint(t * p.sensors.imu_rate).astype(int)
+        body = hover_ramps.Attitude(
+            rotation=truth.rotation[k],
+            angular_velocity=truth.angular_velocity[k],
+            angular_acceleration=truth.angular_acceleration[k],
+        )
+    felt = motion.apparent(body.rotation, course(t, 2), gravity=np.array([0.0, 0.0, -9.81]))
+    assert felt[:, 2].mean() > 0 or attitude == "preset"
+    poses = [scenario.pose(s) for s in t]
+    np.testing.assert_allclose([pose.translation() for pose in poses], course(t), atol=1e-9)
+    np.testing.assert_allclose([pose.rotation().matrix() for pose in poses], body.rotation, atol=1e-9)
+    np.testing.assert_allclose([scenario.velocity_n(s) for s in t], course(t, 1), atol=1e-9)
+    np.testing.assert_allclose([scenario.omega_b(s) for s in t], body.angular_velocity, atol=1e-9)
+    np.testing.assert_allclose([np.ravel(runner.actualSpecificForce(s)) for s in t], felt, atol=1e-9)
+
+
+def test_gtsam_integrating_the_imu_of_a_reference_file_arrives_where_the_file_does(gtsam, tmp_path):
+    """Its own preintegration from its own accelerometer: a wrong sign of g would miss by g t² = 157 m."""
+    formats.export(preset.load("soft"), "reference", tmp_path / "x.csv")
+    scenario = gtsam.DiscreteScenario.FromCSV(str(tmp_path / "x.csv"))
+    still, params = gtsam.imuBias.ConstantBias(), gtsam.PreintegrationParams.MakeSharedU(9.81)
+    runner = gtsam.ScenarioRunner(scenario, params, 0.001, still)
+    arrived = runner.predict(runner.integrate(4.0, still, False), still)
+    np.testing.assert_allclose(arrived.position(), scenario.pose(4.0).translation(), atol=0.02)  # of 1 ms steps
+
+
+# --- Crazyflie
+
+
+def test_what_cflib_sends_a_crazyflie_is_the_path_to_the_precision_of_its_floats(tmp_path):
+    memory = pytest.importorskip("cflib.crazyflie.mem.trajectory_memory", reason="cflib is not installed")
+    p = preset.load("soft")
+    written = formats.export(p, "polynomial", tmp_path / "x.csv")
+    rows = np.loadtxt(tmp_path / "x.csv", delimiter=",", skiprows=1)  # as Crazyswarm's own uploader reads it
+    Poly = memory.Poly4D.Poly
+    sent = [memory.Poly4D(row[0], *(Poly(list(row[k : k + 8])) for k in (1, 9, 17, 25))).pack() for row in rows]
+    assert sum(map(len, sent)) <= 4096  # the memory of a Crazyflie
+    pieces = []
+    for data in sent:
+        numbers = struct.unpack("<33f", data)
+        x, y, z, yaw = (numbers[k : k + 8] for k in (0, 8, 16, 24))
+        pieces.append(polynomials.Piece(duration=numbers[32], x=x, y=y, z=z, yaw=yaw))
+    flown = polynomials.Polynomials(pieces=tuple(pieces))
+    course = hover_ramps.ramped(upright(p).path, written.steady[1], window=p.requirement.window)
+    t = np.linspace(0, course.end, 500)
+    assert np.linalg.norm(flown(t) - course(t), axis=-1).max() < 3e-4
+    start = np.linspace(written.steady[0], written.steady[1] - p.requirement.window, 9)
+    mu = excitation.eigenvalues(flown, start, p.requirement.window)[:, 0]
+    np.testing.assert_allclose(mu.min(), written.figures["mu"], rtol=2e-3)
+
+
+# --- ROS
+
+
+def test_every_message_of_an_mcap_file_is_decoded_by_its_own_schema(tmp_path):
+    pytest.importorskip("mcap", reason="mcap is not installed (the extra interop has it)")
+    reader = pytest.importorskip("mcap_ros2.reader", reason="mcap-ros2-support is not installed")
+    p = preset.load("soft")
+    formats.export(p, "mcap", tmp_path / "x.mcap")
+    by_topic: dict[str, list] = {}
+    for message in reader.read_ros2_messages(str(tmp_path / "x.mcap")):
+        by_topic.setdefault(message.channel.topic, []).append(message.ros_msg)
+    run = exported_run.upright_run(p)
+    imu = by_topic["/imu/data"]
+    assert len(imu) == len(run.time)
+    force = np.array([[m.linear_acceleration.x, m.linear_acceleration.y, m.linear_acceleration.z] for m in imu])
+    np.testing.assert_array_equal(force, run.accel)
+    turning = np.array([[m.angular_velocity.x, m.angular_velocity.y, m.angular_velocity.z] for m in imu])
+    np.testing.assert_array_equal(turning, run.gyro)
+    assert {m.orientation_covariance[0] for m in imu} == {-1.0}
+    stamps = [m.header.stamp.sec + 1e-9 * m.header.stamp.nanosec for m in imu]
+    np.testing.assert_allclose(stamps, run.time + 1.0, atol=1e-9)
+    field = np.array([[m.magnetic_field.x, m.magnetic_field.y, m.magnetic_field.z] for m in by_topic["/imu/mag"]])
+    np.testing.assert_allclose(field, 50e-6 * run.mag, rtol=1e-12)
+    np.testing.assert_array_equal([m.range for m in by_topic["/range"]], run.range.astype(np.float32))
+    assert len(by_topic["/ground_truth"]) == len(run.time)
+
+
+def test_rosbags_own_reader_finds_every_message_of_a_bag_in_order(tmp_path):
+    rosbag2 = pytest.importorskip("rosbags.rosbag2", reason="rosbags is not installed (the extra ros has it)")
+    written = formats.export(preset.load("soft"), "bag", tmp_path / "bag")
+    with rosbag2.Reader(tmp_path / "bag") as reader:
+        stamps = [stamp for _, stamp, _ in reader.messages()]
+        assert set(reader.topics) == {"/imu/data", "/imu/mag", "/range", "/ground_truth"}
+    assert len(stamps) == written.figures["messages"]
+    assert stamps == sorted(stamps)
+    assert stamps[0] == 1_000_000_000
+
+
+# --- MATLAB
+
+
+def test_scipy_finds_the_struct_with_its_conventions_said(tmp_path):
+    p = preset.load("soft")
+    formats.export(p, "mat", tmp_path / "x.mat")
+    found = scipy.io.loadmat(tmp_path / "x.mat", simplify_cells=True)["rangenav"]
+    truth, z = record.run(p).truth.motion, record.run(p).measurements
+    for name in ("position", "snap", "rotation"):
+        np.testing.assert_array_equal(found[name], getattr(truth, name))
+    np.testing.assert_array_equal(found["gyro"], z.gyro)
+    np.testing.assert_array_equal(found["range"], z.range)
+    np.testing.assert_allclose(frames.to_rotation(found["quaternion_wxyz"]), truth.rotation, atol=1e-12)
+    assert found["meta"]["frame"] == "z-down"
+    assert preset.loads(found["meta"]["preset"], source="x") == p

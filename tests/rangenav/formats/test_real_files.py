@@ -1,0 +1,117 @@
+"""Real files that nobody here wrote: the right verdict, or the right complaint."""
+
+import numpy as np
+import pytest
+import scipy.io
+
+from rangenav import analysis, formats
+from rangenav.formats import mat5
+from rangenav.formats.path_preset import as_preset
+from rangenav.observability import excitation
+from tests.support.real_files import shared
+
+
+def judged(name, format, **confirm):
+    found = formats.settled(formats.read(shared(name), format, confirm=confirm))
+    made = as_preset(found)
+    return found, made, analysis.analyse(made)
+
+
+def test_crazyswarms_figure_eight_is_planar_and_excites_nothing_across():
+    found, made, seen = judged("polynomial/cs2_figure8.csv", "polynomial")
+    assert (found.rows, found.duration) == (10, pytest.approx(7.283185))
+    assert (seen.mu, seen.rank, seen.verdict) == (0.0, 11, "blind")
+    assert made.world.gravity == (0.0, 0.0, -9.81)
+    assert not any("jump" in sentence for sentence in found.findings)
+
+
+def test_the_jump_of_29_cm_in_crazyswarms_multi_trajectory_is_named():
+    found, _, _ = judged("polynomial/cs2_multi_traj0.csv", "polynomial")
+    assert "position jumps by 0.29 m along x at t = 0.96 s" in found.findings
+    assert "32 pieces are more than the 31 a Crazyflie holds" in found.findings
+    assert str(found.unjudged).startswith("position jumps by 0.29 m")
+
+
+def test_a_very_gentle_choreography_is_too_gentle_to_see():
+    _, _, seen = judged("polynomial/cs1_seq1_19.csv", "polynomial")
+    assert (seen.verdict, seen.mu < 1e-6) == ("blind", True)
+
+
+def test_a_race_with_exact_snap_is_judged_and_agrees_with_its_own_snap_columns():
+    path = shared("racing/togt_traj.csv")
+    found, made, seen = judged("racing/togt_traj.csv", "reference")
+    assert found.unjudged is None
+    assert found.fit_error < 2e-3
+    assert seen.rank == 13
+    table = np.genfromtxt(path, delimiter=",", names=True)
+    snap = np.column_stack([table[f"snap_{a}"] for a in "xyz"])
+    window = made.requirement.window
+    inside = table["t"] <= window
+    outer = snap[inside, :, None] * snap[inside, None, :]
+    h = np.diff(table["t"][inside])[:, None, None]
+    own = np.linalg.eigvalsh(np.sum(h * (outer[1:] + outer[:-1]) / 2, axis=0))
+    got = excitation.eigenvalues(made.path, np.array([0.0]), window)[0]
+    np.testing.assert_allclose(got, own, rtol=0.05)
+
+
+def test_a_refined_race_is_read_by_the_names_of_its_columns_and_its_zero_snap_is_not_believed():
+    found, made, _ = judged("racing/togt_refined_traj.csv", "reference")
+    for word in ("acceleration", "jerk", "snap"):
+        assert f"the {word} columns are all zero: taken as missing" in found.findings
+    assert found.unjudged is not None
+    np.testing.assert_allclose(made.path(np.zeros(1))[0], [-5.0, 4.5, 1.2], atol=found.fit_error)
+    assert 8 < np.linalg.norm(made.path(np.linspace(0, 7, 500), 1), axis=-1).max() < 25  # to 19 m/s; not the quaternion
+
+
+def test_poses_of_a_hand_held_camera_ask_for_their_frame_and_are_not_judged():
+    found = formats.read(shared("tum/freiburg1_xyz-groundtruth.txt"), "tum")
+    assert [question.key for question in found.questions] == ["frame"]
+    assert (found.rows, found.rate) == (3000, pytest.approx(100, rel=1e-3))
+    assert any(sentence.startswith("1 gap, the longest 0.11 s") for sentence in found.findings)
+    assert "leave some 2e+05 m/s⁴ of rounding in the snap" in str(found.unjudged)
+
+
+def test_the_unit_trap_is_asked_about_and_not_guessed():
+    path = shared("imu/fusion_sensor_data.csv")
+    found = formats.read(path, "log")
+    assert found.flight is None
+    suggested = {question.key: question.suggestion for question in found.questions}
+    assert suggested == {"gyro": "deg/s", "accel": "g", "mag": "uT", "frame": "z-up"}
+    with pytest.raises(
+        ValueError, match=r"fusion_sensor_data\.csv: not used before this is answered: .*--gyro-unit deg/s"
+    ):
+        formats.settled(found)
+    flight = formats.settled(formats.read(path, "log", confirm=suggested)).flight
+    assert np.median(np.linalg.norm(flight.accel, axis=-1)) == pytest.approx(9.81, rel=0.02)
+    assert np.abs(flight.gyro).max() == pytest.approx(365.3081 * np.pi / 180)
+
+
+def test_broad_is_read_as_scipy_reads_it_and_asks_only_for_its_microtesla():
+    path = shared("imu/broad_21_undisturbed_fast_combined.mat")
+    own, theirs = mat5.arrays(path.read_bytes(), source="x"), scipy.io.loadmat(path)
+    for name in ("imu_gyr", "imu_acc", "imu_mag", "opt_quat", "opt_pos", "movement"):
+        np.testing.assert_array_equal(own[name], theirs[name].astype(float))
+    found = formats.read(path, "mat")
+    assert [question.key for question in found.questions] == ["mag"]
+    flight = formats.settled(formats.read(path, "mat", confirm={"mag": "uT"})).flight
+    np.testing.assert_array_equal(flight.gyro, theirs["imu_gyr"])
+    assert int(np.isnan(flight.position).any(axis=1).sum()) == 219
+    assert flight.moving.sum() == theirs["movement"].sum()
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong", "said"),
+    [
+        ("polynomial/cs2_figure8.csv", "reference", "no column named t"),
+        ("racing/togt_traj.csv", "polynomial", "a polynomial file has the columns"),
+        ("tum/freiburg1_xyz-groundtruth.txt", "log", "line 5: .* must be a number"),
+        ("imu/fusion_sensor_data.csv", "tum", "line 1"),
+        ("imu/broad_21_undisturbed_fast_combined.mat", "log", "not UTF-8 text"),
+        ("racing/togt_traj.csv", "mat", "not a MATLAB v5 file"),
+        ("racing/togt_traj.csv", "log", "column"),
+    ],
+)
+def test_a_file_taken_for_another_format_is_refused_in_one_sentence(name, wrong, said):
+    with pytest.raises(ValueError, match=said) as caught:
+        formats.settled(formats.read(shared(name), wrong))
+    assert "\n" not in str(caught.value)
