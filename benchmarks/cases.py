@@ -6,7 +6,7 @@ import msgspec
 import numpy as np
 
 from rangenav import cascade, model, preset, record, so3
-from rangenav.cascade import Setting, Start
+from rangenav.cascade import ObserverConfig, Start
 from rangenav.gains import Gains
 
 RATE, DURATION = 200.0, 20.0
@@ -38,9 +38,9 @@ class Case:
     start: Start
     cold: bool
 
-    def setting(self, gains: Gains | None = None) -> Setting:
+    def setting(self, gains: Gains | None = None) -> ObserverConfig:
         """What the observers know."""
-        return Setting(world=self.preset.world, sensors=self.preset.sensors, gains=gains or self.preset.gains)
+        return ObserverConfig(world=self.preset.world, sensors=self.preset.sensors, gains=gains or self.preset.gains)
 
     def near(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Position, velocity and rotation where the filters start: the truth, or the random start."""

@@ -58,7 +58,7 @@ def _loop(p: Preset, count: int) -> None:
     """One run for each of some random starts, on one record."""
     course = record.course_of(p)
     truth, z = record.simulated(course), record.measured(course, p.sensors, p.seed)
-    setting = cascade.Setting(world=p.world, sensors=p.sensors, gains=p.gains)
+    setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
     for rotation in Rotation.random(count, random_state=0).as_matrix():
         estimate = cascade.observe(z, cascade.Start(state=np.zeros(13), rotation=rotation), setting)
         found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)

@@ -40,7 +40,7 @@ class Record:
             duration=duration,
             rate=RATE,
         )
-        self.setting = cascade.Setting(world=p.world, sensors=p.sensors, gains=p.gains)
+        self.setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         first = model.true_state(self.truth, world=p.world)[0]
         self.start = cascade.start(p.guess, state=first, rotation=self.truth.rotation[0], world=p.world)
         self.measurements = self.measured(p.sensors.noise)

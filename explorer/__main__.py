@@ -50,14 +50,13 @@ def serve(arguments: Arguments) -> None:
 
     server = open_server(arguments.host, arguments.port)
     from explorer.server import Sessions
-    from explorer.shared import House
-    from explorer.storage.files import Store
-    from explorer.warming import Warming
+    from explorer.shared import Compilation, Shared
+    from explorer.storage.files import WorkFiles
     from explorer.web.identity import Slots, connected
 
-    warming, slots = Warming(), Slots(lambda tab: connected(server, tab))
+    warming, slots = Compilation(), Slots(lambda tab: connected(server, tab))
     asked = arguments.preset != DEFAULT_PRESET
-    Sessions(server, House(shipped=shipped, first=first, asked=asked, warming=warming, store=Store(), slots=slots))
+    Sessions(server, Shared(shipped=shipped, first=first, asked=asked, warming=warming, store=WorkFiles(), slots=slots))
     url = f"http://{arguments.host}:{server.get_port()}/"
     with urllib.request.urlopen(url, timeout=ANSWER_PATIENCE):
         print(url, flush=True)

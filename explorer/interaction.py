@@ -5,7 +5,7 @@ from explorer.model.compute import Picture
 from explorer.model.playback import Playback
 from explorer.panels.dock import Dock
 from explorer.scene import Scene
-from explorer.scene.drag_handles import Handles
+from explorer.scene.drag_handles import DragHandles
 from rangenav import twin
 
 SHORTEST_BRUSH = 0.01
@@ -14,10 +14,10 @@ BRUSH_STEP, BRUSH_DIGITS = 0.1, 1
 """s, of a window that was drawn by hand: as its slider has them."""
 
 
-class Following:
+class Interaction:
     """The controls of one visitor follow the mouse."""
 
-    def __init__(self, dock: Dock, charts: Charts, scene: Scene, handles: Handles, playback: Playback) -> None:
+    def __init__(self, dock: Dock, charts: Charts, scene: Scene, handles: DragHandles, playback: Playback) -> None:
         self._dock, self._charts, self._scene, self._handles, self._playback = dock, charts, scene, handles, playback
         self._drags = 0
 

@@ -3,13 +3,13 @@
 import viser
 
 from explorer.session import Session
-from explorer.shared import House
+from explorer.shared import Shared
 
 
 class Sessions:
     """One session for each connected tab."""
 
-    def __init__(self, server: viser.ViserServer, house: House) -> None:
+    def __init__(self, server: viser.ViserServer, house: Shared) -> None:
         self._server, self._house = server, house
         self._of: dict[int, Session] = {}
         server.on_client_disconnect(self._leave)

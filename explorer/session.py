@@ -19,7 +19,7 @@ import viser
 
 from explorer.charts import TITLES, Charts
 from explorer.charts.details import look
-from explorer.interaction import Following
+from explorer.interaction import Interaction
 from explorer.model import compute
 from explorer.model.compute import Picture
 from explorer.model.history import History
@@ -30,16 +30,16 @@ from explorer.panels.dock import WIDTH, Dock, Requests
 from explorer.panels.export import ExportPanel, Sources
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
-from explorer.scene.drag_handles import Handles
-from explorer.shared import House
+from explorer.scene.drag_handles import DragHandles
+from explorer.shared import Shared
 from explorer.storage import preset_file
-from explorer.storage.autosave import Keeping
-from explorer.storage.catalog import Shelf
-from explorer.storage.files import Unsaved
+from explorer.storage.autosave import Autosave
+from explorer.storage.catalog import Catalog
+from explorer.storage.files import StorageError
 from explorer.web import viewport
 from explorer.web.identity import seat_of
 from explorer.web.security import accept_values_only
-from explorer.widgets.form import Refused, Sheet
+from explorer.widgets.form import Form, InvalidInputError
 
 PROGRESS_PERIOD = 0.1
 HEAD_START = 0.003
@@ -54,14 +54,14 @@ log = logging.getLogger(__name__)
 class Session:
     """Made when a tab connects, stopped when it leaves."""
 
-    def __init__(self, client: viser.ClientHandle, house: House) -> None:
+    def __init__(self, client: viser.ClientHandle, house: Shared) -> None:
         self._client, self._house = client, house
-        self._shelf = Shelf(house.shipped, house.library, house.certifying)
+        self._shelf = Catalog(house.shipped, house.library, house.certifying)
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
         self._rests_at: float | None = None
         self._history = History()
-        self._keeping = Keeping(house.store, house.first, self._tell)
+        self._keeping = Autosave(house.store, house.first, self._tell)
         self._playback = Playback(house.shipped[house.first].duration)
         self._thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
 
@@ -110,7 +110,7 @@ class Session:
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self._sheet, self._jobs = Sheet(client.gui, self._wake.set), Jobs(self._wake.set)
+        self._sheet, self._jobs = Form(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
             undo=self._undo,
             redo=self._redo,
@@ -128,9 +128,9 @@ class Session:
         self._sheet.command("Show all curves", self._charts.show_all)
         self._timeline = TimelinePanel(self._sheet, self._playback, room=wide - WIDTH - self._charts.width)
         self._scene = Scene(client, self._wake.set)
-        self._handles = Handles(client.scene, self._wake.set)
+        self._handles = DragHandles(client.scene, self._wake.set)
         self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
-        self._following = Following(self._dock, self._charts, self._scene, self._handles, self._playback)
+        self._following = Interaction(self._dock, self._charts, self._scene, self._handles, self._playback)
         self._restore()
 
     def _restore(self) -> None:
@@ -138,7 +138,7 @@ class Session:
         brings the work back."""
         try:
             kept = self._keeping.find(seat_of(self._client, self._house.slots))
-        except Unsaved as reason:
+        except StorageError as reason:
             kept = self._tell(str(reason))
         if kept is None:
             return
@@ -169,7 +169,7 @@ class Session:
     def _took_in(self) -> bool:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
         began = time.monotonic()
-        with contextlib.suppress(Refused), self._dock.catching():
+        with contextlib.suppress(InvalidInputError), self._dock.catching():
             pressed = self._sheet.carry_out()
             self._jobs.deliver()
             hold = self._following.take_over(self._picture)
@@ -230,7 +230,7 @@ class Session:
         """What the controls say now, None if that is no valid input."""
         try:
             return self._dock.read()
-        except (Refused, ValueError):
+        except (InvalidInputError, ValueError):
             return None
 
     def _redo(self) -> None:

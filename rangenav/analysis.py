@@ -95,7 +95,7 @@ class Analysis:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Seen:
+class MotionAnalysis:
     """The stage that knows neither anchor nor sensors."""
 
     start: Float[Array, "w"]
@@ -132,7 +132,7 @@ def visited(path: Signal, duration: float, window: float) -> Visit:
 
 
 @lru_cache(maxsize=CACHED)
-def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
+def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> MotionAnalysis:
     """Excitation, Gramian and blind directions: they depend on path, gravity and window only."""
     visit = visited(path, duration, window)
     start, gramians = visit.start, spectrum.lifted_spectra(visit, gravity)
@@ -140,7 +140,7 @@ def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> Seen:
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
     reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
-    return Seen(
+    return MotionAnalysis(
         start=start,
         spectrum=gramians,
         excitation=excitation.eigenvalues(path, start, window),
@@ -176,7 +176,7 @@ def analysis(
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     ranges = accuracy.ranged(path, at, window, range_rate)
 
-    def predicted(kind: accuracy.Kind, moment: rows.Moment) -> Accuracy:
+    def predicted(kind: accuracy.Problem, moment: rows.Moment) -> Accuracy:
         return accuracy.told(ranges, world, sigma=range_sigma, kind=kind, at=moment, share=arriving)
 
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
@@ -239,13 +239,13 @@ def with_window(preset: Preset, window: float, *, source: str) -> Preset:
 def _windows(
     visit: Visit,
     world: World,
-    lifted: Seen,
+    lifted: MotionAnalysis,
     local: spectrum.Spectrum,
     sigma: float,
     rate: float,
     share: float,
 ) -> Windows:
-    def end_position(kind: accuracy.Kind) -> Array:
+    def end_position(kind: accuracy.Problem) -> Array:
         return accuracy.along(visit, world, sigma=sigma, rate=rate, kind=kind, share=share)[:, 0]
 
     return Windows(

@@ -10,7 +10,7 @@ from numpy import ndarray as Array
 
 from rangenav import so3
 from rangenav.inputs import Input, require, require_within
-from rangenav.model import Form
+from rangenav.model import ModelForm
 from rangenav.motion import World
 
 K1_RANGE = (1e-3, 1e3)
@@ -150,7 +150,7 @@ def decay_matrix(gains: AttitudeGains, world: World) -> Float[Array, "3 3"]:
     return gains.rho1 * np.outer(m, m) + gains.rho2 * np.outer(g, g)
 
 
-def time_constants(gains: AttitudeGains, world: World, form: Form = "derived") -> Float[Array, "3"]:
+def time_constants(gains: AttitudeGains, world: World, form: ModelForm = "derived") -> Float[Array, "3"]:
     """The three time constants (s) of a small attitude error, slowest first; printed ones are twice as long.
 
     Under a schedule these are the ones at its lower end, where a small error finds it.
@@ -179,7 +179,7 @@ def stiffness(gains: AttitudeGains, world: World, *, imu_rate: float, mag_rate: 
     return None
 
 
-def equilibria(gains: AttitudeGains, world: World, form: Form = "derived") -> Float[Array, "3 3 3"]:
+def equilibria(gains: AttitudeGains, world: World, form: ModelForm = "derived") -> Float[Array, "3 3 3"]:
     """The undesired equilibria R̃ = 2uuᵀ − I, u the eigenvectors of M. The printed I − 2uuᵀ have determinant −1."""
     _, axes = np.linalg.eigh(decay_matrix(gains, world))
     turns = 2 * np.einsum("ik,jk->kij", axes, axes) - np.eye(3)

@@ -12,13 +12,13 @@ from types import ModuleType
 import numpy as np
 
 from rangenav import strapdown
-from rangenav.cascade import Setting, Start
+from rangenav.cascade import ObserverConfig, Start
 from rangenav.model import POSITION, VELOCITY
 from rangenav.sensors import Measurements
 from rangenav.strapdown import STATES, Track
 
 
-def ekf(measurements: Measurements, start: Start, setting: Setting) -> Track:
+def ekf(measurements: Measurements, start: Start, setting: ObserverConfig) -> Track:
     """Filter a record. Of the start, position, velocity and R̂ are used; gravity is known here.
 
     P(0) is diagonal: the Riccati gains' p0 of position and velocity, and for the attitude (σ_gravity/|g|)² rad², as far
@@ -36,7 +36,7 @@ def filtered(
     measurements: Measurements,
     start: tuple[np.ndarray, np.ndarray, np.ndarray],
     covariance: np.ndarray,
-    setting: Setting,
+    setting: ObserverConfig,
 ) -> Track:
     """The same from a position, velocity and rotation in inertial axes and any covariance of theirs."""
     strapdown.check(measurements)

@@ -26,13 +26,13 @@ NO_PENDING = (np.nan, np.nan)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Setting:
+class ObserverConfig:
     """What the observer knows beforehand: world, gains, the model's form, and what it may assume of the sensors."""
 
     world: World
     sensors: Sensors
     gains: Gains
-    form: model.Form = "derived"
+    form: model.ModelForm = "derived"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -133,7 +133,7 @@ def start(guess: Guess, *, state: Float[Array, "13"], rotation: Float[Array, "3 
     return Start(state=model.lift(*body), rotation=start_rotation)
 
 
-def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
+def parameters(setting: ObserverConfig, *, symmetric: bool) -> Parameters:
     """The setting in the kernel's terms; `symmetric` where ranges come at the IMU's rate."""
     gains, sensors, world = setting.gains, setting.sensors, setting.world
     plan = gains.attitude.schedule or Schedule()  # without one its numbers are passed on all the same, and not asked
@@ -161,7 +161,7 @@ def parameters(setting: Setting, *, symmetric: bool) -> Parameters:
     )
 
 
-def begin(first: Sample, start: Start, setting: Setting, *, symmetric: bool = False) -> State:
+def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bool = False) -> State:
     """The observer at its first IMU sample; ranges stamped at that time are applied when the next sample comes."""
     given = parameters(setting, symmetric=symmetric)
     missing = np.isnan(first.mag).any()
@@ -196,7 +196,7 @@ def step(state: State, sample: Sample) -> State:
     return State(time=sample.time, arrays=arrays, parameters=state.parameters)
 
 
-def observe(measurements: Measurements, start: Start, setting: Setting) -> Estimate:
+def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -> Estimate:
     """Run both observers over a record."""
     check(measurements)
     z = measurements
@@ -220,7 +220,7 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
 
 
 def attitudes(
-    measurements: Measurements, start: Start, setting: Setting, *, rotations: Float[Array, "j 3 3"]
+    measurements: Measurements, start: Start, setting: ObserverConfig, *, rotations: Float[Array, "j 3 3"]
 ) -> Float[Array, "j n 3 3"]:
     """R̂ over a record from many R̂(0), to the last bit what `observe` makes of each; `start` gives x̂(0) for all.
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rangenav import baselines, cascade, errors, record, refine, strapdown
-from rangenav.cascade import Estimate, Setting
+from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.errors import Errors
 from rangenav.model import POSITION
 from rangenav.record import Record, Summary
@@ -26,7 +26,7 @@ WRONG_PLACE = 5.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Contender:
+class Candidate:
     """What one estimator made of the record."""
 
     name: str
@@ -37,13 +37,13 @@ class Contender:
     """How it went, in one sentence."""
 
 
-def compare(of: Record) -> tuple[Contender, ...]:
+def compare(of: Record) -> tuple[Candidate, ...]:
     """All contenders on one record. Times are of this one run: of the first ever, compiling included."""
     moved, setting = of.truth.motion, _setting(of)
     truth = (moved.position[0], moved.velocity[0], moved.rotation[0])
     near = np.eye(STATES) * TRUTH_SIGMA**2
     return (
-        Contender(
+        Candidate(
             name=CASCADE,
             estimate=of.estimate,
             errors=of.errors,
@@ -56,31 +56,31 @@ def compare(of: Record) -> tuple[Contender, ...]:
     )
 
 
-def refined(of: Record) -> Contender:
+def refined(of: Record) -> Candidate:
     """The whole record refined, starting from the cascade's last estimate."""
     began = time.perf_counter()
     found = refine.refine(of.measurements, of.estimate, _setting(of))
     return _contender(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
 
 
-def filtered(of: Record) -> Contender:
+def filtered(of: Record) -> Candidate:
     """The extended Kalman filter from the cascade's own start."""
     rotation, world = of.truth.motion.rotation[0], of.preset.world
     start = cascade.start(of.preset.guess, state=of.truth.state[0], rotation=rotation, world=world)
     return _filtered(EKF, lambda: baselines.ekf(of.measurements, start, _setting(of)), of)
 
 
-def _setting(of: Record) -> Setting:
-    return Setting(world=of.preset.world, sensors=of.preset.sensors, gains=of.preset.gains, form=of.form)
+def _setting(of: Record) -> ObserverConfig:
+    return ObserverConfig(world=of.preset.world, sensors=of.preset.sensors, gains=of.preset.gains, form=of.form)
 
 
-def _filtered(name: str, run: Callable[[], Track], of: Record) -> Contender:
+def _filtered(name: str, run: Callable[[], Track], of: Record) -> Candidate:
     began = time.perf_counter()
     track = run()
     return _contender(name, track, of, time.perf_counter() - began)
 
 
-def _contender(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Contender:
+def _contender(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Candidate:
     with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
         found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
@@ -90,7 +90,7 @@ def _contender(name: str, track: Track, of: Record, seconds: float, *, words: st
             words = told
         elif summary.settle_position_s is None:  # converged, maybe, but to what?
             words = f"{words}; {told}"
-    return Contender(name=name, estimate=estimate, errors=found, summary=summary, words=words)
+    return Candidate(name=name, estimate=estimate, errors=found, summary=summary, words=words)
 
 
 def _words(estimate: Estimate, errors: Errors, summary: Summary) -> str:

@@ -16,7 +16,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from rangenav import cascade, model, motion, so3
 from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Estimate, Setting, Start
+from rangenav.cascade import Estimate, ObserverConfig, Start
 from rangenav.formats import recorded_flight
 from rangenav.formats.recorded_flight import Flight
 from rangenav.gains import Gains
@@ -147,7 +147,7 @@ def observe(flight: Flight, world: World, *, sensors: Sensors, gains: Gains | No
     start = Start(state=np.zeros(model.STATES), rotation=np.eye(3))
     chosen = gains or Gains(mode="noise-matched", attitude=AttitudeGains(k1=K1))
     estimate = cascade.observe(
-        recorded_flight.measurements(flight), start, Setting(world=world, sensors=sensors, gains=chosen)
+        recorded_flight.measurements(flight), start, ObserverConfig(world=world, sensors=sensors, gains=chosen)
     )
     position = estimate.position(world)
     return Observed(

@@ -19,7 +19,7 @@ STATES = 13
 XI, POSITION, VELOCITY, GRAVITY = slice(0, 4), slice(4, 7), slice(7, 10), slice(10, 13)
 NILPOTENCY = 5
 """𝒜⁵ = 0 without turning: the longest chain is g → v → p → ξ2 → ξ1."""
-Form = Literal["derived", "printed"]
+ModelForm = Literal["derived", "printed"]
 
 
 def lift(
@@ -42,13 +42,13 @@ def true_state(motion: Motion, *, world: World) -> Float[Array, "n 13"]:
     return lift(*(to_body(motion.rotation, vector) for vector in inertial))
 
 
-def input_4(gravity_norm: float, form: Form = "derived") -> float:
+def input_4(gravity_norm: float, form: ModelForm = "derived") -> float:
     """The constant input into ξ4 (m²/s⁴): 3|g|²; the printed B_m gives |g|², see README "Departures"."""
     return (3.0 if form == "derived" else 1.0) * gravity_norm**2
 
 
 def dynamics(
-    gyro: Float[Array, "3"], accel: Float[Array, "3"], *, gravity_norm: float, form: Form = "derived"
+    gyro: Float[Array, "3"], accel: Float[Array, "3"], *, gravity_norm: float, form: ModelForm = "derived"
 ) -> tuple[Float[Array, "13 13"], Float[Array, "13"]]:
     """𝒜(ω, a) and the input b in body axes (paper, eq. 7)."""
     A, b = np.zeros((STATES, STATES)), np.zeros(STATES)
@@ -62,7 +62,7 @@ def dynamics(
 
 
 def transition(
-    accel: Float[Array, "3"], h: float, *, gravity_norm: float, form: Form = "derived"
+    accel: Float[Array, "3"], h: float, *, gravity_norm: float, form: ModelForm = "derived"
 ) -> tuple[Float[Array, "13 13"], Float[Array, "13"]]:
     """Φ(h) and ∫Φ b over one step with constant a and ω = 0: polynomials in h, because 𝒜 is nilpotent there."""
     A, b = dynamics(np.zeros(3), accel, gravity_norm=gravity_norm, form=form)

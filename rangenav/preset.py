@@ -16,7 +16,7 @@ from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
 from rangenav.observability import quadrature
 from rangenav.provenance import Source
-from rangenav.sensors import MODELLED, Sensors, Unmodelled
+from rangenav.sensors import MODELLED, Effects, Sensors
 from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
 
@@ -160,7 +160,7 @@ def _encoded(preset: Preset) -> str:
     return msgspec.toml.encode(table).decode()
 
 
-def _used(unmodelled: Unmodelled) -> Mapping[str, Any]:
+def _used(unmodelled: Effects) -> Mapping[str, Any]:
     """What differs from nothing; msgspec's own omission asks for the very same object, not for an equal one."""
     fields = ((name, getattr(unmodelled, name)) for name in unmodelled.__struct_fields__)
     return {name: value for name, value in fields if value != getattr(MODELLED, name)}

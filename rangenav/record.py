@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import cascade, errors, model, motion
-from rangenav.cascade import Estimate, Setting
+from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3
@@ -29,7 +29,7 @@ DIVERGED_STD = 1e2
 CACHED = 4
 
 
-class Course(Input, frozen=True, kw_only=True):
+class TruthInputs(Input, frozen=True, kw_only=True):
     """What decides the truth: the part of a preset that neither noise nor observers know."""
 
     path: Signal
@@ -93,15 +93,15 @@ class Record:
     estimate: Estimate
     errors: Errors
     summary: Summary
-    form: model.Form
+    form: model.ModelForm
 
 
-def run(preset: Preset, *, form: model.Form = "derived") -> Record:
+def run(preset: Preset, *, form: model.ModelForm = "derived") -> Record:
     """Simulate, measure and observe a preset with its own seed."""
     return run_seed(preset, preset.seed, form=form)
 
 
-def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Record:
+def run_seed(preset: Preset, seed: int, *, form: model.ModelForm = "derived") -> Record:
     """As `run`, with another seed."""
     p, course = preset, course_of(preset)
     truth, measurements = simulated(course), measured(course, p.sensors, seed)
@@ -117,9 +117,9 @@ def run_seed(preset: Preset, seed: int, *, form: model.Form = "derived") -> Reco
     )
 
 
-def course_of(preset: Preset) -> Course:
+def course_of(preset: Preset) -> TruthInputs:
     """What of a preset decides its truth."""
-    return Course(
+    return TruthInputs(
         path=preset.path,
         angular_velocity=preset.angular_velocity,
         world=preset.world,
@@ -130,7 +130,7 @@ def course_of(preset: Preset) -> Course:
 
 
 @lru_cache(maxsize=CACHED)
-def simulated(course: Course) -> Truth:
+def simulated(course: TruthInputs) -> Truth:
     """The truth on the IMU's clock."""
     moved = motion.simulate(
         course.path,
@@ -144,12 +144,12 @@ def simulated(course: Course) -> Truth:
 
 
 @lru_cache(maxsize=CACHED)
-def measured(course: Course, sensors: Sensors, seed: int) -> Measurements:
+def measured(course: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
     """As `drawn`; the last few are kept."""
     return drawn(course, sensors, seed)
 
 
-def drawn(course: Course, sensors: Sensors, seed: int) -> Measurements:
+def drawn(course: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
     rng = np.random.default_rng(seed)
     return measure(simulated(course).motion, path=course.path, world=course.world, sensors=sensors, rng=rng)
@@ -162,12 +162,14 @@ def observed(
     sensors: Sensors,
     gains: Gains,
     guess: Guess,
-    form: model.Form,
+    form: model.ModelForm,
 ) -> Outcome:
     """What the observers make of a record, and how long that took; never cached, so the time is true."""
     start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=world)
     began = time.perf_counter()
-    estimate = cascade.observe(measurements, start, Setting(world=world, sensors=sensors, gains=gains, form=form))
+    estimate = cascade.observe(
+        measurements, start, ObserverConfig(world=world, sensors=sensors, gains=gains, form=form)
+    )
     seconds = time.perf_counter() - began
     found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
     return Outcome(estimate=estimate, errors=found, summary=summarise(estimate, found, seconds))

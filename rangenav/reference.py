@@ -9,12 +9,12 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import attitude, riccati, so3
-from rangenav.cascade import Estimate, Setting, Start, ranges_at_imu_rate
-from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI, Form
+from rangenav.cascade import Estimate, ObserverConfig, Start, ranges_at_imu_rate
+from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI, ModelForm
 from rangenav.sensors import Measurements, check
 
 
-def observe(measurements: Measurements, start: Start, setting: Setting) -> Estimate:
+def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -> Estimate:
     """Run both observers over a record; same arguments and result as `cascade.observe`."""
     check(measurements)
     z, observer = measurements, _Observer(setting, symmetric=ranges_at_imu_rate(measurements, setting.sensors))
@@ -59,12 +59,12 @@ def observe(measurements: Measurements, start: Start, setting: Setting) -> Estim
 class _Observer:
     """The setting unpacked once; its methods are functions of their arguments only."""
 
-    def __init__(self, setting: Setting, *, symmetric: bool) -> None:
+    def __init__(self, setting: ObserverConfig, *, symmetric: bool) -> None:
         gains, sensors = setting.gains, setting.sensors
         self.matched = gains.mode == "noise-matched"
         self.symmetric = symmetric and not self.matched
         self.gravity_norm = float(np.linalg.norm(setting.world.gravity))
-        self.form: Form = setting.form
+        self.form: ModelForm = setting.form
         self.v = np.full(STATES, riccati.V_RANGE[0]) if self.matched else gains.riccati.v.diagonal()
         self.constant_variance = sensors.range_rate / gains.riccati.q
         self.sigma = sensors.sigma.range

@@ -23,7 +23,7 @@ from numpy import ndarray as Array
 
 from rangenav import strapdown
 from rangenav.baselines import filtered
-from rangenav.cascade import Estimate, Setting
+from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Strapdown
 from rangenav.model import POSITION, VELOCITY
@@ -90,7 +90,7 @@ class Refinement:
         return f"converged after {count} passes" + (f", the best of {self.starts} starts" if self.starts > 1 else "")
 
 
-def refine(measurements: Measurements, estimate: Estimate, setting: Setting) -> Refinement:
+def refine(measurements: Measurements, estimate: Estimate, setting: ObserverConfig) -> Refinement:
     """Refine a record that the cascade has observed, starting from its last estimate; from more starts if the fit is
     poor, which takes as much longer."""
     found: list[Refinement] = []
@@ -102,7 +102,7 @@ def refine(measurements: Measurements, estimate: Estimate, setting: Setting) -> 
     return replace(best, starts=len(found))
 
 
-def started(measurements: Measurements, estimate: Estimate, setting: Setting, trust: float = 1.0) -> Track:
+def started(measurements: Measurements, estimate: Estimate, setting: ObserverConfig, trust: float = 1.0) -> Track:
     """Where the first pass is linearised: the filter, run back from the cascade's last estimate, which is taken to be
     good to `trust` times START_SIGMA."""
     covariance = np.diag(np.repeat(np.square(trust * np.array(START_SIGMA)), 3))
@@ -114,7 +114,7 @@ def started(measurements: Measurements, estimate: Estimate, setting: Setting, tr
     return strapdown.reversed_track(filtered(backwards, (position, -velocity, rotation), covariance, setting))
 
 
-def smooth(measurements: Measurements, nominal: Track, setting: Setting) -> Refinement:
+def smooth(measurements: Measurements, nominal: Track, setting: ObserverConfig) -> Refinement:
     """Gauss–Newton passes from any trajectory on the record's IMU samples."""
     strapdown.check(measurements)
     rows, samples = len(nominal.time), len(measurements.time)

@@ -64,7 +64,7 @@ def predict(
     h: float,
     *,
     gravity_norm: float,
-    form: model.Form = "derived",
+    form: model.ModelForm = "derived",
 ) -> tuple[Float[Array, "13"], Float[Array, "13 13"]]:
     """Body-axes state and covariance h seconds later by the exact transition; process noise is added around it.
 

@@ -14,7 +14,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav import model, sensors, so3
-from rangenav.cascade import Estimate, Setting
+from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Strapdown
 from rangenav.motion import World, to_body
@@ -81,7 +81,7 @@ def attach(measurements: Measurements) -> Attached:
     return Attached(kept=slice(first, last), sample=sample, back=z.time[sample] - stamps)
 
 
-def parameters(setting: Setting) -> Strapdown:
+def parameters(setting: ObserverConfig) -> Strapdown:
     """The world and the sensors' noise in the kernels' terms."""
     world, given = setting.world, setting.sensors
     sigma = {name: max(float(getattr(given.sigma, name)), least) for name, least in LEAST_SIGMA.items()}

@@ -15,7 +15,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from rangenav import cascade, ensemble, errors, record
-from rangenav.cascade import Setting, Start
+from rangenav.cascade import ObserverConfig, Start
 from rangenav.ensemble import Cancelled
 from rangenav.gains import Gains
 from rangenav.preset import Preset
@@ -63,7 +63,7 @@ class Point:
         return (1 - steadiness) * math.log(self.settle) + steadiness * math.log(self.steady)
 
 
-class Run(NamedTuple):
+class TrainingRun(NamedTuple):
     """One record, and where its observers start."""
 
     truth: Truth
@@ -80,7 +80,7 @@ def front(seen: tuple[Point, ...], settle: Measure, steady: Measure) -> tuple[Po
     return tuple(kept)
 
 
-def runs(preset: Preset, first: int, count: int) -> list[Run]:
+def runs(preset: Preset, first: int, count: int) -> list[TrainingRun]:
     """Records of `count` seeds; all but the first begin about an axis of their own, as far from the true attitude."""
     course = record.course_of(preset)
     truth, rng = record.simulated(course), np.random.default_rng(first)
@@ -90,13 +90,13 @@ def runs(preset: Preset, first: int, count: int) -> list[Run]:
     for k, axis in enumerate(axes.tolist()):
         guess = replace(preset.guess, attitude_axis=tuple(axis))
         start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
-        runs.append(Run(truth, record.drawn(course, preset.sensors, first + k), start))
+        runs.append(TrainingRun(truth, record.drawn(course, preset.sensors, first + k), start))
     return runs
 
 
-def score(gains: Gains, runs: list[Run], *, preset: Preset, cancelled: Cancelled) -> Point:
+def score(gains: Gains, runs: list[TrainingRun], *, preset: Preset, cancelled: Cancelled) -> Point:
     """What gains reach on some runs of a preset. Raises ensemble.Stopped when it is cancelled."""
-    setting = Setting(world=preset.world, sensors=preset.sensors, gains=gains)
+    setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=gains)
     reached = ensemble.each(
         partial(_reached, setting),
         runs,
@@ -120,7 +120,7 @@ def score(gains: Gains, runs: list[Run], *, preset: Preset, cancelled: Cancelled
     )
 
 
-def _reached(setting: Setting, run: Run) -> tuple[list[float], list[float]]:
+def _reached(setting: ObserverConfig, run: TrainingRun) -> tuple[list[float], list[float]]:
     """Settling times, infinite for never, and steady errors of position and attitude."""
     estimate, truth = cascade.observe(run.measurements, run.start, setting), run.truth
     found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)

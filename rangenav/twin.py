@@ -50,7 +50,7 @@ ITS_OWN_TWIN = (
     "it stands at the anchor, so what is turned about that is the motion itself",
 )
 """Why there is no exact twin, by the number of directions along which nothing accelerates."""
-Kind = Literal["turned", "mirrored", "nearby"]
+TwinKind = Literal["turned", "mirrored", "nearby"]
 NONE: Vec3 = (0.0, 0.0, 0.0)
 
 
@@ -58,7 +58,7 @@ NONE: Vec3 = (0.0, 0.0, 0.0)
 class Twin:
     """Another motion that range and IMU cannot tell from the true one; its attitude is the true one's."""
 
-    kind: Kind
+    kind: TwinKind
     """Turned and mirrored ones are exact; a nearby one only agrees within the tolerance."""
     path: Signal
     """m, inertial frame: a preset with it instead of its own has the same IMU record."""
@@ -218,7 +218,14 @@ def _rms(flight: _Flight, found: Twin) -> float:
 
 
 def _compared(
-    flight: _Flight, kind: Kind, shift: Array, drift: Array, how: str, *, turn: Vec3 = NONE, axis: Vec3 | None = None
+    flight: _Flight,
+    kind: TwinKind,
+    shift: Array,
+    drift: Array,
+    how: str,
+    *,
+    turn: Vec3 = NONE,
+    axis: Vec3 | None = None,
 ) -> Twin:
     """The twin with a straight-line difference, its range taken from its own path."""
     start = flight.anchor + flight.start + shift

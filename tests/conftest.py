@@ -43,11 +43,11 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
 def sessions():
     """(port, Sessions) of a server of this module's own."""
     from explorer.server import Sessions
-    from explorer.warming import Warming
+    from explorer.shared import Compilation
     from explorer.web.security import open_server
     from tests.support.shared_server import house
 
-    server, warming = open_server("127.0.0.1", 0), Warming()
+    server, warming = open_server("127.0.0.1", 0), Compilation()
     made = Sessions(server, house(server, warming))
     warming.start()
     yield server.get_port(), made

@@ -377,7 +377,7 @@ def _records() -> list[tuple[str, dict[str, bytes]]]:
     return _RECORDED
 
 
-def _parsed(name: str, data: dict[str, bytes], confirm: dict[str, str]) -> formats.Imported:
+def _parsed(name: str, data: dict[str, bytes], confirm: dict[str, str]) -> formats.ImportResult:
     if name == "euroc":
         return euroc.parse(data, source="x", confirm=confirm)
     return formats.parse(data[name], name, source="x", confirm=confirm)

@@ -10,7 +10,7 @@ from explorer.charts import cursor_values, markup, plot_file, plot_list
 from explorer.charts.chart import Chart
 from explorer.charts.plot_tabs import Column
 from explorer.charts.pointer import Pointer, curve_id
-from explorer.model.comparison import NOTHING, Beside
+from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 
 NARROW_WIDTH, COLUMN_WIDTH = 360, 303
@@ -46,7 +46,7 @@ class Charts:
         if narrow:
             self._columns[0].panel.set_width(NARROW_WIDTH)
 
-    def draw(self, picture: Picture, beside: Beside = NOTHING) -> None:
+    def draw(self, picture: Picture, beside: Comparison = NOTHING) -> None:
         """Show another picture and what stands beside it; the cursor stays at its time."""
         self._picture, self._beside = picture, beside
         for column in self._columns:
@@ -91,7 +91,7 @@ class Charts:
             for column in tuple(chart.off):
                 chart.toggle(column)
 
-    def plan(self, name: str, kind: plot_file.Kind) -> Callable[[], bytes]:
+    def plan(self, name: str, kind: plot_file.PlotFormat) -> Callable[[], bytes]:
         """What makes a file of a plot as it is shown now; it may be called in any thread, and takes its time.
 
         Raises ValueError with one sentence if there is no such plot, nothing in it, or too much."""

@@ -8,7 +8,7 @@ from viser import ClientHandle, GuiHtmlHandle, GuiUplotHandle, uplot
 from explorer.charts import comparison_curves, cursor_values, curves, markup
 from explorer.charts.comparison_curves import Pinned
 from explorer.charts.plots import Curve, Drawing, Plot
-from explorer.model.comparison import Beside
+from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 
 BAND_TINT, HEX = "38", len("#rrggbb")
@@ -37,7 +37,7 @@ class Chart:
     stale: bool = True
     """Whether it shows an earlier picture, or none."""
 
-    def draw(self, picture: Picture, beside: Beside) -> None:
+    def draw(self, picture: Picture, beside: Comparison) -> None:
         """Assign the curves; the axes and the legend only when they differ."""
         self.stale = False
         self.pinned = comparison_curves.pinned(self.base, beside.pinned, self.pinned)

@@ -15,7 +15,7 @@ from numpy import ndarray as Array
 from explorer.charts import curves, plots
 from explorer.charts.curves import Range
 from explorer.charts.plots import Curve, Drawing, Plot
-from explorer.model.comparison import COLORS, PINNED_COLOR, Beside, Name, Rival
+from explorer.model.comparison import COLORS, PINNED_COLOR, Baseline, Comparison, Name
 from explorer.model.compute import Picture
 from rangenav.ensemble import Ensemble
 
@@ -63,7 +63,7 @@ def pinned(plot: Plot, picture: Picture | None, before: Pinned | None) -> Pinned
     return Pinned(picture, plot.draw(picture))
 
 
-def over(plot: Plot, picture: Picture, beside: Beside, kept: Pinned | None) -> tuple[Plot, Drawing]:
+def over(plot: Plot, picture: Picture, beside: Comparison, kept: Pinned | None) -> tuple[Plot, Drawing]:
     """A plot with everything that stands beside the picture, and its drawing."""
     drawing = plot.draw(picture)
     layers = list(_layers(plot, drawing, picture, beside, kept))
@@ -80,7 +80,7 @@ def over(plot: Plot, picture: Picture, beside: Beside, kept: Pinned | None) -> t
     return replace(plot, curves=plot.curves + added, bands=plot.bands + bands), shown
 
 
-def _layers(plot: Plot, drawing: Drawing, picture: Picture, beside: Beside, kept: Pinned | None) -> list[Layer]:
+def _layers(plot: Plot, drawing: Drawing, picture: Picture, beside: Comparison, kept: Pinned | None) -> list[Layer]:
     errors = plot.name in ERRORS
     found = [_seeds(plot, drawing.time, beside.seeds)] if errors and beside.seeds is not None else []
     found += [_again(plot, drawing.time, kept)] if kept is not None and plot.again else []
@@ -108,7 +108,7 @@ def _again(plot: Plot, time: Float[Array, "n"], kept: Pinned) -> Layer:
     return Layer(looks, read, drawn, drawing.axis)
 
 
-def _rival(plot: Plot, time: Float[Array, "n"], rival: Rival) -> Layer:
+def _rival(plot: Plot, time: Float[Array, "n"], rival: Baseline) -> Layer:
     """Another estimator's error; nothing while it is at work, so that the legend need not come and go."""
     read = np.full((len(time), 1), np.nan)
     if rival.contender is not None:

@@ -11,7 +11,7 @@ from explorer.charts import curves, plots
 from explorer.charts.plots import STATES, Drawing
 from explorer.model import details
 from explorer.model.compute import Picture
-from explorer.model.details import Depth
+from explorer.model.details import Details
 from rangenav.twin import TOLERANCE, Twin
 
 RANK_AXIS = (0.0, 14.0)
@@ -20,7 +20,7 @@ SMALLEST = 1e-15
 """m; ranges that differ by less differ by rounding, and a log axis has no place for 0."""
 
 
-def look(picture: Picture) -> Depth:
+def look(picture: Picture) -> Details:
     """The depth of what a picture shows."""
     return details.of(picture.preset, turn=picture.settings.twin_turn)
 

@@ -19,7 +19,7 @@ from explorer.charts.plots import Curve, Drawing, Plot
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Kind = Literal["csv", "svg", "png"]
+PlotFormat = Literal["csv", "svg", "png"]
 MAX_CELLS = 5_000_000
 """About 100 MB of text; more helps nobody in a browser."""
 SIZE, DOTS = (7.2, 3.6), 200
@@ -67,7 +67,7 @@ def png(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> byte
     return _picture(plot, drawing, columns, duration, "png", {})
 
 
-WRITERS: dict[Kind, Callable[[Plot, Drawing, Columns, float], bytes]] = {"csv": table, "svg": svg, "png": png}
+WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {"csv": table, "svg": svg, "png": png}
 
 
 def _picture(

@@ -8,7 +8,7 @@ from explorer.charts import markup
 from explorer.charts.chart import Chart, add_chart
 from explorer.charts.plot_list import Group
 from explorer.charts.pointer import Pointer
-from explorer.model.comparison import Beside
+from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 
 FOLLOWS = "Follows as soon as nothing moves."
@@ -55,7 +55,7 @@ class Column:
             self._add_tab(group)
         self.panel.dock_left()
 
-    def draw(self, picture: Picture, beside: Beside) -> None:
+    def draw(self, picture: Picture, beside: Comparison) -> None:
         for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
             if group.later:
                 for sentences in said:
@@ -65,12 +65,12 @@ class Column:
             else:
                 self._draw_group(picture, beside, charts, said)
 
-    def draw_later(self, picture: Picture, beside: Beside) -> None:
+    def draw_later(self, picture: Picture, beside: Comparison) -> None:
         for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
             if group.later:
                 self._draw_group(picture, beside, charts, said)
 
-    def _draw_group(self, picture: Picture, beside: Beside, charts: list[Chart], said: list[Said]) -> None:
+    def _draw_group(self, picture: Picture, beside: Comparison, charts: list[Chart], said: list[Said]) -> None:
         for chart in charts:
             chart.draw(picture, beside)
         for sentences in said:

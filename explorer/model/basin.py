@@ -16,7 +16,7 @@ from rangenav import attitude, record
 from rangenav.ensemble import Basin
 from rangenav.gains import Gains, Guess
 from rangenav.preset import Preset
-from rangenav.record import Course
+from rangenav.record import TruthInputs
 from rangenav.sensors import Sensors
 
 STOPS = (
@@ -39,7 +39,7 @@ NEVER = (213, 94, 0)
 class Setup(NamedTuple):
     """Everything that decides how long a start takes, but for the start."""
 
-    course: Course
+    course: TruthInputs
     sensors: Sensors
     seed: int
     gains: Gains

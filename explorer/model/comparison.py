@@ -13,11 +13,11 @@ from typing import Literal, NamedTuple
 
 from explorer.model.compute import Picture
 from rangenav import comparison, record
-from rangenav.comparison import Contender
+from rangenav.comparison import Candidate
 from rangenav.ensemble import Basin, Ensemble
 from rangenav.gains import Gains, Guess
-from rangenav.model import Form
-from rangenav.record import Course, Record
+from rangenav.model import ModelForm
+from rangenav.record import Record, TruthInputs
 from rangenav.sensors import Sensors
 
 Name = Literal["EKF", "refined"]
@@ -28,50 +28,50 @@ COLORS: dict[Name, str] = {"EKF": "#E69F00", "refined": "#009E73"}
 """Okabe–Ito, the same in plots, in 3-D and in words; the run on view is vermillion everywhere."""
 
 
-class Run(NamedTuple):
+class RunInputs(NamedTuple):
     """Everything that decides what the observers make of a record, its noise included."""
 
-    course: Course
+    course: TruthInputs
     sensors: Sensors
     seed: int
     gains: Gains
     guess: Guess
-    form: Form
+    form: ModelForm
 
 
-class Rival(NamedTuple):
+class Baseline(NamedTuple):
     """Another estimator on the record of the run on view."""
 
     name: Name
-    contender: Contender | None
+    contender: Candidate | None
     """None while it is still at work."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Beside:
+class Comparison:
     """All of it; each part may be missing."""
 
     pinned: Picture | None = None
-    rivals: tuple[Rival, ...] = ()
+    rivals: tuple[Baseline, ...] = ()
     seeds: Ensemble | None = None
     basin: Basin | None = None
 
 
-NOTHING = Beside()
+NOTHING = Comparison()
 
 
-def run_of(picture: Picture) -> Run:
+def run_of(picture: Picture) -> RunInputs:
     """Which run a picture shows."""
     p = picture.preset
-    return Run(record.course_of(p), p.sensors, p.seed, p.gains, p.guess, form_of(picture))
+    return RunInputs(record.course_of(p), p.sensors, p.seed, p.gains, p.guess, form_of(picture))
 
 
-def form_of(picture: Picture) -> Form:
+def form_of(picture: Picture) -> ModelForm:
     """Which model its observer follows."""
     return "printed" if picture.settings.printed.model else "derived"
 
 
-def rival(name: Name, picture: Picture) -> Contender:
+def rival(name: Name, picture: Picture) -> Candidate:
     """Run another estimator on the record of a picture: the EKF takes 20 ms for 20 s at 200 Hz, the refinement 200.
 
     Raises ValueError if the record has no ranges, or is too long for a covariance of each sample.

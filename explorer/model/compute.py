@@ -22,11 +22,11 @@ from rangenav import attitude, cascade, motion, record, vehicle
 from rangenav.analysis import WINDOWS, Analysis, analyse
 from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
-from rangenav.model import Form
+from rangenav.model import ModelForm
 from rangenav.motion import Limits, Motion
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
-from rangenav.record import Course, Outcome, Summary, course_of
+from rangenav.record import Outcome, Summary, TruthInputs, course_of
 from rangenav.sensors import Measurements, Sensors
 from rangenav.vehicle import Break, Vehicle
 
@@ -110,23 +110,23 @@ def warm_up_estimators() -> None:
 
 
 @lru_cache(maxsize=CACHED)
-def _phi(course: Course) -> tuple[Array, Array]:
+def _phi(course: TruthInputs) -> tuple[Array, Array]:
     moved = record.simulated(course).motion
     return excitation.phi(moved), excitation.phi_printed(moved)
 
 
 @lru_cache(maxsize=CACHED)
-def _limits(course: Course) -> Limits:
+def _limits(course: TruthInputs) -> Limits:
     return motion.limits(record.simulated(course).motion, world=course.world)
 
 
 @lru_cache(maxsize=CACHED)
-def _breaks(course: Course, limited: Vehicle) -> tuple[Break, ...]:
+def _breaks(course: TruthInputs, limited: Vehicle) -> tuple[Break, ...]:
     return vehicle.broken(record.simulated(course).motion, limited, world=course.world)
 
 
 @lru_cache(maxsize=CACHED)
-def _printed_excitation(course: Course, window: float, printed: Printed) -> Array:
+def _printed_excitation(course: TruthInputs, window: float, printed: Printed) -> Array:
     """Excitation under the switches; with none of them on, the derived one from the same samples."""
     moved = record.simulated(course).motion
     signal = excitation.chosen_signal(moved, printed_formula=printed.excitation, body_axes=printed.body_axes)
@@ -136,7 +136,7 @@ def _printed_excitation(course: Course, window: float, printed: Printed) -> Arra
 
 @lru_cache(maxsize=CACHED)
 def _observed(
-    course: Course, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: Form
+    course: TruthInputs, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: ModelForm
 ) -> tuple[Outcome, Array]:
     """The estimate stage, and the estimated path in inertial axes."""
     truth, z = record.simulated(course), record.measured(course, sensors, seed)
@@ -144,7 +144,7 @@ def _observed(
     return outcome, outcome.estimate.position(course.world)
 
 
-def _reduced(course: Course, window: float, found: Analysis, printed: Printed) -> float:
+def _reduced(course: TruthInputs, window: float, found: Analysis, printed: Printed) -> float:
     if not (printed.excitation or printed.reduced_row or printed.body_axes):
         return found.reduced_min
     return reduced.sampled_least_eigenvalue(

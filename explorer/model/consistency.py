@@ -26,7 +26,7 @@ AXES = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Agreement:
+class RunConsistency:
     """Figures of one run, or of many seeds; NaN where there is nothing to judge by."""
 
     nis: float
@@ -59,7 +59,7 @@ class Agreement:
         return "too cautious: errors are smaller than P says" if self.nees < self.nees_low else "consistent"
 
 
-def of_run(picture: Picture) -> Agreement:
+def of_run(picture: Picture) -> RunConsistency:
     """Of the run on view."""
     time, z, found = picture.motion.time, picture.measurements, picture.estimate
     part = _steady(time)
@@ -73,7 +73,7 @@ def of_run(picture: Picture) -> Agreement:
     cramer_rao, lifted = _predicted(picture.analysis)
     with np.errstate(invalid="ignore"):
         believed = float(np.sqrt(np.mean(np.trace(P, axis1=-2, axis2=-1))))
-    return Agreement(
+    return RunConsistency(
         nis=_mean(nis),
         nis_inside=_share(nis, nis_low, nis_high),
         nees=_mean(nees),
@@ -87,13 +87,13 @@ def of_run(picture: Picture) -> Agreement:
     )
 
 
-def of_seeds(runs: Ensemble, found: Analysis) -> Agreement:
+def of_seeds(runs: Ensemble, found: Analysis) -> RunConsistency:
     """Of many seeds of the same settings."""
     nees, nis, reached = runs.position_consistency, runs.innovation_consistency, ensemble.achieved(runs, found)
     part = _steady(nees.time)
     end = reached.time >= STEADY * float(runs.time[-1])
     cramer_rao, lifted = _predicted(found)
-    return Agreement(
+    return RunConsistency(
         nis=_mean(nis.mean[_steady(nis.time)]),
         nis_inside=_inside(nis, _steady(nis.time)),
         nees=_mean(nees.mean[part]),

@@ -29,7 +29,7 @@ from rangenav.signals import (
 from rangenav.signals.multisine import MAX_FREQUENCY
 from rangenav.signals.polynomials import from_minimum_snap
 
-Kind = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown", "given"]
+FamilyName = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown", "given"]
 """What a visitor may choose; a constant is a Multisine of nothing but an offset, given is what a file brought."""
 POINTS = 12
 SAMPLES, TONES_PER_AXIS = 512, 2
@@ -39,7 +39,7 @@ DECIMALS = 3
 """Of drafted points: millimetres, readable where they are typed."""
 
 
-def kind_of(signal: Turning) -> Kind:
+def kind_of(signal: Turning) -> FamilyName:
     """Under which word the signal is chosen."""
     match signal:
         case Multisine():
@@ -58,11 +58,11 @@ def kind_of(signal: Turning) -> Kind:
             return "given"
 
 
-def drafted(signal: Turning, kind: Kind, duration: float) -> Turning:
+def drafted(signal: Turning, kind: FamilyName, duration: float) -> Turning:
     """A signal of another family that is or resembles the given one over a flight (s)."""
     if kind == "flown" or kind == "constant" or isinstance(signal, Flown):
         return _apart(signal, kind)
-    makers: dict[Kind, Callable[[Family, float], Family]] = {
+    makers: dict[FamilyName, Callable[[Family, float], Family]] = {
         "multisine": sines,
         "formula": formula,
         "waypoints": waypoints,
@@ -72,7 +72,7 @@ def drafted(signal: Turning, kind: Kind, duration: float) -> Turning:
     return makers[kind](signal, duration)  # type: ignore[arg-type]
 
 
-def _apart(signal: Turning, kind: Kind) -> Turning:
+def _apart(signal: Turning, kind: FamilyName) -> Turning:
     """To and from what is no signal of its own: a flown body, and a constant."""
     if kind == "flown":
         return Flown()

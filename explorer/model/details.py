@@ -21,10 +21,10 @@ from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.observability.ellipsoid import Ellipsoid
 from rangenav.observability.functions import Functions
 from rangenav.observability.horizon import Horizon
-from rangenav.observability.printed import Comparison
+from rangenav.observability.printed import PrintedAndDerived
 from rangenav.observability.spectrum import Spectrum
 from rangenav.preset import Preset
-from rangenav.record import Course
+from rangenav.record import TruthInputs
 from rangenav.signals import Signal
 from rangenav.twin import Refusal, Twin
 
@@ -36,7 +36,7 @@ LOADED = threading.Event()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Depth:
+class Details:
     """What lies below the verdict, all of it about one preset."""
 
     spectrum: Spectrum
@@ -46,13 +46,13 @@ class Depth:
     functions: Functions
     """On the window of least rank."""
     twin: Twin | Refusal
-    printed: Comparison
+    printed: PrintedAndDerived
 
 
-def of(preset: Preset, *, turn: Vec3 | None = None) -> Depth:
+def of(preset: Preset, *, turn: Vec3 | None = None) -> Details:
     """The depth of a preset; `turn` (rad, about the anchor) drags a twin that may be turned."""
     found, needed = analyse(preset), preset.requirement
-    return Depth(
+    return Details(
         spectrum=seen(preset.path, preset.world.gravity, preset.duration, needed.window).spectrum,
         horizon=how_long(preset),
         functions=_functions(preset.path, preset.world.gravity, found.gramian_at, needed.window),
@@ -90,14 +90,16 @@ def _functions(path: Signal, gravity: Vec3, start: float, window: float) -> Func
 
 
 @lru_cache(maxsize=CACHED)
-def _printed(course: Course, window: float, mu: float, floor: float, required: float, rank: int) -> Comparison:
+def _printed(
+    course: TruthInputs, window: float, mu: float, floor: float, required: float, rank: int
+) -> PrintedAndDerived:
     start = np.linspace(0, course.duration - window, WINDOWS)
     moved = record.simulated(course).motion
     return printed.compare(moved, start, window, mu=mu, floor=floor, required=required, rank=rank)
 
 
 @lru_cache(maxsize=CACHED)
-def _frozen(course: Course, start: float, rank: int) -> str:
+def _frozen(course: TruthInputs, start: float, rank: int) -> str:
     return frozen.frozen(record.simulated(course).motion, start, windowed=rank).words
 
 

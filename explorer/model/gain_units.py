@@ -22,7 +22,7 @@ from rangenav.signals import Signal
 CACHED = 4
 
 
-class Place(Input, frozen=True, kw_only=True):
+class GainContext(Input, frozen=True, kw_only=True):
     """What decides which physical words stand for which gains."""
 
     at: Typical
@@ -76,10 +76,10 @@ WORDS = {
 }
 
 
-def place_of(settings: Settings) -> Place:
+def place_of(settings: Settings) -> GainContext:
     """Where gains are put into words: the path as it is flown. Raises ValueError if it has no typical state."""
     p = effective(settings)
-    return Place(at=_typical(p.path, p.world, p.duration), world=p.world, sensors=p.sensors)
+    return GainContext(at=_typical(p.path, p.world, p.duration), world=p.world, sensors=p.sensors)
 
 
 @lru_cache(maxsize=CACHED)
@@ -87,7 +87,7 @@ def _typical(path: Signal, world: World, duration: float) -> Typical:
     return physical_gains.typical(path, world, duration)
 
 
-def in_words(gains: Gains, place: Place) -> PhysicalGains:
+def in_words(gains: Gains, place: GainContext) -> PhysicalGains:
     """What gains stand for; mode and schedule are the same in both languages, and left out. Raises ValueError where
     they stand for nothing sensible, as where there is next to no gravity."""
     plain = replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None))
@@ -97,7 +97,7 @@ def in_words(gains: Gains, place: Place) -> PhysicalGains:
         raise ValueError("they are beyond all numbers in this world") from None
 
 
-def understood(words: PhysicalGains, place: Place, known: Iterable[Gains]) -> Gains:
+def understood(words: PhysicalGains, place: GainContext, known: Iterable[Gains]) -> Gains:
     """The gains of some words; those that would be found for known gains too are theirs to the last bit. Raises
     ValueError, in the page's own words, if one asks for a gain outside its range."""
     at, rest = place.at, {"world": place.world, "sensors": place.sensors}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import msgspec
 import viser
 
-from explorer.model.comparison import Beside
+from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Settings
@@ -28,9 +28,9 @@ from explorer.panels.world import WorldPanel
 from explorer.panels.world.twin import TwinPanel
 from explorer.panels.world.vehicle import VehiclePanel
 from explorer.storage.bundle import Send
-from explorer.storage.catalog import Shelf
+from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
-from explorer.widgets.form import Action, Refused, Sheet
+from explorer.widgets.form import Action, Form, InvalidInputError
 from explorer.widgets.progress import ProgressPanel
 from rangenav import axes
 from rangenav.inputs import Vec3
@@ -61,7 +61,7 @@ class Requests:
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, sheet: Sheet, shelf: Shelf, name: str, requests: Requests, jobs: Jobs) -> None:
+    def __init__(self, sheet: Form, shelf: Catalog, name: str, requests: Requests, jobs: Jobs) -> None:
         gui, self._presets = sheet.gui, shelf.presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
@@ -136,14 +136,14 @@ class Dock:
         self.sensors.clear()
         try:
             yield
-        except Refused as refusal:
+        except InvalidInputError as refusal:
             self._refuse(refusal.__cause__)
             raise
         except ValueError as error:
             in_sensors = str(error).startswith(SENSORS_RULES)
             (self.sensors if in_sensors else self.motion).complain(str(error))
             self._refuse(error)
-            raise Refused from error
+            raise InvalidInputError from error
         self.verdict.complaint.clear()
 
     def write(self, settings: Settings) -> None:
@@ -178,7 +178,7 @@ class Dock:
         """Whether what stands beside the picture has changed since it was drawn last."""
         return self.compare.news or self.basin.news
 
-    def beside(self, picture: Picture) -> Beside:
+    def beside(self, picture: Picture) -> Comparison:
         """What to draw beside a picture."""
         return replace(self.compare.beside(picture), basin=self.basin.shown(picture))
 
@@ -230,7 +230,7 @@ class Dock:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
 
 
-def _commands(sheet: Sheet, requests: Requests) -> None:
+def _commands(sheet: Form, requests: Requests) -> None:
     sheet.command("Undo", requests.undo, key="Z", modifier="cmd/ctrl")
     sheet.command("Redo", requests.redo, key="Z", modifier="cmd/ctrl+shift")
     sheet.command("Reset the last control", sheet.reset_last)

@@ -11,9 +11,9 @@ from typing import Literal
 
 from explorer.model.settings import Settings
 from explorer.storage import preset_file
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 
-Kind = Literal["csv", "svg", "png"]
+PlotFormat = Literal["csv", "svg", "png"]
 PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."
 FILE_HINT = (
     "CSV: every sample to the last digit, with units in its first line; empty where there is no value or only rounding "
@@ -29,7 +29,7 @@ STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"
 class Sources:
     """What only the session knows."""
 
-    plan: Callable[[str, Kind], Callable[[], bytes]]
+    plan: Callable[[str, PlotFormat], Callable[[], bytes]]
     """What makes a file of a plot as it is now, to be called in any thread. Raises ValueError with one sentence."""
     settings: Callable[[], tuple[str, Settings]]
     """What is chosen now, and the name of its preset's file."""
@@ -40,7 +40,7 @@ class Sources:
 class ExportPanel:
     """A picker of plots with its buttons, and the lines of Python."""
 
-    def __init__(self, sheet: Sheet, titles: dict[str, str], sources: Sources) -> None:
+    def __init__(self, sheet: Form, titles: dict[str, str], sources: Sources) -> None:
         """`titles` of the plots by their names."""
         self._sheet, self._sources = sheet, sources
         self._names = {title: name for name, title in titles.items()}
@@ -48,14 +48,14 @@ class ExportPanel:
         self._plots = Section(sheet, "A plot as a file")
         with self._plots:
             self._menu = sheet.gui.add_dropdown("plot", tuple(self._names), hint=PLOT_HINT)
-            kinds: dict[str, Kind] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
+            kinds: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
             sheet.buttons("file", {label: partial(self._make, kind) for label, kind in kinds.items()}, hint=FILE_HINT)
         with Section(sheet, "The same in Python"):
             sheet.buttons("Python", {"lines": self._lines, "preset file": self._preset}, hint=LINES_HINT)
             self._shown = sheet.gui.add_html("")
         sheet.command("Lines of Python for what is on the page", self._lines)
 
-    def _make(self, kind: Kind) -> None:
+    def _make(self, kind: PlotFormat) -> None:
         """Write a file in a thread of its own: a picture takes half a second, a long table longer."""
         with self._plots.catching():
             if self._worker is not None and self._worker.is_alive():

@@ -7,7 +7,7 @@ import viser
 
 from explorer.model.playback import STEP, Playback
 from explorer.widgets.controls import when_moved
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 
 BUTTONS = {
     "|◀": "home",
@@ -42,7 +42,7 @@ KEEP_CAMERA_STILL = (
 class TimelinePanel:
     """The floating panel at the bottom."""
 
-    def __init__(self, sheet: Sheet, playback: Playback, *, room: float) -> None:
+    def __init__(self, sheet: Form, playback: Playback, *, room: float) -> None:
         """`room` (px) is what the docks leave between them."""
         self._sheet, self._playback = sheet, playback
         self._shown, self._written = 0.0, -REDRAW

@@ -8,13 +8,13 @@ from numpy import ndarray as Array
 from viser import ClientHandle
 from viser.transforms import SO3
 
-from explorer.model.comparison import NOTHING, Beside
+from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
-from explorer.model.details import Depth
+from explorer.model.details import Details
 from explorer.scene import bounds as stages
 from explorer.scene.arrows import Arrow
 from explorer.scene.basin import Globe
-from explorer.scene.bounds import NO_LINE, UNSEEN, Stage
+from explorer.scene.bounds import NO_LINE, UNSEEN, SceneBounds
 from explorer.scene.colors import (
     BLUE,
     GREEN,
@@ -27,9 +27,9 @@ from explorer.scene.colors import (
     VERMILLION,
     linear,
 )
-from explorer.scene.comparison import Companions
+from explorer.scene.comparison import ComparisonNodes
 from explorer.scene.excitation import ExcitationEllipsoid
-from explorer.scene.limits import BrokenPath
+from explorer.scene.limits import LimitMarks
 from explorer.scene.twin import TwinGhost
 from explorer.scene.vehicle import Vehicle
 from explorer.scene.view import View
@@ -52,14 +52,14 @@ class Scene:
         self._client = client
         scene = client.scene
         self._time = 0.0
-        self._stage: Stage | None = None
+        self._stage: SceneBounds | None = None
         self._view = View(client.camera)
         self._magnetic = np.zeros((0, 3))
         scene.set_up_direction(USUAL_UP)
         self._up = np.array(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         self._path = scene.add_line_segments("/path", NO_LINE, BLUE, thickness=3.0, thickness_units="screen")
-        self._broken = BrokenPath(scene)
+        self._broken = LimitMarks(scene)
         self._trail = scene.add_line_segments("/trail", NO_LINE, BLACK_ENDS, thickness=2.0, thickness_units="screen")
         self._anchor = scene.add_frame("/anchor", show_axes=False)
         self._beacon = scene.add_icosphere(
@@ -80,7 +80,7 @@ class Scene:
         )
         self._truth = Vehicle(scene, "vehicle", BLUE, opacity=None, label_above=True)
         self._ghost = Vehicle(scene, "estimate", VERMILLION, opacity=0.4, label_above=False)
-        self._companions = Companions(scene)
+        self._companions = ComparisonNodes(scene)
         self._globe = Globe(scene)
         self._ellipsoid = scene.add_icosphere(
             "/ellipsoid",
@@ -106,11 +106,11 @@ class Scene:
         return self._twin.dragged()
 
     @property
-    def stage(self) -> Stage | None:
+    def stage(self) -> SceneBounds | None:
         """How large the picture drawn last is; None before the first."""
         return self._stage
 
-    def draw(self, picture: Picture, beside: Beside = NOTHING, *, dragging: bool = False) -> None:
+    def draw(self, picture: Picture, beside: Comparison = NOTHING, *, dragging: bool = False) -> None:
         """Show another picture and what stands beside it, at the time shown last. While something is dragged the camera
         stands still."""
         on = stages.stage(picture)
@@ -127,7 +127,7 @@ class Scene:
         self._view.frame(on, picture.motion.position, dragging=dragging)
         self.move(picture, self._time)
 
-    def draw_later(self, picture: Picture, deep: Depth) -> None:
+    def draw_later(self, picture: Picture, deep: Details) -> None:
         """Show the evil twin and the excitation, which take a while to find; for when nothing moves."""
         assert self._stage is not None, "draw comes before draw_later"
         self._twin.draw(picture, deep.twin, self._stage)
@@ -186,7 +186,7 @@ class Scene:
             self._ellipsoid.wxyz = SO3.from_matrix(rotation @ found[1]).wxyz
             self._ellipsoid.position = picture.position_estimate[k]
 
-    def _fit(self, picture: Picture, on: Stage) -> None:
+    def _fit(self, picture: Picture, on: SceneBounds) -> None:
         """Everything that depends on the world or on the size of the stage; unchanged values are not sent again."""
         world, unit = picture.preset.world, on.unit
         if not np.allclose(self._up, on.up):
@@ -217,7 +217,7 @@ class Scene:
         self._gravity.point(np.asarray(world.gravity))
         self._north.point(np.asarray(world.magnetic))
 
-    def _draw_trail(self, positions: Float[Array, "n 3"], on: Stage) -> None:
+    def _draw_trail(self, positions: Float[Array, "n 3"], on: SceneBounds) -> None:
         """The estimated path, paler the earlier: it may wander far before it settles."""
         dashes, progress = stages.dashed(positions, on)
         self._trail.visible = len(dashes) > 0
@@ -226,7 +226,7 @@ class Scene:
             colors = early + progress[..., None] * (late - early)
             self._trail.points, self._trail.colors = dashes.astype(np.float32), colors.astype(np.uint8)
 
-    def _draw_blind(self, picture: Picture, on: Stage) -> None:
+    def _draw_blind(self, picture: Picture, on: SceneBounds) -> None:
         """Arrows on the path, in the middle of the window of least rank."""
         directions: tuple[Direction, ...] = picture.analysis.directions
         middle = picture.analysis.gramian_at + picture.preset.requirement.window / 2

@@ -14,7 +14,7 @@ from viser import SceneApi
 
 from explorer.model import basin
 from explorer.model.compute import Picture
-from explorer.scene.bounds import NO_LINE, Stage
+from explorer.scene.bounds import NO_LINE, SceneBounds
 from explorer.scene.colors import PURPLE
 from explorer.scene.view import direction
 from rangenav.ensemble import Basin
@@ -77,7 +77,7 @@ class Globe:
         self._title = scene.add_label("/basin/title", "", anchor="bottom-center", font_screen_scale=0.9)
         self._drawn: Basin | None = None
 
-    def draw(self, picture: Picture, found: Basin | None, on: Stage) -> None:
+    def draw(self, picture: Picture, found: Basin | None, on: SceneBounds) -> None:
         """Show a sphere of starts that belongs to a picture, or none."""
         self._root.visible = found is not None
         if found is None:
@@ -120,7 +120,7 @@ class Globe:
             label.text = f"{'+' if sign > 0 else '−'}u{DIGITS[k // 2]}"
 
 
-def place(path: Float[Array, "n 3"], anchor: Float[Array, "3"], on: Stage) -> Float[Array, "3"]:
+def place(path: Float[Array, "n 3"], anchor: Float[Array, "3"], on: SceneBounds) -> Float[Array, "3"]:
     """Where the globe's centre is: beside the middle of the view as the camera is first set, above it rather than
     below, and there the first place that is clear of path and anchor, or else the one that is most so."""
     towards = direction(on.up)

@@ -36,7 +36,7 @@ DASHES_PER_RADIUS = 14
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Stage:
+class SceneBounds:
     """The ball that holds path and anchor, and the sizes that follow from it."""
 
     centre: Float[Array, "3"]
@@ -59,7 +59,7 @@ class Stage:
             return np.linalg.norm(points - self.centre, axis=-1) < REACH * self.radius
 
 
-def stage(picture: Picture) -> Stage:
+def stage(picture: Picture) -> SceneBounds:
     """The stage of a picture."""
     path, anchor = picture.motion.position, np.asarray(picture.preset.world.anchor)
     gravity = np.asarray(picture.preset.world.gravity)
@@ -71,7 +71,7 @@ def stage(picture: Picture) -> Stage:
     radius = max(float(np.linalg.norm(high - low)) / 2, SMALLEST_RADIUS)
     share = UNIT_SHARE * math.sqrt(path_radius / radius) if path_radius > 1e-3 * radius else STANDING_SHARE
     height = float((points @ up).min() - centre @ up)
-    return Stage(
+    return SceneBounds(
         centre=centre,
         radius=radius,
         unit=radius * max(share, SMALLEST_UNIT_SHARE),
@@ -89,13 +89,13 @@ def round_step(length: float) -> float:
     return next(step * power for step in (1, 2, 5, 10) if length <= step * power * (1 + 1e-9))
 
 
-def solid(motion: Motion, on: Stage) -> Float[Array, "m 2 3"]:
+def solid(motion: Motion, on: SceneBounds) -> Float[Array, "m 2 3"]:
     """The true path as segments."""
     points = motion.position[chords(motion, on)]
     return np.stack([points[:-1], points[1:]], axis=1)
 
 
-def chords(motion: Motion, on: Stage) -> Int[Array, "k"]:
+def chords(motion: Motion, on: SceneBounds) -> Int[Array, "k"]:
     """Samples to draw a path through: as few as keep each chord within the sagitta |p̈| Δt²/8, at most 1500."""
     count = len(motion.time)
     step = float(motion.time[1] - motion.time[0])
@@ -106,12 +106,12 @@ def chords(motion: Motion, on: Stage) -> Int[Array, "k"]:
     return np.append(np.arange(0, count - 1, stride), count - 1)
 
 
-def not_astray(picture: Picture, on: Stage) -> Float[Array, "n 3"]:
+def not_astray(picture: Picture, on: SceneBounds) -> Float[Array, "n 3"]:
     """The estimated path, NaN where it is too far from the truth to be drawn as a curve."""
     return near(picture.position_estimate, picture.motion, on)
 
 
-def near(positions: Float[Array, "n 3"], motion: Motion, on: Stage) -> Float[Array, "n 3"]:
+def near(positions: Float[Array, "n 3"], motion: Motion, on: SceneBounds) -> Float[Array, "n 3"]:
     """The same of any estimated path."""
     with np.errstate(over="ignore", invalid="ignore"):
         astray = ~(np.linalg.norm(positions - motion.position, axis=-1) < ASTRAY * on.radius)
@@ -124,7 +124,7 @@ def sample(grid: Float[Array, "n"], time: float) -> int:
 
 
 def dashed(
-    positions: Float[Array, "n 3"], on: Stage, *, per_radius: int = DASHES_PER_RADIUS
+    positions: Float[Array, "n 3"], on: SceneBounds, *, per_radius: int = DASHES_PER_RADIUS
 ) -> tuple[Float[Array, "m 2 3"], Float[Array, "m 2"]]:
     """A curve as dashes of equal length along it, and their ends' time (0 to 1); only what is on stage."""
     stride = -(-len(positions) // MAX_POINTS)

@@ -8,13 +8,13 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import LineSegmentsHandle, SceneApi
 
-from explorer.model.comparison import NAMES, NOTHING, Beside, Name
+from explorer.model.comparison import NAMES, NOTHING, Comparison, Name
 from explorer.model.compute import Picture
 from explorer.scene import bounds as stages
-from explorer.scene.bounds import NO_LINE, Stage
+from explorer.scene.bounds import NO_LINE, SceneBounds
 from explorer.scene.colors import GREEN, ORANGE, PALE, PURPLE, Color, linear
 from explorer.scene.vehicle import Vehicle
-from rangenav.comparison import Contender
+from rangenav.comparison import Candidate
 from rangenav.motion import Motion
 
 PINNED_DASHES = 36
@@ -26,7 +26,7 @@ BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
 """A colour for each end from the start: the browser cannot turn a line of one colour into one of many."""
 
 
-class Companions:
+class ComparisonNodes:
     """The nodes /pinned, /pinned_path, /pinned_trail and one path for each other estimator."""
 
     def __init__(self, scene: SceneApi) -> None:
@@ -38,10 +38,10 @@ class Companions:
         self._rivals: dict[Name, LineSegmentsHandle] = {
             name: _line(scene, f"/{name.lower()}_trail", BLACK_ENDS, THICKNESS) for name in NAMES
         }
-        self._beside: Beside = NOTHING
-        self._on: Stage | None = None
+        self._beside: Comparison = NOTHING
+        self._on: SceneBounds | None = None
 
-    def draw(self, picture: Picture, beside: Beside, on: Stage) -> None:
+    def draw(self, picture: Picture, beside: Comparison, on: SceneBounds) -> None:
         """Show them on the stage of a picture; nothing of what is missing."""
         before, self._beside, self._on = self._beside, beside, on
         a = beside.pinned
@@ -80,7 +80,9 @@ def _line(scene: SceneApi, name: str, color: Color | Array, thickness: float) ->
     return scene.add_line_segments(name, NO_LINE, color, thickness=thickness, thickness_units="screen", visible=False)
 
 
-def dash(line: LineSegmentsHandle, positions: Float[Array, "n 3"], on: Stage, color: Color, *, per_radius: int) -> None:
+def dash(
+    line: LineSegmentsHandle, positions: Float[Array, "n 3"], on: SceneBounds, color: Color, *, per_radius: int
+) -> None:
     """Draw an estimated path, paler the earlier: it may wander far before it settles."""
     dashes, progress = stages.dashed(positions, on, per_radius=per_radius)
     line.visible = len(dashes) > 0
@@ -90,12 +92,12 @@ def dash(line: LineSegmentsHandle, positions: Float[Array, "n 3"], on: Stage, co
         line.points, line.colors = dashes.astype(np.float32), colors.astype(np.uint8)
 
 
-def _positions(picture: Picture, contender: Contender) -> Float[Array, "n 3"]:
+def _positions(picture: Picture, contender: Candidate) -> Float[Array, "n 3"]:
     with np.errstate(over="ignore", invalid="ignore"):
         return contender.estimate.position(picture.preset.world)
 
 
-def _on_stage(segments: Float[Array, "m 2 3"], on: Stage) -> Array:
+def _on_stage(segments: Float[Array, "m 2 3"], on: SceneBounds) -> Array:
     inside = on.holds(segments).all(axis=1)
     return (segments[inside] if inside.any() else NO_LINE).astype(np.float32)
 

@@ -18,9 +18,9 @@ from typing import Any
 from viser import SceneApi, SceneClickEvent, SceneNodeDragEvent, SceneNodePointerEvent, TransformControlsEvent
 
 from explorer.scene import handle_position
-from explorer.scene.bounds import UNSEEN, Stage
+from explorer.scene.bounds import UNSEEN, SceneBounds
 from explorer.scene.colors import BLUE, ORANGE
-from explorer.scene.handle_position import Grab, Grip, Kind
+from explorer.scene.handle_position import Grab, Grip, HandleKind
 from rangenav.inputs import Vec3
 
 MAX_WAYPOINTS = 60
@@ -40,8 +40,8 @@ Told = Coroutine[Any, Any, None]
 class _Handle:
     """A sphere to be dragged, with a word beside it."""
 
-    def __init__(self, scene: SceneApi, kind: Kind, index: int) -> None:
-        self.kind: Kind = kind
+    def __init__(self, scene: SceneApi, kind: HandleKind, index: int) -> None:
+        self.kind: HandleKind = kind
         self.index, self.place = index, (0.0, 0.0, 0.0)
         self.grip: Grip | None = None
         anchor = kind == "anchor"
@@ -65,7 +65,7 @@ class _Handle:
             self.place = self.node.position = place
 
 
-class Handles:
+class DragHandles:
     """All handles of one visitor."""
 
     def __init__(self, scene: SceneApi, note: Callable[[], None]) -> None:
@@ -94,7 +94,7 @@ class Handles:
         """Whether something is held, or was let go since the last take."""
         return any(handle.grip is not None for handle in self._drawn())
 
-    def draw(self, anchor: Vec3, waypoints: tuple[Vec3, ...], on: Stage) -> None:
+    def draw(self, anchor: Vec3, waypoints: tuple[Vec3, ...], on: SceneBounds) -> None:
         """Show the handles where the settings have anchor and waypoints; what is held stays where it is held."""
         self._step = 10.0 ** math.floor(math.log10(on.radius / STEPS))
         self._show_waypoints(len(waypoints))
@@ -124,7 +124,7 @@ class Handles:
     def _drawn(self) -> list[_Handle]:
         return [self._anchor, *self._waypoints[: self._shown]]
 
-    def _add(self, kind: Kind, index: int) -> _Handle:
+    def _add(self, kind: HandleKind, index: int) -> _Handle:
         handle = _Handle(self._scene, kind, index)
         handle.node.on_drag(self._hearing(handle))
         handle.node.on_click(self._clicking(handle))

@@ -10,7 +10,7 @@ from viser.transforms import SO3
 from explorer.model import details
 from explorer.model.compute import Picture
 from explorer.scene.arrows import Arrow
-from explorer.scene.bounds import Stage
+from explorer.scene.bounds import SceneBounds
 from explorer.scene.colors import GREEN, ORANGE
 from rangenav.observability import blindness
 from rangenav.observability.ellipsoid import Ellipsoid
@@ -53,12 +53,12 @@ class ExcitationEllipsoid:
         """The path that it belongs to; `move` then shows it."""
         self._picture = picture
 
-    def move(self, time: float, on: Stage) -> None:
+    def move(self, time: float, on: SceneBounds) -> None:
         """Show the excitation of the window that starts at a time (s)."""
         if self._picture is not None:
             self.draw(self._picture, details.excitation_at(self._picture.preset, time), on)
 
-    def draw(self, picture: Picture, found: Ellipsoid, on: Stage) -> None:
+    def draw(self, picture: Picture, found: Ellipsoid, on: SceneBounds) -> None:
         """Show the excitation of one window, in the middle of that part of the path."""
         strongest = float(found.semi_axes[2])
         self._node.visible = drawn = self._shown and strongest > 0

@@ -8,14 +8,14 @@ from rangenav.inputs import Vec3
 
 MAX_REACH = 1e5
 """m from the origin, along each axis."""
-Kind = Literal["anchor", "waypoint"]
+HandleKind = Literal["anchor", "waypoint"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Grab:
     """Where a handle has been moved to."""
 
-    kind: Kind
+    kind: HandleKind
     index: int
     """Of the waypoint, from 0."""
     position: Vec3

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 from viser import SceneApi
 
-from explorer.scene.bounds import NO_LINE, UNSEEN, Stage, chords
+from explorer.scene.bounds import NO_LINE, UNSEEN, SceneBounds, chords
 from explorer.scene.colors import VERMILLION
 from rangenav.motion import Motion
 from rangenav.vehicle import WORDS, Break
@@ -25,7 +25,7 @@ MARKER_SHARE = 0.12
 """Radius of a marker, in units of the stage."""
 
 
-class BrokenPath:
+class LimitMarks:
     """The nodes under /path/broken."""
 
     def __init__(self, scene: SceneApi) -> None:
@@ -43,7 +43,7 @@ class BrokenPath:
             labels.append(scene.add_label(f"{name}/label", "", anchor=anchor, font_screen_scale=0.9))
         self._markers, self._labels = markers, labels
 
-    def draw(self, motion: Motion, breaks: tuple[Break, ...], on: Stage) -> None:
+    def draw(self, motion: Motion, breaks: tuple[Break, ...], on: SceneBounds) -> None:
         """Show where the limits are broken, and say of the three broken for longest where they are broken worst."""
         lines = segments(motion, broken(breaks, len(motion.time)), on)
         self._line.visible = len(lines) > 0
@@ -62,7 +62,7 @@ def broken(breaks: tuple[Break, ...], count: int) -> Bool[Array, "n"]:
     return np.logical_or.reduce([one.where for one in breaks]) if breaks else np.zeros(count, dtype=bool)
 
 
-def segments(motion: Motion, where: Bool[Array, "n"], on: Stage) -> Float[Array, "m 2 3"]:
+def segments(motion: Motion, where: Bool[Array, "n"], on: SceneBounds) -> Float[Array, "m 2 3"]:
     """Those chords of the drawn path on which a sample is broken, be it one alone."""
     ends = chords(motion, on)
     hit = np.array([where[first : last + 1].any() for first, last in pairwise(ends)])

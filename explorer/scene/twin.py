@@ -9,7 +9,7 @@ from numpy import ndarray as Array
 from viser import MeshHandle, SceneApi, SceneNodeDragEvent
 
 from explorer.model.compute import Picture
-from explorer.scene.bounds import MAX_POINTS, Stage, dashed
+from explorer.scene.bounds import MAX_POINTS, SceneBounds, dashed
 from explorer.scene.colors import OLIVE
 from explorer.scene.vehicle import Vehicle
 from rangenav.inputs import Vec3
@@ -27,7 +27,7 @@ class TwinGhost:
         self._note, self._lock = note, threading.Lock()
         self._found: Twin | None = None
         self._dragged: Vec3 | None = None
-        self._on: Stage | None = None
+        self._on: SceneBounds | None = None
         self._path = scene.add_line_segments("/twin_path", nothing, OLIVE, thickness=3.0, thickness_units="screen")
         self._ranges = scene.add_line_segments("/twin_ranges", nothing, OLIVE, thickness=1.5, thickness_units="screen")
         # opaque: a translucent one is lost inside the range sphere
@@ -41,7 +41,7 @@ class TwinGhost:
         self._found = None
         self._show(False)
 
-    def draw(self, picture: Picture, found: Twin | Refusal, on: Stage) -> None:
+    def draw(self, picture: Picture, found: Twin | Refusal, on: SceneBounds) -> None:
         """Show the twin of a picture, or none; `move` then puts it at a time."""
         self._found, self._on = (found if isinstance(found, Twin) else None), on
         if self._found is None:

@@ -7,7 +7,7 @@ from viser import MeshHandle, SceneApi
 from viser.transforms import SO3
 
 from explorer.scene import airframe
-from explorer.scene.bounds import Stage, turn_from_x
+from explorer.scene.bounds import SceneBounds, turn_from_x
 from explorer.scene.colors import Color
 
 
@@ -37,7 +37,7 @@ class Vehicle:
         """What a pointer can take hold of."""
         return self._body, self._rotors
 
-    def fit(self, on: Stage) -> None:
+    def fit(self, on: SceneBounds) -> None:
         """Take the size of the stage, and stand with the rotors up when R = I."""
         self._root.axes_length, self._root.axes_radius = 0.9 * on.unit, 0.025 * on.unit
         self._root.origin_radius = 0.05 * on.unit

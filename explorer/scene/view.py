@@ -13,7 +13,7 @@ from numpy import ndarray as Array
 from viser import CameraHandle
 from viser.transforms import SO3
 
-from explorer.scene.bounds import Stage
+from explorer.scene.bounds import SceneBounds
 
 RESTING = 0.5
 """s without camera movement, after which the camera may be set anew."""
@@ -48,7 +48,7 @@ class View:
 
     def __init__(self, camera: CameraHandle) -> None:
         self._camera = camera
-        self._framed: Stage | None = None
+        self._framed: SceneBounds | None = None
         self._aim: Aim | None = None
         self._sent: Aim | None = None
         self._narrowest = 1.0
@@ -56,7 +56,7 @@ class View:
         self._dragged = self._seen = False
         camera.on_update(self._confirm)
 
-    def frame(self, on: Stage, path: Float[Array, "n 3"], *, dragging: bool = False) -> None:
+    def frame(self, on: SceneBounds, path: Float[Array, "n 3"], *, dragging: bool = False) -> None:
         """Look at path and anchor from above, if they are not where the camera was set last."""
         if dragging:
             if not self._dragged:
@@ -75,7 +75,7 @@ class View:
         self._framed = on
         self._look(on)
 
-    def _look(self, on: Stage) -> None:
+    def _look(self, on: SceneBounds) -> None:
         self._narrowest = narrowest(self._camera)
         half = math.atan(math.tan(self._camera.fov / 2) * self._narrowest)
         distance = MARGIN * on.view_radius / math.sin(half)
@@ -123,7 +123,7 @@ def seen(
     return float(np.mean((ahead > 0) & (np.abs(down) <= top * ahead) & (np.abs(right) <= shape * top * ahead)))
 
 
-def alike(before: Stage, on: Stage) -> bool:
+def alike(before: SceneBounds, on: SceneBounds) -> bool:
     """Whether a camera set for one stage does for the other."""
     ratio = on.view_radius / before.view_radius
     shift = float(np.linalg.norm(on.view_centre - before.view_centre)) / before.view_radius

@@ -6,14 +6,14 @@ from typing import Literal
 import msgspec
 
 from explorer.model.settings import Language, Settings
-from explorer.storage.files import Store, Unsaved
+from explorer.storage.files import StorageError, WorkFiles
 from rangenav.inputs import Input
 
 PERIOD = 1.0
 """s: what is changed faster is written once."""
 
 
-class Kept(Input, frozen=True, kw_only=True):
+class SavedWork(Input, frozen=True, kw_only=True):
     """What is in the file."""
 
     version: Literal[1] = 1
@@ -23,10 +23,10 @@ class Kept(Input, frozen=True, kw_only=True):
     language: Language = "paper"
 
 
-class Keeping:
+class Autosave:
     """The file of one tab, or none where browser or disk refuse; `tell` is called with the reason when that begins."""
 
-    def __init__(self, store: Store, opened: str, tell: Callable[[str], None]) -> None:
+    def __init__(self, store: WorkFiles, opened: str, tell: Callable[[str], None]) -> None:
         self._store, self._opened, self._tell = store, opened, tell
         self._seat: str | None = None
         self._noted: tuple[Settings, Language] | None = None
@@ -35,7 +35,7 @@ class Keeping:
         self._failing = False
         """Told once; each change is tried again, for a disk may have room later, or the work be smaller."""
 
-    def find(self, seat: str | None) -> Kept | None:
+    def find(self, seat: str | None) -> SavedWork | None:
         """The work kept under a name, None if there is none; from now on work is kept there."""
         self._seat = seat
         if seat is None:
@@ -43,8 +43,8 @@ class Keeping:
             return None
         try:
             found = self._store.load(seat)
-            return None if found is None else msgspec.json.decode(found, type=Kept)
-        except Unsaved as reason:
+            return None if found is None else msgspec.json.decode(found, type=SavedWork)
+        except StorageError as reason:
             self._tell(_sentence(reason))
         except (msgspec.DecodeError, ValueError, RecursionError) as error:
             self._tell(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
@@ -67,9 +67,9 @@ class Keeping:
         if self._seat is None:
             return
         try:
-            kept = Kept(opened=self._opened, settings=settings, language=language)
+            kept = SavedWork(opened=self._opened, settings=settings, language=language)
             self._store.save(self._seat, msgspec.json.encode(kept))
-        except Unsaved as reason:
+        except StorageError as reason:
             if not self._failing:
                 self._tell(f"{_sentence(reason)} The page works on; download what you need.")
             self._failing = True
@@ -77,6 +77,6 @@ class Keeping:
             self._failing = False
 
 
-def _sentence(reason: Unsaved) -> str:
+def _sentence(reason: StorageError) -> str:
     words = str(reason)
     return f"{words[:1].upper()}{words[1:]}."

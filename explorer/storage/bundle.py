@@ -36,7 +36,7 @@ STAMP = (2020, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True, eq=False)
-class Parcel:
+class Bundle:
     """What is downloaded."""
 
     name: str
@@ -53,7 +53,7 @@ def parcel(
     uncertified: bool,
     progress: Progress,
     cancelled: Cancelled,
-) -> Parcel:
+) -> Bundle:
     """Pack a preset and some formats, each with its certificate. Raises ValueError with the gate's refusal of the
     preset, or with what the only format asked for cannot hold; of several formats such a one is left out and named."""
     notes: list[str] = []
@@ -72,7 +72,7 @@ def parcel(
                 notes.append(f"{form}: left out: {error}")
         (folder / "README.txt").write_text("".join(f"{note}\n" for note in (VERIFY, *notes)), "utf-8")
         marked = any(MARK in path.name for path in folder.iterdir())
-        return Parcel(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
+        return Bundle(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
 
 
 def _written(shown: Preset, form: str, path: Path, *, uncertified: bool) -> list[str]:

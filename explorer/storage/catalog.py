@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from explorer.model.settings import Settings
-from explorer.storage.certifier import Certifying, Found
-from explorer.storage.library import Library, NotKept, edition, slug
+from explorer.storage.certifier import Certifier, Found
+from explorer.storage.library import Library, LibraryError, edition, slug
 from rangenav import certificate, preset
 from rangenav.preset import MAX_TITLE, Preset
 
@@ -36,10 +36,10 @@ class Own:
     complaint: str = ""
 
 
-class Shelf:
+class Catalog:
     """One per visitor."""
 
-    def __init__(self, shipped: dict[str, Preset], library: Library, certifying: Certifying) -> None:
+    def __init__(self, shipped: dict[str, Preset], library: Library, certifying: Certifier) -> None:
         self._library, self._certifying = library, certifying
         self.presets: dict[str, Preset] = dict(shipped)
         """Everything known by name, also what is not offered any more."""
@@ -56,7 +56,7 @@ class Shelf:
         self._looked_at = time.monotonic()
         try:
             stamps = self._library.stamps()
-        except NotKept as reason:
+        except LibraryError as reason:
             self.complaint = str(reason)
             return
         self._own = {name: self._looked(name, stamp) for name, stamp in stamps.items()}
@@ -89,7 +89,7 @@ class Shelf:
         return words
 
     def open(self, name: str) -> Settings:
-        """A preset as it is now. Raises NotKept if its file cannot be read any more."""
+        """A preset as it is now. Raises LibraryError if its file cannot be read any more."""
         if not self.mine(name):
             return Settings(origin=name, preset=self.presets[name])
         content = self._library.read(name.removeprefix(MINE))
@@ -109,30 +109,30 @@ class Shelf:
         return Settings(origin=name, preset=imported)
 
     def add(self, new: Preset) -> Settings:
-        """Keep a new preset of one's own. Raises NotKept."""
+        """Keep a new preset of one's own. Raises LibraryError."""
         content = _bytes(new)
         return self._kept(MINE + self._library.add(new.title, content), new, content)
 
     def save(self, name: str, new: Preset, *, edition: str) -> Settings:
-        """Write over a preset of one's own that was opened in some edition. Raises NotKept."""
+        """Write over a preset of one's own that was opened in some edition. Raises LibraryError."""
         if not self.mine(name):
-            raise NotKept("a shipped preset, or one not saved yet, is kept under a title of yours: use “save as”")
+            raise LibraryError("a shipped preset, or one not saved yet, is kept under a title of yours: use “save as”")
         content = _bytes(new)
         self._library.save(name.removeprefix(MINE), content, known=self._editions(name, edition))
         return self._kept(name, new, content)
 
     def rename(self, name: str, new: Preset, *, edition: str) -> Settings:
-        """Keep a preset of one's own, retitled, under another name. Raises NotKept."""
+        """Keep a preset of one's own, retitled, under another name. Raises LibraryError."""
         if not self.mine(name):
-            raise NotKept("only presets of your own can be renamed: use “save as”")
+            raise LibraryError("only presets of your own can be renamed: use “save as”")
         content = _bytes(new)
         known = self._editions(name, edition)
         return self._kept(MINE + self._library.rename(name[len(MINE) :], new.title, content, known=known), new, content)
 
     def delete(self, name: str, *, edition: str) -> str:
-        """Move a preset of one's own to the trash. Returns what `restore` needs. Raises NotKept."""
+        """Move a preset of one's own to the trash. Returns what `restore` needs. Raises LibraryError."""
         if not self.mine(name):
-            raise NotKept("only presets of your own can be deleted")
+            raise LibraryError("only presets of your own can be deleted")
         mark = self._library.delete(name.removeprefix(MINE), known=self._editions(name, edition))
         self.refresh()
         return mark
@@ -142,7 +142,7 @@ class Shelf:
         return self._library.deleted()
 
     def restore(self, mark: str) -> Settings:
-        """Bring back what was deleted. Raises NotKept."""
+        """Bring back what was deleted. Raises LibraryError."""
         name = MINE + self._library.restore(mark)
         self.refresh()
         return self.open(name)
@@ -160,7 +160,7 @@ class Shelf:
         found = self._certifying.find(content, note)
         if own and isinstance(found, certificate.Certificate) and content not in self._put:
             self._put.add(content)  # once: a folder that cannot be written will not be so the next time
-            with contextlib.suppress(NotKept):
+            with contextlib.suppress(LibraryError):
                 self._library.put_beside(name.removeprefix(MINE), certificate.dumps(found))
         return found
 
@@ -200,10 +200,12 @@ def marked(name: str) -> str:
 
 
 def titled(text: str) -> str:
-    """A title a person has typed, without blanks around it. Raises NotKept if it is none."""
+    """A title a person has typed, without blanks around it. Raises LibraryError if it is none."""
     title = " ".join(text.split())
     if not 0 < len(title) <= MAX_TITLE or not title.isprintable():
-        raise NotKept(f"a title has 1 to {MAX_TITLE} printable characters, this one has {len(title)}: type one above")
+        raise LibraryError(
+            f"a title has 1 to {MAX_TITLE} printable characters, this one has {len(title)}: type one above"
+        )
     return title
 
 
@@ -212,7 +214,7 @@ def _parsed(content: bytes, source: str) -> Preset:
     try:
         return preset.loads(content.decode("utf-8"), source=source)
     except UnicodeDecodeError as error:
-        raise NotKept(f"{source}: not UTF-8 text (byte {error.start})") from None
+        raise LibraryError(f"{source}: not UTF-8 text (byte {error.start})") from None
 
 
 @lru_cache(maxsize=PARSED)

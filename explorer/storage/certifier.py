@@ -18,7 +18,7 @@ Found = Certificate | str
 """A certificate, or the sentence why there is none."""
 
 
-class Certifying:
+class Certifier:
     """One per program, shared by all visitors."""
 
     def __init__(self) -> None:

@@ -4,7 +4,7 @@
 
 The state folder is the system's own ($XDG_STATE_HOME/rangenav, or what macOS and Windows have for it), or what
 RANGENAV_STATE says. What is in a file is the session's business. Whoever has no disk goes on without: every failure is
-one `Unsaved` with a sentence.
+one `StorageError` with a sentence.
 """
 
 import os
@@ -33,11 +33,11 @@ PRUNED_EVERY = 100
 """Saves from one pruning to the next."""
 
 
-class Unsaved(OSError):  # noqa: N818  (no error of the program: the page works on, and the visitor is told once)
+class StorageError(OSError):
     """The work could not be written or read, and a sentence says why."""
 
 
-class Store:
+class WorkFiles:
     """The files of all visitors. Threads and programs may share a folder: the last to write wins."""
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -46,15 +46,15 @@ class Store:
         self.prune()
 
     def save(self, visitor: str, work: bytes) -> None:
-        """Keep the work in place of what was kept before. Raises Unsaved with one sentence if that cannot be done."""
+        """Keep the work in place of what was kept before. Raises StorageError with one sentence."""
         path = self._path(visitor)
         if len(work) > MAX_BYTES:
-            raise Unsaved(f"your work is not kept: it has {len(work)} bytes, and at most {MAX_BYTES} are kept")
+            raise StorageError(f"your work is not kept: it has {len(work)} bytes, and at most {MAX_BYTES} are kept")
         try:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             write(path, work)
         except OSError as error:
-            raise Unsaved(f"your work is not kept: {self.folder} cannot be written ({error.strerror})") from error
+            raise StorageError(f"your work is not kept: {self.folder} cannot be written ({error.strerror})") from error
         with self._lock:
             self._saves += 1
             due = self._saves % PRUNED_EVERY == 0
@@ -62,7 +62,7 @@ class Store:
             self.prune()
 
     def load(self, visitor: str) -> bytes | None:
-        """The work kept last, None if there is none. Raises Unsaved with one sentence if it cannot be read."""
+        """The work kept last, None if there is none. Raises StorageError with one sentence if it cannot be read."""
         path = self._path(visitor)
         try:
             with path.open("rb") as file:
@@ -70,9 +70,9 @@ class Store:
         except FileNotFoundError:
             return None
         except OSError as error:
-            raise Unsaved(f"your earlier work cannot be read: {path} ({error.strerror})") from error
+            raise StorageError(f"your earlier work cannot be read: {path} ({error.strerror})") from error
         if len(work) > MAX_BYTES:
-            raise Unsaved(f"your earlier work cannot be read: {path} has more than {MAX_BYTES} bytes")
+            raise StorageError(f"your earlier work cannot be read: {path} has more than {MAX_BYTES} bytes")
         return work
 
     def prune(self) -> None:

@@ -14,16 +14,16 @@ from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.preset import MAX_DURATION
 
 Ranges = Literal["measured", "synthetic"]
-Source = Literal["", "still", "given"]
+WorldSource = Literal["", "still", "given"]
 """Where gravity and field come from: the file, its still start, or a person."""
 
 
-class Asked(Input, frozen=True, kw_only=True):
+class FlightOptions(Input, frozen=True, kw_only=True):
     """What a person decides about a flight."""
 
     anchor: Vec3
     """m, inertial."""
-    source: Source = ""
+    source: WorldSource = ""
     gravity: Vec3 = (0.0, 0.0, -9.81)
     """m/s², inertial; used if given."""
     magnetic: Vec3 = (1.0, 0.0, 0.0)
@@ -52,7 +52,7 @@ class Asked(Input, frozen=True, kw_only=True):
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class FlightReport:
     """The answer."""
 
     words: str
@@ -66,7 +66,7 @@ class Judged:
     """Where gravity and field come from."""
 
 
-def judge(flight: Flight, asked: Asked) -> Judged:
+def judge(flight: Flight, asked: FlightOptions) -> FlightReport:
     """Raises ValueError with one sentence if something is still open or cannot be done."""
     if asked.ranges == "synthetic":
         flight = recorded_flight.with_ranges(flight, asked.anchor, sigma=asked.range_sigma, seed=0)
@@ -85,10 +85,10 @@ def judge(flight: Flight, asked: Asked) -> Judged:
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=asked.range_sigma)
         observed = observer_report(logs.observe(flight, world, sensors=sensors))
-    return Judged(seen.words, seen.verdict, informative_report(seen), observed, told)
+    return FlightReport(seen.words, seen.verdict, informative_report(seen), observed, told)
 
 
-def world_evidence(flight: Flight) -> tuple[Source, str]:
+def world_evidence(flight: Flight) -> tuple[WorldSource, str]:
     """Where gravity and field may come from, and what the record itself says about them."""
     world, questions, told = rest.world_of(flight, anchor=(0.0, 0.0, 0.0))
     if world is not None:

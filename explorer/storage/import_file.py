@@ -16,7 +16,7 @@ import msgspec
 
 from explorer.storage.library import slug
 from rangenav import formats, preset
-from rangenav.formats import Imported
+from rangenav.formats import ImportResult
 from rangenav.formats.path_preset import as_preset
 from rangenav.inputs import Vec3, require
 from rangenav.preset import MAX_TITLE, Preset
@@ -28,7 +28,7 @@ ZIPPED, MAX_ENTRIES = b"PK\x03\x04", 1000
 
 
 @dataclass(frozen=True, eq=False)
-class Received:
+class ImportFile:
     """A file that was handed over."""
 
     name: str
@@ -40,11 +40,11 @@ class Received:
 class Understood:
     """What a file was understood to be; with its preset if it is a path and nothing is open."""
 
-    found: Imported
+    found: ImportResult
     preset: Preset | None
 
 
-def guess(file: Received) -> str:
+def guess(file: ImportFile) -> str:
     """The format that a file looks like, by its name and first lines; a person confirms it."""
     suffix = PurePosixPath(file.name.lower()).suffix
     if suffix in formats.SUFFIXES:
@@ -57,7 +57,7 @@ def guess(file: Received) -> str:
     return "reference" if "p_x" in head and "gyr" not in head and "acc" not in head else "log"
 
 
-def understand(file: Received, form: str, confirm: Mapping[str, str], anchor: Vec3) -> Understood:
+def understand(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: Vec3) -> Understood:
     """Read a file. Raises ValueError with one sentence naming file and line for what cannot be read at all."""
     path = PurePosixPath(file.name)
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
@@ -74,12 +74,12 @@ def understand(file: Received, form: str, confirm: Mapping[str, str], anchor: Ve
     return Understood(found, msgspec.structs.replace(made, title=path.stem[:MAX_TITLE] or made.title))
 
 
-def looks_like_a_preset(file: Received) -> bool:
+def looks_like_a_preset(file: ImportFile) -> bool:
     """Whether a file belongs to the other button."""
     return file.name.lower().endswith(".toml") or file.content.startswith(ZIPPED)
 
 
-def preset_in(file: Received) -> Preset:
+def preset_in(file: ImportFile) -> Preset:
     """The preset that was handed over, as a TOML file or the only one in a zip. Raises ValueError naming the file and
     what is wrong."""
     name, content = file.name, file.content
@@ -92,7 +92,7 @@ def preset_in(file: Received) -> Preset:
         raise ValueError(f"{name}: not UTF-8 text (byte {error.start}), and no preset") from None
 
 
-def _unzipped(file: Received) -> tuple[str, bytes]:
+def _unzipped(file: ImportFile) -> tuple[str, bytes]:
     """Name and bytes of the one preset in a zip; what it is packed into is bounded before it is unpacked."""
     try:
         with zipfile.ZipFile(io.BytesIO(file.content)) as packed:

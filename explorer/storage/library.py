@@ -5,7 +5,7 @@
 
 The data folder is the system's own ($XDG_DATA_HOME/rangenav, or what macOS and Windows have for it), or what
 RANGENAV_DATA says. People write titles; a file's name is made of the title's letters and digits, and nothing a title
-holds can be a path. Whatever the disk refuses is one `NotKept` with a sentence, and what was there before stays.
+holds can be a path. Whatever the disk refuses is one `LibraryError` with a sentence, and what was there before stays.
 """
 
 import contextlib
@@ -38,7 +38,7 @@ PATIENCE = 5.0
 """s that another program may take for its own change of the folder."""
 
 
-class NotKept(ValueError):  # noqa: N818  (no error of the program: the person is told and decides)
+class LibraryError(ValueError):
     """Something about the library could not be done, and a sentence says what and why; nothing was lost."""
 
 
@@ -50,7 +50,7 @@ class Library:
         self._trash = Trash(self.folder / TRASH)
 
     def stamps(self) -> dict[str, tuple[int, int, int]]:
-        """The names of all presets, alphabetically, each with what changes when its file does. Raises NotKept."""
+        """The names of all presets, alphabetically, each with what changes when its file does. Raises LibraryError."""
         found = {}
         try:
             with os.scandir(self.folder) as entries:
@@ -64,28 +64,28 @@ class Library:
         except FileNotFoundError:
             return {}
         except OSError as error:
-            raise NotKept(f"your presets cannot be listed: {self.folder} ({error.strerror})") from None
+            raise LibraryError(f"your presets cannot be listed: {self.folder} ({error.strerror})") from None
         return dict(sorted(found.items())[:MAX_PRESETS])
 
     def read(self, name: str) -> bytes:
-        """The bytes of a preset. Raises NotKept if it is not there or cannot be read."""
+        """The bytes of a preset. Raises LibraryError if it is not there or cannot be read."""
         path = self._path(name)
         try:
             with path.open("rb") as file:
                 content = file.read(MAX_BYTES + 1)
         except FileNotFoundError:
-            raise NotKept(f"{path.name}: it is not in your library any more") from None
+            raise LibraryError(f"{path.name}: it is not in your library any more") from None
         except OSError as error:
-            raise NotKept(f"{path.name}: cannot be read ({error.strerror})") from None
+            raise LibraryError(f"{path.name}: cannot be read ({error.strerror})") from None
         if len(content) > MAX_BYTES:
-            raise NotKept(f"{path.name}: larger than {MAX_BYTES} bytes, which no preset is")
+            raise LibraryError(f"{path.name}: larger than {MAX_BYTES} bytes, which no preset is")
         return content
 
     def add(self, title: str, content: bytes) -> str:
         """Keep a new preset under a name made of its title; nothing that is there is touched. Returns the name."""
         with self._changing(content):
             if len(self.stamps()) >= MAX_PRESETS:
-                raise NotKept(f"not saved: your library holds {MAX_PRESETS} presets; delete some first")
+                raise LibraryError(f"not saved: your library holds {MAX_PRESETS} presets; delete some first")
             return self._added(slug(title), content)
 
     def save(self, name: str, content: bytes, *, known: Collection[str]) -> None:
@@ -120,13 +120,13 @@ class Library:
     def restore(self, mark: str) -> str:
         """Bring back what was deleted, under its name or the next one that is free. Returns that."""
         if not _plain(name_of(mark)) or not _plain(moment(mark)):
-            raise NotKept(f"{mark[:LONGEST]!r} is nothing that was deleted")
+            raise LibraryError(f"{mark[:LONGEST]!r} is nothing that was deleted")
         with self._changing():
             kept = self._trash.path(mark)
             try:
                 content = kept.read_bytes()
             except FileNotFoundError:
-                raise NotKept("it is not in the trash any more") from None
+                raise LibraryError("it is not in the trash any more") from None
             name = self._added(name_of(mark), content)
             unlink(kept)
             return name
@@ -158,12 +158,12 @@ class Library:
                 unlink(path)
                 raise
             return name
-        raise NotKept(f"not saved: {SAME_NAME} presets are called {stem!r}")
+        raise LibraryError(f"not saved: {SAME_NAME} presets are called {stem!r}")
 
     def _known(self, name: str, known: Collection[str]) -> bytes:
         content = self.read(name)
         if edition(content) not in known:
-            raise NotKept(
+            raise LibraryError(
                 f"{name}{SUFFIX} has been changed elsewhere since you opened it, and was left as it is: "
                 "open it again to see it, or keep yours with “save as”"
             )
@@ -181,18 +181,18 @@ class Library:
     def _changing(self, content: bytes = b"") -> Iterator[None]:
         """Alone in the folder, with every refusal of the disk as a sentence."""
         if len(content) > MAX_BYTES:
-            raise NotKept(f"not saved: it has {len(content)} bytes, and at most {MAX_BYTES} are kept")
+            raise LibraryError(f"not saved: it has {len(content)} bytes, and at most {MAX_BYTES} are kept")
         try:
             self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
             with _locked(self.folder / LOCK):
                 yield
         except OSError as error:
             why = error.strerror or "unknown reason"
-            raise NotKept(f"your library was left as it was: {self.folder} cannot be written ({why})") from error
+            raise LibraryError(f"your library was left as it was: {self.folder} cannot be written ({why})") from error
 
     def _path(self, name: str) -> Path:
         if not _plain(name):
-            raise NotKept(f"{name[:LONGEST]!r} is no name of a preset")
+            raise LibraryError(f"{name[:LONGEST]!r} is no name of a preset")
         return self.folder / (name + SUFFIX)
 
 
@@ -221,12 +221,12 @@ def _plain(name: str) -> bool:
 
 @contextlib.contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold a lock that the system lets go of when its holder dies. Raises NotKept if another keeps it too long."""
+    """Hold a lock that the system lets go of when its holder dies. Raises LibraryError if another keeps it too long."""
     with path.open("a") as file:
         deadline = time.monotonic() + PATIENCE
         while not _take(file.fileno()):
             if time.monotonic() > deadline:
-                raise NotKept("another program is changing your library just now: try again")
+                raise LibraryError("another program is changing your library just now: try again")
             time.sleep(0.01)
         yield  # closing the file lets go
 

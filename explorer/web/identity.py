@@ -18,7 +18,7 @@ import viser
 from viser import _messages
 from websockets.exceptions import ConnectionClosed
 
-from explorer.storage.files import Unsaved, new_visitor
+from explorer.storage.files import StorageError, new_visitor
 
 KEY, SLOT_KEY, PREFIX = "rangenav-visitor", "rangenav-slot", "viser-user:"
 """Our names in the browser's storages, and what viser puts before its own in localStorage."""
@@ -45,12 +45,12 @@ class Slots:
         self._changed = threading.Condition()
 
     def take(self, browser: str, tab: int, wanted: int | None = None) -> int:
-        """The wanted slot if no living tab has it, else the lowest that none has. Raises Unsaved when all are taken."""
+        """The wanted slot if no living tab has it, else the lowest free one. Raises StorageError if there is none."""
         order = range(1, MAX_SLOTS + 1)
         for slot in order if wanted is None else itertools.chain([wanted], order):
             if self._claim(browser, slot, tab):
                 return slot
-        raise Unsaved(f"your work is not kept: this browser already has {MAX_SLOTS} tabs on this page")
+        raise StorageError(f"your work is not kept: this browser already has {MAX_SLOTS} tabs on this page")
 
     def free(self, tab: int) -> None:
         """The tab has gone, and has written what it had to write."""
@@ -83,7 +83,7 @@ def seat_of(client: viser.ClientHandle, slots: Slots) -> str | None:
 
     Waits for the browser, but not for ever: never call it on the event loop, and best before there is much to draw.
     Free the slot when the tab has gone.
-    Raises Unsaved with one sentence if this browser has too many tabs.
+    Raises StorageError with one sentence if this browser has too many tabs.
     """
     browser = visitor_of(client)
     if browser is None:

@@ -35,7 +35,7 @@ RESET_HINT = (
 )
 
 
-class Refused(Exception):  # noqa: N818  (not an error of the program: the visitor has been told)
+class InvalidInputError(Exception):
     """What is chosen is no valid input, and a sentence beside the control says why."""
 
 
@@ -77,7 +77,7 @@ class Resettable(Protocol):
 class Section:
     """A folder of controls; without a label it has no frame. Use it as a context to add to it."""
 
-    def __init__(self, sheet: "Sheet", label: str | None = None, *, expanded: bool = True) -> None:
+    def __init__(self, sheet: "Form", label: str | None = None, *, expanded: bool = True) -> None:
         self.sheet, self.gui, self.note = sheet, sheet.gui, sheet.note
         self._folder = self.gui.add_folder(label, expand_by_default=expanded)
         self._controls: list[Resettable] = []
@@ -122,7 +122,7 @@ class Section:
             yield
         except ValueError as error:
             self.complaint.say(str(error), text=text)
-            raise Refused from error
+            raise InvalidInputError from error
         self.complaint.clear()
 
     @contextmanager
@@ -133,7 +133,7 @@ class Section:
             yield
         except ValueError as error:
             self.answer(str(error))
-            raise Refused from error
+            raise InvalidInputError from error
 
     def answer(self, sentence: str, *, more: Sequence[str] = ()) -> None:
         """Say here why a button did nothing, until something else is done or shown."""
@@ -163,7 +163,7 @@ class Section:
                 control.reset()
 
 
-class Sheet:
+class Form:
     """All sections of one visitor's docks, and what was asked of them."""
 
     def __init__(self, gui: viser.GuiApi, note: Note) -> None:
@@ -187,7 +187,7 @@ class Sheet:
         for _ in range(count):
             action, step = self._actions.popleft()
             stepped = stepped or step
-            with suppress(Refused):
+            with suppress(InvalidInputError):
                 action()
         self.carried += count
         return stepped

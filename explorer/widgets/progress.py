@@ -3,13 +3,13 @@
 import html
 
 from explorer.model.jobs import Jobs
-from explorer.widgets.form import Sheet
+from explorer.widgets.form import Form
 
 
 class ProgressPanel:
     """A line, a bar and a button."""
 
-    def __init__(self, sheet: Sheet, jobs: Jobs) -> None:
+    def __init__(self, sheet: Form, jobs: Jobs) -> None:
         self._jobs, self._shown = jobs, False
         self._line = sheet.gui.add_markdown("", visible=False)
         self._bar = sheet.gui.add_progress_bar(0.0, visible=False, animated=True)

@@ -29,14 +29,14 @@ ABOVE = 1 + 1e-12
 """What rounding in a bound's own arithmetic may take away is given back."""
 
 
-class UnboundedError(ValueError):
+class UnboundedDerivativeError(ValueError):
     """Nothing bounds the derivatives; the sentence says why."""
 
 
 def knots_until(signal: Signal, until: float) -> Float[Array, "k"]:
     """Every time between 0 and until (s) at which a derivative may jump. Raises UnboundedError if they are too many."""
     if knots.most(signal, until) > MAX_KNOTS:
-        raise UnboundedError(f"more than {MAX_KNOTS} knots in {until:.4g} s")
+        raise UnboundedDerivativeError(f"more than {MAX_KNOTS} knots in {until:.4g} s")
     return knots.knots(signal, 0.0, until)
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.eigenvalue_drop import Enclosure, Narrow, along, enclosed, fall, rise
 from rangenav.certificate.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
 from rangenav.signals import Signal, knots
@@ -92,7 +92,7 @@ def bounds(path: Signal, window: float, end: float) -> Bounds:
     """
     known = enclosed(path, end + window, 2 * GAUSS)
     if not np.isfinite(known.sizes).all():
-        raise UnboundedError("nothing is known to bound the path's snap and its derivatives")
+        raise UnboundedDerivativeError("nothing is known to bound the path's snap and its derivatives")
     grid = _windows(path, window, first_starts(window, end, known.edge), known, TURN)
     narrow = _narrow(path, grid.matrix[int(np.argmin(grid.value))], known)
     gap = fall(grid.start, grid.matrix, window, known, narrow)
@@ -126,7 +126,7 @@ def _finer(path: Signal, window: float, grid: _Grid, gap: Float[Array, "c"], kno
         return None
     try:
         return _windows(path, window, start, known, turn)
-    except UnboundedError:
+    except UnboundedDerivativeError:
         return None
 
 

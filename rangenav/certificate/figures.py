@@ -10,7 +10,7 @@ import numpy as np
 
 from rangenav import motion, vehicle
 from rangenav.certificate import derivative_bounds
-from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.sums import least
 from rangenav.observability import accuracy
 from rangenav.preset import Preset
@@ -75,7 +75,7 @@ def _least(path: Signal, window: float, last: float) -> float:
     """λ_min of the least sampled window: over a period where there is one, and it is not too long to look at."""
     try:
         return least(path, window, path.period or last)
-    except UnboundedError:
+    except UnboundedDerivativeError:
         return least(path, window, last)
 
 

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import provenance, signals
-from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.excitation_bound import oriented
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
 from rangenav.observability import blindness, excitation
@@ -62,7 +62,7 @@ def remedy(preset: Preset, at: float) -> str | None:
         return provenance.ADOPT
     try:
         found = figures(preset)
-    except UnboundedError:
+    except UnboundedDerivativeError:
         return None
     if max(shortfall(found, preset).values()) > 0:
         added = smallest_tones(preset, at)

@@ -22,7 +22,7 @@ def requirements(
     rank: schema.Rank,
     predicted: schema.Accuracy,
     jumps: schema.Jumps,
-    flying: schema.Flying,
+    flying: schema.Flyability,
     preset: Preset,
 ) -> tuple[Check, ...]:
     """Every requirement, met or missed, and by how much."""
@@ -160,7 +160,7 @@ def _unbelieved(found: tuple[Check, ...]) -> bool:
     return any(one.name in ("source", "smooth") and not one.met for one in found)
 
 
-def _vehicle(flying: schema.Flying) -> Check:
+def _vehicle(flying: schema.Flyability) -> Check:
     if flying.name == FREE.name and flying.flyable:
         words = "no vehicle's limits are asked to be kept"
     elif flying.flyable:

@@ -156,7 +156,7 @@ class Extremes(Part, frozen=True, kw_only=True):
     """Hz, of the samples."""
 
 
-class Flying(Part, frozen=True, kw_only=True):
+class Flyability(Part, frozen=True, kw_only=True):
     """Whether the preset's vehicle can do that."""
 
     name: str
@@ -178,7 +178,7 @@ class Jumps(Part, frozen=True, kw_only=True):
     snap: float
 
 
-class Source(Part, frozen=True, kw_only=True):
+class SourceFile(Part, frozen=True, kw_only=True):
     """The file that the path was imported from."""
 
     file: str
@@ -224,10 +224,10 @@ class Certificate(Part, frozen=True, kw_only=True):
     rank: Rank
     accuracy: Accuracy
     limits: Extremes
-    vehicle: Flying
+    vehicle: Flyability
     jumps: Jumps
     frame: Frame
-    source: Source | msgspec.UnsetType = msgspec.UNSET
+    source: SourceFile | msgspec.UnsetType = msgspec.UNSET
     """Of a path that was imported; a design has none."""
     artifact: Artifact
     context: str | msgspec.UnsetType = msgspec.UNSET

@@ -10,7 +10,7 @@ from numpy import ndarray as Array
 from rangenav import provenance, record, vehicle
 from rangenav.analysis import noise_note
 from rangenav.certificate import derivative_bounds, schema
-from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.excitation_bound import TIE, Bounds, bounds, oriented
 from rangenav.certificate.schema import Claim, figure, known
 from rangenav.inputs import Vec3
@@ -43,11 +43,11 @@ def excited(preset: Preset) -> tuple[Claim, schema.Excitation]:
             if every.lower >= needed or every.found < needed:
                 return _bounded(preset, every, EVERY, None)
             why = f"over the period of {period:.4g} s no less than {every.lower:.4g} m²/s⁷ can be shown"
-        except UnboundedError as error:
+        except UnboundedDerivativeError as error:
             why = str(error)
     try:
         found = bounds(preset.path, preset.requirement.window, _last(preset))
-    except UnboundedError as error:
+    except UnboundedDerivativeError as error:
         return _sampled(preset, str(error))
     if every is not None and found.lower < needed:
         return _bounded(preset, every, EVERY, None)
@@ -115,7 +115,7 @@ def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
     window = preset.requirement.window
     try:
         edges = derivative_bounds.knots_until(preset.path, end + window)
-    except UnboundedError:
+    except UnboundedDerivativeError:
         edges = np.zeros(0)
     edges = edges[:: 1 + 2 * len(edges) // MAX_EVENTS]
     events = np.concatenate([edges, edges - window])
@@ -158,7 +158,7 @@ def predicted(preset: Preset) -> schema.Accuracy:
     k = int(np.argmax(curve >= worst * (1 - SIGMA_TIE)))
     at = float(start[k])
 
-    def ends(kind: accuracy.Kind) -> schema.Ends:
+    def ends(kind: accuracy.Problem) -> schema.Ends:
         both = [
             accuracy.predict(path, world, at, window, sigma=sigma, rate=rate, kind=kind, at=end, share=share)
             for end in ("start", "end")
@@ -187,7 +187,7 @@ def _sigma(found: accuracy.Accuracy) -> schema.Sigma:
     )
 
 
-def flown(preset: Preset) -> tuple[schema.Extremes, schema.Flying]:
+def flown(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
     """What the motion asks for on the IMU's samples, and whether the preset's vehicle can do that."""
     moved = record.simulated(record.course_of(preset)).motion
     asked = vehicle.demands(moved, world=preset.world)
@@ -205,7 +205,7 @@ def flown(preset: Preset) -> tuple[schema.Extremes, schema.Flying]:
         anchor_distance_min=figure(float(asked.anchor_distance.min())),
         rate=preset.sensors.imu_rate,
     )
-    flying = schema.Flying(
+    flying = schema.Flyability(
         name=preset.vehicle.name,
         flyable=not broken,
         thrust_margin=THRUST_MARGIN,
@@ -238,12 +238,12 @@ def jumped(preset: Preset) -> schema.Jumps:
     )
 
 
-def source(preset: Preset) -> schema.Source | msgspec.UnsetType:
+def source(preset: Preset) -> schema.SourceFile | msgspec.UnsetType:
     """The file that the path was imported from."""
     came = preset.source
     if came is None:
         return msgspec.UNSET
-    return schema.Source(
+    return schema.SourceFile(
         file=came.file,
         sha256=came.sha256,
         format=came.format,

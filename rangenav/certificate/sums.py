@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.certificate import derivative_bounds
-from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.signals import Signal, knots, operations
 
 GAUSS = 4
@@ -51,7 +51,9 @@ def sums(path: Signal, window: float, start: Float[Array, "w"], edges: Float[Arr
     count = cells(path, until, turn)
     nodes = GAUSS * (count + 2 * len(start) + len(edges))
     if nodes > most_nodes(path):
-        raise UnboundedError(f"a grid over {until:.4g} s of this path would be too much work ({nodes} evaluations)")
+        raise UnboundedDerivativeError(
+            f"a grid over {until:.4g} s of this path would be too much work ({nodes} evaluations)"
+        )
     edge = apart(np.concatenate([start, start + window, edges, np.linspace(0, until, count + 1)]), until)
     length = np.diff(edge)
     node, weight = np.polynomial.legendre.leggauss(GAUSS)

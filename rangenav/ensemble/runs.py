@@ -14,7 +14,7 @@ from numpy import ndarray as Array
 from scipy.spatial.transform import Rotation
 
 from rangenav import cascade, consistency, model, record
-from rangenav.cascade import Setting
+from rangenav.cascade import ObserverConfig
 from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
 from rangenav.errors import angles
 from rangenav.gains import Guess
@@ -112,7 +112,7 @@ def seeds(
     preset: Preset,
     count: int,
     *,
-    form: model.Form = "derived",
+    form: model.ModelForm = "derived",
     progress: Progress = lambda _: None,
     cancelled: Cancelled = lambda: False,
 ) -> Ensemble:
@@ -156,7 +156,7 @@ def attitude_errors(
     preset: Preset, truth: Truth, measurements: Measurements, rotations: Float[Array, "j 3 3"]
 ) -> Float[Array, "j n"]:
     """Angle of R̃ (rad) over a record, from each of many R̂(0)."""
-    setting = Setting(world=preset.world, sensors=preset.sensors, gains=preset.gains)
+    setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
     guessed = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
     some = batch(_samples(truth))
     parts = [rotations[k : k + some] for k in range(0, len(rotations), some)]
@@ -188,7 +188,7 @@ def _truth(preset: Preset, count: int) -> Truth:
     return record.simulated(record.course_of(preset))
 
 
-def _observed(preset: Preset, truth: Truth, seed: int, form: model.Form) -> tuple[Measurements, Outcome]:
+def _observed(preset: Preset, truth: Truth, seed: int, form: model.ModelForm) -> tuple[Measurements, Outcome]:
     """One run, drawn anew: the records that the page keeps stay where they are."""
     z = record.drawn(record.course_of(preset), preset.sensors, seed)
     return z, record.observed(truth, z, preset.world, preset.sensors, preset.gains, preset.guess, form)

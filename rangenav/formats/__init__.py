@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from rangenav.formats import text
-from rangenav.formats.import_result import Imported, Question, settled
-from rangenav.formats.output_files import Written, marked
+from rangenav.formats.import_result import ImportResult, Question, settled
+from rangenav.formats.output_files import OutputFile, marked
 from rangenav.formats.recorded_flight import Flight
 from rangenav.formats.unsupported import REFUSED
 from rangenav.inputs import require
@@ -27,9 +27,9 @@ __all__ = [
     "REFUSED",
     "WRITTEN",
     "Flight",
-    "Imported",
+    "ImportResult",
+    "OutputFile",
     "Question",
-    "Written",
     "export",
     "marked",
     "read",
@@ -39,7 +39,7 @@ __all__ = [
 
 def read(
     path: str | Path, format: str, *, confirm: Mapping[str, str] | None = None, knots: float | None = None
-) -> Imported:
+) -> ImportResult:
     """Understand a file. Open questions are in the result; `confirm` answers them (`{"gyro": "deg/s"}`).
 
     Raises ValueError with one sentence naming file and line for what cannot be read at all.
@@ -54,12 +54,14 @@ def read(
     return parse(data, format, source=path.name, confirm=answers, knots=knots)
 
 
-def parse(data: bytes, format: str, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> Imported:
+def parse(
+    data: bytes, format: str, *, source: str, confirm: Mapping[str, str], knots: float | None = None
+) -> ImportResult:
     """The same for bytes that have been read already."""
     return replace(_parsed(data, format, source, confirm, knots), sha256=hashlib.sha256(data).hexdigest())
 
 
-def _parsed(data: bytes, format: str, source: str, confirm: Mapping[str, str], knots: float | None) -> Imported:
+def _parsed(data: bytes, format: str, source: str, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
     from rangenav.formats import log, mat, polynomial, reference, tum
 
     match format:
@@ -75,7 +77,7 @@ def _parsed(data: bytes, format: str, source: str, confirm: Mapping[str, str], k
             return log.parse(data, source=source, confirm=confirm)
 
 
-def export(preset: Preset, format: str, path: str | Path, *, attitude: str = "flown") -> Written:
+def export(preset: Preset, format: str, path: str | Path, *, attitude: str = "flown") -> OutputFile:
     """Write a preset, or its run, in a format. Raises ValueError for what the format cannot hold, and why."""
     require(format not in REFUSED, f"{format}: {REFUSED.get(format, '')}")
     require(format in WRITTEN, f"{format}: written are {', '.join(WRITTEN)}")
@@ -83,17 +85,17 @@ def export(preset: Preset, format: str, path: str | Path, *, attitude: str = "fl
     return _writer(format, attitude)(preset, Path(path))
 
 
-def _writer(format: str, attitude: str) -> Callable[[Preset, Path], Written]:
+def _writer(format: str, attitude: str) -> Callable[[Preset, Path], OutputFile]:
     from rangenav.formats import arrays, euroc, log, polynomial, reference, ros, tum
 
-    def as_preset(preset: Preset, path: Path) -> Written:
+    def as_preset(preset: Preset, path: Path) -> OutputFile:
         from rangenav.formats.output_files import write_text
         from rangenav.preset import dumps
 
         write_text(path, dumps(preset))
-        return Written(files=(path,), frame="as the preset has it")
+        return OutputFile(files=(path,), frame="as the preset has it")
 
-    writers: dict[str, Callable[[Preset, Path], Written]] = {
+    writers: dict[str, Callable[[Preset, Path], OutputFile]] = {
         "preset": as_preset,
         "reference": lambda preset, path: reference.write(
             preset, path, attitude="preset" if attitude == "preset" else "flown"

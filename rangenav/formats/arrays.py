@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from rangenav import __version__, preset, record
-from rangenav.formats.exported_run import Run, quaternions, run_of
-from rangenav.formats.output_files import Written, write_bytes, write_text
+from rangenav.formats.exported_run import ExportedRun, quaternions, run_of
+from rangenav.formats.output_files import OutputFile, write_bytes, write_text
 from rangenav.preset import Preset
 
 FIELDS = ("time", "position", "velocity", "acceleration", "jerk", "snap", "rotation", "angular_velocity")
@@ -21,16 +21,16 @@ NAME = "rangenav"
 """Of the struct in a .mat file."""
 
 
-def write_npz(chosen: Preset, path: Path) -> Written:
+def write_npz(chosen: Preset, path: Path) -> OutputFile:
     """Every array of the run, estimate included, named as by `rangenav simulate --save`."""
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "run.npz"
         record.save(record.run(chosen), made)
         write_bytes(path, made.read_bytes())
-    return Written(files=(path,), frame=_frame(run_of(chosen)))
+    return OutputFile(files=(path,), frame=_frame(run_of(chosen)))
 
 
-def write_mat(chosen: Preset, path: Path) -> Written:
+def write_mat(chosen: Preset, path: Path) -> OutputFile:
     """One struct: meta, truth and measurements; quaternions wxyz, body to inertial."""
     from scipy.io import savemat
 
@@ -52,18 +52,18 @@ def write_mat(chosen: Preset, path: Path) -> Written:
     data = io.BytesIO()
     savemat(data, {NAME: content}, do_compression=True, oned_as="column")
     write_bytes(path, data.getvalue())
-    return Written(files=(path,), frame=_frame(run), figures={"rows": len(run.time)})
+    return OutputFile(files=(path,), frame=_frame(run), figures={"rows": len(run.time)})
 
 
-def write_csv(chosen: Preset, path: Path) -> Written:
+def write_csv(chosen: Preset, path: Path) -> OutputFile:
     """What everybody can open: t, p, v, a."""
     run = run_of(chosen)
     names = ["t", *(f"{name}_{axis}" for name in "pva" for axis in "xyz")]
     table = np.column_stack([run.time, run.position, run.velocity, run.acceleration])
     rows = [",".join(repr(value) for value in row) for row in table.tolist()]
     write_text(path, "\n".join([",".join(names), *rows, ""]))
-    return Written(files=(path,), frame=_frame(run), figures={"rows": len(rows)})
+    return OutputFile(files=(path,), frame=_frame(run), figures={"rows": len(rows)})
 
 
-def _frame(run: Run) -> str:
+def _frame(run: ExportedRun) -> str:
     return run.frame or "gravity ({:g}, {:g}, {:g})".format(*run.gravity)

@@ -15,9 +15,9 @@ from numpy import ndarray as Array
 
 from rangenav.formats import flight_columns, log, spline_fit, text
 from rangenav.formats.exported_run import nanoseconds, quaternions, upright_run
-from rangenav.formats.flight_columns import Raw
-from rangenav.formats.import_result import Imported, increasing, spacing
-from rangenav.formats.output_files import Written, new_folder, write_text
+from rangenav.formats.flight_columns import FlightColumns
+from rangenav.formats.import_result import ImportResult, increasing, spacing
+from rangenav.formats.output_files import OutputFile, new_folder, write_text
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -46,7 +46,7 @@ LEAST_ROWS = 8
 LARGEST = 1e6
 
 
-def read(path: Path, *, confirm: Mapping[str, str], knots: float | None) -> Imported:
+def read(path: Path, *, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
     """A folder's flight, or the path of one truth file. Raises ValueError naming file, line and column."""
     if not path.is_dir():
         data = text.contents(path)
@@ -62,7 +62,7 @@ def read(path: Path, *, confirm: Mapping[str, str], knots: float | None) -> Impo
     return parse(found, source=path.name, confirm=confirm)
 
 
-def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> Imported:
+def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a folder whose files are given by the names of their sensors."""
     imu = _table(files[IMU], f"{source}/{IMU}")
     time = _seconds(imu)
@@ -72,7 +72,7 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
         position = _onto(time, sides[TRUTH], POSITION)
         rotation = log.attitude(_onto(time, sides[TRUTH], ATTITUDE), source)
     return flight_columns.flight(
-        Raw(
+        FlightColumns(
             table=imu,
             format="euroc",
             time=time,
@@ -89,7 +89,7 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
     )
 
 
-def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
+def parse_truth(data: bytes, *, source: str, knots: float | None) -> ImportResult:
     """The path of a ground-truth file, as a curve through knots."""
     table = _table(data, source)
     time, position = _seconds(table), _columns(table, POSITION)
@@ -101,7 +101,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> Imported:
     rate = spacing(time, table, findings)
     curve = spline_fit.knotted(time, position, spacing=knots, source=source)
     findings.append(curve.words)
-    return Imported(
+    return ImportResult(
         source=source,
         format="euroc",
         rows=len(time),
@@ -123,7 +123,7 @@ def truth(data: bytes, source: str) -> tuple[Array, Array]:
     return _seconds(table), _columns(table, POSITION)
 
 
-def write(preset: Preset, path: Path) -> Written:
+def write(preset: Preset, path: Path) -> OutputFile:
     """Write the folder of a run: truth, IMU, magnetometer and ranges."""
     new_folder(path)
     run = upright_run(preset)
@@ -145,7 +145,7 @@ def write(preset: Preset, path: Path) -> Written:
         write_text(folder / "data.csv", "\n".join([header, *rows, ""]))
         files.append(folder / "data.csv")
     notes = ("mag0 and uwb0 are no part of EuRoC", f"stamps begin at {FIRST:g} s")
-    return Written(files=tuple(files), frame="z-up", notes=notes, figures={"rows": len(run.time)})
+    return OutputFile(files=tuple(files), frame="z-up", notes=notes, figures={"rows": len(run.time)})
 
 
 def _table(data: bytes, source: str) -> Table:

@@ -17,7 +17,7 @@ BODY = ("angular_velocity", "gyro", "accel", "mag")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Run:
+class ExportedRun:
     """Truth and measurements, time first; inertial frame unless it says body."""
 
     time: Float[Array, "n"]
@@ -44,7 +44,7 @@ class Run:
     """None if gravity lies along no axis: the vector says where it points."""
 
 
-def run_of(preset: Preset) -> Run:
+def run_of(preset: Preset) -> ExportedRun:
     """The preset's run, in its own frame and with its own seed."""
     course = record.course_of(preset)
     truth, z, world = (
@@ -56,7 +56,7 @@ def run_of(preset: Preset) -> Run:
         frame = "z-up" if axes.z_up(world) else "z-down"
     except ValueError:
         frame = None
-    return Run(
+    return ExportedRun(
         **{name: getattr(truth, name) for name in ("time", *INERTIAL, "rotation", "angular_velocity")},
         **{name: getattr(z, name) for name in ("gyro", "accel", "mag", "range_time", "range")},
         gravity=world.gravity,
@@ -66,7 +66,7 @@ def run_of(preset: Preset) -> Run:
     )
 
 
-def upright_run(preset: Preset) -> Run:
+def upright_run(preset: Preset) -> ExportedRun:
     """The same numbers in a z-up world, forward-left-up body axes. Raises ValueError if gravity lies beside z."""
     run = run_of(preset)
     if axes.z_up(preset.world):
@@ -82,7 +82,7 @@ def upright_run(preset: Preset) -> Run:
     )
 
 
-def quaternions(run: Run) -> Float[Array, "n 4"]:
+def quaternions(run: ExportedRun) -> Float[Array, "n 4"]:
     """Attitude as quaternions (wxyz, body to inertial) whose signs do not jump."""
     return frames.continuous(frames.from_rotation(run.rotation))
 

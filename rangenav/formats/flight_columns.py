@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.formats import units
-from rangenav.formats.import_result import Imported, Question, answer, lines, repeated, spacing
+from rangenav.formats.import_result import ImportResult, Question, answer, lines, repeated, spacing
 from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
@@ -25,7 +25,7 @@ REST = 3.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Raw:
+class FlightColumns:
     """Columns as the file has them; `stated` holds the units that it names."""
 
     table: Table
@@ -50,7 +50,7 @@ class Raw:
     findings: tuple[str, ...] = ()
 
 
-def flight(raw: Raw, confirm: Mapping[str, str]) -> Imported:
+def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     """The flight, or the questions that stand before it. Raises ValueError for what no answer could mend."""
     table, questions, findings = raw.table, [], list(raw.findings)
     require(len(raw.time) >= LEAST_ROWS, f"{table.source}: {len(raw.time)} rows are no record")
@@ -70,7 +70,7 @@ def flight(raw: Raw, confirm: Mapping[str, str]) -> Imported:
     time = (raw.time[kept] - raw.time[kept][0]) * factors["time"]
     rate = spacing(time, _rows(table, kept), findings)
     found = None if questions else _flight(raw, kept, ranged, time, factors, frame, findings)
-    return Imported(
+    return ImportResult(
         source=table.source,
         format=raw.format,
         rows=len(raw.time),
@@ -84,7 +84,7 @@ def flight(raw: Raw, confirm: Mapping[str, str]) -> Imported:
 
 
 def _kept(
-    raw: Raw, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
+    raw: FlightColumns, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
 ) -> tuple[Bool[Array, "n"], Bool[Array, "n"]]:
     """Rows whose IMU and rows whose range can be used; without the word to drop the others this is a question."""
     imu = np.isfinite(np.column_stack([raw.gyro, raw.accel]))
@@ -116,7 +116,7 @@ def _kept(
 
 
 def _factors(
-    raw: Raw, kept: Array, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
+    raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
 ) -> dict[str, float]:
     """Factors to SI of what the file has; stated SI is taken, everything else must be confirmed."""
     factors, time = {}, raw.time[kept]
@@ -157,7 +157,7 @@ def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Questio
     )
 
 
-def _frame(raw: Raw, kept: Array, confirm: Mapping[str, str], questions: list[Question]) -> Frame:
+def _frame(raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question]) -> Frame:
     given = answer(confirm, "frame", FRAMES)
     if given is not None or raw.frame is not None:
         return "z-down" if (given or raw.frame) == "z-down" else "z-up"
@@ -178,7 +178,13 @@ def _frame(raw: Raw, kept: Array, confirm: Mapping[str, str], questions: list[Qu
 
 
 def _flight(
-    raw: Raw, kept: Array, ranged: Array, time: Array, factors: dict[str, float], frame: Frame, findings: list[str]
+    raw: FlightColumns,
+    kept: Array,
+    ranged: Array,
+    time: Array,
+    factors: dict[str, float],
+    frame: Frame,
+    findings: list[str],
 ) -> Flight:
     range_time, distance = np.empty(0), np.empty(0)
     first = raw.time[kept][0]

@@ -29,7 +29,7 @@ RAMP_STEP = 0.05
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Ramped:
+class HoverRamps:
     """A path from 0 to `duration`, entered and left from hover; callable like a signal, up to snap."""
 
     path: Signal
@@ -70,15 +70,15 @@ class Ramped:
         return own
 
 
-def ramped(path: Signal, duration: float, *, window: float, ramp: float = RAMP) -> Ramped:
+def ramped(path: Signal, duration: float, *, window: float, ramp: float = RAMP) -> HoverRamps:
     """The path with its ramps. Raises ValueError if they leave less than one window (s) of steady flight."""
     ends = np.array([0.0, duration])
     if max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) < AT_REST:
-        return Ramped(path=path, duration=duration, ramp=0.0)
+        return HoverRamps(path=path, duration=duration, ramp=0.0)
     left = duration - ramp
     rule = f"ramps of {ramp:g} s leave {left:.3g} s of the path, less than its window of {window:g} s: fly longer"
     require(left >= window, rule)
-    return Ramped(path=path, duration=duration, ramp=ramp)
+    return HoverRamps(path=path, duration=duration, ramp=ramp)
 
 
 def chained(value: list[Array], own: Float[Array, "n 5"]) -> list[Array]:
@@ -94,7 +94,7 @@ def chained(value: list[Array], own: Float[Array, "n 5"]) -> list[Array]:
     return [term(value) for term in terms[: len(value)]]
 
 
-def yaw(turning: object, course: Ramped, t: Float[Array, "n"]) -> list[Float[Array, "n"]]:
+def yaw(turning: object, course: HoverRamps, t: Float[Array, "n"]) -> list[Float[Array, "n"]]:
     """The yaw angle (rad) and its first three derivatives: what a flown body was asked to do, else none."""
     if not isinstance(turning, Flown):
         return [np.zeros(len(t)) for _ in range(4)]
@@ -103,7 +103,7 @@ def yaw(turning: object, course: Ramped, t: Float[Array, "n"]) -> list[Float[Arr
     return chained([np.broadcast_to(part, t.shape) for part in asked], own)
 
 
-def attitude(course: Ramped, turning: object, gravity: Vec3, t: Float[Array, "n"]) -> Attitude:
+def attitude(course: HoverRamps, turning: object, gravity: Vec3, t: Float[Array, "n"]) -> Attitude:
     """What a multirotor must do to fly the course: thrust along the specific force, turned about it by the yaw."""
     tilt = _tilt(course, gravity, t)
     angle, rate, second, _ = yaw(turning, course, t)
@@ -119,7 +119,7 @@ def attitude(course: Ramped, turning: object, gravity: Vec3, t: Float[Array, "n"
     )
 
 
-def _tilt(course: Ramped, gravity: Vec3, t: Array) -> Attitude:
+def _tilt(course: HoverRamps, gravity: Vec3, t: Array) -> Attitude:
     """Steady flight from the path itself, ramps from fine pieces of degree 7 (they hold still before and after)."""
     first, last = course.steady
     parts: list[tuple[Array, float, Signal | None]] = [
@@ -141,7 +141,7 @@ def _tilt(course: Ramped, gravity: Vec3, t: Array) -> Attitude:
     return found
 
 
-def _pieces(course: Ramped, begin: float, end: float) -> Polynomials | None:
+def _pieces(course: HoverRamps, begin: float, end: float) -> Polynomials | None:
     if course.ramp == 0:
         return None
     knots = np.linspace(begin, end, round((end - begin) / RAMP_STEP) + 1)

@@ -45,7 +45,7 @@ class Question:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Imported:
+class ImportResult:
     """A file as it was understood."""
 
     source: str
@@ -73,7 +73,7 @@ class Imported:
     """Of the file's bytes; empty for a folder."""
 
 
-def settled(found: Imported, *, also: tuple[Question, ...] = ()) -> Imported:
+def settled(found: ImportResult, *, also: tuple[Question, ...] = ()) -> ImportResult:
     """The same, if nothing is open. Raises ValueError with every open question, its evidence and its flag."""
     open_questions = (*found.questions, *also)
     if open_questions:

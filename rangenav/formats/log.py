@@ -16,9 +16,9 @@ from numpy import ndarray as Array
 
 from rangenav.formats import flight_columns, frames, text, units
 from rangenav.formats.exported_run import quaternions, run_of
-from rangenav.formats.flight_columns import Raw
-from rangenav.formats.import_result import Imported
-from rangenav.formats.output_files import Written, write_text
+from rangenav.formats.flight_columns import FlightColumns
+from rangenav.formats.import_result import ImportResult
+from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.formats.recorded_flight import Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
@@ -50,7 +50,7 @@ FRAME = re.compile(r"frame\s*=\s*(z-up|z-down)")
 LARGEST = 1e9
 
 
-def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
+def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a file, or its questions. Raises ValueError naming line and column."""
     table = text.table(data, source=source, marked=b"\n#timestamp" in b"\n" + data[:200])
     groups, stated, unknown = _grouped(table)
@@ -61,7 +61,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
     findings = [f"columns not understood and not used: {', '.join(unknown)}"] if unknown else []
     quaternion = _vector(table, groups, "quaternion", "wxyz")
     world = _world(table)
-    raw = Raw(
+    raw = FlightColumns(
         table=table,
         format="log",
         time=table.values[:, next(iter(groups["time"].values()))],
@@ -81,7 +81,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
     return flight_columns.flight(raw, confirm)
 
 
-def write(preset: Preset, path: Path) -> Written:
+def write(preset: Preset, path: Path) -> OutputFile:
     """Write what the sensors of the preset's run gave, with the truth beside it."""
     run = run_of(preset)
     every = np.union1d(run.time, run.range_time)
@@ -99,7 +99,7 @@ def write(preset: Preset, path: Path) -> Written:
     rows = [",".join("" if value != value else repr(value) for value in row) for row in table.tolist()]
     write_text(path, "\n".join([*comments, ",".join(names), *rows, ""]))
     notes = ("truth is in the columns p and q (wxyz, body to inertial)",)
-    return Written(files=(path,), frame=run.frame or "as gravity says", notes=notes, figures={"rows": len(rows)})
+    return OutputFile(files=(path,), frame=run.frame or "as gravity says", notes=notes, figures={"rows": len(rows)})
 
 
 _MEASURED = (("gyro", "rad/s"), ("accel", "m/s2"), ("mag", "1"))

@@ -11,8 +11,8 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.formats import flight_columns, log, mat5, text
-from rangenav.formats.flight_columns import Raw
-from rangenav.formats.import_result import Imported
+from rangenav.formats.flight_columns import FlightColumns
+from rangenav.formats.import_result import ImportResult
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 
@@ -33,7 +33,7 @@ BROAD_UNITS = {"gyro": "rad/s", "accel": "m/s2", "mag": "uT", "time": "s"}
 LEAST_RATE, MOST_RATE = 1.0, 1e5
 
 
-def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
+def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a file, or its questions. Raises ValueError saying what is missing or does not fit."""
     found = mat5.arrays(data, source=source)
     parts = {kind: _named(found, kind, source) for kind in NAMES}
@@ -56,7 +56,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> Imported:
     broad = set(found) >= BROAD
     time = _time(parts, count, source)
     return flight_columns.flight(
-        Raw(
+        FlightColumns(
             table=_table(source, time),
             format="mat",
             time=time,

@@ -10,7 +10,7 @@ from rangenav.inputs import require
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Written:
+class OutputFile:
     """One export."""
 
     files: tuple[Path, ...]

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import cast
 
-from rangenav.formats.import_result import Imported, gravity, settled
+from rangenav.formats.import_result import ImportResult, gravity, settled
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import MAX_DURATION, MAX_TITLE, MIN_DURATION, Preset, Requirement
@@ -18,7 +18,7 @@ SAME_LENGTH = 1e-6
 """Share by which a duration may be rounded up."""
 
 
-def as_preset(found: Imported, *, duration: float | None = None, anchor: Vec3 = (0.0, 0.0, 0.0)) -> Preset:
+def as_preset(found: ImportResult, *, duration: float | None = None, anchor: Vec3 = (0.0, 0.0, 0.0)) -> Preset:
     """The preset of a path that was read. Raises ValueError for open questions, or a file that holds no path."""
     settled(found)
     if found.path is None:
@@ -59,7 +59,7 @@ def as_preset(found: Imported, *, duration: float | None = None, anchor: Vec3 = 
         raise ValueError(f"{found.source}: {error}") from None
 
 
-def source(found: Imported) -> Source:
+def source(found: ImportResult) -> Source:
     """Where the path comes from. Raises ValueError for a file that holds none."""
     if found.path is None:
         raise ValueError(f"{found.source}: holds no path")

@@ -14,9 +14,9 @@ from numpy import ndarray as Array
 
 from rangenav.axes import upright
 from rangenav.formats import hermite, hover_ramps, text
-from rangenav.formats.hover_ramps import Ramped
-from rangenav.formats.import_result import Imported
-from rangenav.formats.output_files import Written, write_text
+from rangenav.formats.hover_ramps import HoverRamps
+from rangenav.formats.import_result import ImportResult
+from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.inputs import require
 from rangenav.observability import excitation
 from rangenav.preset import Preset
@@ -38,7 +38,7 @@ SAMPLES = 2001
 WINDOWS = 101
 
 
-def parse(data: bytes, *, source: str) -> Imported:
+def parse(data: bytes, *, source: str) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source)
     names = tuple(name.lower() for name in table.names)
@@ -57,7 +57,7 @@ def parse(data: bytes, *, source: str) -> Imported:
     findings += complaints
     if np.any(values[:, 25:]):
         findings.append("yaw is not zero and is kept with the pieces, but the path does not use it")
-    return Imported(
+    return ImportResult(
         source=source,
         format="polynomial",
         rows=len(values),
@@ -73,7 +73,7 @@ def parse(data: bytes, *, source: str) -> Imported:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Fit:
+class PolynomialFit:
     """What the pieces keep of the path."""
 
     distance: float
@@ -84,7 +84,7 @@ class Fit:
     """The same windows of the path itself."""
 
 
-def write(preset: Preset, path: Path) -> Written:
+def write(preset: Preset, path: Path) -> OutputFile:
     """Write the ramped path as at most 31 pieces. Raises ValueError if those cannot follow one window of it."""
     turned = upright(preset)
     course, pieces = fitted(turned)
@@ -104,10 +104,10 @@ def write(preset: Preset, path: Path) -> Written:
             f"the first {course.duration:.4g} s of {preset.duration:.4g} s: {MAX_SEGMENTS} pieces hold no more"
         )
     figures = {"pieces": len(rows), "fit_error": fit.distance, "mu": fit.mu, "mu_path": fit.mu_path}
-    return Written(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures=figures)
+    return OutputFile(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures=figures)
 
 
-def fitness(pieces: Polynomials, course: Ramped, preset: Preset) -> Fit:
+def fitness(pieces: Polynomials, course: HoverRamps, preset: Preset) -> PolynomialFit:
     """Distance and excitation of the written pieces against the path (z-up)."""
     t = np.linspace(0, course.end, SAMPLES)
     distance = float(np.linalg.norm(pieces(t) - course(t), axis=-1).max())
@@ -115,7 +115,7 @@ def fitness(pieces: Polynomials, course: Ramped, preset: Preset) -> Fit:
     window = min(preset.requirement.window, end - begin)
     start = np.linspace(begin, end - window, WINDOWS)
     mu, own = _least(pieces, start, window), _least(course.path, start - course.ramp / 2, window)
-    return Fit(distance=distance, mu=mu, mu_path=own)
+    return PolynomialFit(distance=distance, mu=mu, mu_path=own)
 
 
 def _least(path: Signal, start: Array, window: float) -> float:
@@ -125,7 +125,7 @@ def _least(path: Signal, start: Array, window: float) -> float:
     return least if least > excitation.floor(values) else 0.0
 
 
-def fitted(preset: Preset) -> tuple[Ramped, Polynomials]:
+def fitted(preset: Preset) -> tuple[HoverRamps, Polynomials]:
     """The course and its pieces: a path that is such pieces already, and rests at its ends, is written as it is."""
     window, path = preset.requirement.window, preset.path
     own = _own_pieces(path)
@@ -146,11 +146,11 @@ def fitted(preset: Preset) -> tuple[Ramped, Polynomials]:
     )
     require(longest >= window * (1 - 1e-9), rule)
     if longest < preset.duration - course.ramp:
-        course = Ramped(path=path, duration=longest + course.ramp, ramp=course.ramp)
+        course = HoverRamps(path=path, duration=longest + course.ramp, ramp=course.ramp)
     return course, _hermite(course, preset, ramp_pieces, left, step)
 
 
-def _hermite(course: Ramped, preset: Preset, ramp_pieces: int, left: int, step: float) -> Polynomials:
+def _hermite(course: HoverRamps, preset: Preset, ramp_pieces: int, left: int, step: float) -> Polynomials:
     begin, end = course.steady
     middle = max(1, min(left, int(np.ceil((end - begin) / step - 1e-9)) if np.isfinite(step) else 1))
     parts = [np.linspace(begin, end, middle + 1)]

@@ -18,8 +18,8 @@ from numpy import ndarray as Array
 from rangenav import motion
 from rangenav.axes import upright
 from rangenav.formats import frames, hermite, hover_ramps, spline_fit, text
-from rangenav.formats.import_result import Imported, increasing, spacing
-from rangenav.formats.output_files import Written, write_text
+from rangenav.formats.import_result import ImportResult, increasing, spacing
+from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -50,7 +50,7 @@ Attitudes = Literal["flown", "preset"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Fit:
+class ReferenceFit:
     """Pieces and how far they are from what the file says."""
 
     path: Polynomials
@@ -61,7 +61,7 @@ class Fit:
     stride: int
 
 
-def parse(data: bytes, *, source: str, knots: float | None = None) -> Imported:
+def parse(data: bytes, *, source: str, knots: float | None = None) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source)
     time, position = text.columns(table, ("t",))[:, 0], text.columns(table, POSITION)
@@ -76,7 +76,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> Imported:
         require(float(np.abs(values).max()) <= LARGEST, f"{source}: position or a derivative exceeds {LARGEST:g} (SI)")
     _check_quaternion(table, findings)
     path, fit_error, fitted, unjudged = _path(time - time[0], position, derivatives, knots, source, findings)
-    return Imported(
+    return ImportResult(
         source=source,
         format="reference",
         rows=len(time),
@@ -92,7 +92,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> Imported:
     )
 
 
-def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Written:
+def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> OutputFile:
     """Write the ramped path at 100 Hz. A tumbling body cannot be flown: by default the attitude is what flying takes.
 
     Raises ValueError where that has no answer (a free fall); `attitude="preset"` writes the preset's own, unramped.
@@ -100,7 +100,7 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Writt
     turned = upright(preset)
     window = turned.requirement.window
     if attitude == "preset":
-        course = hover_ramps.Ramped(path=turned.path, duration=turned.duration, ramp=0.0)
+        course = hover_ramps.HoverRamps(path=turned.path, duration=turned.duration, ramp=0.0)
     else:
         course = hover_ramps.ramped(turned.path, turned.duration, window=window)
     t = np.append(np.arange(0, course.end - 1e-9, 1 / RATE), course.end)
@@ -115,10 +115,10 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Writt
     notes = [f"{len(t)} rows at {RATE:g} Hz, attitude {'of the preset' if attitude == 'preset' else 'as flown'}"]
     if not isinstance(preset.angular_velocity, Flown) and attitude == "flown":
         notes.append("the preset's own angular velocity is not in the file: a multirotor cannot fly the path with it")
-    return Written(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures={"rows": len(t)})
+    return OutputFile(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures={"rows": len(t)})
 
 
-def _attitude(preset: Preset, course: hover_ramps.Ramped, t: Array, kind: Attitudes) -> tuple[Array, Array, Array]:
+def _attitude(preset: Preset, course: hover_ramps.HoverRamps, t: Array, kind: Attitudes) -> tuple[Array, Array, Array]:
     if kind == "flown":
         body = hover_ramps.attitude(course, preset.angular_velocity, preset.world.gravity, t)
         return body.rotation, body.angular_velocity, body.angular_acceleration
@@ -178,9 +178,9 @@ def _path(
 
 def fitted(
     time: Float[Array, "n"], derivatives: Float[Array, "n 4 3"], snap: Float[Array, "n 3"] | None, *, source: str
-) -> Fit:
+) -> ReferenceFit:
     """Pieces through every so many rows: the longest that agree with the snap (else the jerk) as well as any do."""
-    found: list[tuple[float, Fit]] = []
+    found: list[tuple[float, ReferenceFit]] = []
     target, order = (derivatives[:, 3], 3) if snap is None else (snap, 4)
     size = float(np.sqrt(np.mean(target**2)))
     for stride in STRIDES:
@@ -194,7 +194,7 @@ def fitted(
         error = float(np.sqrt(np.mean((path(time, order) - target)[1:-1] ** 2)))
         distance = float(np.linalg.norm(path(time) - derivatives[:, 0], axis=-1).max())
         relative = error / size if snap is not None and size > 0 else None
-        found.append((error, Fit(path=path, distance=distance, snap=relative, stride=stride)))
+        found.append((error, ReferenceFit(path=path, distance=distance, snap=relative, stride=stride)))
     if not found:
         raise ValueError(f"{source}: no pieces can be put through these rows: their stamps are too close or too uneven")
     allowed = max(AS_GOOD * min(error for error, _ in found), CLOSE * size)

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from rangenav.formats.exported_run import Run, nanoseconds, quaternions, upright_run
-from rangenav.formats.output_files import Written, new_folder, write_bytes
+from rangenav.formats.exported_run import ExportedRun, nanoseconds, quaternions, upright_run
+from rangenav.formats.output_files import OutputFile, new_folder, write_bytes
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -34,13 +34,13 @@ TOPICS = {
 }
 
 
-def write_bag(preset: Preset, path: Path) -> Written:
+def write_bag(preset: Preset, path: Path) -> OutputFile:
     """Write a rosbag2 folder (SQLite)."""
     new_folder(path)
     return _written(_write(upright_run(preset), preset, path, mcap=False), (path,))
 
 
-def write_mcap(preset: Preset, path: Path) -> Written:
+def write_mcap(preset: Preset, path: Path) -> OutputFile:
     """Write one MCAP file."""
     require(path.parent.is_dir(), f"{path.parent}: no such folder")
     with tempfile.TemporaryDirectory() as folder:
@@ -50,15 +50,15 @@ def write_mcap(preset: Preset, path: Path) -> Written:
     return _written(count, (path,))
 
 
-def _written(count: int, files: tuple[Path, ...]) -> Written:
+def _written(count: int, files: tuple[Path, ...]) -> OutputFile:
     notes = (
         f"{count} messages; stamps begin at {FIRST:g} s",
         f"the field is given {1e6 * FIELD:g} µT, as presets know its direction only",
     )
-    return Written(files=files, frame="z-up", notes=notes, figures={"messages": count})
+    return OutputFile(files=files, frame="z-up", notes=notes, figures={"messages": count})
 
 
-def _write(run: Run, preset: Preset, path: Path, *, mcap: bool) -> int:
+def _write(run: ExportedRun, preset: Preset, path: Path, *, mcap: bool) -> int:
     ros = _ros()
     plugin = ros.StoragePlugin.MCAP if mcap else ros.StoragePlugin.SQLITE3
     store = ros.get_typestore(ros.Stores.ROS2_HUMBLE)
@@ -83,7 +83,7 @@ def poses(path: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.array(time), np.array(places)
 
 
-def _messages(run: Run, preset: Preset, types: Any, *, first: float) -> Iterator[tuple[int, str, Any]]:
+def _messages(run: ExportedRun, preset: Preset, types: Any, *, first: float) -> Iterator[tuple[int, str, Any]]:
     noise, vector = preset.sensors.sigma, types["geometry_msgs/msg/Vector3"]
     point, turn = types["geometry_msgs/msg/Point"], types["geometry_msgs/msg/Quaternion"]
     stamps, q = nanoseconds(run.time + first), quaternions(run)

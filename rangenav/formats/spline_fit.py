@@ -26,7 +26,7 @@ SNAP_OF_NOISE = 16.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Knotted:
+class SplineFit:
     """A curve near the samples."""
 
     path: Waypoints
@@ -44,7 +44,7 @@ class Knotted:
         return f"path through knots every {self.spacing:g} s, {near}"
 
 
-def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> Knotted:
+def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> SplineFit:
     """The curve through knots `spacing` apart (s), or as far apart as it can be to stay within a centimetre.
 
     It starts and ends at rest, as every such curve does: a record that begins in flight is met less well there.
@@ -53,7 +53,7 @@ def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: 
         return _knotted(time, position, spacing, source)
     length = float(time[-1] - time[0])
     tried = [wide for wide in SPACINGS if length / wide < MAX_POINTS - 1] or [length / (MAX_POINTS - 2)]
-    found: list[Knotted] = []
+    found: list[SplineFit] = []
     refusal = None
     for wide in tried:
         try:
@@ -68,7 +68,7 @@ def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: 
     return min(found, key=lambda one: one.largest)
 
 
-def _knotted(time: Array, position: Array, spacing: float, source: str) -> Knotted:
+def _knotted(time: Array, position: Array, spacing: float, source: str) -> SplineFit:
     require_within("spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
     length = float(time[-1] - time[0])
     count = int(length / spacing) + 1
@@ -85,7 +85,7 @@ def _knotted(time: Array, position: Array, spacing: float, source: str) -> Knott
         points.append(Waypoint(time=float(at[k] - time[0]), value=value))
     path = Waypoints(points=tuple(points))
     error = np.linalg.norm(path(time - time[0]) - position, axis=-1)
-    return Knotted(path=path, spacing=spacing, rms=float(np.sqrt(np.mean(error**2))), largest=float(error.max()))
+    return SplineFit(path=path, spacing=spacing, rms=float(np.sqrt(np.mean(error**2))), largest=float(error.max()))
 
 
 def unjudged(time: Float[Array, "n"], position: Float[Array, "n 3"]) -> str:

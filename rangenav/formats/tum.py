@@ -10,8 +10,8 @@ import numpy as np
 
 from rangenav.formats import spline_fit, text
 from rangenav.formats.exported_run import quaternions, upright_run
-from rangenav.formats.import_result import Imported, Question, answer, increasing, spacing
-from rangenav.formats.output_files import Written, write_text
+from rangenav.formats.import_result import ImportResult, Question, answer, increasing, spacing
+from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -22,7 +22,7 @@ LARGEST = 1e5
 """m"""
 
 
-def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> Imported:
+def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source, separator=None, names=NAMES)
     text.refuse_missing(table.values, table, "a number")
@@ -46,7 +46,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
         suggestion="z-up",
         evidence="poses do not say, ROS and motion capture are z-up",
     )
-    return Imported(
+    return ImportResult(
         source=source,
         format="tum",
         rows=len(time),
@@ -63,11 +63,11 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
     )
 
 
-def write(preset: Preset, path: Path) -> Written:
+def write(preset: Preset, path: Path) -> OutputFile:
     """Write the true poses of the preset's run at the IMU's rate."""
     run = upright_run(preset)
     q = np.roll(quaternions(run), -1, axis=-1)
     table = np.column_stack([run.time, run.position, q])
     rows = [" ".join(f"{value:.9f}" for value in row) for row in table]
     write_text(path, "\n".join(["# t x y z qx qy qz qw (s, m, z-up, body to world)", *rows, ""]))
-    return Written(files=(path,), frame="z-up", figures={"rows": len(rows)})
+    return OutputFile(files=(path,), frame="z-up", figures={"rows": len(rows)})

@@ -21,7 +21,7 @@ NULL_SHARE = 1e-6
 """A block whose share in every unseen direction is below this is determined although the whole state is not."""
 NEAREST = 1e-9
 """m; at the anchor itself a range has no direction: its row is zero, and is divided by this instead of by nothing."""
-Kind = Literal["lifted", "nonlinear"]
+Problem = Literal["lifted", "nonlinear"]
 LIFTED_BLOCKS = (slice(4, 7), slice(7, 10), slice(10, 13))
 NONLINEAR_BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
 
@@ -46,7 +46,7 @@ def predict(
     *,
     sigma: float,
     rate: float,
-    kind: Kind,
+    kind: Problem,
     at: Moment,
     share: float = 1.0,
 ) -> Accuracy:
@@ -63,7 +63,7 @@ def ranged(path: Signal, start: float, window: float, rate: float) -> Visit:
     return rows.visit_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
 
-def told(seen: Visit, world: World, *, sigma: float, kind: Kind, at: Moment, share: float = 1.0) -> Accuracy:
+def told(seen: Visit, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0) -> Accuracy:
     """Accuracy from one range, with noise sigma (m), at each time of the one window seen, or from a share of them."""
     values = sigmas(seen, np.full(seen.tau.shape, share), world, sigma=sigma, kind=kind, at=at)[0]
     return Accuracy(position=float(values[0]), velocity=float(values[1]), gravity=float(values[2]))
@@ -77,7 +77,7 @@ def end_sigmas(
     *,
     sigma: float,
     rate: float,
-    kind: Kind,
+    kind: Problem,
     share: float = 1.0,
 ) -> Float[Array, "w 3"]:
     """Accuracy at the end of many windows, as `along` has it."""
@@ -85,7 +85,7 @@ def end_sigmas(
 
 
 def along(
-    seen: Visit, world: World, *, sigma: float, rate: float, kind: Kind, share: float = 1.0
+    seen: Visit, world: World, *, sigma: float, rate: float, kind: Problem, share: float = 1.0
 ) -> Float[Array, "w 3"]:
     """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ and half of both ends.
 
@@ -99,7 +99,7 @@ def along(
 
 
 def sigmas(
-    seen: Visit, count: Float[Array, "v k"], world: World, *, sigma: float, kind: Kind, at: Moment
+    seen: Visit, count: Float[Array, "v k"], world: World, *, sigma: float, kind: Problem, at: Moment
 ) -> Float[Array, "w 3"]:
     """sqrt(trace) of the position, velocity and gravity blocks of each window, from `count` ranges at each time."""
     distance2 = np.sum((seen.place - np.asarray(world.anchor)[:, None]) ** 2, axis=1)

@@ -33,7 +33,7 @@ EVERYWHERE = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Lookalikes:
+class Ambiguities:
     """Differences that the search ended at, the least changed range first."""
 
     shift: Float[Array, "n 3"]
@@ -72,7 +72,7 @@ def search(
     duration: float,
     *,
     apart: float,
-) -> Lookalikes:
+) -> Ambiguities:
     """Differences of at least `apart` (m, RMS) that leave the range alone as well as can be found.
 
     It starts at mirrors and half turns about the axes of position and acceleration, at the directions that the range
@@ -90,7 +90,7 @@ def search(
     found, cost = _descend(found[np.argsort(cost)[:KEPT]], position, basis, apart, FINE)
     order = np.argsort(cost)
     shift, drift = _straight(found[order], duration)
-    return Lookalikes(shift=shift, drift=drift, mismatch=np.sqrt(cost[order]))
+    return Ambiguities(shift=shift, drift=drift, mismatch=np.sqrt(cost[order]))
 
 
 def rms(shift: Float[Array, "3"], drift: Float[Array, "3"], duration: float) -> float:

@@ -16,7 +16,7 @@ from rangenav.observability import excitation
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Comparison:
+class PrintedAndDerived:
     """Both conditions on the same motion, at their worst windows."""
 
     phi: float
@@ -39,7 +39,7 @@ class Comparison:
 
 def compare(
     motion: Motion, start: Float[Array, "w"], window: float, *, mu: float, floor: float, required: float, rank: int
-) -> Comparison:
+) -> PrintedAndDerived:
     """Compare on the windows that start at `start` (s); mu, its rounding floor and the rank are the derived ones."""
 
     def least(signal: Array) -> Array:
@@ -48,7 +48,7 @@ def compare(
     derived, printed = excitation.phi(motion), excitation.phi_printed(motion)
     mu, both = mu if mu > floor else 0.0, least(printed)
     mu_printed = float(both.min())
-    return Comparison(
+    return PrintedAndDerived(
         phi=_rms(derived),
         phi_printed=_rms(printed),
         least_formula=least(to_inertial(motion.rotation, printed)),

@@ -20,9 +20,9 @@ from rangenav.inputs import require
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.repair import path_changes, tones
-from rangenav.repair.change import KINDS, Change, Kind
+from rangenav.repair.change import KINDS, Change, ChangeKind
 from rangenav.repair.outcome import NOWHERE, CannotRepairError, Repair, certified, defeat, made, outcome, report
-from rangenav.repair.search import Budget, CancelledError, Look, Progress, Search, least, sharpest
+from rangenav.repair.search import Budget, CancelledError, Look, Search, SearchProgress, least, sharpest
 from rangenav.vehicle import CRAZYFLIE, FREE
 
 EVALUATIONS = 1500
@@ -35,9 +35,15 @@ STAND_IN = CRAZYFLIE
 """Whose limits a repair keeps, if it can, for a vehicle without any: so that somebody may fly it."""
 IMPROVEMENT = 0.9
 """σ has to fall to this share to be worth a change."""
-MOST_EFFORT: dict[Kind, float] = {"tones": 1.0, "amplitude": 0.5, "frequency": 0.5, "timescale": 0.5, "waypoints": 0.5}
+MOST_EFFORT: dict[ChangeKind, float] = {
+    "tones": 1.0,
+    "amplitude": 0.5,
+    "frequency": 0.5,
+    "timescale": 0.5,
+    "waypoints": 0.5,
+}
 """How far an improvement may change a motion, if nobody says."""
-SLOWING: tuple[Kind, ...] = ("amplitude", "frequency", "timescale")
+SLOWING: tuple[ChangeKind, ...] = ("amplitude", "frequency", "timescale")
 """Kinds of change that can also ask less of a vehicle."""
 NOTHING = "nothing had to be changed"
 REPAIRED, IMPROVED = ", repaired", ", improved"
@@ -46,9 +52,9 @@ REPAIRED, IMPROVED = ", repaired", ", improved"
 def repair(
     preset: Preset,
     *,
-    by: Kind = "tones",
+    by: ChangeKind = "tones",
     evaluations: int = EVALUATIONS,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> Repair:
     """The smallest change of one kind that meets the requirement within the vehicle's limits.
@@ -77,10 +83,10 @@ def repair(
 def improve(
     preset: Preset,
     *,
-    by: Kind = "tones",
+    by: ChangeKind = "tones",
     most_effort: float | None = None,
     evaluations: int = EVALUATIONS,
-    progress: Progress | None = None,
+    progress: SearchProgress | None = None,
     cancelled: Callable[[], bool] | None = None,
 ) -> Repair:
     """A change of one kind that lowers the predicted σ, keeping μ, within the vehicle's limits and `most_effort`.
@@ -118,14 +124,14 @@ def _kept(after: Preset, limited: Preset) -> bool:
 
 
 def _budget(
-    preset: Preset, evaluations: int, progress: Progress | None, cancelled: Callable[[], bool] | None
+    preset: Preset, evaluations: int, progress: SearchProgress | None, cancelled: Callable[[], bool] | None
 ) -> Budget:
     work = remedy.WORK_PER_TRY + remedy.WORK_PER_OPERATION * signals.operations(preset.path)
     most = min(evaluations, int(WORK / work))
     return Budget(total=most, most=most, progress=progress, cancelled=cancelled)
 
 
-def _limited(preset: Preset, by: Kind, budget: Budget) -> Iterator[Preset]:
+def _limited(preset: Preset, by: ChangeKind, budget: Budget) -> Iterator[Preset]:
     """The preset with the vehicles whose limits are to be kept: its own, or for a free one the stand-in's first.
 
     The stand-in gets half of the looks, and none if it cannot fly the path as it is: more of it would be no easier.
@@ -139,7 +145,7 @@ def _limited(preset: Preset, by: Kind, budget: Budget) -> Iterator[Preset]:
     yield preset
 
 
-def _refuse_hopeless(preset: Preset, by: Kind, before: Certificate) -> None:
+def _refuse_hopeless(preset: Preset, by: ChangeKind, before: Certificate) -> None:
     """What no size or speed changes: a path that has no snap along a direction keeps having none."""
     refused = path_changes.refusal(by, preset)
     along = blindness.name(np.asarray(before.excitation.direction))
@@ -155,7 +161,7 @@ def _refuse_hopeless(preset: Preset, by: Kind, before: Certificate) -> None:
         raise CannotRepairError(f"{by}: {refused}")
 
 
-def _refuse_unjudged(preset: Preset, by: Kind, before: Certificate) -> None:
+def _refuse_unjudged(preset: Preset, by: ChangeKind, before: Certificate) -> None:
     """Of a path whose snap is a fit's there may be nothing to change; changed, it would be a design like any other."""
     why = provenance.restriction(preset.source, preset.path)
     if why is not None and all(one.met for one in before.checks if one.name != "source"):
@@ -163,7 +169,7 @@ def _refuse_unjudged(preset: Preset, by: Kind, before: Certificate) -> None:
 
 
 def _smallest(
-    preset: Preset, by: Kind, at: float, budget: Budget, nearest: list[Look]
+    preset: Preset, by: ChangeKind, at: float, budget: Budget, nearest: list[Look]
 ) -> tuple[Change, Float[Array, "n"]] | None:
     """The smallest change that the certificate confirms, with more margin each time that it does not."""
     for margin in MARGINS:
@@ -183,7 +189,7 @@ def _smallest(
     return None
 
 
-def _changes(preset: Preset, by: Kind, at: float, budget: Budget) -> Iterator[Change]:
+def _changes(preset: Preset, by: ChangeKind, at: float, budget: Budget) -> Iterator[Change]:
     """The ways of one kind to try, the simplest first."""
     if by == "tones":
         added = remedy.smallest_tones(preset, at, tries=_spent(budget))
@@ -196,7 +202,7 @@ def _changes(preset: Preset, by: Kind, at: float, budget: Budget) -> Iterator[Ch
         yield _wide(preset, by)
 
 
-def _wide(preset: Preset, by: Kind) -> Change:
+def _wide(preset: Preset, by: ChangeKind) -> Change:
     """The kind of change with all its unknowns."""
     match by:
         case "tones":

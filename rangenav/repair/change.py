@@ -12,8 +12,8 @@ from numpy import ndarray as Array
 from rangenav.preset import Preset
 from rangenav.signals import Signal
 
-Kind = Literal["tones", "amplitude", "frequency", "timescale", "waypoints"]
-KINDS: tuple[Kind, ...] = ("tones", "amplitude", "frequency", "timescale", "waypoints")
+ChangeKind = Literal["tones", "amplitude", "frequency", "timescale", "waypoints"]
+KINDS: tuple[ChangeKind, ...] = ("tones", "amplitude", "frequency", "timescale", "waypoints")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

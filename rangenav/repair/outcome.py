@@ -13,7 +13,7 @@ from rangenav import preset as presets
 from rangenav.certificate import Certificate
 from rangenav.certificate.figures import BLIND_MU, Figures, figures
 from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
-from rangenav.repair.change import Change, Kind
+from rangenav.repair.change import Change, ChangeKind
 from rangenav.repair.search import Budget, Look
 from rangenav.vehicle import WORDS
 
@@ -30,7 +30,7 @@ class Repair:
 
     before: Preset
     after: Preset
-    by: Kind
+    by: ChangeKind
     words: str
     """The change, or that none was needed."""
     effort: float
@@ -56,7 +56,7 @@ def made(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) 
     )
 
 
-def outcome(before: Preset, after: Preset, by: Kind, words: str, effort: float, budget: Budget) -> Repair:
+def outcome(before: Preset, after: Preset, by: ChangeKind, words: str, effort: float, budget: Budget) -> Repair:
     return Repair(
         before=before,
         after=after,
@@ -103,7 +103,7 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
     }
 
 
-def defeat(preset: Preset, by: Kind, budget: Budget, nearest: list[Look]) -> str:
+def defeat(preset: Preset, by: ChangeKind, budget: Budget, nearest: list[Look]) -> str:
     look = min(nearest, key=lambda one: one.violation, default=NOWHERE)
     said = f"{by}: no change that meets the requirement was found in {budget.used} looks"
     if look.figures is None:

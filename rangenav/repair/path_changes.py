@@ -16,7 +16,7 @@ from numpy import ndarray as Array
 from rangenav import signals
 from rangenav.inputs import Vec3
 from rangenav.preset import MAX_DURATION, Preset
-from rangenav.repair.change import Change, Kind, with_path
+from rangenav.repair.change import Change, ChangeKind, with_path
 from rangenav.signals import MinimumSnap, Multisine, Signal, Sum, Tone, Waypoints
 
 MOST_FACTOR = 4.0
@@ -146,7 +146,7 @@ def own_tones(path: Signal) -> tuple[Tone, ...]:
             return ()
 
 
-def refusal(kind: Kind, preset: Preset) -> str | None:
+def refusal(kind: ChangeKind, preset: Preset) -> str | None:
     """Why a kind of change cannot be made on a path at all; None if it can be tried."""
     path = preset.path
     if kind == "frequency" and not own_tones(path):

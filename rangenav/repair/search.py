@@ -30,7 +30,7 @@ EXCESS_MARGIN = 0.01
 """The vehicle's limits are looked at on fewer samples than the certificate does."""
 PENALTY = 30.0
 """Weight of a violation against a logarithm of σ in a wide search."""
-Progress = Callable[[float, str], None]
+SearchProgress = Callable[[float, str], None]
 
 
 class CancelledError(Exception):
@@ -44,7 +44,7 @@ class Budget:
     total: int
     most: int
     """What may be used so far, of the total."""
-    progress: Progress | None
+    progress: SearchProgress | None
     cancelled: Callable[[], bool] | None
     used: int = 0
     words: str = "looking"

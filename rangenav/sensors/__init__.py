@@ -1,7 +1,7 @@
 """What the vehicle measures: rates, noise, what the paper's model does not have, and the record of a motion."""
 
 from rangenav.sensors.antenna import distance
-from rangenav.sensors.effects import MODELLED, Unmodelled
+from rangenav.sensors.effects import MODELLED, Effects
 from rangenav.sensors.measuring import Measurements, check, measure
 from rangenav.sensors.noise import (
     MAX_RATE,
@@ -24,11 +24,11 @@ __all__ = [
     "MIN_RATE",
     "MIN_SIGMA",
     "MODELLED",
+    "Effects",
     "Measurements",
     "Noise",
     "Sensors",
     "Unit",
-    "Unmodelled",
     "check",
     "density",
     "distance",

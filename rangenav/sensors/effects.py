@@ -22,7 +22,7 @@ UNKNOWN = "the paper's observer has no state for it"
 UNITS = {"gyro_bias": "rad/s", "accel_bias": "m/s²", "lever_arm": "m"}
 
 
-class Unmodelled(Input, frozen=True, kw_only=True):
+class Effects(Input, frozen=True, kw_only=True):
     """Effects of real sensors that are not in the paper; each constant over a flight, none by default."""
 
     gyro_bias: Vec3 = (0.0, 0.0, 0.0)
@@ -64,11 +64,11 @@ class Unmodelled(Input, frozen=True, kw_only=True):
         return self.outlier_probability > 0 and self.outlier_size > 0
 
 
-MODELLED = Unmodelled()
+MODELLED = Effects()
 """Nothing but what the paper has."""
 
 
-def told(unmodelled: Unmodelled) -> dict[str, str]:
+def told(unmodelled: Effects) -> dict[str, str]:
     """What is on, by name, and what the observer makes of it: one sentence each."""
     u, said = unmodelled, {}
     if any(u.gyro_bias):

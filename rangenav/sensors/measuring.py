@@ -2,7 +2,7 @@
 
 Gyro and accel share the IMU's clock. The magnetometer is read on that clock too, at its own slower rate: samples in
 between are NaN. Ranges carry their own time stamps, so they may come at any rate, with gaps, between IMU samples.
-Biases, outliers, drop-outs and a lever arm are added where `Unmodelled` asks for them.
+Biases, outliers, drop-outs and a lever arm are added where `Effects` asks for them.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import require
 from rangenav.motion import Motion, World, to_body
 from rangenav.sensors import antenna
-from rangenav.sensors.effects import Unmodelled
+from rangenav.sensors.effects import Effects
 from rangenav.sensors.suite import Sensors
 from rangenav.signals import Signal
 
@@ -77,7 +77,7 @@ def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:
 
 
 def _ranges(
-    time: Array, distance: Array, sigma: float, unmodelled: Unmodelled, streams: list[np.random.Generator]
+    time: Array, distance: Array, sigma: float, unmodelled: Effects, streams: list[np.random.Generator]
 ) -> tuple[Array, Array]:
     """Which ranges arrive, and what every one of them would say."""
     noise, struck, excess, lost = streams

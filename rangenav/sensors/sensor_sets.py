@@ -7,7 +7,7 @@ these figures are ours, of the size that is usual, and marked so.
 import math
 
 from rangenav.inputs import Input
-from rangenav.sensors.effects import Unmodelled
+from rangenav.sensors.effects import Effects
 from rangenav.sensors.noise import Noise
 from rangenav.sensors.suite import Sensors
 
@@ -43,7 +43,7 @@ UWB_NLOS = SensorSet(
     sensors=Sensors(
         range_rate=100.0,
         noise=Noise(range=0.1),
-        unmodelled=Unmodelled(range_bias=0.15, outlier_probability=0.1, outlier_size=0.5, dropout_probability=0.05),
+        unmodelled=Effects(range_bias=0.15, outlier_probability=0.1, outlier_size=0.5, dropout_probability=0.05),
     ),
 )
 MEMS = SensorSet(
@@ -60,7 +60,7 @@ MEMS = SensorSet(
             range=0.1,  # ours
             imu_unit="density",
         ),
-        unmodelled=Unmodelled(
+        unmodelled=Effects(
             gyro_bias=(0.002, -0.001, 0.001),  # ours: 0.14 °/s; uncalibrated the sheet allows ±20 °/s
             accel_bias=(0.03, -0.02, 0.04),  # ours: 5 mg; uncalibrated the sheet allows ±50 mg, ±80 mg along z
         ),
@@ -79,7 +79,7 @@ CRAZYFLIE = SensorSet(
             range=0.1,  # the DWM1000's ±10 cm; the firmware's own filter assumes 0.25 m
             imu_unit="density",
         ),
-        unmodelled=Unmodelled(
+        unmodelled=Effects(
             gyro_bias=(0.0005, 0.0005, -0.0005),  # ours: the firmware averages it away before take-off
             accel_bias=(0.03, 0.02, -0.03),  # ours: 5 mg
             dropout_probability=0.15,  # bitcraze.io on TDoA 3: about 15% of packets collide at 400 a second

@@ -1,7 +1,7 @@
 """What a vehicle carries: how often each sensor speaks, how noisy it is, and what else is wrong with it."""
 
 from rangenav.inputs import Input, require, require_within
-from rangenav.sensors.effects import MODELLED, Unmodelled, told
+from rangenav.sensors.effects import MODELLED, Effects, told
 from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, given_as
 
 
@@ -12,7 +12,7 @@ class Sensors(Input, frozen=True, kw_only=True):
     mag_rate: float = 200.0
     range_rate: float = 50.0
     noise: Noise = Noise()
-    unmodelled: Unmodelled = MODELLED
+    unmodelled: Effects = MODELLED
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -10,8 +10,8 @@ import pytest
 import viser
 from playwright.sync_api import Browser
 
-from explorer.scene.bounds import Stage
-from explorer.scene.drag_handles import GIZMO_SHARE, Handles
+from explorer.scene.bounds import SceneBounds
+from explorer.scene.drag_handles import GIZMO_SHARE, DragHandles
 from explorer.web import identity, security
 from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
@@ -28,7 +28,7 @@ COARSE = 0.5
 """Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
 PIXELS = 2.0
 """A place is rounded to a thousandth of the stage, which is about a pixel."""
-STAGE = Stage(
+STAGE = SceneBounds(
     centre=np.zeros(3),
     radius=2.0,
     unit=UNIT,
@@ -48,7 +48,7 @@ class Room:
         client.scene.set_up_direction(UP)
         client.camera.position, client.camera.look_at = (1.0, 6.0, -3.0), (0.0, 0.0, 0.0)
         self._wake, self._places = threading.Event(), dict(PLACES)
-        self.handles = Handles(client.scene, self._wake.set)
+        self.handles = DragHandles(client.scene, self._wake.set)
         client.gui.add_command("Put the gizmo away", hotkey="escape").on_trigger(lambda _: self.handles.let_go())
         self._draw()
         client.gui.add_markdown(READY_WORD)

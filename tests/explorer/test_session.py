@@ -10,7 +10,7 @@ import pytest
 from explorer.charts import plot_list
 from explorer.model.playback import FRAME_RATE, Playback
 from explorer.server import Sessions
-from explorer.warming import Warming
+from explorer.shared import Compilation
 from explorer.web.security import open_server
 from rangenav import preset
 from tests.support.shared_server import house
@@ -21,7 +21,7 @@ NOT_SHOWN = "Not shown"
 
 @pytest.fixture(scope="module")
 def port() -> Iterator[int]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
+    server, warming = open_server("127.0.0.1", 0), Compilation()
     Sessions(server, house(server, warming))
     warming.start()
     yield server.get_port()

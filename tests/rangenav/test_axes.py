@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rangenav import analysis, axes, preset, record
-from rangenav.sensors import Noise, Unmodelled
+from rangenav.sensors import Effects, Noise
 from rangenav.signals import Flown, Polynomials, Sum
 from tests.support.signal_examples import EXAMPLES, MULTISINE, POLYNOMIALS
 
@@ -33,7 +33,7 @@ def test_nothing_that_can_be_measured_changes():
     """Without noise the sensors' body components turn with the body axes; ranges and errors stay what they are."""
     p = SHIPPED["paper-slow"]
     quiet = msgspec.structs.replace(p.sensors, noise=Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0))
-    known = Unmodelled(gyro_bias=(0.01, 0.02, -0.03), accel_bias=(0.1, 0.2, 0.3), lever_arm=(0.1, -0.2, 0.3))
+    known = Effects(gyro_bias=(0.01, 0.02, -0.03), accel_bias=(0.1, 0.2, 0.3), lever_arm=(0.1, -0.2, 0.3))
     quiet = msgspec.structs.replace(quiet, unmodelled=known)
     p = msgspec.structs.replace(p, sensors=quiet, initial_rotation=(0.3, -0.2, 0.9), duration=8.0)
     here, there = record.run(p), record.run(axes.flipped(p))
@@ -68,7 +68,7 @@ def test_the_yaw_of_pieces_and_biases_turn_with_their_axes_and_upright_is_the_sa
         assert isinstance(found, Polynomials)
         assert found.pieces[0].yaw == (-0.5, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0, -3.0)
         assert axes.flipped_signal(turned) == signal
-    biased = Unmodelled(gyro_bias=(0.01, 0.02, -0.03), lever_arm=(0.1, -0.2, 0.3))
+    biased = Effects(gyro_bias=(0.01, 0.02, -0.03), lever_arm=(0.1, -0.2, 0.3))
     p = SHIPPED["soft"]
     down = msgspec.structs.replace(p, sensors=msgspec.structs.replace(p.sensors, unmodelled=biased))
     assert down.world.gravity[2] > 0

@@ -22,7 +22,7 @@ def truth_start(scene: records.Scene) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return motion.position[0], motion.velocity[0], motion.rotation[0]
 
 
-def transcribed(z: Measurements, start: tuple, P: np.ndarray, setting: cascade.Setting) -> tuple:
+def transcribed(z: Measurements, start: tuple, P: np.ndarray, setting: cascade.ObserverConfig) -> tuple:
     """All corrections of a sample at once, in Joseph's form, with the magnetometer's three rows in full."""
     g, _, anchor = nine_states.axes(setting)
     p, v, R = start

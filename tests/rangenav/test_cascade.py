@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from rangenav import cascade, model, record, reference
 from rangenav.attitude import SCHEDULED, AttitudeGains
-from rangenav.cascade import Sample, Setting, Start
+from rangenav.cascade import ObserverConfig, Sample, Start
 from rangenav.gains import Gains, Guess
 from rangenav.sensors import Measurements
 from tests.support import records
@@ -336,6 +336,6 @@ def test_settling_is_counted_from_the_last_time_above_the_limit():
 def test_setting_carries_the_model_form():
     scene = records.scene("paper", duration=1.0)
     derived = cascade.parameters(scene.setting(), symmetric=True)
-    printed = cascade.parameters(Setting(**{**vars(scene.setting()), "form": "printed"}), symmetric=True)
+    printed = cascade.parameters(ObserverConfig(**{**vars(scene.setting()), "form": "printed"}), symmetric=True)
     assert derived.b4 == pytest.approx(3 * 9.81**2)
     assert printed.b4 == pytest.approx(9.81**2)

@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from rangenav import comparison, preset, record, refine
 
 
-def contenders(name: str, **changes) -> dict[str, comparison.Contender]:
+def contenders(name: str, **changes) -> dict[str, comparison.Candidate]:
     return {c.name: c for c in comparison.compare(record.run(replace(preset.load(name), **changes)))}
 
 

@@ -141,7 +141,7 @@ def test_windows_that_do_not_fit_and_parts_that_are_empty_are_refused():
 
 def test_observing_a_log_is_observing_its_measurements():
     p, flight = flown("soft")
-    setting = cascade.Setting(world=p.world, sensors=p.sensors, gains=p.gains)
+    setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
     start = cascade.Start(state=np.zeros(13), rotation=np.eye(3))
     wanted = cascade.observe(record.run(p).measurements, start, setting)
     found = logs.observe(flight, p.world, sensors=p.sensors, gains=p.gains)

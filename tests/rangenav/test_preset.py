@@ -19,7 +19,7 @@ from rangenav.observability import excitation
 from rangenav.preset import Preset, Requirement
 from rangenav.provenance import Source
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
-from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Noise, Sensors, Unmodelled
+from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Effects, Noise, Sensors
 from rangenav.signals import Multisine, Tone
 
 SHIPPED = preset.shipped()
@@ -43,7 +43,7 @@ sigmas = st.just(0.0) | st.floats(MIN_SIGMA, MAX_SIGMA)
 densities = st.just(0.0) | st.floats(MIN_SIGMA, MAX_SIGMA / math.sqrt(3000))  # as noisy as may be at 3000 Hz
 shares = st.just(0.0) | st.floats(0, 1, exclude_max=True)
 unmodelled = st.builds(
-    Unmodelled,
+    Effects,
     gyro_bias=st.just((0.0, 0.0, 0.0)) | vectors(5.0),
     accel_bias=st.just((0.0, 0.0, 0.0)) | vectors(50.0),
     range_bias=st.just(0.0) | st.floats(-1e3, 1e3),
@@ -174,9 +174,9 @@ def test_what_no_sensor_does_is_not_written_and_what_one_does_is_written_alone()
     """So files from before there were such effects stay as they were, and equal presets are equal texts."""
     p = SHIPPED["paper"]
     zeros = (float("0"), float("-0"), 0.0)  # equal to the default and not the same object
-    same = msgspec.structs.replace(p.sensors, unmodelled=Unmodelled(gyro_bias=zeros, outlier_size=float("1")))
+    same = msgspec.structs.replace(p.sensors, unmodelled=Effects(gyro_bias=zeros, outlier_size=float("1")))
     assert preset.dumps(msgspec.structs.replace(p, sensors=same)) == PAPER_TEXT
-    lost = msgspec.structs.replace(p.sensors, unmodelled=Unmodelled(gyro_bias=zeros, dropout_probability=0.25))
+    lost = msgspec.structs.replace(p.sensors, unmodelled=Effects(gyro_bias=zeros, dropout_probability=0.25))
     text = preset.dumps(msgspec.structs.replace(p, sensors=lost))
     added = "\n[sensors.unmodelled]\ndropout_probability = 0.25\n"
     assert text.replace(added, "") == PAPER_TEXT

@@ -217,7 +217,7 @@ def test_the_page_remembers_the_visitors_own_name_of_the_file(tmp_path: Path):
     file, _ = imported(tmp_path, "reference")
     content = file.read_bytes()
     made = import_file.understand(
-        import_file.Received("Tour Süd 1.csv", content), "reference", {}, (0.0, 0.0, 0.0)
+        import_file.ImportFile("Tour Süd 1.csv", content), "reference", {}, (0.0, 0.0, 0.0)
     ).preset
     assert made is not None
     assert made.source is not None

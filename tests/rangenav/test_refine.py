@@ -8,7 +8,7 @@ from msgspec.structs import replace
 from scipy.optimize import least_squares
 
 from rangenav import baselines, cascade, model, preset, record, refine, so3, strapdown
-from rangenav.cascade import Setting, Start
+from rangenav.cascade import ObserverConfig, Start
 from rangenav.gains import Gains
 from rangenav.kernels import smoother as kernel
 from rangenav.refine import refine as refined
@@ -36,7 +36,9 @@ def from_truth(scene: records.Scene) -> Track:
     return baselines.filtered(scene.measurements, start, np.eye(9) * 0.01, scene.setting())
 
 
-def one_pass(z: Measurements, nominal: Track, first: np.ndarray, setting: Setting) -> tuple[np.ndarray, np.ndarray]:
+def one_pass(
+    z: Measurements, nominal: Track, first: np.ndarray, setting: ObserverConfig
+) -> tuple[np.ndarray, np.ndarray]:
     """Smoothed errors and covariances about the nominal, by the kernels, without moving it."""
     attached, anchor = strapdown.attach(z), np.array(setting.world.anchor)
     work = refine._workspace(z, attached)
@@ -50,7 +52,7 @@ def one_pass(z: Measurements, nominal: Track, first: np.ndarray, setting: Settin
     return work.errors, work.covariances.reshape(-1, 9, 9)
 
 
-def linearised(z: Measurements, nominal: Track, setting: Setting) -> list[tuple]:
+def linearised(z: Measurements, nominal: Track, setting: ObserverConfig) -> list[tuple]:
     """Φ, Q, defect, residuals, rows and variances of every sample about the nominal."""
     g, _, anchor = nine_states.axes(setting)
     sensors, steps = setting.sensors, []
@@ -164,7 +166,7 @@ def test_the_passes_end_at_the_minimum_that_an_optimiser_finds(monkeypatch: pyte
     assert found.passes[-1].cost * 3 * len(z.time) == pytest.approx(2 * best.cost - along @ along, rel=1e-6)
 
 
-def rolled(z: Measurements, nominal: Track, setting: Setting, unknowns: np.ndarray) -> tuple[tuple, np.ndarray]:
+def rolled(z: Measurements, nominal: Track, setting: ObserverConfig, unknowns: np.ndarray) -> tuple[tuple, np.ndarray]:
     """Trajectories of first errors and noises, one in each row, and all weighted residuals; ranges at every sample."""
     g, m, anchor = nine_states.axes(setting)
     noise, rate = setting.sensors.noise, setting.sensors.imu_rate
@@ -334,7 +336,7 @@ def test_a_minimum_that_fits_less_well_than_chance_is_left_for_the_true_one():
     path = replace(circle.path, tones=(*circle.path.tones, ripple))  # type: ignore[union-attr]
     helped = 0
     for p, seeds in ((replace(circle, path=path), range(8, 14)), (eight, range(3, 7))):
-        setting = Setting(world=p.world, sensors=p.sensors, gains=p.gains)
+        setting = ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         for seed in seeds:
             run = record.run_seed(p, seed)
             found = refined(run.measurements, run.estimate, setting)

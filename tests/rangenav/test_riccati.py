@@ -9,7 +9,7 @@ from msgspec.structs import replace
 
 from rangenav import cascade, model, riccati, so3
 from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Setting, Start
+from rangenav.cascade import ObserverConfig, Start
 from rangenav.gains import Gains
 from rangenav.model import STATES
 from rangenav.preset import Preset
@@ -103,7 +103,7 @@ def test_an_unsymmetric_correction_would_be_order_one():
         scene = records.scene("paper-slow", duration=0.5, imu_rate=rate, range_rate=rate, noise=records.SILENT)
         start = Start(state=np.zeros(STATES), rotation=np.eye(3))
         shifted = replace(scene.preset.sensors, range_rate=rate * (1 + 1e-12))  # no longer "at the IMU's rate"
-        setting = Setting(world=scene.preset.world, sensors=shifted, gains=SOFT)
+        setting = ObserverConfig(world=scene.preset.world, sensors=shifted, gains=SOFT)
         estimate = cascade.observe(scene.measurements, start, setting)
         errors.append(np.linalg.norm(estimate.state[-1] - reference[0]))
     slope = -np.polyfit(np.log(RATES), np.log(errors), 1)[0]

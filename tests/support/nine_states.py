@@ -5,11 +5,11 @@ from scipy.linalg import expm
 from scipy.spatial.transform import Rotation
 
 from rangenav import so3
-from rangenav.cascade import Setting
+from rangenav.cascade import ObserverConfig
 from rangenav.sensors import Measurements, Noise
 
 
-def axes(setting: Setting) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def axes(setting: ObserverConfig) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Gravity, magnetic direction, anchor."""
     world = setting.world
     return np.array(world.gravity), np.array(world.magnetic), np.array(world.anchor)
@@ -55,7 +55,7 @@ def ranges_at(z: Measurements, k: int) -> np.ndarray:
 
 
 def outputs(
-    z: Measurements, k: int, p: np.ndarray, v: np.ndarray, R: np.ndarray, a: np.ndarray, setting: Setting
+    z: Measurements, k: int, p: np.ndarray, v: np.ndarray, R: np.ndarray, a: np.ndarray, setting: ObserverConfig
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Residuals, rows and variances of everything that sample k brings: ranges, then all three of R m_y − m."""
     g, m, _ = axes(setting)

@@ -6,7 +6,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from rangenav import cascade, errors, model, preset, record
-from rangenav.cascade import Estimate, Setting, Start
+from rangenav.cascade import Estimate, ObserverConfig, Start
 from rangenav.gains import Gains
 from rangenav.preset import Preset
 from rangenav.record import Truth
@@ -24,11 +24,11 @@ class Scene:
     measurements: Measurements
     start: Start
 
-    def setting(self, gains: Gains | None = None, form: model.Form = "derived") -> Setting:
+    def setting(self, gains: Gains | None = None, form: model.ModelForm = "derived") -> ObserverConfig:
         p = self.preset
-        return Setting(world=p.world, sensors=p.sensors, gains=gains or p.gains, form=form)
+        return ObserverConfig(world=p.world, sensors=p.sensors, gains=gains or p.gains, form=form)
 
-    def observe(self, gains: Gains | None = None, form: model.Form = "derived") -> Estimate:
+    def observe(self, gains: Gains | None = None, form: model.ModelForm = "derived") -> Estimate:
         return cascade.observe(self.measurements, self.start, self.setting(gains, form))
 
     def errors(self, estimate: Estimate) -> errors.Errors:

@@ -2,14 +2,13 @@
 
 import viser
 
-from explorer.shared import House
-from explorer.storage.files import Store
-from explorer.warming import Warming
+from explorer.shared import Compilation, Shared
+from explorer.storage.files import WorkFiles
 from explorer.web.identity import Slots, connected
 from rangenav import preset
 
 
-def house(server: viser.ViserServer, warming: Warming, first: str = "paper-slow") -> House:
+def house(server: viser.ViserServer, warming: Compilation, first: str = "paper-slow") -> Shared:
     """Shipped presets, and a store where tests/conftest.py has put it."""
     slots = Slots(lambda tab: connected(server, tab))
-    return House(shipped=preset.shipped(), first=first, asked=False, warming=warming, store=Store(), slots=slots)
+    return Shared(shipped=preset.shipped(), first=first, asked=False, warming=warming, store=WorkFiles(), slots=slots)

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field
 import viser
 
 from explorer.model import comparison, consistency, differences
-from explorer.model.comparison import NAMES, Beside, Name, Rival, Run
+from explorer.model.comparison import NAMES, Baseline, Comparison, Name, RunInputs
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.panels.compare import text as words
 from explorer.widgets.controls import Number, Switch
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav import ensemble
-from rangenav.comparison import Contender
+from rangenav.comparison import Candidate
 from rangenav.ensemble import Ensemble
 from rangenav.inputs import require
 
@@ -41,18 +41,18 @@ REFINED_HINT = (
 class _Rivals:
     """What other estimators made of runs: of each the newest, and why there is none."""
 
-    found: dict[Name, tuple[Run, Contender]] = field(default_factory=dict)
-    refused: dict[Name, tuple[Run, str]] = field(default_factory=dict)
+    found: dict[Name, tuple[RunInputs, Candidate]] = field(default_factory=dict)
+    refused: dict[Name, tuple[RunInputs, str]] = field(default_factory=dict)
 
-    def of(self, name: Name, run: Run) -> Contender | None:
+    def of(self, name: Name, run: RunInputs) -> Candidate | None:
         known = self.found.get(name)
         return known[1] if known is not None and known[0] == run else None
 
-    def why_not(self, name: Name, run: Run) -> str:
+    def why_not(self, name: Name, run: RunInputs) -> str:
         known = self.refused.get(name)
         return known[1] if known is not None and known[0] == run else ""
 
-    def keep(self, name: Name, run: Run, result: Contender | str) -> None:
+    def keep(self, name: Name, run: RunInputs, result: Candidate | str) -> None:
         if isinstance(result, str):
             self.refused[name] = run, result
         else:
@@ -62,12 +62,12 @@ class _Rivals:
 class ComparePanel:
     """Everything that stands beside the run on view."""
 
-    def __init__(self, sheet: Sheet, jobs: Jobs) -> None:
+    def __init__(self, sheet: Form, jobs: Jobs) -> None:
         self._sheet, self._jobs, self._background = sheet, jobs, Jobs(sheet.note)
         self._picture: Picture | None = None
         self._pinned: Picture | None = None
-        self._seeds: tuple[Run, Ensemble] | None = None
-        self._seeding: tuple[Run, object] | None = None
+        self._seeds: tuple[RunInputs, Ensemble] | None = None
+        self._seeding: tuple[RunInputs, object] | None = None
         self._rivals, self._on, self._drawn = _Rivals(), frozenset[Name](), frozenset[Name]()
         self._news, self._warm, self._note = False, False, ""
         self._build_pin(sheet)
@@ -79,14 +79,14 @@ class ComparePanel:
         sheet.command("Pin this run as A", self.pin)
         sheet.command("Unpin A", self._unpin)
 
-    def _build_pin(self, sheet: Sheet) -> None:
+    def _build_pin(self, sheet: Form) -> None:
         with Section(sheet):
             sheet.button("Pin this run as A", self.pin, hint=PIN_HINT)
             self._unpin_button = sheet.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
             self._unpin_button.visible = False
             self._differences = sheet.gui.add_html(words.nothing_pinned())
 
-    def _build_seeds(self, sheet: Sheet) -> None:
+    def _build_seeds(self, sheet: Form) -> None:
         self._seeds_section = section = Section(sheet, "Many seeds")
         with section:
             self._count = Number(section, "N", step=1, hint=f"How many seeds, 1 to {MAX_SEEDS}.")
@@ -96,7 +96,7 @@ class ComparePanel:
             self._clear_button.visible = False
             self._seeds_line = sheet.gui.add_html("")
 
-    def _build_rivals(self, sheet: Sheet) -> None:
+    def _build_rivals(self, sheet: Form) -> None:
         section = Section(sheet, "Other estimators on this record")
         with section:
             self._switches: dict[Name, Switch] = {
@@ -117,7 +117,7 @@ class ComparePanel:
         """Whether what stands beside the picture has changed since it was drawn last."""
         return self._news
 
-    def beside(self, picture: Picture) -> Beside:
+    def beside(self, picture: Picture) -> Comparison:
         """What to draw beside a picture. The EKF is worked out here, the refinement in a thread of its own."""
         self._picture, self._news = picture, False
         if not (self._pinned or self._seeds or self._seeding or self._on):
@@ -131,10 +131,10 @@ class ComparePanel:
         seeds = self._seeds[1] if self._seeds is not None and self._seeds[0] == run else None
         if self._seeds is not None and seeds is None:
             self._seeds, self._note = None, GONE
-        rivals = tuple(Rival(name, self._rivals.of(name, run)) for name in NAMES if name in self._on)
-        return Beside(pinned=self._pinned, rivals=rivals, seeds=seeds)
+        rivals = tuple(Baseline(name, self._rivals.of(name, run)) for name in NAMES if name in self._on)
+        return Comparison(pinned=self._pinned, rivals=rivals, seeds=seeds)
 
-    def draw(self, picture: Picture, shown: Beside) -> None:
+    def draw(self, picture: Picture, shown: Comparison) -> None:
         """Say in words and tables what is drawn."""
         _assign(self._seeds_line, words.seeds(picture, shown.seeds, self._note))
         self._unpin_button.visible = shown.pinned is not None
@@ -204,7 +204,7 @@ class ComparePanel:
     def _clear_seeds(self) -> None:
         self._seeds, self._news = None, True
 
-    def _missing(self, name: Name, run: Run) -> bool:
+    def _missing(self, name: Name, run: RunInputs) -> bool:
         return self._rivals.of(name, run) is None and not self._rivals.why_not(name, run)
 
     def _start_missing(self) -> None:
@@ -218,15 +218,15 @@ class ComparePanel:
                 self._start(name, picture, run)
                 return
 
-    def _start(self, name: Name, picture: Picture, run: Run) -> None:
-        def done(result: Contender | str) -> None:
+    def _start(self, name: Name, picture: Picture, run: RunInputs) -> None:
+        def done(result: Candidate | str) -> None:
             self._rivals.keep(name, run, result)
             self._warm = self._news = True
 
         self._background.start(name, lambda _progress, _cancelled: _result(name, picture), done, lambda _: None)
 
 
-def _result(name: Name, picture: Picture) -> Contender | str:
+def _result(name: Name, picture: Picture) -> Candidate | str:
     """What the estimator made of the record, or why it cannot."""
     try:
         return comparison.rival(name, picture)

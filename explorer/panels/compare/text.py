@@ -4,9 +4,9 @@ import html
 import math
 from collections.abc import Iterable
 
-from explorer.model.comparison import COLORS, PINNED_COLOR, Rival
+from explorer.model.comparison import COLORS, PINNED_COLOR, Baseline
 from explorer.model.compute import Picture
-from explorer.model.consistency import Agreement
+from explorer.model.consistency import RunConsistency
 from rangenav.ensemble import Ensemble, spread
 from rangenav.record import Summary
 
@@ -59,7 +59,7 @@ def seeds(picture: Picture, runs: Ensemble | None, note: str) -> str:
     return BOX.format(f"{own}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude.")
 
 
-def rivals(picture: Picture, found: Iterable[Rival], refusals: list[str]) -> str:
+def rivals(picture: Picture, found: Iterable[Baseline], refusals: list[str]) -> str:
     """The cascade and its rivals, figure by figure."""
     found = tuple(found)
     if not found:
@@ -87,7 +87,7 @@ def _contender(name: str, color: str, summary: Summary, steps: int, cost: float)
     return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{own:.3g} ms{ratio}"])
 
 
-def agreement(run: Agreement, many: Agreement | None, count: int, *, matched: bool) -> str:
+def agreement(run: RunConsistency, many: RunConsistency | None, count: int, *, matched: bool) -> str:
     """Innovations and errors against what P expects, and predicted against achieved σ, over the last quarter."""
     columns = [run] if many is None else [run, many]
     lines = _head(["last quarter", "this run", *([f"{count} seeds"] if many is not None else [])])

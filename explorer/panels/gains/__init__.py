@@ -12,7 +12,7 @@ from explorer.panels.gains.paper_units import PaperDials
 from explorer.panels.gains.physical_units import PhysicalDials
 from explorer.panels.gains.schedule import ScheduleDials
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav.gains import Gains
 
@@ -23,7 +23,7 @@ MODES = {"constant": "constant (the paper's theorem)", "noise-matched": "noise-m
 class GainsPanel:
     """All gains of the cascade, in one of two languages."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._section = section = Section(sheet)
         with section:
             hint = "Letters or words for the same gains. Switching changes none of them, and is no step to undo."

@@ -18,7 +18,7 @@ from explorer.model.jobs import Cancelled, Jobs, Progress
 from explorer.model.settings import effective
 from explorer.panels.presets import Page
 from explorer.widgets.controls import Dial, Number
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav import ensemble
 from rangenav.ensemble import Basin
@@ -45,7 +45,7 @@ DIAMOND = '<b style="color:rgb{0}">◆</b>'
 class BasinPanel:
     """An angle, a number of axes, buttons, and what was found."""
 
-    def __init__(self, sheet: Sheet, page: Page, jobs: Jobs) -> None:
+    def __init__(self, sheet: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
         self._found: tuple[Setup, Basin] | None = None
         self._running: tuple[Setup, object] | None = None

@@ -11,7 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from explorer.model.compute import Picture
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav import attitude, so3
 from rangenav.attitude import AttitudeGains
@@ -32,7 +32,7 @@ Turn = Callable[[Vec3, float], None]
 
 
 @dataclass(frozen=True)
-class HalfTurn:
+class Equilibrium:
     """One of the three equilibria."""
 
     axis: Vec3
@@ -46,15 +46,15 @@ class HalfTurn:
         return f"180° · {told(self.axis)} · {self.span}"
 
 
-def half_turns(gains: AttitudeGains, world: World) -> list[HalfTurn]:
+def half_turns(gains: AttitudeGains, world: World) -> list[Equilibrium]:
     """The three equilibria, that of the largest eigenvalue first."""
     _, axes = np.linalg.eigh(attitude.decay_matrix(gains, world))
     pointed = [u * np.sign(u[np.argmax(np.abs(u))]) for u in axes.T]
-    found = [HalfTurn((float(u[0]), float(u[1]), float(u[2])), span) for u, span in zip(pointed, SPANS, strict=True)]
+    found = [Equilibrium((float(u[0]), float(u[1]), float(u[2])), span) for u, span in zip(pointed, SPANS, strict=True)]
     return found[::-1]
 
 
-def distances(error: Float[Array, "3 3"], turns: list[HalfTurn]) -> list[float]:
+def distances(error: Float[Array, "3 3"], turns: list[Equilibrium]) -> list[float]:
     """Angles (rad) from an attitude error R̃ to each of the equilibria."""
     axes = np.array([turn.axis for turn in turns])
     equilibria = 2 * axes[:, :, None] * axes[:, None, :] - np.eye(3)
@@ -66,10 +66,10 @@ def told(axis: Vec3) -> str:
     return "(" + ", ".join(f"{round(entry, 2) + 0.0:g}" for entry in axis) + ")"
 
 
-class HalfTurns:
+class EquilibriaSection:
     """A line that says how far the start is from the nearest, and in a closed folder a button for each."""
 
-    def __init__(self, sheet: Sheet, turn: Turn) -> None:
+    def __init__(self, sheet: Form, turn: Turn) -> None:
         self._turn = turn
         self._line = sheet.gui.add_html("")
         with Section(sheet, "Start at a half turn", expanded=False):
@@ -77,7 +77,7 @@ class HalfTurns:
             self._buttons = [sheet.button(f"180°, {k}", partial(self._go, k), hint=HINT) for k in range(3)]
             hint = "The half turn that is nearest now, but by 179°."
             sheet.button("almost: 1° off the nearest of these", self._almost, hint=hint)
-        self._turns: list[HalfTurn] = []
+        self._turns: list[Equilibrium] = []
         self._nearest = 0
 
     def draw(self, picture: Picture) -> None:

@@ -4,9 +4,9 @@ import math
 from typing import Literal
 
 from explorer.model.compute import Picture
-from explorer.panels.gains.equilibria import HalfTurns
+from explorer.panels.gains.equilibria import EquilibriaSection
 from explorer.widgets.controls import Choice, Dial, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3
 
@@ -20,7 +20,7 @@ STATES: dict[Literal["zero", "truth", "offset"], str] = {
 class GuessPanel:
     """Where the observer starts."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._section = section = Section(sheet, "Initial estimate")
         with section:
             hint = (
@@ -31,7 +31,7 @@ class GuessPanel:
             self._angle = Dial(section, "R̃(0) angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0))
             hint = "Axis of the initial attitude error, inertial axes; any length but zero."
             self._axis = Vector(section, "R̃(0) axis", step=0.01, hint=hint)
-            self._half_turns = HalfTurns(sheet, self._turn)
+            self._half_turns = EquilibriaSection(sheet, self._turn)
         self._offsets = section = Section(sheet, "Offsets from the truth", expanded=False)
         with section:
             hint = "used when x̂(0) is truth plus offsets; inertial axes."

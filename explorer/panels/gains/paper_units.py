@@ -1,7 +1,7 @@
 """The gains in the paper's letters: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
 
 from explorer.widgets.controls import LogDial
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
@@ -14,7 +14,7 @@ K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 class PaperDials:
     """A dial for each letter; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._noise = section = Section(sheet, "Riccati observer: q and V")
         with section:
             hint = (
@@ -31,7 +31,7 @@ class PaperDials:
             why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
             self._p0 = _blocks(section, "P₀", P0_RANGE, why)
 
-    def add_attitude(self, sheet: Sheet) -> None:
+    def add_attitude(self, sheet: Form) -> None:
         """The dials of the attitude filter, in the folder that is being made."""
         self._attitude = section = Section(sheet)
         with section:

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 from msgspec.structs import asdict, replace
 
-from explorer.model.gain_units import WORDS, Place, in_words, labelled, understood
+from explorer.model.gain_units import WORDS, GainContext, in_words, labelled, understood
 from explorer.widgets.controls import LogDial
-from explorer.widgets.form import Refused, Section, Sheet
+from explorer.widgets.form import Form, InvalidInputError, Section
 from rangenav.gains import Gains
 from rangenav.physical_gains import PhysicalGains
 
@@ -23,7 +23,7 @@ ATTITUDE = ("attitude_time", "gravity_weight")
 class PhysicalDials:
     """A dial for each word."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._dials: dict[str, LogDial] = {}
         self._sections: dict[str, Section] = {}
         self._noise = Section(sheet, "Noise the gains are made for: q and V")
@@ -33,7 +33,7 @@ class PhysicalDials:
         self._add(factors, FACTORS)
         self._prior = Section(sheet, "How wrong the start may be: P₀", expanded=False)
         self._add(self._prior, PRIOR)
-        self._place: Place | None = None
+        self._place: GainContext | None = None
         """Where the words shown were made; None while what was written is not shown yet."""
 
     def _add(self, section: Section, names: tuple[str, ...]) -> None:
@@ -43,7 +43,7 @@ class PhysicalDials:
                 self._dials[name] = LogDial(section, word.label, word.limits, hint=word.hint, unit=word.unit)
                 self._sections[name] = section
 
-    def add_attitude(self, sheet: Sheet) -> None:
+    def add_attitude(self, sheet: Form) -> None:
         """The dials of the attitude filter, in the folder that is being made."""
         self._attitude = Section(sheet)
         self._add(self._attitude, ATTITUDE)
@@ -58,7 +58,7 @@ class PhysicalDials:
         self._prior.show(visible)
         self._attitude.show(visible)
 
-    def read(self, place_now: Callable[[], Place]) -> Gains:
+    def read(self, place_now: Callable[[], GainContext]) -> Gains:
         """The gains as written, or as moved, of constant mode and without a schedule. Raises Refused after saying why.
 
         Where there are no words for them the gains stay as they are.
@@ -83,7 +83,7 @@ class PhysicalDials:
         """The gains as they are, said to have no words here; a word that was moved is refused."""
         self._noise.complaint.say(f"no physical words: {why}")
         if moved:
-            raise Refused from error
+            raise InvalidInputError from error
         return self._gains
 
     def _entered(self) -> dict[str, float]:
@@ -94,7 +94,7 @@ class PhysicalDials:
                 entered[name] = dial.read()
         return entered
 
-    def _put_into_words(self, place: Place, moved: dict[str, float]) -> None:
+    def _put_into_words(self, place: GainContext, moved: dict[str, float]) -> None:
         """Show the gains there, but for words that have just been moved; of these, what was put back to the preset's
         goes on saying what the preset says."""
         before = None if self._place is None else self._base_words
@@ -106,7 +106,7 @@ class PhysicalDials:
                 value = base if said == getattr(before, name) else said
             dial.write(value, base)
 
-    def _understood(self, entered: dict[str, float], place: Place) -> Gains:
+    def _understood(self, entered: dict[str, float], place: GainContext) -> Gains:
         changed = [name for name, value in entered.items() if value != getattr(self._words, name)]
         if not changed:
             return self._start
@@ -117,10 +117,10 @@ class PhysicalDials:
             sentence = str(error)
             cause = next((name for name in changed if name in sentence), changed[0])
             self._sections[cause].complaint.say(labelled(sentence))
-            raise Refused from ValueError(labelled(sentence))
+            raise InvalidInputError from ValueError(labelled(sentence))
 
 
-def tabled(gains: Gains, place: Place) -> list[tuple[str, float, str]]:
+def tabled(gains: Gains, place: GainContext) -> list[tuple[str, float, str]]:
     """All words with their values and units."""
     values = asdict(in_words(gains, place))
     return [(word.label, values[name], word.unit) for name, word in WORDS.items()]

@@ -1,7 +1,7 @@
 """A schedule of k1: high while the measured vectors disagree with the expected ones, low once they agree."""
 
 from explorer.widgets.controls import LogDial, Switch
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule
 
@@ -16,7 +16,7 @@ OUTSIDE = "The theorem assumes a constant k1: of a scheduled one it says nothing
 class ScheduleDials:
     """A switch, and three dials that keep what was entered while it is off."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._section = Section(sheet)
         with self._section as section:
             self._on = Switch(section, "schedule k1", hint=HINT)

@@ -17,7 +17,7 @@ from explorer.panels.gains import tuning_text as words
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, Marked
 from explorer.panels.presets import Page
 from explorer.widgets.controls import Number
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav import tradeoff, tune
 from rangenav.gains import Gains
@@ -54,7 +54,7 @@ Shown = viser.GuiHtmlHandle
 class TuningPanel:
     """What to search for, a button, and what was found: figures, the curve, and a way to pick from it."""
 
-    def __init__(self, sheet: Sheet, page: Page, jobs: Jobs) -> None:
+    def __init__(self, sheet: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
         self._picture: Picture | None = None
         self._found: tuple[Preset, Tuned] | None = None

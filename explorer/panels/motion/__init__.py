@@ -5,19 +5,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import cast
 
-from explorer.model.conversion import Kind
+from explorer.model.conversion import FamilyName
 from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
-from explorer.panels.motion.families import Place
+from explorer.panels.motion.families import SignalSlot
 from explorer.panels.motion.path import PathPanel, WholePath
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Dial, LogDial, Number, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3, require_within
 from rangenav.preset import MAX_DURATION, MIN_DURATION
 from rangenav.signals import Flown, Signal, Turning
 
-TURN = Place(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
-TURN_FAMILIES: dict[Kind, str] = {
+TURN = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
+TURN_FAMILIES: dict[FamilyName, str] = {
     "multisine": "sines",
     "constant": "constant",
     "formula": "formulas",
@@ -62,7 +62,7 @@ class Chosen:
 class MotionPanel:
     """All controls of the motion."""
 
-    def __init__(self, sheet: Sheet, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
+    def __init__(self, sheet: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
         self._time = _Time(sheet)
         self.path = PathPanel(sheet)
         with self.path.section:
@@ -122,7 +122,7 @@ class MotionPanel:
 class _Time:
     """How long, over which window, and how slowly."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self.section = section = Section(sheet)
         with section:
             hint = (
@@ -162,7 +162,7 @@ class _Time:
 class _Turning:
     """ω(t) and R(0)."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self.section = section = Section(sheet, "Angular velocity ω(t), body axes", expanded=False)
         with section:
             sheet.gui.add_markdown(NO_EFFECT)

@@ -7,19 +7,19 @@ from typing import cast
 import msgspec
 import numpy as np
 
-from explorer.model.conversion import Kind
+from explorer.model.conversion import FamilyName
 from explorer.model.settings import Drafts
-from explorer.panels.motion.families import Place
+from explorer.panels.motion.families import SignalSlot
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Choice, Number, Switch, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav import signals, so3
 from rangenav.inputs import Vec3, require
 from rangenav.signals import Family, Multisine, Signal, Sum, Tone
 
-PATH = Place(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), step=0.01, open_tones=1)
-WIGGLE = Place(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), step=0.01, open_tones=0)
-FAMILIES: dict[Kind, str] = {
+PATH = SignalSlot(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), step=0.01, open_tones=1)
+WIGGLE = SignalSlot(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), step=0.01, open_tones=0)
+FAMILIES: dict[FamilyName, str] = {
     "multisine": "sines",
     "formula": "formulas",
     "waypoints": "waypoints",
@@ -40,7 +40,7 @@ AXES: dict[int, str] = {0: "x", 1: "y", 2: "z"}
 class PathPanel:
     """Editors of base and wiggle, and the tools for the whole path."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self.section = section = Section(sheet, "Path p(t), inertial axes")
         with section:
             self._base = SignalEditor(sheet, PATH, FAMILIES, hint=FAMILY_HINT)
@@ -113,7 +113,7 @@ class PathPanel:
 class _Straight:
     """Offset and drift of a sum; its parts have their own where their family has."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self.section = section = Section(sheet, "Offset and drift of the sum", expanded=False)
         with section:
             self._offset = Vector(section, "sum's offset (m)", step=0.01, hint="m, inertial axes: added to both.")
@@ -143,7 +143,7 @@ class _Straight:
 class WholePath:
     """Scale, turn, mirror, centre: each press changes the path itself, and Ctrl+Z takes it back."""
 
-    def __init__(self, sheet: Sheet, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
+    def __init__(self, sheet: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
         self._edit = edit
         self._section = section = Section(sheet, "Whole path: scale, turn, mirror, centre", expanded=False)
         with section:

@@ -3,44 +3,46 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from explorer.model.conversion import Kind, drafted, kind_of
-from explorer.panels.motion.families import Editor, Place, from_file
+from explorer.model.conversion import FamilyName, drafted, kind_of
+from explorer.panels.motion.families import Editor, SignalSlot, from_file
 from explorer.panels.motion.families.constant import ConstantEditor
 from explorer.panels.motion.families.formulas import FlownEditor, FormulaEditor
-from explorer.panels.motion.families.from_file import GivenEditor
+from explorer.panels.motion.families.from_file import FileSignalEditor
 from explorer.panels.motion.families.points import PointsEditor, minimum_snap_editor, waypoints_editor
-from explorer.panels.motion.families.polynomials import PiecesEditor
+from explorer.panels.motion.families.polynomials import PolynomialsEditor
 from explorer.panels.motion.families.sines import SinesEditor
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Turning, Waypoint
 
-EDITORS: dict[Kind, Callable[[Sheet, Place], Any]] = {
+EDITORS: dict[FamilyName, Callable[[Form, SignalSlot], Any]] = {
     "multisine": SinesEditor,
     "formula": FormulaEditor,
     "waypoints": waypoints_editor,
     "minimum-snap": minimum_snap_editor,
-    "polynomials": PiecesEditor,
+    "polynomials": PolynomialsEditor,
     "constant": ConstantEditor,
     "flown": FlownEditor,
-    "given": GivenEditor,
+    "given": FileSignalEditor,
 }
 
 
 class SignalEditor:
     """A dropdown of families, and below it the editor of the chosen one; the others are made when first needed."""
 
-    def __init__(self, sheet: Sheet, place: Place, words: Mapping[Kind, str], *, hint: str, shown: bool = True) -> None:
+    def __init__(
+        self, sheet: Form, place: SignalSlot, words: Mapping[FamilyName, str], *, hint: str, shown: bool = True
+    ) -> None:
         self._sheet, self._place, self._words, self._shown = sheet, place, words, shown
         self._section = section = Section(sheet)
         with section:
             self._family = Choice(section, "family", words, hint=hint)
-        self._editors: dict[Kind, Editor] = {}
-        self._held: dict[Kind, Turning] = {}
+        self._editors: dict[FamilyName, Editor] = {}
+        self._held: dict[FamilyName, Turning] = {}
         """The last good signal of each family."""
         self._base: Turning | None = None
-        self._kind: Kind = next(iter(words))
+        self._kind: FamilyName = next(iter(words))
         self._signal: Turning = Multisine()
 
     def read(self, duration: float) -> Turning:
@@ -98,7 +100,7 @@ class SignalEditor:
             self._show(self._kind, self._signal)
         self._shown = visible
 
-    def _switch(self, kind: Kind, duration: float) -> None:
+    def _switch(self, kind: FamilyName, duration: float) -> None:
         draft = self._held.get(kind)
         if draft is None:
             with self._section.catching():
@@ -114,7 +116,7 @@ class SignalEditor:
         else:
             self._show(kind, draft)
 
-    def _show(self, kind: Kind, signal: Turning) -> None:
+    def _show(self, kind: FamilyName, signal: Turning) -> None:
         """Bring a family's editor forward; while nothing is shown, only note which it will be."""
         self._kind, self._signal = kind, signal
         self._held[kind] = signal
@@ -129,16 +131,16 @@ class SignalEditor:
         self._editors[kind].write(signal, self._base_of(kind))
         self._editors[kind].show(True)
 
-    def _base_of(self, kind: Kind) -> Turning | None:
+    def _base_of(self, kind: FamilyName) -> Turning | None:
         """What the preset says, if the editor of this family can show it."""
         return self._base if self._base is not None and self._shown_as(self._base) == kind else None
 
-    def _shown_as(self, signal: Turning) -> Kind:
+    def _shown_as(self, signal: Turning) -> FamilyName:
         """A Multisine without tones or drift is a constant, where constants can be chosen."""
         still = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)
         kind = "constant" if still and "constant" in self._words else kind_of(signal)
         return kind if kind in self._words else "given"
 
-    def _offer(self, *kinds: Kind) -> None:
+    def _offer(self, *kinds: FamilyName) -> None:
         """The families there are, and what a file brought if it is none of them."""
         self._family.offer({**self._words, "given": from_file.WORDS} if "given" in kinds else self._words)

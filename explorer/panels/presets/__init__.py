@@ -7,10 +7,10 @@ from explorer.model.settings import Settings
 from explorer.panels.presets.card import card
 from explorer.panels.presets.gallery import Gallery
 from explorer.panels.presets.library import LibraryPanel
-from explorer.storage.catalog import Shelf
+from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Action, Refused, Section, Sheet
+from explorer.widgets.form import Action, Form, InvalidInputError, Section
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
 
@@ -28,8 +28,8 @@ class PresetsPanel:
 
     def __init__(
         self,
-        sheet: Sheet,
-        shelf: Shelf,
+        sheet: Form,
+        shelf: Catalog,
         page: Page,
         uploads: Uploads,
         *,
@@ -88,7 +88,7 @@ class PresetsPanel:
         try:
             with self._library.section.catching():
                 settings = self._shelf.open(name)
-        except Refused:
+        except InvalidInputError:
             self._choice.show(self._shown)
             raise
         self._page.write(settings)

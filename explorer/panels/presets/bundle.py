@@ -2,11 +2,11 @@
 
 from explorer.model.jobs import Cancelled, Jobs, Progress
 from explorer.model.settings import effective
-from explorer.storage.bundle import Parcel, Send, parcel
-from explorer.storage.catalog import Shelf
+from explorer.storage.bundle import Bundle, Send, parcel
+from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
 from explorer.widgets.controls import Switch
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
 
@@ -34,7 +34,7 @@ MARKED = (
 class PackPanel:
     """A switch for each format, one for what misses its requirement, and a button."""
 
-    def __init__(self, sheet: Sheet, shelf: Shelf, page: Page, jobs: Jobs, send: Send) -> None:
+    def __init__(self, sheet: Form, shelf: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
         self._shelf, self._page, self._jobs, self._send = shelf, page, jobs, send
         self._section = section = Section(sheet, "Download with certificate", expanded=False)
         with section:
@@ -63,7 +63,7 @@ class PackPanel:
         stem = file_name(settings.origin, shown, self._shelf.presets[settings.origin]).removesuffix(".toml")
         self._said.visible = False
 
-        def work(progress: Progress, cancelled: Cancelled) -> Parcel:
+        def work(progress: Progress, cancelled: Cancelled) -> Bundle:
             return parcel(shown, stem, forms, uncertified=marked, progress=progress, cancelled=cancelled)
 
         self._jobs.start("export", work, self._done, self._refuse)
@@ -74,7 +74,7 @@ class PackPanel:
         head, refused, rest = first.partition(": refused: ")
         self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))
 
-    def _done(self, packed: Parcel) -> None:
+    def _done(self, packed: Bundle) -> None:
         self._send(packed.name, packed.content)
         self._said.content = NOTE.format(bullets((f"{packed.name}, {len(packed.content)} bytes", *packed.notes)))
         self._said.visible = True

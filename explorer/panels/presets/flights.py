@@ -4,14 +4,18 @@ import math
 from typing import Any
 
 from explorer.model.jobs import Jobs
-from explorer.storage.flight_report import Asked, Judged, Source, judge, world_evidence
+from explorer.storage.flight_report import FlightOptions, FlightReport, WorldSource, judge, world_evidence
 from explorer.widgets.controls import Choice, Number, Switch, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets, table
-from rangenav.formats import Flight, Imported
+from rangenav.formats import Flight, ImportResult
 
 SHAPES = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
-SOURCES: dict[Source, str] = {"": "as the file says", "still": "as its still start says", "given": "as given below"}
+SOURCES: dict[WorldSource, str] = {
+    "": "as the file says",
+    "still": "as its still start says",
+    "given": "as given below",
+}
 ANCHOR = "m, in the inertial frame of the record; no log can tell it, unless it says so."
 SOURCE = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
 SYNTHETIC = "For a record with a true position and no ranges: makes some, with the noise below."
@@ -28,7 +32,7 @@ JUDGE = "Rank and predicted error on sliding windows, from the IMU alone; then t
 class FlightPanel:
     """Hidden until a flight has been read."""
 
-    def __init__(self, sheet: Sheet, jobs: Jobs) -> None:
+    def __init__(self, sheet: Form, jobs: Jobs) -> None:
         self._jobs, self._flight, self._source = jobs, None, ""
         self._section = section = Section(sheet, "Recorded flight")
         with section:
@@ -47,7 +51,7 @@ class FlightPanel:
             self._report = sheet.gui.add_html("", visible=False)
         section.show(False)
 
-    def take(self, found: Imported) -> None:
+    def take(self, found: ImportResult) -> None:
         """Offer a flight that was read."""
         flight = self._flight = found.flight
         if flight is None:
@@ -55,7 +59,7 @@ class FlightPanel:
         source, evidence = world_evidence(flight)
         self._source = found.source
         self._evidence.content = NOTE.format(bullets((f"{found.source}: {_has(flight)}", evidence)))
-        usual = Asked(anchor=flight.anchor or (0.0, 0.0, 0.0))
+        usual = FlightOptions(anchor=flight.anchor or (0.0, 0.0, 0.0))
         self._anchor.show(usual.anchor)
         self._world.show(source)
         self._gravity.show((0.0, 0.0, -9.81 if flight.frame == "z-up" else 9.81))
@@ -74,7 +78,7 @@ class FlightPanel:
         if flight is None:
             return
         with self._section.catching():
-            asked = Asked(
+            asked = FlightOptions(
                 anchor=self._anchor.read(),
                 source=self._world.read(),
                 gravity=self._gravity.read(),
@@ -90,12 +94,12 @@ class FlightPanel:
         name = f"judging {self._source}"
         self._jobs.start(name, lambda *_: judge(flight, asked), self._show, self._section.complaint.say)
 
-    def _show(self, judged: Judged) -> None:
+    def _show(self, judged: FlightReport) -> None:
         self._report.content = NOTE.format(report(judged))
         self._report.visible = True
 
 
-def report(judged: Judged) -> str:
+def report(judged: FlightReport) -> str:
     """The answer as HTML: a word, windows by verdict, the worst one, and the observers' errors."""
     seen = judged.informative
     head = f"{SHAPES.get(judged.verdict, '')} {judged.verdict}: {judged.words}"

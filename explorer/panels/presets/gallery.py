@@ -11,8 +11,8 @@ from functools import lru_cache
 import numpy as np
 
 from explorer.panels.presets.card import DIMMED, badge, picture
-from explorer.storage.catalog import Shelf, marked
-from explorer.widgets.form import Section, Sheet
+from explorer.storage.catalog import Catalog, marked
+from explorer.widgets.form import Form, Section
 from rangenav.preset import Preset
 
 SIDE, POINTS = 70, 120
@@ -44,7 +44,7 @@ OPEN = "The same as a click on its picture. Ctrl+Z brings back what was on the p
 class Gallery:
     """Shown when asked for, hidden when asked again."""
 
-    def __init__(self, sheet: Sheet, shelf: Shelf, open_preset: Callable[[str], None]) -> None:
+    def __init__(self, sheet: Form, shelf: Catalog, open_preset: Callable[[str], None]) -> None:
         self._sheet, self._shelf, self._open = sheet, shelf, open_preset
         self._visible = False
         self._labels: tuple[str, ...] = ("",)

@@ -7,14 +7,14 @@ from collections.abc import Callable
 from functools import partial
 
 from explorer.model.jobs import Jobs
-from explorer.storage.catalog import Shelf
-from explorer.storage.import_file import Received, Understood, guess, looks_like_a_preset, understand
+from explorer.storage.catalog import Catalog
+from explorer.storage.import_file import ImportFile, Understood, guess, looks_like_a_preset, understand
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
-from rangenav.formats import Imported, Question
+from rangenav.formats import ImportResult, Question
 
 FORMATS = {
     "reference": "reference CSV (Agilicious, RPG)",
@@ -38,18 +38,18 @@ class ImportPanel:
 
     def __init__(
         self,
-        sheet: Sheet,
-        shelf: Shelf,
+        sheet: Form,
+        shelf: Catalog,
         page: Page,
         jobs: Jobs,
         uploads: Uploads,
         *,
-        judge: Callable[[Imported], None],
+        judge: Callable[[ImportResult], None],
     ) -> None:
         """`judge` takes a recorded flight."""
         self._sheet, self._shelf, self._page, self._jobs, self._judge = sheet, shelf, page, jobs, judge
         self._section = section = Section(sheet, "Import a path or a recorded flight", expanded=False)
-        self._file: Received | None = None
+        self._file: ImportFile | None = None
         self._asking: Section | None = None
         self._answers: dict[str, str] = {}
         self._asked: dict[str, Choice[str]] = {}
@@ -62,7 +62,7 @@ class ImportPanel:
             self._said = sheet.gui.add_html("", visible=False)
 
     def _receive(self, name: str, content: bytes) -> None:
-        file = Received(name, content)
+        file = ImportFile(name, content)
         with self._section.catching():
             if looks_like_a_preset(file):
                 raise ValueError(f"{name}: presets, and zips with one, are taken by “Upload a preset” further up")
@@ -146,7 +146,7 @@ class ImportPanel:
         self._said.visible = True
 
 
-def report(found: Imported) -> tuple[str, ...]:
+def report(found: ImportResult) -> tuple[str, ...]:
     """What a file was understood to be, one sentence each."""
     rate = "" if found.rate is None else f" at {found.rate:.4g} Hz"
     said = [f"{found.source}: {found.format}, {found.rows} rows{rate}, {found.duration:.4g} s, {found.frame}"]

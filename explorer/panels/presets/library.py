@@ -7,12 +7,12 @@ import msgspec
 import viser
 
 from explorer.model.settings import Settings, effective
-from explorer.storage.catalog import MINE, Shelf, bare, titled
-from explorer.storage.import_file import Received, preset_in
+from explorer.storage.catalog import MINE, Catalog, bare, titled
+from explorer.storage.import_file import ImportFile, preset_in
 from explorer.storage.library import slug
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Text
-from explorer.widgets.form import Action, Section, Sheet
+from explorer.widgets.form import Action, Form, Section
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
 from rangenav.preset import MAX_TITLE, Preset
@@ -34,7 +34,7 @@ class LibraryPanel:
     """A title, two rows of buttons and an upload."""
 
     def __init__(
-        self, sheet: Sheet, shelf: Shelf, page: Page, uploads: Uploads, changed: Callable[[], bool], news: Action
+        self, sheet: Form, shelf: Catalog, page: Page, uploads: Uploads, changed: Callable[[], bool], news: Action
     ) -> None:
         """`changed`: whether what is on the page differs from its preset. `news`: the library has other files now."""
         self._shelf, self._page, self._changed, self._news = shelf, page, changed, news
@@ -121,7 +121,7 @@ class LibraryPanel:
     def _upload(self, name: str, content: bytes) -> None:
         self._came.visible = False
         with self._files.catching():
-            self._page.write(self._shelf.add(preset_in(Received(name, content))))
+            self._page.write(self._shelf.add(preset_in(ImportFile(name, content))))
             _tell(self._came, f"{name} joined your library as {self._name()}")
 
     def _keep(self, settings: Settings, now: Settings) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from explorer.model.compute import Picture
 from explorer.model.settings import Printed
 from explorer.widgets.controls import Switch
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 
 UNDESIRED = (
     "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
@@ -19,7 +19,7 @@ UNDESIRED = (
 class PrintedPanel:
     """The switches "as printed"."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         section = Section(sheet, "As printed in the paper", expanded=False)
         with section:
             sheet.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")

@@ -13,14 +13,14 @@ from explorer.model.jobs import Cancelled, Jobs, Progress
 from explorer.model.settings import Settings, effective
 from explorer.panels.presets.card import drawings
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Action, Section, Sheet
+from explorer.widgets.form import Action, Form, Section
 from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.page import Page
 from rangenav import repair
 from rangenav.certificate.figures import Figures
-from rangenav.repair import Kind, Repair
+from rangenav.repair import ChangeKind, Repair
 
-BY: dict[Kind, str] = {
+BY: dict[ChangeKind, str] = {
     "tones": "adding tones",
     "amplitude": "its size",
     "frequency": "its frequencies",
@@ -46,7 +46,7 @@ LEAVE = "Forgets the change; what is on the page stays as it is."
 class RepairPanel:
     """A kind of change, two buttons, and the change that was found."""
 
-    def __init__(self, sheet: Sheet, page: Page, jobs: Jobs, pin: Action) -> None:
+    def __init__(self, sheet: Form, page: Page, jobs: Jobs, pin: Action) -> None:
         """`pin` keeps the run on view as A."""
         self._page, self._jobs, self._pin = page, jobs, pin
         self._section = section = Section(sheet, "Repair", expanded=False)
@@ -79,7 +79,7 @@ class RepairPanel:
         name = "improving the motion" if improve else "making it observable"
         self._jobs.start(f"{name} by {BY[by]}", work, self._show, partial(self._refuse, by))
 
-    def _refuse(self, by: Kind, reason: str) -> None:
+    def _refuse(self, by: ChangeKind, reason: str) -> None:
         """Say why in the menu's own words."""
         self._section.answer(reason.replace(f"{by}: ", f"{BY[by]}: ", 1))
 

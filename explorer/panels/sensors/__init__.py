@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import msgspec
 
-from explorer.panels.sensors.effects import STYLE, UnmodelledFolder
+from explorer.panels.sensors.effects import STYLE, EffectsFolder
 from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, short
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.preset import Preset
 from rangenav.sensors import Noise, Sensors, Unit, given_as, words
 from rangenav.sensors.sensor_sets import CATALOGUE
@@ -33,7 +33,7 @@ class Chosen(NamedTuple):
 class SensorsPanel:
     """All controls of the sensors."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._section = section = Section(sheet)
         hint = "Rates, noise and faults of known sensors, to start from. Choosing one replaces all of them below."
         names = {name: name for name in SETS} | {OWN: "as set below"}
@@ -52,7 +52,7 @@ class SensorsPanel:
             self._imu_rate = Dial(section, "IMU (Hz)", (20.0, 1000.0), step=10.0, hint=hint)
             hint = "Hz: the magnetometer, read on the IMU's clock; it cannot be faster."
             self._mag_rate = Dial(section, "mag (Hz)", (1.0, 1000.0), step=1.0, hint=hint)
-        self._unmodelled = UnmodelledFolder(sheet)
+        self._unmodelled = EffectsFolder(sheet)
         hint = "The same seed gives the same noise to the last bit; another one another run. A whole number from 0."
         self._seed_section = section = Section(sheet)
         with section:
@@ -113,7 +113,7 @@ class SensorsPanel:
 class _NoiseFolder:
     """Standard deviations per sample; gyro and accelerometer also as densities, each unit on dials of its own."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
             hint = f"{symbol} ({unit or 1}): deviation of white noise per sample of the {what} (paper, eq. 2–3)."
             return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
@@ -183,7 +183,7 @@ class _NoiseFolder:
         for unit, group in self._groups.items():
             group.show(unit == shown)
 
-    def _group(self, sheet: Sheet, unit: Unit) -> Section:
+    def _group(self, sheet: Form, unit: Unit) -> Section:
         self._groups[unit] = Section(sheet)
         return self._groups[unit]
 

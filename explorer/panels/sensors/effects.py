@@ -4,16 +4,16 @@ import html
 from typing import Any
 
 from explorer.widgets.controls import Control, Dial, Number, Vector
-from explorer.widgets.form import Section, Sheet
-from rangenav.sensors import Unmodelled
+from explorer.widgets.form import Form, Section
+from rangenav.sensors import Effects
 
 STYLE = "font-size:0.85em;line-height:1.4;padding:0 0.9em 0.6em"
 
 
-class UnmodelledFolder:
+class EffectsFolder:
     """Biases, outliers, drop-outs, the lever arm; all off in the paper."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._words = sheet.gui.add_html("", visible=False)  # outside: a closed folder must not hide what is on
         self._section = section = Section(sheet, "Not in the paper", expanded=False)
         with section:
@@ -49,17 +49,17 @@ class UnmodelledFolder:
             "lever_arm": arm,
         }
 
-    def read(self) -> Unmodelled:
+    def read(self) -> Effects:
         """The effects chosen. Raises Refused after saying why beside the controls."""
         with self._section.catching():
-            return Unmodelled(**{name: control.read() for name, control in self._controls.items()})
+            return Effects(**{name: control.read() for name, control in self._controls.items()})
 
-    def write(self, unmodelled: Unmodelled, base: Unmodelled) -> None:
+    def write(self, unmodelled: Effects, base: Effects) -> None:
         """Show effects."""
         for name, control in self._controls.items():
             control.write(getattr(unmodelled, name), getattr(base, name))
 
-    def show(self, unmodelled: Unmodelled) -> None:
+    def show(self, unmodelled: Effects) -> None:
         """Show effects; what the preset says stays what it was."""
         for name, control in self._controls.items():
             control.show(getattr(unmodelled, name))

@@ -3,7 +3,7 @@
 import math
 
 from explorer.widgets.controls import Vector
-from explorer.widgets.form import Action, Section, Sheet
+from explorer.widgets.form import Action, Form, Section
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 
@@ -18,7 +18,7 @@ HINT = (
 class WorldPanel:
     """What does not move."""
 
-    def __init__(self, sheet: Sheet, relabel: Action) -> None:
+    def __init__(self, sheet: Form, relabel: Action) -> None:
         self._anchor_section = anchor = Section(sheet, "Anchor")
         with anchor:
             hint = "m, inertial axes; drag the beacon in the scene or type. It changes σ, never the Gramian or μ."

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from explorer.widgets.controls import Dial, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav import twin
 from rangenav.inputs import Vec3, refuse_nonfinite, require
 from rangenav.twin import Refusal, Twin
@@ -21,7 +21,7 @@ UP: Vec3 = (0.0, 0.0, 1.0)
 class TwinPanel:
     """An angle, an axis where any will do, and a way back to the usual twin."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._section = section = Section(sheet, "Evil twin")
         self._turn: Vec3 | None = None
         self._shown: tuple[float, Vec3] | None = None

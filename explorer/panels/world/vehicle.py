@@ -2,7 +2,7 @@
 
 from explorer.model.compute import Picture
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav import vehicle
 from rangenav.vehicle import CATALOGUE, Vehicle
 
@@ -23,7 +23,7 @@ GOOD, BAD = "light-dark(#00785a, #4fd1ad)", "light-dark(#b3261e, #ff8f86)"
 class VehiclePanel:
     """A dropdown, and a table of what the motion asks for."""
 
-    def __init__(self, sheet: Sheet) -> None:
+    def __init__(self, sheet: Form) -> None:
         self._section = section = Section(sheet, "Vehicle and its limits")
         with section:
             self._choice = Choice(section, "vehicle", _words(CATALOGUE), hint=HINT)

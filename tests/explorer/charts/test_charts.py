@@ -18,7 +18,7 @@ from explorer.charts.plots import Drawing, Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
 from rangenav import preset
-from rangenav.sensors import Sensors, Unmodelled
+from rangenav.sensors import Effects, Sensors
 from rangenav.signals import Multisine, Tone
 from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Vehicle
 from tests.explorer.scene.test_scene import astronomic, picture
@@ -174,7 +174,7 @@ def sensed(**effects: Any) -> Picture:
     p = preset.load("paper-slow")
     silent = msgspec.structs.replace(p.sensors.noise, range=0.0)
     return compute(
-        Settings(preset=msgspec.structs.replace(p, sensors=Sensors(noise=silent, unmodelled=Unmodelled(**effects))))
+        Settings(preset=msgspec.structs.replace(p, sensors=Sensors(noise=silent, unmodelled=Effects(**effects))))
     )
 
 

@@ -10,7 +10,7 @@ from msgspec.structs import replace
 
 from explorer.charts import Charts, comparison_curves, plot_list, plots
 from explorer.model import comparison, consistency, differences
-from explorer.model.comparison import Beside, Rival
+from explorer.model.comparison import Baseline, Comparison
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Settings
 from explorer.panels.compare import text
@@ -37,10 +37,10 @@ def slow() -> Picture:
 
 
 @pytest.fixture(scope="module")
-def crowd(slow: Picture) -> Beside:
+def crowd(slow: Picture) -> Comparison:
     """Everything at once."""
-    rivals = tuple(Rival(name, comparison.rival(name, slow)) for name in comparison.NAMES)
-    return Beside(pinned=picture("paper"), rivals=rivals, seeds=ensemble.seeds(slow.preset, 12))
+    rivals = tuple(Baseline(name, comparison.rival(name, slow)) for name in comparison.NAMES)
+    return Comparison(pinned=picture("paper"), rivals=rivals, seeds=ensemble.seeds(slow.preset, 12))
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def page() -> Iterator[Page]:
     server.stop()
 
 
-def over(plot: plots.Plot, seen: Picture, shown: Beside) -> tuple[plots.Plot, plots.Drawing]:
+def over(plot: plots.Plot, seen: Picture, shown: Comparison) -> tuple[plots.Plot, plots.Drawing]:
     return comparison_curves.over(plot, seen, shown, comparison_curves.pinned(plot, shown.pinned, None))
 
 
@@ -66,7 +66,7 @@ def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, s
     other = picture(name)
     for seen, a in ((slow, other), (other, slow), (astronomic("hover"), other), (slow, astronomic("hover"))):
         for plot in ALL:
-            more, drawing = over(plot, seen, Beside(pinned=a))
+            more, drawing = over(plot, seen, Comparison(pinned=a))
             drawable(more, drawing)
             labels = [curve.label for curve in more.curves[len(plot.curves) :]]
             assert len(labels) == len(plot.again)
@@ -78,7 +78,7 @@ def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, s
 
 def test_a_run_pinned_beside_itself_lies_on_its_own_curves(slow: Picture) -> None:
     for plot in ALL:
-        _, drawing = over(plot, slow, Beside(pinned=slow))
+        _, drawing = over(plot, slow, Comparison(pinned=slow))
         first = len(plot.curves)
         for k, column in enumerate(plot.again):
             if column in drawing.hidden:
@@ -92,7 +92,7 @@ def test_what_a_plot_cannot_show_stays_outside_a_wider_axis() -> None:
     for name in ("excitation", "predicted", "gramian"):
         plot = next(plot for plot in ALL if plot.name == name)
         for seen, a in ((blind, free), (free, blind)):
-            _, drawing = over(plot, seen, Beside(pinned=a))
+            _, drawing = over(plot, seen, Comparison(pinned=a))
             zero, none = drawing.read == 0, drawing.read == np.inf
             assert (drawing.drawn[zero] < drawing.axis[0]).all()
             assert (drawing.drawn[none] > drawing.axis[1]).all()
@@ -105,7 +105,7 @@ def test_pinned_curves_are_computed_once(slow: Picture) -> None:
     assert comparison_curves.pinned(ERRORS[0], None, kept) is None
 
 
-def test_band_and_estimators_stand_in_the_error_plots_alone(slow: Picture, crowd: Beside) -> None:
+def test_band_and_estimators_stand_in_the_error_plots_alone(slow: Picture, crowd: Comparison) -> None:
     for plot in ALL:
         more, drawing = over(plot, slow, crowd)
         drawable(more, drawing)
@@ -116,7 +116,7 @@ def test_band_and_estimators_stand_in_the_error_plots_alone(slow: Picture, crowd
         assert len(set(looks)) == len(looks)
 
 
-def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd: Beside) -> None:
+def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd: Comparison) -> None:
     runs = crowd.seeds
     assert runs is not None
     more, drawing = over(ERRORS[3], slow, crowd)
@@ -129,7 +129,7 @@ def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd:
 
 
 def test_an_estimator_at_work_has_its_place_but_no_curve(slow: Picture) -> None:
-    more, drawing = over(ERRORS[0], slow, Beside(rivals=(Rival("refined", None),)))
+    more, drawing = over(ERRORS[0], slow, Comparison(rivals=(Baseline("refined", None),)))
     assert more.curves[-1].label == "refined"
     assert np.isnan(drawing.drawn[:, -1]).all()
     assert drawing.axis == ERRORS[0].draw(slow).axis
@@ -143,10 +143,10 @@ def test_estimators_are_the_librarys_on_the_same_record(slow: Picture) -> None:
 
 
 def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were(
-    page: Page, slow: Picture, crowd: Beside
+    page: Page, slow: Picture, crowd: Comparison
 ) -> None:
     charts = Charts(page.client, narrow=False)
-    for shown in (comparison.NOTHING, crowd, Beside(pinned=slow), comparison.NOTHING):
+    for shown in (comparison.NOTHING, crowd, Comparison(pinned=slow), comparison.NOTHING):
         page.messages.clear()
         charts.draw(slow, shown)
         charts.draw_later(slow)
@@ -162,7 +162,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
     assert sent(page, "series") == sent(page, "bands") == sent(page, "axes") == []
 
 
-def test_a_is_in_the_scene_only_while_it_is_pinned(page: Page, slow: Picture, crowd: Beside) -> None:
+def test_a_is_in_the_scene_only_while_it_is_pinned(page: Page, slow: Picture, crowd: Comparison) -> None:
     scene = Scene(page.client, lambda: None)
     nodes = scene._companions
     scene.draw(slow)
@@ -174,7 +174,7 @@ def test_a_is_in_the_scene_only_while_it_is_pinned(page: Page, slow: Picture, cr
     assert all(line.visible for line in nodes._rivals.values())
     k = int(np.argmin(np.abs(crowd.pinned.motion.time - 10.0)))  # pyright: ignore[reportOptionalMemberAccess]
     assert nodes._ghost._root.position == pytest.approx(crowd.pinned.position_estimate[k])  # pyright: ignore[reportOptionalMemberAccess]
-    scene.draw(slow, Beside(pinned=slow))
+    scene.draw(slow, Comparison(pinned=slow))
     assert not nodes._path.visible
     assert not any(line.visible for line in nodes._rivals.values())
     scene.draw(slow)
@@ -245,7 +245,7 @@ def test_what_visitors_type_is_escaped(slow: Picture) -> None:
     assert "<li><b>" not in said
 
 
-def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd: Beside) -> None:
+def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd: Comparison) -> None:
     assert crowd.seeds is not None
     never = dataclasses.replace(crowd.seeds, settle_position=np.full(12, np.inf))
     said = text.seeds(slow, never, "")
@@ -254,12 +254,12 @@ def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd
 
 
 def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_later(
-    page: Page, slow: Picture, crowd: Beside
+    page: Page, slow: Picture, crowd: Comparison
 ) -> None:
     charts = Charts(page.client, narrow=False)
-    charts.draw(slow, Beside(seeds=crowd.seeds))
+    charts.draw(slow, Comparison(seeds=crowd.seeds))
     chart = charts._columns[0].charts[0]
     chart.toggle(2)  # the median
     assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, False, False, False]
-    charts.draw(slow, Beside(pinned=slow))
+    charts.draw(slow, Comparison(pinned=slow))
     assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, True]

@@ -23,8 +23,8 @@ from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
 from explorer.panels.export import python_lines
 from explorer.server import Sessions
+from explorer.shared import Compilation
 from explorer.storage import preset_file
-from explorer.warming import Warming
 from explorer.web.security import open_server
 from rangenav import preset
 from tests.explorer.scene.test_scene import picture
@@ -210,7 +210,7 @@ def test_the_printed_switches_change_what_the_lines_compute():
 
 @pytest.fixture(scope="module")
 def tab() -> Iterator[Wire]:
-    server, warming = open_server("127.0.0.1", 0), Warming()
+    server, warming = open_server("127.0.0.1", 0), Compilation()
     Sessions(server, house(server, warming))
     warming.start()
     visitor = Wire(server.get_port())

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from explorer.model import basin
-from explorer.model.comparison import Beside
+from explorer.model.comparison import Comparison
 from explorer.panels.gains import basin as panel
 from explorer.scene import Scene, view
 from explorer.scene.basin import CORE, SIZE, TITLE, place
@@ -96,7 +96,7 @@ def test_equilibria_are_the_axes_whose_half_turns_the_filter_leaves_alone():
 
 def globe(page: Page, found: Basin | None, name: str = "soft") -> Scene:
     scene = Scene(page.client, lambda: None)
-    scene.draw(picture(name), Beside(basin=found))
+    scene.draw(picture(name), Comparison(basin=found))
     return scene
 
 
@@ -138,7 +138,7 @@ def test_it_is_hidden_before_and_after_and_nodes_are_made_once(page: Page):
     assert not node(page, "/basin").visible
     before = len(page.messages)
     for found in (made([1.0, 2.0]), made([3.0] * 50), made([math.inf] * 3)):
-        scene.draw(picture("soft"), Beside(basin=found))
+        scene.draw(picture("soft"), Comparison(basin=found))
         assert node(page, "/basin").visible
     scene.draw(picture("soft"))
     assert not node(page, "/basin").visible

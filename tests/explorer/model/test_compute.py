@@ -14,7 +14,7 @@ from explorer.model.settings import Printed, Settings, effective
 from rangenav import analysis, attitude, cascade, model, motion, preset, record, so3
 from rangenav.motion import World
 from rangenav.preset import Preset, Requirement
-from rangenav.sensors import Noise, Sensors, Unmodelled
+from rangenav.sensors import Effects, Noise, Sensors
 from rangenav.signals import Multisine, Tone
 
 replace = msgspec.structs.replace
@@ -253,7 +253,7 @@ def test_the_estimate_is_the_cascades_own():
         rotation=PICTURE.motion.rotation[0],
         world=SLOW.world,
     )
-    setting = cascade.Setting(world=SLOW.world, sensors=SLOW.sensors, gains=SLOW.gains)
+    setting = cascade.ObserverConfig(world=SLOW.world, sensors=SLOW.sensors, gains=SLOW.gains)
     np.testing.assert_array_equal(cascade.observe(z, start, setting).state, PICTURE.estimate.state)
 
 
@@ -309,7 +309,7 @@ anything = st.builds(
         range_rate=st.floats(1, 300),
         noise=st.builds(Noise, range=st.sampled_from([0.0, 1e-9, 0.1, 1e3]), accel=st.floats(0.01, 1e3)),
         unmodelled=st.builds(
-            Unmodelled,
+            Effects,
             outlier_probability=st.floats(0, 0.9),
             outlier_size=st.floats(0, 1e3),
             dropout_probability=st.sampled_from([0.0, 0.5, 0.999]),

@@ -18,7 +18,7 @@ TIME = np.linspace(0, DURATION, 300)
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("family", [name for name, signal in EXAMPLES.items() if not hasattr(signal, "base")])
-def test_every_family_can_be_drafted_from_every_other(family: str, kind: conversion.Kind):
+def test_every_family_can_be_drafted_from_every_other(family: str, kind: conversion.FamilyName):
     made = conversion.drafted(EXAMPLES[family], kind, DURATION)
     assert conversion.kind_of(made) == kind
 

@@ -20,7 +20,7 @@ from explorer.panels.world.twin import TwinPanel
 from explorer.scene import bounds
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
 from explorer.scene.twin import TwinGhost
-from explorer.widgets.form import Refused, Sheet
+from explorer.widgets.form import Form, InvalidInputError
 from rangenav import preset, twin
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Tone
@@ -260,7 +260,7 @@ def _nothing() -> None:
 
 @pytest.fixture
 def panel(page: Page) -> TwinPanel:
-    return TwinPanel(Sheet(page.gui, _nothing))
+    return TwinPanel(Form(page.gui, _nothing))
 
 
 def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
@@ -312,7 +312,7 @@ def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPa
     panel.write((0.0, 0.0, 0.5))
     panel.draw(found)
     panel._axis.show(axis)
-    with pytest.raises(Refused):
+    with pytest.raises(InvalidInputError):
         panel.read()
     panel._axis.show((0.0, 0.0, 1.0))
     assert panel.read() == pytest.approx((0.0, 0.0, 0.5))

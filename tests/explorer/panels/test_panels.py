@@ -19,17 +19,17 @@ from explorer.panels.presets.printed import ROWS
 from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.sensors import OWN, Chosen, SensorsPanel
 from explorer.storage import preset_file
-from explorer.storage.catalog import Shelf
-from explorer.storage.certifier import Certifying
+from explorer.storage.catalog import Catalog
+from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
 from explorer.web.security import open_server
 from explorer.widgets.controls import Dial, LogDial, Vector
-from explorer.widgets.form import Complaint, Refused, Section, Sheet
+from explorer.widgets.form import Complaint, Form, InvalidInputError, Section
 from rangenav import analysis, certificate, preset, sensors
 from rangenav.attitude import Schedule
 from rangenav.certificate.figures import Figures
 from rangenav.repair import Repair
-from rangenav.sensors import Noise, Sensors, Unmodelled
+from rangenav.sensors import Effects, Noise, Sensors
 from rangenav.sensors.sensor_sets import CATALOGUE, SensorSet
 from rangenav.signals import Multisine, Tone
 from tests.support.wire import Wire
@@ -60,13 +60,13 @@ def client() -> Iterator[viser.ClientHandle]:
 def dock(client: viser.ClientHandle) -> Dock:
     requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing, send=_unsent)
     return Dock(
-        Sheet(client.gui, _nothing), Shelf(SHIPPED, Library(), Certifying()), "paper-slow", requests, Jobs(_nothing)
+        Form(client.gui, _nothing), Catalog(SHIPPED, Library(), Certifier()), "paper-slow", requests, Jobs(_nothing)
     )
 
 
 @pytest.fixture(scope="module")
 def section(client: viser.ClientHandle) -> Section:
-    return Section(Sheet(client.gui, _nothing))
+    return Section(Form(client.gui, _nothing))
 
 
 def _computed(name: str, **printed: bool) -> compute.Picture:
@@ -106,7 +106,7 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
     assert dock.read() == settings
 
 
-EVERYTHING = Unmodelled(
+EVERYTHING = Effects(
     gyro_bias=(0.1 / 3, -0.2, 1e-9),
     accel_bias=(0.1, 1 / 7, -0.3),
     range_bias=-0.123456789,
@@ -211,7 +211,7 @@ def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: 
 
 
 def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: viser.ClientHandle):
-    sheet = Sheet(client.gui, _nothing)
+    sheet = Form(client.gui, _nothing)
     dial = LogDial(Section(sheet), "n", (1e-3, 10.0), hint="")
     sheet.refresh()
     assert sheet._last is None
@@ -362,9 +362,9 @@ def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: v
         def write(self, settings: Settings) -> None:
             done.append("written")
 
-    panel = RepairPanel(Sheet(client.gui, _nothing), Shown(), Jobs(_nothing), lambda: done.append("pinned"))
+    panel = RepairPanel(Form(client.gui, _nothing), Shown(), Jobs(_nothing), lambda: done.append("pinned"))
     panel._show(found)
-    with pytest.raises(Refused) as refusal:
+    with pytest.raises(InvalidInputError) as refusal:
         panel._take()
     assert "faster than the IMU can sample" in str(refusal.value.__cause__)
     assert done == []

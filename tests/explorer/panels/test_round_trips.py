@@ -13,7 +13,7 @@ from explorer.model.conversion import kind_of
 from explorer.model.settings import Drafts, Printed, Settings
 from explorer.panels.dock import Dock
 from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, Text, Vector
-from explorer.widgets.form import Refused
+from explorer.widgets.form import InvalidInputError
 from rangenav import axes
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.cascade import Gains, Guess
@@ -207,7 +207,7 @@ def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
 def _read(dock: Dock) -> Settings | None:
     try:
         return dock.read()
-    except (Refused, ValueError):
+    except (InvalidInputError, ValueError):
         return None
 
 

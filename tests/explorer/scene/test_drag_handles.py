@@ -11,8 +11,8 @@ import pytest
 import viser
 
 from explorer.scene import drag_handles
-from explorer.scene.bounds import Stage
-from explorer.scene.drag_handles import Grab, Handles
+from explorer.scene.bounds import SceneBounds
+from explorer.scene.drag_handles import DragHandles, Grab
 from explorer.web import security
 from rangenav.inputs import Vec3
 from tests.support import wire
@@ -25,9 +25,9 @@ LAST = "/last"
 """A node of the tests' own: when it hears something, the handles have heard all that was sent before."""
 
 
-def stage(radius: float) -> Stage:
+def stage(radius: float) -> SceneBounds:
     zero, up = np.zeros(3), np.array([0.0, 0.0, -1.0])
-    return Stage(
+    return SceneBounds(
         centre=zero,
         radius=radius,
         unit=0.1 * radius,
@@ -44,7 +44,7 @@ class Tab:
     """A visitor with handles, seen from both sides."""
 
     wire: Wire
-    handles: Handles
+    handles: DragHandles
     noted: list[None]
     asked: int = 0
     answered: list[None] = field(default_factory=list)
@@ -76,7 +76,7 @@ def tab(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> Iterator[
     client = server.get_clients()[max(server.get_clients())]
     security.accept_values_only(client)
     noted: list[None] = []
-    found = Tab(visitor, Handles(client.scene, lambda: noted.append(None)), noted)
+    found = Tab(visitor, DragHandles(client.scene, lambda: noted.append(None)), noted)
 
     async def answer(_: object) -> None:
         found.answered.append(None)

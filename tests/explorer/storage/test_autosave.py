@@ -4,8 +4,8 @@ import msgspec
 import pytest
 
 from explorer.model.settings import Settings
-from explorer.storage.autosave import PERIOD, Keeping
-from explorer.storage.files import Store, Unsaved, new_visitor
+from explorer.storage.autosave import PERIOD, Autosave
+from explorer.storage.files import StorageError, WorkFiles, new_visitor
 from rangenav import preset
 
 SLOW = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
@@ -22,18 +22,18 @@ def told() -> list[str]:
 
 
 @pytest.fixture
-def store(tmp_path) -> Store:
-    return Store(tmp_path / "work")
+def store(tmp_path) -> WorkFiles:
+    return WorkFiles(tmp_path / "work")
 
 
-def _found(store: Store) -> Settings:
-    kept = Keeping(store, "paper-slow", pytest.fail).find(SEAT)
+def _found(store: WorkFiles) -> Settings:
+    kept = Autosave(store, "paper-slow", pytest.fail).find(SEAT)
     assert kept is not None
     return kept.settings
 
 
-def test_work_is_written_once_a_period_and_the_latest_counts(store: Store, told: list[str]):
-    keeping = Keeping(store, "paper-slow", told.append)
+def test_work_is_written_once_a_period_and_the_latest_counts(store: WorkFiles, told: list[str]):
+    keeping = Autosave(store, "paper-slow", told.append)
     assert keeping.find(SEAT) is None
     keeping.note(_at(2.0))
     assert keeping.wait(0.0) == 0.0
@@ -49,13 +49,13 @@ def test_work_is_written_once_a_period_and_the_latest_counts(store: Store, told:
 
 
 def test_what_cannot_be_written_is_told_once_and_later_work_is_kept_again(
-    store: Store, told: list[str], monkeypatch: pytest.MonkeyPatch
+    store: WorkFiles, told: list[str], monkeypatch: pytest.MonkeyPatch
 ):
-    keeping = Keeping(store, "paper-slow", told.append)
+    keeping = Autosave(store, "paper-slow", told.append)
     keeping.find(SEAT)
 
     def full(visitor: str, work: bytes) -> None:
-        raise Unsaved("your work is not kept: the disk is full")
+        raise StorageError("your work is not kept: the disk is full")
 
     with monkeypatch.context() as broken:
         broken.setattr(store, "save", full)
@@ -69,15 +69,15 @@ def test_what_cannot_be_written_is_told_once_and_later_work_is_kept_again(
     assert len(told) == 1
 
 
-def test_what_is_no_work_of_this_version_is_told_and_no_error(store: Store, told: list[str]):
+def test_what_is_no_work_of_this_version_is_told_and_no_error(store: WorkFiles, told: list[str]):
     store.save(SEAT, b'{"opened": "paper", "settings": {"preset": 3}}')
-    assert Keeping(store, "paper-slow", told.append).find(SEAT) is None
+    assert Autosave(store, "paper-slow", told.append).find(SEAT) is None
     (sentence,) = told
     assert sentence.startswith("Your earlier work is of no use to this version")
 
 
-def test_a_browser_that_keeps_nothing_is_told_so_and_nothing_is_written(store: Store, told: list[str]):
-    keeping = Keeping(store, "paper-slow", told.append)
+def test_a_browser_that_keeps_nothing_is_told_so_and_nothing_is_written(store: WorkFiles, told: list[str]):
+    keeping = Autosave(store, "paper-slow", told.append)
     assert keeping.find(None) is None
     keeping.note(SLOW)
     keeping.write(0.0)

@@ -14,9 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from explorer.storage import files, library, trash
-from explorer.storage.catalog import Shelf
-from explorer.storage.certifier import Certifying
-from explorer.storage.library import Library, NotKept, edition, slug
+from explorer.storage.catalog import Catalog
+from explorer.storage.certifier import Certifier
+from explorer.storage.library import Library, LibraryError, edition, slug
 from rangenav import preset
 from rangenav.certificate import Certificate
 
@@ -80,7 +80,7 @@ def test_a_name_that_could_be_a_path_is_refused_before_any_file_is_touched(kept:
         lambda: kept.delete(name, known={""}),
         lambda: kept.restore(name),
     ):
-        with pytest.raises(NotKept):
+        with pytest.raises(LibraryError):
             touch()
     assert not kept.folder.exists() or not _files(kept)
 
@@ -104,7 +104,7 @@ def test_a_file_that_somebody_copied_into_the_folder_is_listed_and_never_written
 def test_a_save_over_an_edition_nobody_has_seen_is_refused_and_changes_nothing(kept: Library):
     name = kept.add("path", b"first")
     Library(kept.folder).save(name, b"by another page", known={edition(b"first")})
-    with pytest.raises(NotKept, match="changed elsewhere since you opened it"):
+    with pytest.raises(LibraryError, match="changed elsewhere since you opened it"):
         kept.save(name, b"mine", known={edition(b"first")})
     assert kept.read(name) == b"by another page"
     kept.save(name, b"mine", known={edition(b"first"), edition(b"by another page")})
@@ -115,7 +115,7 @@ def test_a_save_over_an_edition_nobody_has_seen_is_refused_and_changes_nothing(k
 def test_a_save_over_a_file_that_was_deleted_elsewhere_is_a_sentence(kept: Library):
     name = kept.add("path", b"first")
     kept.delete(name, known={edition(b"first")})
-    with pytest.raises(NotKept, match="not in your library any more"):
+    with pytest.raises(LibraryError, match="not in your library any more"):
         kept.save(name, b"mine", known={edition(b"first")})
 
 
@@ -126,7 +126,7 @@ def test_deleting_is_undone_and_a_name_taken_meanwhile_is_left_alone(kept: Libra
     assert kept.add("path", b"second") == "path"
     assert kept.restore(mark) == "path-2"
     assert (kept.read("path"), kept.read("path-2")) == (b"second", b"first")
-    with pytest.raises(NotKept, match="not in the trash any more"):
+    with pytest.raises(LibraryError, match="not in the trash any more"):
         kept.restore(mark)
 
 
@@ -156,7 +156,7 @@ def test_renaming_moves_the_content_and_keeps_what_was(kept: Library):
 
 def test_a_rename_of_a_changed_file_leaves_no_second_one_behind(kept: Library):
     name = kept.add("old", b"first")
-    with pytest.raises(NotKept, match="changed elsewhere"):
+    with pytest.raises(LibraryError, match="changed elsewhere"):
         kept.rename(name, "new", b"x", known={edition(b"never seen")})
     assert _files(kept) == {"old.toml"}
 
@@ -187,7 +187,7 @@ def test_a_disk_that_refuses_is_one_sentence_and_nothing_is_lost_or_left(
             lambda: kept.add("another", b"new"),
             lambda: kept.rename(name, "renamed", b"new", known={edition(b"old")}),
         ):
-            with pytest.raises(NotKept, match=os.strerror(number)) as failed:
+            with pytest.raises(LibraryError, match=os.strerror(number)) as failed:
                 change()
             assert "\n" not in str(failed.value)
     assert kept.read(name) == b"old"
@@ -198,19 +198,19 @@ def test_a_folder_that_cannot_be_made_is_a_sentence(tmp_path: Path):
     (tmp_path / "file").write_text("here already")
     for folder in (tmp_path / "file", tmp_path / "file" / "presets"):
         kept = Library(folder)
-        with pytest.raises(NotKept, match="cannot be written"):
+        with pytest.raises(LibraryError, match="cannot be written"):
             kept.add("path", b"work")
-        with pytest.raises(NotKept, match="cannot be listed"):
+        with pytest.raises(LibraryError, match="cannot be listed"):
             kept.stamps()
 
 
 def test_too_much_is_refused(kept: Library, monkeypatch: pytest.MonkeyPatch):
-    with pytest.raises(NotKept, match="at most"):
+    with pytest.raises(LibraryError, match="at most"):
         kept.add("path", bytes(library.MAX_BYTES + 1))
     monkeypatch.setattr(library, "MAX_PRESETS", 2)
     kept.add("a", b"x")
     kept.add("b", b"x")
-    with pytest.raises(NotKept, match="holds 2 presets"):
+    with pytest.raises(LibraryError, match="holds 2 presets"):
         kept.add("c", b"x")
 
 
@@ -248,7 +248,7 @@ def test_of_many_that_write_over_one_edition_at_once_one_wins_and_the_others_are
         try:
             Library(kept.folder).save(name, who.encode(), known={edition(b"first")})
             outcomes.append(who)
-        except NotKept:
+        except LibraryError:
             outcomes.append("")
 
     savers = [threading.Thread(target=save, args=(who,)) for who in "abcdef"]
@@ -272,8 +272,8 @@ def test_a_file_of_a_long_name_is_brought_back_too(kept: Library):
 def test_the_badge_is_of_what_is_shown_and_not_of_what_another_page_made_of_its_file(tmp_path: Path):
     shipped = preset.shipped()
     opened, other = shipped["soft"], msgspec.structs.replace(shipped["hover"], title=shipped["soft"].title)
-    certifying = Certifying()
-    here, there = (Shelf(shipped, Library(tmp_path), certifying) for _ in range(2))
+    certifying = Certifier()
+    here, there = (Catalog(shipped, Library(tmp_path), certifying) for _ in range(2))
     mine = here.add(opened)
     there.refresh()
     there.save(mine.origin, other, edition=there.open(mine.origin).edition)

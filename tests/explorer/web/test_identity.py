@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import pytest
 import viser
 
-from explorer.storage.files import Unsaved
+from explorer.storage.files import StorageError
 from explorer.web import identity, security
 from explorer.web.identity import KEY, SLOT_KEY, Slots
 from tests.support import wire
@@ -192,7 +192,7 @@ def test_browsers_do_not_share_slots_and_a_browser_has_not_endlessly_many():
     slots = Slots(lambda _: True)
     assert slots.take(OTHER, -1) == 1
     assert [slots.take(BROWSER, tab) for tab in range(identity.MAX_SLOTS)] == list(range(1, identity.MAX_SLOTS + 1))
-    with pytest.raises(Unsaved, match="99 tabs"):
+    with pytest.raises(StorageError, match="99 tabs"):
         slots.take(BROWSER, 1000)
     slots.free(7)
     assert slots.take(BROWSER, 1000, wanted=3) == 8

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rangenav.certificate import derivative_bounds
-from rangenav.certificate.derivative_bounds import UnboundedError
+from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.excitation_bound import bounds
 from rangenav.signals import (
     Formula,
@@ -196,13 +196,13 @@ def test_a_plane_has_a_bound_for_every_window_however_long_the_flight():
 
 
 def test_what_cannot_be_bounded_is_said_and_not_guessed():
-    with pytest.raises(UnboundedError, match="nothing is known to bound"):
+    with pytest.raises(UnboundedDerivativeError, match="nothing is known to bound"):
         bounds(Formula(x="t**4.5", y="sin(t)", z="cos(t)"), 2.0, 10.0)  # at t = 0 its fifth derivative is infinite
     fast = Multisine(tones=(Tone(axis="x", amplitude=1e-6, frequency=600.0),))
-    with pytest.raises(UnboundedError, match="too much work"):
+    with pytest.raises(UnboundedDerivativeError, match="too much work"):
         bounds(fast, 100.0, 1000.0)
     short = Piece(duration=1e-3, x=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    with pytest.raises(UnboundedError, match="knots"):
+    with pytest.raises(UnboundedDerivativeError, match="knots"):
         bounds(Polynomials(pieces=(short,), ends="repeat"), 10.0, 100.0)
 
 

@@ -134,7 +134,7 @@ def test_a_random_start_is_the_run_that_starts_there():
         seed = int(found.seed[k])
         truth, z = record.simulated(record.course_of(p)), record.measured(record.course_of(p), p.sensors, seed)
         start = cascade.Start(state=np.zeros(13), rotation=rotations[k])
-        setting = cascade.Setting(world=p.world, sensors=p.sensors, gains=p.gains)
+        setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         estimate = cascade.observe(z, start, setting)
         alone = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
         on_grid = np.isin(z.time, found.time)

@@ -305,7 +305,7 @@ def test_the_frozen_test_misleads_in_both_directions_and_says_so():
 # Printed beside derived
 
 
-def compared(name: str, turning: Multisine) -> printed.Comparison:
+def compared(name: str, turning: Multisine) -> printed.PrintedAndDerived:
     p = preset.load(name)
     truth = motion.simulate(
         p.path, turning, world=p.world, initial_rotation=(0.0, 0.0, 0.0), duration=p.duration, rate=200.0

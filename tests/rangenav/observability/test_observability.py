@@ -403,7 +403,7 @@ def test_figures_the_design_quotes():
 def test_accuracy_scales_with_the_noise_and_vanishes_without_it():
     p = preset.load("paper")
 
-    def position(sigma: float, kind: accuracy.Kind) -> float:
+    def position(sigma: float, kind: accuracy.Problem) -> float:
         return accuracy.predict(p.path, p.world, 0.0, 6.0, sigma=sigma, rate=50.0, kind=kind, at="end").position
 
     assert position(0.2, "nonlinear") == pytest.approx(2 * position(0.1, "nonlinear"), rel=1e-9)

@@ -118,7 +118,7 @@ def test_three_missing_directions_take_three_tones_of_different_frequencies():
 
 
 @pytest.mark.parametrize("by", ["timescale", "amplitude"])
-def test_a_plane_is_not_repaired_by_size_or_speed_and_the_reason_is_said(by: repair.Kind):
+def test_a_plane_is_not_repaired_by_size_or_speed_and_the_reason_is_said(by: repair.ChangeKind):
     words = r"the path has no snap along z in the 12 s from t = 0 s, and .* it has none either; added tones would"
     with pytest.raises(CannotRepairError, match=f"^{by}: {words}"):
         repair.repair(flown(EIGHT), by=by)
@@ -134,7 +134,7 @@ def test_a_plane_is_not_repaired_by_size_or_speed_and_the_reason_is_said(by: rep
         (signals.slowed(SOFT.path, 0.5), "tones", "the path is too much for Crazyflie 2.1 already: thrust "),
     ],
 )
-def test_what_a_kind_of_change_cannot_do_is_refused_with_the_reason(path: Signal, by: repair.Kind, words: str):
+def test_what_a_kind_of_change_cannot_do_is_refused_with_the_reason(path: Signal, by: repair.ChangeKind, words: str):
     with pytest.raises(CannotRepairError, match=f"^{by}: {words}"):
         repair.repair(flown(path), by=by)
 
@@ -205,7 +205,7 @@ def test_a_budget_is_kept_and_progress_rises_to_its_end():
 
 
 @pytest.mark.parametrize("by", ["tones", "amplitude", "timescale"])
-def test_a_motion_is_improved_within_its_limits(by: repair.Kind):
+def test_a_motion_is_improved_within_its_limits(by: repair.ChangeKind):
     p = replace(SOFT, vehicle=CRAZYFLIE, angular_velocity=Flown())
     found = repair.improve(p, by=by)
     assert found.figures_after.sigma < 0.9 * found.figures_before.sigma

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 from scipy.spatial.transform import Rotation
 
 from rangenav import analysis, cascade, motion, preset, record, reference, report, sensors, so3
-from rangenav.sensors import MODELLED, Noise, Sensors, Unmodelled, antenna, sensor_sets
+from rangenav.sensors import MODELLED, Effects, Noise, Sensors, antenna, sensor_sets
 from rangenav.signals import Flown, Multisine, Tone
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
@@ -19,7 +19,7 @@ from tests.support.refusals import exactly
 SLOW = preset.load("paper-slow")
 ONE_IN_A_MILLION = 1e-6
 ARRAYS = ("time", "gyro", "accel", "mag", "range_time", "range")
-EVERYTHING = Unmodelled(
+EVERYTHING = Effects(
     gyro_bias=(0.01, -0.02, 0.03),
     accel_bias=(0.1, 0.2, -0.3),
     range_bias=0.25,
@@ -35,7 +35,7 @@ NAMES = ("gyro bias", "accelerometer bias", "range bias", "outliers", "drop-outs
 
 def measured(*, seed=0, noise=SILENT, duration=20.0, rate=200.0, **effects):
     """The slow path's record with some effects on."""
-    chosen = Sensors(range_rate=rate, noise=noise, unmodelled=Unmodelled(**effects))
+    chosen = Sensors(range_rate=rate, noise=noise, unmodelled=Effects(**effects))
     return record.measured(record.course_of(replace(SLOW, duration=duration)), chosen, seed)
 
 
@@ -162,7 +162,7 @@ def test_a_lever_arm_moves_the_range_to_the_antenna(range_rate):
     course = replace(SLOW, angular_velocity=Multisine(offset=turning), initial_rotation=initial, duration=9.0)
     chosen = Sensors(imu_rate=100.0, mag_rate=100.0, range_rate=range_rate, noise=SILENT)
     z = record.measured(
-        record.course_of(replace(course, sensors=chosen)), replace(chosen, unmodelled=Unmodelled(lever_arm=arm)), 0
+        record.course_of(replace(course, sensors=chosen)), replace(chosen, unmodelled=Effects(lever_arm=arm)), 0
     )
     attitude = Rotation.from_rotvec(initial) * Rotation.from_rotvec(np.outer(z.range_time, turning))
     antenna_at = SLOW.path(z.range_time) + attitude.apply(arm)
@@ -219,7 +219,7 @@ def test_a_record_with_losses_is_in_order_and_passes_its_check(lost, start, leng
 
 
 def told_of(**effects):
-    return Sensors(unmodelled=Unmodelled(**effects))
+    return Sensors(unmodelled=Effects(**effects))
 
 
 def test_nothing_is_said_where_nothing_is_on():
@@ -241,7 +241,7 @@ def test_every_effect_that_is_on_gets_one_sentence_with_its_name_and_size():
 
 def run(**effects):
     """The slow path without noise, 50 ranges a second."""
-    return record.run(replace(SLOW, sensors=Sensors(noise=SILENT, unmodelled=Unmodelled(**effects))))
+    return record.run(replace(SLOW, sensors=Sensors(noise=SILENT, unmodelled=Effects(**effects))))
 
 
 @pytest.mark.parametrize(
@@ -270,7 +270,7 @@ def test_drop_outs_and_a_burst_without_noise_only_delay_the_observer():
 
 def test_over_a_burst_the_error_grows_until_ranges_return():
     """Medians of 7 seeds with the usual noise: in the burst's last second twice as far off as in the second before."""
-    on = Sensors(unmodelled=Unmodelled(burst_start=12.0, burst_length=4.0))
+    on = Sensors(unmodelled=Effects(burst_start=12.0, burst_length=4.0))
     runs = [record.run_seed(replace(SLOW, sensors=on), seed) for seed in range(7)]
 
     def error(begin, end):
@@ -283,7 +283,7 @@ def test_over_a_burst_the_error_grows_until_ranges_return():
 
 
 def test_without_any_range_the_observer_predicts_and_the_run_is_called_diverged():
-    found = record.run(replace(SLOW, sensors=Sensors(unmodelled=Unmodelled(burst_length=100.0))))
+    found = record.run(replace(SLOW, sensors=Sensors(unmodelled=Effects(burst_length=100.0))))
     assert len(found.measurements.range) == 0
     assert np.isfinite(found.estimate.state).all()
     assert found.summary.diverged
@@ -296,7 +296,7 @@ def test_the_plain_observer_agrees_on_a_record_with_everything_on(mode):
     p = replace(SLOW, duration=8.0, sensors=chosen, gains=replace(SLOW.gains, mode=mode))
     truth, z = record.simulated(record.course_of(p)), record.measured(record.course_of(p), chosen, 3)
     start = cascade.start(p.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=p.world)
-    setting = cascade.Setting(world=p.world, sensors=chosen, gains=p.gains)
+    setting = cascade.ObserverConfig(world=p.world, sensors=chosen, gains=p.gains)
     fast, plainly = cascade.observe(z, start, setting), reference.observe(z, start, setting)
     scale = np.abs(plainly.state).max()
     np.testing.assert_allclose(fast.state, plainly.state, atol=1e-9 * scale)
@@ -353,7 +353,7 @@ def test_the_reports_name_what_is_on_and_are_as_they_were_where_nothing_is():
 )
 def test_effects_that_cannot_be_are_refused_in_one_sentence(effects, sentence):
     with pytest.raises(ValueError, match=exactly(sentence)):
-        Unmodelled(**effects)
+        Effects(**effects)
 
 
 def test_the_catalogue_is_for_reading_and_fits_every_shipped_motion():

@@ -247,7 +247,9 @@ def test_all_that_computes_sees_the_same_noise_whichever_way_it_was_given(mode):
     ]
     assert_same(runs[0].measurements, runs[1].measurements, "gyro", "accel", "mag", "range")
     assert_same(runs[0].estimate, runs[1].estimate, "state", "covariance", "rotation")
-    settings = [cascade.Setting(world=r.preset.world, sensors=r.preset.sensors, gains=r.preset.gains) for r in runs]
+    settings = [
+        cascade.ObserverConfig(world=r.preset.world, sensors=r.preset.sensors, gains=r.preset.gains) for r in runs
+    ]
     assert len({cascade.parameters(setting, symmetric=False) for setting in settings}) == 1
     start = cascade.Start(state=np.zeros(13), rotation=np.eye(3))
     short = measured(duration=0.5)

@@ -13,7 +13,7 @@ from rangenav.signals import Turning
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
+class SignalSlot:
     """What tells the edited signals apart on the page."""
 
     unit: str

@@ -1,15 +1,15 @@
 """A constant: three numbers."""
 
-from explorer.panels.motion.families import Place
+from explorer.panels.motion.families import SignalSlot
 from explorer.widgets.controls import Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine
 
 
 class ConstantEditor:
     """A signal that stays what it is: a Multisine of nothing but an offset."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         self._section = section = Section(sheet)
         with section:
             self._value = Vector(section, f"value ({place.unit})", step=place.step, hint=f"{place.unit}, at all times.")

@@ -2,9 +2,9 @@
 
 import msgspec
 
-from explorer.panels.motion.families import Place
+from explorer.panels.motion.families import SignalSlot
 from explorer.widgets.controls import Text, Vector, short
-from explorer.widgets.form import Refused, Section, Sheet
+from explorer.widgets.form import Form, InvalidInputError, Section
 from rangenav.signals import AXES, Flown, Formula
 from rangenav.signals.expressions import MAX_LENGTH
 from rangenav.signals.formula import IDENTITY
@@ -17,7 +17,7 @@ KNOWN = "+ − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their rela
 class FormulaEditor:
     """Three boxes; what turned or moved the path is kept beside them."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         self._signal = Formula()
         self._section = section = Section(sheet)
         with section:
@@ -42,7 +42,7 @@ class FormulaEditor:
             formula = msgspec.structs.replace(self._signal, **texts)
         except ValueError as error:
             self._section.complaint.say(str(error), text=texts.get(str(error)[:1], ""))
-            raise Refused from error
+            raise InvalidInputError from error
         self._section.complaint.clear()
         with self._rest.catching():
             self._signal = msgspec.structs.replace(formula, offset=self._offset.read(), drift=self._drift.read())
@@ -81,7 +81,7 @@ class FormulaEditor:
 class FlownEditor:
     """The body axes follow from the path; only the yaw is chosen."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         del place  # the yaw is an angle whatever the signal's unit
         self._section = section = Section(sheet)
         with section:

@@ -2,8 +2,8 @@
 
 import html
 
-from explorer.panels.motion.families import Place
-from explorer.widgets.form import Section, Sheet
+from explorer.panels.motion.families import SignalSlot
+from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine, Sum, Turning
 
 WORDS = "as in the file"
@@ -21,10 +21,10 @@ LINE = (
 )
 
 
-class GivenEditor:
+class FileSignalEditor:
     """What there is, in words."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         self._section = section = Section(sheet)
         self._signal: Turning = Multisine()
         with section:

@@ -4,9 +4,9 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from explorer.panels.motion.families import Place, table
+from explorer.panels.motion.families import SignalSlot, table
 from explorer.widgets.controls import Choice, Number, Text, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3, require
 from rangenav.signals import MinimumSnap, Waypoint, Waypoints, waypoints
 from rangenav.signals.waypoints import MAX_POINTS
@@ -25,7 +25,7 @@ DEFAULT_GAP = 1.0
 class PointsEditor(Generic[F]):
     """One curve; the table, the chosen point and the handles in the scene all show the same points."""
 
-    def __init__(self, sheet: Sheet, place: Place, first: F) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot, first: F) -> None:
         self._signal, self._index, self._boxed = first, 0, first.points[0]
         self._table = table.Table[Waypoint](COLUMNS, _row, _cells)
         self._section = section = Section(sheet)
@@ -144,12 +144,12 @@ class PointsEditor(Generic[F]):
             self._put(waypoints.delete(self._signal, self._index))
 
 
-def waypoints_editor(sheet: Sheet, place: Place) -> PointsEditor[Waypoints]:
+def waypoints_editor(sheet: Form, place: SignalSlot) -> PointsEditor[Waypoints]:
     """For the C⁸ curve."""
     return PointsEditor(sheet, place, Waypoints(points=_NOWHERE))
 
 
-def minimum_snap_editor(sheet: Sheet, place: Place) -> PointsEditor[MinimumSnap]:
+def minimum_snap_editor(sheet: Form, place: SignalSlot) -> PointsEditor[MinimumSnap]:
     """For the curve of least snap."""
     return PointsEditor(sheet, place, MinimumSnap(points=_NOWHERE))
 

@@ -3,9 +3,9 @@
 import html
 from typing import Literal
 
-from explorer.panels.motion.families import Place, table
+from explorer.panels.motion.families import SignalSlot, table
 from explorer.widgets.controls import Choice, Text
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.signals import Piece, Polynomials, polynomials
 from rangenav.signals.polynomials import Coefficients
 
@@ -17,10 +17,10 @@ MAX_COMPLAINTS = 4
 ENDS: dict[Literal["hold", "repeat"], str] = {"hold": "hold: it stays where it is", "repeat": "repeat: it begins anew"}
 
 
-class PiecesEditor:
+class PolynomialsEditor:
     """The pieces as text, and what happens after the last."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         self._table = _table()
         self._section = section = Section(sheet)
         with section:

@@ -6,9 +6,9 @@ from typing import Literal
 
 import msgspec
 
-from explorer.panels.motion.families import Place
+from explorer.panels.motion.families import SignalSlot
 from explorer.widgets.controls import Dial, Vector
-from explorer.widgets.form import Section, Sheet
+from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine, Tone
 
 NEW = (0.25, 4.0)
@@ -20,7 +20,7 @@ AXES: tuple[Axis, ...] = ("x", "y", "z")
 class SinesEditor:
     """All tones of one signal; added and removed one by one."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         self._sheet, self._place = sheet, place
         self._tones: list[_ToneSection] = []
         self._base: Multisine | None = None
@@ -78,7 +78,7 @@ class _ToneSection:
     """A sin(w t + φ₀) on one axis."""
 
     def __init__(
-        self, sheet: Sheet, place: Place, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
+        self, sheet: Form, place: SignalSlot, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
     ) -> None:
         self.axis: Axis = axis
         self.section = section = Section(sheet, axis, expanded=expanded)
@@ -115,7 +115,7 @@ class _ToneSection:
 class _Rest:
     """Where a signal starts and how it drifts: a line or a hover has nothing else."""
 
-    def __init__(self, sheet: Sheet, place: Place) -> None:
+    def __init__(self, sheet: Form, place: SignalSlot) -> None:
         self.section = section = Section(sheet, "Offset and drift", expanded=False)
         with section:
             hint = f"{place.unit}: added to the tones. It moves a path against the anchor; the excitation stays."

@@ -14,7 +14,7 @@ from explorer.model.gain_units import WORDS, in_words, place_of
 from explorer.model.settings import Language, Settings
 from explorer.panels.dock import Dock
 from explorer.panels.gains import summary
-from explorer.widgets.form import Refused
+from explorer.widgets.form import InvalidInputError
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
 from tests.explorer.panels.test_panels import SHIPPED, client, dock
@@ -179,7 +179,7 @@ def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far:
     for name in WORDS:
         shown = _dial(dock, name).read()
         _dial(dock, name).show(far)
-        with pytest.raises(Refused) as refusal:
+        with pytest.raises(InvalidInputError) as refusal:
             dock.read()
         assert WORDS[name].label in str(refusal.value.__cause__)
         assert dock.gains._physical._sections[name].complaint._line.visible
@@ -191,7 +191,7 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, 
     _speak(dock, "physical")
     good = dock.read()
 
-    def nowhere(settings: Settings) -> gain_units.Place:
+    def nowhere(settings: Settings) -> gain_units.GainContext:
         raise ValueError("distance must lie between 0.001 and 100000 m, got 3e+07")
 
     monkeypatch.setattr("explorer.panels.gains.place_of", nowhere)
@@ -199,7 +199,7 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, 
     assert dock.read().preset.gains == good.preset.gains
     assert "the path&#x27;s typical distance must lie" in dock.gains._physical._noise.complaint._line.content
     _dial(dock, "range_sigma").show(0.5)
-    with pytest.raises(Refused):
+    with pytest.raises(InvalidInputError):
         dock.read()
     _speak(dock, "paper")
     monkeypatch.undo()

@@ -9,7 +9,7 @@ import pytest
 from msgspec.structs import replace
 
 from explorer.server import Sessions
-from explorer.storage.autosave import Kept
+from explorer.storage.autosave import SavedWork
 from rangenav.attitude import Schedule
 from tests.explorer.panels.motion.test_editor import NOT_SHOWN
 from tests.support.waiting_visitor import Editing, newest
@@ -83,7 +83,7 @@ def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(ses
 
 def test_work_kept_before_there_were_languages_is_found(page: Editing):
     old = msgspec.json.encode({"opened": "paper", "settings": page.settings})
-    assert msgspec.json.decode(old, type=Kept).language == "paper"
+    assert msgspec.json.decode(old, type=SavedWork).language == "paper"
 
 
 def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):

@@ -15,7 +15,7 @@ from explorer.model.compute import compute
 from explorer.model.settings import Drafts, Settings
 from explorer.panels.dock import Dock
 from explorer.panels.gains import equilibria, summary
-from explorer.widgets.form import Refused
+from explorer.widgets.form import InvalidInputError
 from rangenav import attitude, so3
 from rangenav.attitude import SCHEDULED, AttitudeGains, Schedule
 from rangenav.gains import Gains
@@ -66,7 +66,7 @@ def test_a_schedule_is_off_by_default_and_tells_what_the_theorem_says(dock: Dock
     dials._on.show(True)
     assert dock.read().preset.gains.attitude.schedule == Schedule()
     dials._steady.show(5.0)
-    with pytest.raises(Refused) as refusal:
+    with pytest.raises(InvalidInputError) as refusal:
         dock.read()
     assert str(refusal.value.__cause__) == "schedule.steady must not exceed k1 (4), got 5"
     assert dials._group.complaint._line.visible

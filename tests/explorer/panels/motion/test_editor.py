@@ -10,7 +10,7 @@ import pytest
 from explorer.model.history import MOMENT
 from explorer.model.settings import Settings
 from explorer.server import Sessions
-from explorer.warming import Warming
+from explorer.shared import Compilation
 from explorer.web.security import open_server
 from rangenav import preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
@@ -486,7 +486,7 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
     back = Wire(port, storage=storage)
     _until_shown(Editing(back, newest(made, back)), expected)
     back.close()
-    server, warming = open_server("127.0.0.1", 0), Warming()
+    server, warming = open_server("127.0.0.1", 0), Compilation()
     again = Sessions(server, house(server, warming))
     warming.start()
     later = Wire(server.get_port(), storage=storage)

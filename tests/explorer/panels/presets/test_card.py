@@ -7,8 +7,8 @@ import msgspec
 import pytest
 
 from explorer.panels.presets.card import card, drawings
-from explorer.storage.certifier import Certifying
-from explorer.storage.import_file import Received, guess
+from explorer.storage.certifier import Certifier
+from explorer.storage.import_file import ImportFile, guess
 from rangenav import certificate, preset
 
 SHIPPED = preset.shipped()
@@ -74,7 +74,7 @@ def test_a_circle_is_drawn_round_and_seen_from_the_side_flat():
 
 
 def test_certificates_come_one_after_the_other_and_are_remembered():
-    certifying, came = Certifying(), threading.Semaphore(0)
+    certifying, came = Certifier(), threading.Semaphore(0)
     contents = [preset.dumps(SHIPPED[name]).encode() for name in ("paper-slow", "soft")] + [b"not a preset"]
     for content in contents:
         assert certifying.find(content, lambda: came.release()) is None
@@ -100,4 +100,4 @@ def test_certificates_come_one_after_the_other_and_are_remembered():
     ],
 )
 def test_a_format_is_guessed_from_name_and_first_line(name: str, content: bytes, form: str):
-    assert guess(Received(name, content)) == form
+    assert guess(ImportFile(name, content)) == form
