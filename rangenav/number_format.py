@@ -1,0 +1,71 @@
+"""How a number is written for people: significant digits, the unit, powers of ten, and a word where there is no number.
+
+    significant(0.01234)            0.0123       fixed-point notation from 0.001 to 9999, which no whole number leaves
+    significant(1.234e-6)           1.23e-6      an exponent without sign and zeros that say nothing
+    quantity(math.nan, "m")         not determined
+    power_of_ten(-6)                10⁻⁶
+
+Certificates and the command line's JSON do not come through here: their sentences are compared byte by byte, and are
+written with Python's own format specifiers.
+"""
+
+import math
+from collections.abc import Iterable
+
+NOT_DETERMINED = "not determined"
+NEVER = "never"
+DASH = "–"
+SMALLEST_FIXED, LARGEST_FIXED = 1e-3, 1e4
+"""Fixed-point notation from the first up to the second: there it is no longer than the other, and easier to read."""
+MINUS = "\N{MINUS SIGN}"
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+CLOSE_UNITS = ("", "°", "%")
+"""Units that follow their number without a space."""
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """The value to so many significant digits, without zeros at the end; a dash for NaN, ∞ and −∞ as they are."""
+    if math.isnan(value):
+        return DASH
+    if math.isinf(value):
+        return "∞" if value > 0 else f"{MINUS}∞"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    size = abs(float(f"{mantissa}e{exponent}"))
+    if size == 0:
+        return "0"
+    if not SMALLEST_FIXED <= size < LARGEST_FIXED:
+        return f"{mantissa.rstrip('0').rstrip('.') if '.' in mantissa else mantissa}e{int(exponent)}"
+    return f"{value:.0f}" if int(exponent) >= digits else f"{value:.{digits}g}"
+
+
+def quantity(value: float | None, unit: str = "", *, digits: int = 3, otherwise: str = NOT_DETERMINED) -> str:
+    """The value with its unit; the word `otherwise` where there is none: None, NaN or ±∞."""
+    if value is None or not math.isfinite(value):
+        return otherwise
+    return f"{significant(value, digits)}{'' if unit in CLOSE_UNITS else ' '}{unit}"
+
+
+def vector(values: Iterable[float], digits: int = 3) -> str:
+    """(1, 2.5, -0.3)"""
+    return f"({', '.join(significant(value, digits) for value in values)})"
+
+
+def percent(share: float) -> str:
+    """A share of 1 as whole percents; a dash for NaN."""
+    return DASH if math.isnan(share) else f"{share:.0%}"
+
+
+def signed(value: float, decimals: int = 3) -> str:
+    """So many decimals, with a minus sign that is as wide as a plus sign."""
+    return f"{value:.{decimals}f}".replace("-", MINUS)
+
+
+def power_of_ten(exponent: int) -> str:
+    """10⁻⁶"""
+    return f"10{str(exponent).translate(SUPERSCRIPTS)}"
+
+
+def subscript(number: int) -> str:
+    """₁₃"""
+    return str(number).translate(SUBSCRIPTS)
