@@ -16,7 +16,7 @@ import numpy as np
 from timing import Target, missing, report, versions
 
 from explorer.model import conversion
-from explorer.model.compute import compute, warm_up
+from explorer.model.compute import compile_kernels, compute
 from explorer.model.settings import Settings
 from rangenav import preset
 from rangenav.signals import MinimumSnap, Waypoints, waypoints
@@ -44,7 +44,7 @@ SLIDERS = (("Gains", "q", "error"), ("Motion", "A (m)", "error"))
 
 def main() -> None:
     """Measure, print."""
-    warm_up(lambda share, words: None)
+    compile_kernels(lambda share, words: None)
     stages = {f"stages, {name} moved": _milliseconds(moved, _opened()) for name, moved in MOVED.items()}
     stages |= {f"stages, one of 12 {name} moved": _milliseconds(_waypoint, _drawn(name)) for name in CURVES}
     drags, pictures = _drags()

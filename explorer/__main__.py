@@ -49,18 +49,28 @@ def serve(arguments: Arguments) -> None:
     from explorer.web.security import close_server, open_server  # here, so that a wrong argument is answered at once
 
     server = open_server(arguments.host, arguments.port)
-    from explorer.server import Sessions
+    from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
     from explorer.storage.files import WorkFiles
     from explorer.web.identity import Slots, connected
 
-    warming, slots = Compilation(), Slots(lambda tab: connected(server, tab))
-    asked = arguments.preset != DEFAULT_PRESET
-    Sessions(server, Shared(shipped=shipped, first=first, asked=asked, warming=warming, store=WorkFiles(), slots=slots))
+    compilation, slots = Compilation(), Slots(lambda tab: connected(server, tab))
+    requested = arguments.preset != DEFAULT_PRESET
+    SessionServer(
+        server,
+        Shared(
+            shipped=shipped,
+            first=first,
+            requested=requested,
+            compilation=compilation,
+            work_files=WorkFiles(),
+            slots=slots,
+        ),
+    )
     url = f"http://{arguments.host}:{server.get_port()}/"
     with urllib.request.urlopen(url, timeout=ANSWER_PATIENCE):
         print(url, flush=True)
-    warming.start()
+    compilation.start()
     if arguments.browser:
         threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
     try:

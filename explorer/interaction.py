@@ -21,7 +21,7 @@ class Interaction:
         self._dock, self._charts, self._scene, self._handles, self._playback = dock, charts, scene, handles, playback
         self._drags = 0
 
-    def take_over(self, picture: Picture | None) -> int | None:
+    def apply(self, picture: Picture | None) -> int | None:
         """Take over all that was done since the last call, on the picture shown: the number of the drag of a handle,
         None if none is held."""
         held = self._handles_moved()

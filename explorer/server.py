@@ -6,17 +6,17 @@ from explorer.session import Session
 from explorer.shared import Shared
 
 
-class Sessions:
+class SessionServer:
     """One session for each connected tab."""
 
-    def __init__(self, server: viser.ViserServer, house: Shared) -> None:
-        self._server, self._house = server, house
+    def __init__(self, server: viser.ViserServer, shared: Shared) -> None:
+        self._server, self._shared = server, shared
         self._of: dict[int, Session] = {}
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)
 
     def _join(self, client: viser.ClientHandle) -> None:
-        session = self._of[client.client_id] = Session(client, self._house)
+        session = self._of[client.client_id] = Session(client, self._shared)
         session.start()
         if client.client_id not in self._server.get_clients():  # gone while it was being greeted
             self._leave(client)

@@ -37,7 +37,7 @@ from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.files import StorageError
 from explorer.web import viewport
-from explorer.web.identity import seat_of
+from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
 from explorer.widgets.form import Form, InvalidInputError
 
@@ -54,15 +54,15 @@ log = logging.getLogger(__name__)
 class Session:
     """Made when a tab connects, stopped when it leaves."""
 
-    def __init__(self, client: viser.ClientHandle, house: Shared) -> None:
-        self._client, self._house = client, house
-        self._shelf = Catalog(house.shipped, house.library, house.certifying)
+    def __init__(self, client: viser.ClientHandle, shared: Shared) -> None:
+        self._client, self._shared = client, shared
+        self._catalog = Catalog(shared.shipped, shared.library, shared.certifier)
         self._wake, self._stopped = threading.Event(), False
         self._picture: Picture | None = None
         self._rests_at: float | None = None
         self._history = History()
-        self._keeping = Autosave(house.store, house.first, self._tell)
-        self._playback = Playback(house.shipped[house.first].duration)
+        self._autosave = Autosave(shared.work_files, shared.first, self._notify)
+        self._playback = Playback(shared.shipped[shared.first].duration)
         self._thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
 
     def start(self) -> None:
@@ -88,29 +88,29 @@ class Session:
                     self._react()
                 self._animate()
                 self._draw_later(time.monotonic())
-                self._keeping.write(time.monotonic())
+                self._autosave.write(time.monotonic())
         self._leave()
 
     def _patience(self, now: float) -> float | None:
         """How long (s) to sleep if nothing happens: until the next frame, or until work should be written."""
         later = None if self._rests_at is None else max(0.0, self._rests_at - now)
-        waits = [wait for wait in (self._playback.wait(now), self._keeping.wait(now), later) if wait is not None]
+        waits = [wait for wait in (self._playback.wait(now), self._autosave.wait(now), later) if wait is not None]
         return min(waits, default=None)
 
     def _leave(self) -> None:
         """Write what is left, and only then give the place in the browser to whoever comes next."""
         self._jobs.cancel()
         self._dock.compare.stop()
-        if self._house.slots.has(self._client.client_id):
-            self._keeping.write(time.monotonic(), at_once=True)
-        self._house.slots.free(self._client.client_id)
+        if self._shared.slots.has(self._client.client_id):
+            self._autosave.write(time.monotonic(), at_once=True)
+        self._shared.slots.free(self._client.client_id)
 
     def _build(self) -> None:
         client = self._client
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self._sheet, self._jobs = Form(client.gui, self._wake.set), Jobs(self._wake.set)
+        self._form, self._jobs = Form(client.gui, self._wake.set), Jobs(self._wake.set)
         requests = Requests(
             undo=self._undo,
             redo=self._redo,
@@ -119,48 +119,48 @@ class Session:
             download=self._download,
             send=self._send,
         )
-        self._dock = Dock(self._sheet, self._shelf, self._house.first, requests, self._jobs)
+        self._dock = Dock(self._form, self._catalog, self._shared.first, requests, self._jobs)
         wide = viewport.width(client, canvas, WIDTH)
         narrow = viewport.is_narrow(wide)
-        self._charts = Charts(client, narrow=narrow, note=self._wake.set)
+        self._charts = Charts(client, narrow=narrow, wake=self._wake.set)
         with self._dock.tabs.add_tab("Export"):
-            ExportPanel(self._sheet, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
-        self._sheet.command("Show all curves", self._charts.show_all)
-        self._timeline = TimelinePanel(self._sheet, self._playback, room=wide - WIDTH - self._charts.width)
+            ExportPanel(self._form, TITLES, Sources(plan=self._charts.plan, settings=self._named, send=self._send))
+        self._form.command("Show all curves", self._charts.show_all)
+        self._timeline = TimelinePanel(self._form, self._playback, room=wide - WIDTH - self._charts.width)
         self._scene = Scene(client, self._wake.set)
         self._handles = DragHandles(client.scene, self._wake.set)
-        self._sheet.command("Let go of the handle", self._handles.let_go, key="escape")
-        self._following = Interaction(self._dock, self._charts, self._scene, self._handles, self._playback)
+        self._form.command("Let go of the handle", self._handles.let_go, key="escape")
+        self._interaction = Interaction(self._dock, self._charts, self._scene, self._handles, self._playback)
         self._restore()
 
     def _restore(self) -> None:
         """Show what this tab's visitor had; another preset asked for on the command line comes first, and undo then
         brings the work back."""
         try:
-            kept = self._keeping.find(seat_of(self._client, self._house.slots))
+            kept = self._autosave.find(session_key(self._client, self._shared.slots))
         except StorageError as reason:
-            kept = self._tell(str(reason))
+            kept = self._notify(str(reason))
         if kept is None:
             return
-        self._dock.gains.speak(kept.language)
+        self._dock.gains.use_units(kept.language)
         settings = kept.settings
-        if settings.origin not in self._shelf.presets:  # imported and not saved, or deleted meanwhile: it has no file
-            origin = self._shelf.lend(settings.preset).origin
+        if settings.origin not in self._catalog.presets:  # imported and not saved, or deleted meanwhile: it has no file
+            origin = self._catalog.add_imported(settings.preset).origin
             settings = msgspec.structs.replace(settings, origin=origin, edition="")
-        if kept.opened == self._house.first or not self._house.asked:
+        if kept.opened == self._shared.first or not self._shared.requested:
             self._dock.write(settings)
-        self._history.note(settings, time.monotonic(), apart=True)
+        self._history.record(settings, time.monotonic(), apart=True)
 
     def _wait_until_warm(self) -> None:
-        while not (self._house.warming.done or self._stopped):
-            self._dock.verdict.progress(self._house.warming.fraction, self._house.warming.what)
+        while not (self._shared.compilation.done or self._stopped):
+            self._dock.verdict.progress(self._shared.compilation.fraction, self._shared.compilation.what)
             time.sleep(PROGRESS_PERIOD)
         self._dock.verdict.progress(1.0, "ready")
 
     def _react(self) -> None:
         """Take in what the visitor did, and draw if that changes the picture."""
         shown = self._took_in()
-        self._sheet.refresh()
+        self._form.refresh()
         self._dock.progress.draw()
         self._dock.presets.refresh()
         if not shown:
@@ -170,21 +170,21 @@ class Session:
         """Whether what is chosen now could be shown; if not, the visitor has been told why."""
         began = time.monotonic()
         with contextlib.suppress(InvalidInputError), self._dock.catching():
-            pressed = self._sheet.carry_out()
+            pressed = self._form.run_actions()
             self._jobs.deliver()
-            hold = self._following.take_over(self._picture)
+            hold = self._interaction.apply(self._picture)
             if self._dock.chosen_preset != self._dock.origin:
                 self._open(self._dock.chosen_preset)
             settings = self._dock.read()
             self._dock.compare.read()
             shown = self._picture
             picture = shown if shown is not None and settings == shown.settings else compute.compute(settings)
-            self._keeping.note(settings, self._dock.gains.language)  # before it is drawn: the tab may be gone by then
+            self._autosave.remember(settings, self._dock.gains.units)  # before it is drawn: the tab may be gone by then
             if picture is not shown:
                 self._show(picture)
                 chosen = self._history.now is not None and self._history.now.origin != settings.origin
-                self._history.note(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
-            elif self._dock.news:
+                self._history.record(settings, began, shown=time.monotonic(), apart=pressed or chosen, hold=hold)
+            elif self._dock.changed:
                 self._draw(picture)
             return True
         return False
@@ -196,7 +196,7 @@ class Session:
             self._draw_depth(picture)
         else:
             self._draw(picture)
-        self._sheet.forget_answer()
+        self._form.forget_answer()
 
     def _draw_handles(self) -> None:
         if self._picture is not None and self._scene.stage is not None:
@@ -248,7 +248,7 @@ class Session:
         """What is chosen, and the name of its file."""
         settings = self._dock.read()
         return preset_file.file_name(
-            settings.origin, effective(settings), self._shelf.presets[settings.origin]
+            settings.origin, effective(settings), self._catalog.presets[settings.origin]
         ), settings
 
     def _send(self, name: str, content: bytes) -> None:
@@ -257,7 +257,7 @@ class Session:
     def _draw(self, picture: Picture) -> None:
         self._picture = picture
         self._playback.fit(picture.preset.duration)
-        beside = self._dock.beside(picture)
+        beside = self._dock.comparison(picture)
         with self._client.atomic():
             self._charts.draw(picture, beside)
             self._charts.cursor(picture, self._playback.time)
@@ -303,7 +303,7 @@ class Session:
             self._charts.cursor(self._picture, self._playback.time)
             self._timeline.write(now)
 
-    def _tell(self, sentence: str) -> None:
+    def _notify(self, sentence: str) -> None:
         """Something about keeping work, once."""
         self._client.add_notification("Your work", sentence, color="orange", auto_close_seconds=12)
 

@@ -35,16 +35,16 @@ class Compilation:
         from explorer.model import compute  # here, so that the page answers before numpy's heavier friends are loaded
 
         try:
-            compute.warm_up(self._progress)
+            compute.compile_kernels(self._progress)
         except Exception:
             log.exception("the kernels could not be compiled ahead; they will be when first used")
         self.fraction = 1.0
         from explorer.model import details
 
-        details.load_slow()  # a second that no picture need wait for: only the frozen-time test does
+        details.import_control()  # a second that no picture need wait for: only the frozen-time test does
         time.sleep(AFTERTHOUGHT)
         try:
-            compute.warm_up_estimators()
+            compute.compile_estimators()
         except Exception:
             log.exception("the estimators beside the cascade could not be compiled ahead")
 
@@ -59,10 +59,10 @@ class Shared:
     shipped: dict[str, Preset]
     first: str
     """The preset that a new visitor sees."""
-    asked: bool
+    requested: bool
     """Whether it was asked for on the command line."""
-    warming: Compilation
-    store: WorkFiles
+    compilation: Compilation
+    work_files: WorkFiles
     slots: Slots
     library: Library = field(default_factory=Library)
-    certifying: Certifier = field(default_factory=Certifier)
+    certifier: Certifier = field(default_factory=Certifier)

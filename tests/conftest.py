@@ -42,14 +42,14 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
 @pytest.fixture(scope="module")
 def sessions():
     """(port, Sessions) of a server of this module's own."""
-    from explorer.server import Sessions
+    from explorer.server import SessionServer
     from explorer.shared import Compilation
     from explorer.web.security import open_server
-    from tests.support.shared_server import house
+    from tests.support.shared_server import shared
 
-    server, warming = open_server("127.0.0.1", 0), Compilation()
-    made = Sessions(server, house(server, warming))
-    warming.start()
+    server, compilation = open_server("127.0.0.1", 0), Compilation()
+    made = SessionServer(server, shared(server, compilation))
+    compilation.start()
     yield server.get_port(), made
     server.stop()
 

@@ -28,9 +28,9 @@ def _nothing() -> None:
 class Charts:
     """All plots of one visitor: two columns beside each other, or one column of tabs."""
 
-    def __init__(self, client: ClientHandle, *, narrow: bool, note: Callable[[], None] = _nothing) -> None:
+    def __init__(self, client: ClientHandle, *, narrow: bool, wake: Callable[[], None] = _nothing) -> None:
         """`note` is called when the mouse has news; then `cursor` takes it in."""
-        self._client, self._pointer = client, Pointer(note)
+        self._client, self._pointer = client, Pointer(wake)
         self._narrow = narrow
         self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None

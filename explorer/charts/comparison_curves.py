@@ -84,7 +84,7 @@ def _layers(plot: Plot, drawing: Drawing, picture: Picture, beside: Comparison, 
     errors = plot.name in ERRORS
     found = [_seeds(plot, drawing.time, beside.seeds)] if errors and beside.seeds is not None else []
     found += [_again(plot, drawing.time, kept)] if kept is not None and plot.again else []
-    return found + ([_rival(plot, drawing.time, rival) for rival in beside.rivals] if errors else [])
+    return found + ([_rival(plot, drawing.time, baseline) for baseline in beside.baselines] if errors else [])
 
 
 def _again(plot: Plot, time: Float[Array, "n"], kept: Pinned) -> Layer:
@@ -108,14 +108,14 @@ def _again(plot: Plot, time: Float[Array, "n"], kept: Pinned) -> Layer:
     return Layer(looks, read, drawn, drawing.axis)
 
 
-def _rival(plot: Plot, time: Float[Array, "n"], rival: Baseline) -> Layer:
+def _rival(plot: Plot, time: Float[Array, "n"], baseline: Baseline) -> Layer:
     """Another estimator's error; nothing while it is at work, so that the legend need not come and go."""
     read = np.full((len(time), 1), np.nan)
-    if rival.contender is not None:
-        error = _in_unit(plot, getattr(rival.contender.errors, plot.name))
+    if baseline.candidate is not None:
+        error = _in_unit(plot, getattr(baseline.candidate.errors, plot.name))
         read = curves.end_at_first_nan(np.where(np.isfinite(error), error, np.nan)[:, None])
     axis = curves.decades(read, low_quantile=plots.SMALLEST_SHARE)
-    return Layer((RIVALS[rival.name],), read, curves.onto_log_axis(read, axis), axis, REACH)
+    return Layer((RIVALS[baseline.name],), read, curves.onto_log_axis(read, axis), axis, REACH)
 
 
 def _seeds(plot: Plot, time: Float[Array, "n"], runs: Ensemble) -> Layer:

@@ -112,7 +112,9 @@ def say_depth(picture: Picture) -> tuple[str, ...]:
     tied, unseen = "; ".join(found.functions.relations), "; ".join(found.functions.unseen)
     relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are independent."
     blind = f"So no range of it feels these changes of the state: {unseen}." if unseen else ""
-    return tuple(line for line in (found.horizon.words, relations, blind, details.frozen_words(picture.preset)) if line)
+    return tuple(
+        line for line in (found.horizon.words, relations, blind, details.frozen_summary(picture.preset)) if line
+    )
 
 
 def say_twin(picture: Picture) -> tuple[str, ...]:

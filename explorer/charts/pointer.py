@@ -88,9 +88,9 @@ def curve_id(plot: Plot, column: int) -> str:
 class Pointer:
     """Where the mouse is on a time axis, and the legend entries clicked since last asked."""
 
-    def __init__(self, note: Callable[[], None]) -> None:
+    def __init__(self, wake: Callable[[], None]) -> None:
         """`note` is called from viser's threads when there is news."""
-        self._note, self._lock = note, threading.Lock()
+        self._wake, self._lock = wake, threading.Lock()
         self._place: float | None = None
         self._clicks: deque[str] = deque(maxlen=MAX_CLICKS)
         self._brush: tuple[float, float] | None = None
@@ -135,4 +135,4 @@ class Pointer:
                     self._brush = (min(float(brush[2]), float(brush[3])), max(float(brush[2]), float(brush[3])))
                 else:
                     self._clicks.append(found[2])
-        self._note()
+        self._wake()

@@ -43,7 +43,7 @@ class Baseline(NamedTuple):
     """Another estimator on the record of the run on view."""
 
     name: Name
-    contender: Candidate | None
+    candidate: Candidate | None
     """None while it is still at work."""
 
 
@@ -52,7 +52,7 @@ class Comparison:
     """All of it; each part may be missing."""
 
     pinned: Picture | None = None
-    rivals: tuple[Baseline, ...] = ()
+    baselines: tuple[Baseline, ...] = ()
     seeds: Ensemble | None = None
     basin: Basin | None = None
 
@@ -71,7 +71,7 @@ def form_of(picture: Picture) -> ModelForm:
     return "printed" if picture.settings.printed.model else "derived"
 
 
-def rival(name: Name, picture: Picture) -> Candidate:
+def run_baseline(name: Name, picture: Picture) -> Candidate:
     """Run another estimator on the record of a picture: the EKF takes 20 ms for 20 s at 200 Hz, the refinement 200.
 
     Raises ValueError if the record has no ranges, or is too long for a covariance of each sample.

@@ -95,14 +95,14 @@ def compute(settings: Settings) -> Picture:
     )
 
 
-def warm_up(progress: Callable[[float, str], None]) -> None:
+def compile_kernels(progress: Callable[[float, str], None]) -> None:
     """Compile the kernels (seconds the first time ever, then read from disk), saying how far it has come."""
     from rangenav.kernels import precompile
 
     precompile.compile_all(progress)
 
 
-def warm_up_estimators() -> None:
+def compile_estimators() -> None:
     """The same for what may be switched on beside the cascade, which no picture waits for."""
     from rangenav.kernels import precompile
 

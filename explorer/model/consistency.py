@@ -50,7 +50,7 @@ class RunConsistency:
     """m, RMS."""
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """Too sure, too cautious, or consistent."""
         if np.isnan(self.nees):
             return "nothing to judge by"

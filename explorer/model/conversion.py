@@ -39,7 +39,7 @@ DECIMALS = 3
 """Of drafted points: millimetres, readable where they are typed."""
 
 
-def kind_of(signal: Turning) -> FamilyName:
+def family_of(signal: Turning) -> FamilyName:
     """Under which word the signal is chosen."""
     match signal:
         case Multisine():
@@ -58,7 +58,7 @@ def kind_of(signal: Turning) -> FamilyName:
             return "given"
 
 
-def drafted(signal: Turning, kind: FamilyName, duration: float) -> Turning:
+def converted(signal: Turning, kind: FamilyName, duration: float) -> Turning:
     """A signal of another family that is or resembles the given one over a flight (s)."""
     if kind == "flown" or kind == "constant" or isinstance(signal, Flown):
         return _apart(signal, kind)
@@ -79,7 +79,7 @@ def _apart(signal: Turning, kind: FamilyName) -> Turning:
     still = Multisine()
     if kind in ("constant", "multisine"):
         return still if isinstance(signal, Flown) else Multisine(offset=_rounded(signal(np.zeros(()))))
-    return drafted(still, kind, 1.0)
+    return converted(still, kind, 1.0)
 
 
 def sines(signal: Family, duration: float) -> Multisine:

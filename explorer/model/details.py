@@ -69,14 +69,14 @@ def excitation_at(preset: Preset, time: float) -> Ellipsoid:
     return _ellipsoid(preset.path, last * k / (WINDOWS - 1), window)
 
 
-def load_slow() -> None:
+def import_control() -> None:
     """Import what the frozen-time test needs; for a thread, after the first picture."""
     import control  # noqa: F401
 
     LOADED.set()
 
 
-def frozen_words(preset: Preset) -> str:
+def frozen_summary(preset: Preset) -> str:
     """The frozen-time ranks at the start of the window of least rank, beside its own; empty until `load_slow`."""
     if not LOADED.is_set():
         return ""

@@ -31,7 +31,7 @@ class GainContext(Input, frozen=True, kw_only=True):
 
 
 @dataclass(frozen=True)
-class Word:
+class GainLabel:
     """What a physical word is called on the page."""
 
     label: str
@@ -43,31 +43,35 @@ class Word:
     hint: str
 
 
-WORDS = {
-    "range_sigma": Word(
+GAIN_LABELS = {
+    "range_sigma": GainLabel(
         "noise σ of range", "m", (1e-3, 10.0), "σ of one range for which q = rate/(d²σ² + ½σ⁴) is made."
     ),
-    "accel_sigma": Word("noise σ of accel", "m/s²", (1e-3, 10.0), "σ of one accelerometer sample; decides V(ξ)."),
-    "gyro_sigma": Word("noise σ of gyro", "rad/s", (1e-4, 1.0), "σ of one gyro sample; decides V(g) = ⅔|g|²σ²/rate."),
-    "position_factor": Word(
+    "accel_sigma": GainLabel("noise σ of accel", "m/s²", (1e-3, 10.0), "σ of one accelerometer sample; decides V(ξ)."),
+    "gyro_sigma": GainLabel(
+        "noise σ of gyro", "rad/s", (1e-4, 1.0), "σ of one gyro sample; decides V(g) = ⅔|g|²σ²/rate."
+    ),
+    "position_factor": GainLabel(
         "position factor", "", (1e-2, 1e3), "V(p) over what the gyro's noise alone makes of it; 1 adds nothing."
     ),
-    "velocity_factor": Word(
+    "velocity_factor": GainLabel(
         "velocity factor", "", (1e-2, 1e3), "V(v) over what gyro and accelerometer noise make of it; 1 adds nothing."
     ),
-    "position_box": Word(
+    "position_box": GainLabel(
         "position box ±",
         "m",
         (0.1, 100.0),
         "The start may be wrong by this much on each axis; P₀(p) = b²/3 of that box.",
     ),
-    "velocity_box": Word("velocity box ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
-    "gravity_box": Word("gravity box ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
-    "xi_factor": Word("factor on P₀(ξ)", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."),
-    "attitude_time": Word(
+    "velocity_box": GainLabel("velocity box ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
+    "gravity_box": GainLabel("gravity box ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
+    "xi_factor": GainLabel(
+        "factor on P₀(ξ)", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."
+    ),
+    "attitude_time": GainLabel(
         "slowest time T", "s", (0.02, 100.0), "Slowest time constant of a small attitude error; decides k1."
     ),
-    "gravity_weight": Word(
+    "gravity_weight": GainLabel(
         "gravity weight",
         "",
         (1e-2, 1e2),
@@ -76,7 +80,7 @@ WORDS = {
 }
 
 
-def place_of(settings: Settings) -> GainContext:
+def context_of(settings: Settings) -> GainContext:
     """Where gains are put into words: the path as it is flown. Raises ValueError if it has no typical state."""
     p = effective(settings)
     return GainContext(at=_typical(p.path, p.world, p.duration), world=p.world, sensors=p.sensors)
@@ -87,7 +91,7 @@ def _typical(path: Signal, world: World, duration: float) -> Typical:
     return physical_gains.typical(path, world, duration)
 
 
-def in_words(gains: Gains, place: GainContext) -> PhysicalGains:
+def in_physical_units(gains: Gains, place: GainContext) -> PhysicalGains:
     """What gains stand for; mode and schedule are the same in both languages, and left out. Raises ValueError where
     they stand for nothing sensible, as where there is next to no gravity."""
     plain = replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None))
@@ -97,7 +101,7 @@ def in_words(gains: Gains, place: GainContext) -> PhysicalGains:
         raise ValueError("they are beyond all numbers in this world") from None
 
 
-def understood(words: PhysicalGains, place: GainContext, known: Iterable[Gains]) -> Gains:
+def in_paper_units(words: PhysicalGains, place: GainContext, known: Iterable[Gains]) -> Gains:
     """The gains of some words; those that would be found for known gains too are theirs to the last bit. Raises
     ValueError, in the page's own words, if one asks for a gain outside its range."""
     at, rest = place.at, {"world": place.world, "sensors": place.sensors}
@@ -105,8 +109,8 @@ def understood(words: PhysicalGains, place: GainContext, known: Iterable[Gains])
     return physical_gains.keeping(physical_gains.to_paper(words, at, **rest), plain, at, **rest)
 
 
-def labelled(sentence: str) -> str:
+def with_page_labels(sentence: str) -> str:
     """A sentence of the model in the labels of the page."""
-    for name, word in WORDS.items():
+    for name, word in GAIN_LABELS.items():
         sentence = sentence.replace(name, word.label)
     return sentence

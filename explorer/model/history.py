@@ -33,7 +33,7 @@ class History:
         """How many steps can be undone, and redone."""
         return max(len(self._past) - 1, 0), len(self._future)
 
-    def note(
+    def record(
         self,
         settings: Settings,
         time: float,

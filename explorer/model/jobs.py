@@ -40,9 +40,9 @@ class Job:
 class Jobs:
     """At most one job of one visitor; starting another cancels it."""
 
-    def __init__(self, note: Callable[[], None]) -> None:
+    def __init__(self, wake: Callable[[], None]) -> None:
         """`note` wakes the session's loop, from the job's thread."""
-        self._note = note
+        self._wake = wake
         self._job: Job | None = None
         self._told = float("-inf")
 
@@ -63,7 +63,7 @@ class Jobs:
         if self._job is not None:
             self._job.cancelled = True
             self._job = None
-            self._note()
+            self._wake()
 
     def deliver(self) -> None:
         """Hand over what is finished. Raises what the work raised, but for ValueError and Stopped."""
@@ -86,11 +86,11 @@ class Jobs:
             now = time.monotonic()
             if now - self._told > NEWS:
                 self._told = now
-                self._note()
+                self._wake()
 
         try:
             job.result = job.work(progress, lambda: job.cancelled)
         except Exception as error:
             job.error = error
         job.finished = True
-        self._note()
+        self._wake()

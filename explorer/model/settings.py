@@ -10,7 +10,7 @@ from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.preset import Preset
 from rangenav.signals import Family, Turning
 
-Language = Literal["paper", "physical"]
+GainUnits = Literal["paper", "physical"]
 """In which gains are shown. A choice of view and none of Settings: it changes nothing, so it is no step to undo."""
 MIN_TIME_SCALE, MAX_TIME_SCALE = 0.1, 10.0
 MAX_DRAFTS = 8

@@ -61,45 +61,45 @@ class Requests:
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, sheet: Form, shelf: Catalog, name: str, requests: Requests, jobs: Jobs) -> None:
-        gui, self._presets = sheet.gui, shelf.presets
+    def __init__(self, form: Form, catalog: Catalog, name: str, requests: Requests, jobs: Jobs) -> None:
+        gui, self._presets = form.gui, catalog.presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": sheet.reset_all}
-        sheet.buttons("", steps, hint=HISTORY_HINT)
-        _commands(sheet, requests)
+        steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": form.reset_all}
+        form.buttons("", steps, hint=HISTORY_HINT)
+        _commands(form, requests)
         gui.add_html(TABS)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
-            self.motion = motion.MotionPanel(sheet, self._edit_path)
+            self.motion = motion.MotionPanel(form, self._edit_path)
         with tabs.add_tab("World"):
-            self.world = WorldPanel(sheet, self._relabel)
-            self.twin = TwinPanel(sheet)
-            self.vehicle = VehiclePanel(sheet)
+            self.world = WorldPanel(form, self._relabel)
+            self.twin = TwinPanel(form)
+            self.vehicle = VehiclePanel(form)
         with tabs.add_tab("Sensors"):
-            self.sensors = sensors.SensorsPanel(sheet)
+            self.sensors = sensors.SensorsPanel(form)
         with tabs.add_tab("Gains"):
-            self.gains = GainsPanel(sheet)
-            self.guess = GuessPanel(sheet)
-            self.tuning = TuningPanel(sheet, self, jobs)
-            self.basin = BasinPanel(sheet, self, jobs)
+            self.gains = GainsPanel(form)
+            self.guess = GuessPanel(form)
+            self.tuning = TuningPanel(form, self, jobs)
+            self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
-            asked = {"again": requests.again, "paper": requests.paper, "download": requests.download}
-            uploads = Uploads(gui, sheet.do)
-            self.presets = PresetsPanel(sheet, shelf, self, uploads, **asked)
-            RepairPanel(sheet, self, jobs, pin=lambda: self.compare.pin())
-            PackPanel(sheet, shelf, self, jobs, requests.send)
-            ImportPanel(sheet, shelf, self, jobs, uploads, judge=lambda found: flights.take(found))
-            flights = FlightPanel(sheet, jobs)
-            self.printed = PrintedPanel(sheet)
+            actions = {"again": requests.again, "paper": requests.paper, "download": requests.download}
+            uploads = Uploads(gui, form.do)
+            self.presets = PresetsPanel(form, catalog, self, uploads, **actions)
+            RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
+            PackPanel(form, catalog, self, jobs, requests.send)
+            ImportPanel(form, catalog, self, jobs, uploads, judge=lambda found: flights.take(found))
+            flights = FlightPanel(form, jobs)
+            self.printed = PrintedPanel(form)
         with tabs.add_tab("Compare"):
-            self.compare = ComparePanel(sheet, jobs)
+            self.compare = ComparePanel(form, jobs)
         panel = gui.add_panel()
         with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
-            self.progress = ProgressPanel(sheet, jobs)
+            self.progress = ProgressPanel(form, jobs)
             self.verdict = VerdictPanel(gui)
         panel.dock_below(gui.main_panel)
-        self.write(shelf.open(name))
+        self.write(catalog.open(name))
 
     def read(self) -> Settings:
         """What the visitor has chosen. Raises Refused after saying why beside the control, or ValueError if it does not
@@ -174,13 +174,13 @@ class Dock:
         self.presets.draw(picture)
 
     @property
-    def news(self) -> bool:
+    def changed(self) -> bool:
         """Whether what stands beside the picture has changed since it was drawn last."""
-        return self.compare.news or self.basin.news
+        return self.compare.changed or self.basin.changed
 
-    def beside(self, picture: Picture) -> Comparison:
+    def comparison(self, picture: Picture) -> Comparison:
         """What to draw beside a picture."""
-        return replace(self.compare.beside(picture), basin=self.basin.shown(picture))
+        return replace(self.compare.comparison(picture), basin=self.basin.shown(picture))
 
     @property
     def chosen_preset(self) -> str:
@@ -230,11 +230,11 @@ class Dock:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
 
 
-def _commands(sheet: Form, requests: Requests) -> None:
-    sheet.command("Undo", requests.undo, key="Z", modifier="cmd/ctrl")
-    sheet.command("Redo", requests.redo, key="Z", modifier="cmd/ctrl+shift")
-    sheet.command("Reset the last control", sheet.reset_last)
-    sheet.command("Reset all controls", sheet.reset_all)
+def _commands(form: Form, requests: Requests) -> None:
+    form.command("Undo", requests.undo, key="Z", modifier="cmd/ctrl")
+    form.command("Redo", requests.redo, key="Z", modifier="cmd/ctrl+shift")
+    form.command("Reset the last control", form.reset_last)
+    form.command("Reset all controls", form.reset_all)
 
 
 def _family(signal: Family) -> Family:

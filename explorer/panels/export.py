@@ -40,20 +40,20 @@ class Sources:
 class ExportPanel:
     """A picker of plots with its buttons, and the lines of Python."""
 
-    def __init__(self, sheet: Form, titles: dict[str, str], sources: Sources) -> None:
+    def __init__(self, form: Form, titles: dict[str, str], sources: Sources) -> None:
         """`titles` of the plots by their names."""
-        self._sheet, self._sources = sheet, sources
+        self._form, self._sources = form, sources
         self._names = {title: name for name, title in titles.items()}
         self._worker: threading.Thread | None = None
-        self._plots = Section(sheet, "A plot as a file")
+        self._plots = Section(form, "A plot as a file")
         with self._plots:
-            self._menu = sheet.gui.add_dropdown("plot", tuple(self._names), hint=PLOT_HINT)
+            self._menu = form.gui.add_dropdown("plot", tuple(self._names), hint=PLOT_HINT)
             kinds: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
-            sheet.buttons("file", {label: partial(self._make, kind) for label, kind in kinds.items()}, hint=FILE_HINT)
-        with Section(sheet, "The same in Python"):
-            sheet.buttons("Python", {"lines": self._lines, "preset file": self._preset}, hint=LINES_HINT)
-            self._shown = sheet.gui.add_html("")
-        sheet.command("Lines of Python for what is on the page", self._lines)
+            form.buttons("file", {label: partial(self._make, kind) for label, kind in kinds.items()}, hint=FILE_HINT)
+        with Section(form, "The same in Python"):
+            form.buttons("Python", {"lines": self._lines, "preset file": self._preset}, hint=LINES_HINT)
+            self._shown = form.gui.add_html("")
+        form.command("Lines of Python for what is on the page", self._lines)
 
     def _make(self, kind: PlotFormat) -> None:
         """Write a file in a thread of its own: a picture takes half a second, a long table longer."""
@@ -70,9 +70,9 @@ class ExportPanel:
         try:
             content = write()
         except Exception as error:
-            self._sheet.do(partial(_fail, error))
+            self._form.do(partial(_fail, error))
         else:
-            self._sheet.do(partial(self._sources.send, name, content))
+            self._form.do(partial(self._sources.send, name, content))
 
     def _lines(self) -> None:
         file, settings = self._sources.settings()

@@ -42,9 +42,9 @@ KEEP_CAMERA_STILL = (
 class TimelinePanel:
     """The floating panel at the bottom."""
 
-    def __init__(self, sheet: Form, playback: Playback, *, room: float) -> None:
+    def __init__(self, form: Form, playback: Playback, *, room: float) -> None:
         """`room` (px) is what the docks leave between them."""
-        self._sheet, self._playback = sheet, playback
+        self._form, self._playback = form, playback
         self._shown, self._written = 0.0, -REDRAW
         actions = {
             "home": lambda: playback.seek(0.0),
@@ -55,20 +55,20 @@ class TimelinePanel:
             "faster": lambda: playback.change_speed(+1),
             "loop": playback.toggle_loop,
         }
-        panel = sheet.gui.add_panel()
+        panel = form.gui.add_panel()
         with panel.add_tab("Timeline", viser.Icon.CLOCK_PLAY):
-            self._section = Section(sheet)
+            self._section = Section(form)
             with self._section:
                 hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
-                self._scrub = sheet.gui.add_slider("t (s)", 0.0, playback.duration, 0.01, 0.0, hint=hint)
+                self._scrub = form.gui.add_slider("t (s)", 0.0, playback.duration, 0.01, 0.0, hint=hint)
                 hint = "Keys: space plays and pauses, ← and → step, Home goes to the start. All commands: Ctrl+K."
                 named = {label: actions[name] for label, name in BUTTONS.items()}
-                self._buttons = sheet.buttons("", named, hint=hint)
-                sheet.gui.add_html(KEEP_CAMERA_STILL)
+                self._buttons = form.buttons("", named, hint=hint)
+                form.gui.add_html(KEEP_CAMERA_STILL)
         panel.float(x=GAP, y=-GAP, width=round(min(max(room - 2 * GAP, NARROWEST), WIDEST)))
-        when_moved(self._scrub, lambda: sheet.do(self._scrubbed, step=False))
+        when_moved(self._scrub, lambda: form.do(self._scrubbed, step=False))
         for name, (label, key) in KEYS.items():
-            sheet.command(label, actions[name], key=key)
+            form.command(label, actions[name], key=key)
 
     def write(self, now: float) -> None:
         """Show where the playhead is."""
@@ -83,7 +83,7 @@ class TimelinePanel:
 
     def _follow(self, moment: float, now: float, *, playing: bool) -> None:
         """Move the slider, but never over what the visitor has set it to in the meantime."""
-        if moment == self._shown or self._sheet.waiting or (playing and now - self._written < REDRAW):
+        if moment == self._shown or self._form.waiting or (playing and now - self._written < REDRAW):
             return
         self._scrub.value = self._shown = moment
         self._written = now

@@ -47,7 +47,7 @@ BLACK_ENDS = np.zeros((1, 2, 3), dtype=np.uint8)
 class Scene:
     """All 3-D nodes of one visitor."""
 
-    def __init__(self, client: ClientHandle, note: Callable[[], None]) -> None:
+    def __init__(self, client: ClientHandle, wake: Callable[[], None]) -> None:
         """`note` is called from viser's threads when the twin was dragged."""
         self._client = client
         scene = client.scene
@@ -98,7 +98,7 @@ class Scene:
         self._north = Arrow(scene, "/compass/magnetic", "m", PURPLE)
         self._north_estimate = Arrow(scene, "/compass/magnetic_estimate", "m est.", LIGHT_PURPLE)
         self._far = Arrow(scene, "/compass/far", "", VERMILLION)
-        self._twin, self._excitation = TwinGhost(scene, note), ExcitationEllipsoid(scene)
+        self._twin, self._excitation = TwinGhost(scene, wake), ExcitationEllipsoid(scene)
         self._blind = [Arrow(scene, f"/blind{i}", "", ORANGE, both_ways=True) for i in range(MAX_BLIND)]
 
     def twin_dragged(self) -> Vec3 | None:

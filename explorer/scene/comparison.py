@@ -55,7 +55,7 @@ class ComparisonNodes:
             if other:
                 self._path.points = _on_stage(stages.solid(a.motion, on), on)
             dash(self._trail, stages.not_astray(a, on), on, PURPLE, per_radius=PINNED_DASHES)
-        paths = {name: _positions(picture, contender) for name, contender in beside.rivals if contender is not None}
+        paths = {name: _positions(picture, candidate) for name, candidate in beside.baselines if candidate is not None}
         for name, line in self._rivals.items():
             if name in paths:
                 color, per_radius = RIVALS[name]
@@ -92,9 +92,9 @@ def dash(
         line.points, line.colors = dashes.astype(np.float32), colors.astype(np.uint8)
 
 
-def _positions(picture: Picture, contender: Candidate) -> Float[Array, "n 3"]:
+def _positions(picture: Picture, candidate: Candidate) -> Float[Array, "n 3"]:
     with np.errstate(over="ignore", invalid="ignore"):
-        return contender.estimate.position(picture.preset.world)
+        return candidate.estimate.position(picture.preset.world)
 
 
 def _on_stage(segments: Float[Array, "m 2 3"], on: SceneBounds) -> Array:

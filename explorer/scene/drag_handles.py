@@ -68,9 +68,9 @@ class _Handle:
 class DragHandles:
     """All handles of one visitor."""
 
-    def __init__(self, scene: SceneApi, note: Callable[[], None]) -> None:
+    def __init__(self, scene: SceneApi, wake: Callable[[], None]) -> None:
         """`note` is called from viser's loop when there is something to take; it may set an event and nothing else."""
-        self._scene, self._note, self._lock = scene, note, threading.Lock()
+        self._scene, self._wake, self._lock = scene, wake, threading.Lock()
         self._anchor = self._add("anchor", 0)
         self._waypoints: list[_Handle] = []
         self._shown = 0
@@ -195,14 +195,14 @@ class DragHandles:
         async def clicked(_: SceneNodePointerEvent[Any]) -> None:
             with self._lock:
                 self._touched, self._clicked = handle, time.monotonic()
-            self._note()
+            self._wake()
 
         return clicked
 
     def _beside(self, _: SceneClickEvent) -> None:
         with self._lock:
             self._clicked_beside = time.monotonic()
-        self._note()
+        self._wake()
 
     async def _pulled(self, event: TransformControlsEvent) -> None:
         if self._chosen is not None:
@@ -218,4 +218,4 @@ class DragHandles:
             else:
                 handle.grip.latest, handle.grip.news = latest, True
                 handle.grip.done = phase == "end"
-        self._note()
+        self._wake()

@@ -22,9 +22,9 @@ FARTHEST = 1e6
 class TwinGhost:
     """Nodes /twin, /twin_path and /twin_ranges; hidden while there is none. `note` is called when it was dragged."""
 
-    def __init__(self, scene: SceneApi, note: Callable[[], None]) -> None:
+    def __init__(self, scene: SceneApi, wake: Callable[[], None]) -> None:
         nothing = np.zeros((1, 2, 3))
-        self._note, self._lock = note, threading.Lock()
+        self._wake, self._lock = wake, threading.Lock()
         self._found: Twin | None = None
         self._dragged: Vec3 | None = None
         self._on: SceneBounds | None = None
@@ -81,7 +81,7 @@ class TwinGhost:
         if np.isfinite([x, y, z]).all() and max(abs(x), abs(y), abs(z)) < FARTHEST:
             with self._lock:
                 self._dragged = (x, y, z)
-            self._note()
+            self._wake()
 
     def _show(self, visible: bool) -> None:
         self._path.visible = self._ranges.visible = visible

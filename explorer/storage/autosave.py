@@ -5,7 +5,7 @@ from typing import Literal
 
 import msgspec
 
-from explorer.model.settings import Language, Settings
+from explorer.model.settings import GainUnits, Settings
 from explorer.storage.files import StorageError, WorkFiles
 from rangenav.inputs import Input
 
@@ -20,37 +20,37 @@ class SavedWork(Input, frozen=True, kw_only=True):
     opened: str
     """The preset that the program was started with."""
     settings: Settings
-    language: Language = "paper"
+    language: GainUnits = "paper"
 
 
 class Autosave:
     """The file of one tab, or none where browser or disk refuse; `tell` is called with the reason when that begins."""
 
-    def __init__(self, store: WorkFiles, opened: str, tell: Callable[[str], None]) -> None:
-        self._store, self._opened, self._tell = store, opened, tell
-        self._seat: str | None = None
-        self._noted: tuple[Settings, Language] | None = None
-        self._unwritten: tuple[Settings, Language] | None = None
+    def __init__(self, work_files: WorkFiles, opened: str, notify: Callable[[str], None]) -> None:
+        self._work_files, self._opened, self._notify = work_files, opened, notify
+        self._session_key: str | None = None
+        self._noted: tuple[Settings, GainUnits] | None = None
+        self._unwritten: tuple[Settings, GainUnits] | None = None
         self._written = float("-inf")
         self._failing = False
         """Told once; each change is tried again, for a disk may have room later, or the work be smaller."""
 
-    def find(self, seat: str | None) -> SavedWork | None:
+    def find(self, session_key: str | None) -> SavedWork | None:
         """The work kept under a name, None if there is none; from now on work is kept there."""
-        self._seat = seat
-        if seat is None:
-            self._tell("This browser keeps nothing, so a reload begins anew.")
+        self._session_key = session_key
+        if session_key is None:
+            self._notify("This browser keeps nothing, so a reload begins anew.")
             return None
         try:
-            found = self._store.load(seat)
+            found = self._work_files.load(session_key)
             return None if found is None else msgspec.json.decode(found, type=SavedWork)
         except StorageError as reason:
-            self._tell(_sentence(reason))
+            self._notify(_sentence(reason))
         except (msgspec.DecodeError, ValueError, RecursionError) as error:
-            self._tell(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
+            self._notify(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
         return None
 
-    def note(self, settings: Settings, language: Language = "paper") -> None:
+    def remember(self, settings: Settings, language: GainUnits = "paper") -> None:
         """This is what should be kept."""
         if (settings, language) != self._noted:
             self._noted = self._unwritten = settings, language
@@ -64,14 +64,14 @@ class Autosave:
         if self._unwritten is None or not (at_once or now - self._written >= PERIOD):
             return
         (settings, language), self._unwritten, self._written = self._unwritten, None, now
-        if self._seat is None:
+        if self._session_key is None:
             return
         try:
             kept = SavedWork(opened=self._opened, settings=settings, language=language)
-            self._store.save(self._seat, msgspec.json.encode(kept))
+            self._work_files.save(self._session_key, msgspec.json.encode(kept))
         except StorageError as reason:
             if not self._failing:
-                self._tell(f"{_sentence(reason)} The page works on; download what you need.")
+                self._notify(f"{_sentence(reason)} The page works on; download what you need.")
             self._failing = True
         else:
             self._failing = False

@@ -45,7 +45,7 @@ class Bundle:
     """What a person should know about it, a sentence each; they are inside as well."""
 
 
-def parcel(
+def pack(
     shown: Preset,
     stem: str,
     forms: Sequence[str],

@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from explorer.model.settings import Settings
-from explorer.storage.certifier import Certifier, Found
+from explorer.storage.certifier import CertificateOrReason, Certifier
 from explorer.storage.library import Library, LibraryError, edition, slug
 from rangenav import certificate, preset
 from rangenav.preset import MAX_TITLE, Preset
 
 MINE, NEW = "mine:", "new:"
-OWN_MARK, NEW_MARK, GONE_MARK = "★", "◌", "✗"
+OWN_MARK, NEW_MARK, DELETED_MARK = "★", "◌", "✗"
 NEWS = 1.0
 """s between two looks for what other pages and programs have done."""
 PARSED = 512
@@ -39,8 +39,8 @@ class Own:
 class Catalog:
     """One per visitor."""
 
-    def __init__(self, shipped: dict[str, Preset], library: Library, certifying: Certifier) -> None:
-        self._library, self._certifying = library, certifying
+    def __init__(self, shipped: dict[str, Preset], library: Library, certifier: Certifier) -> None:
+        self._library, self._certifier = library, certifier
         self.presets: dict[str, Preset] = dict(shipped)
         """Everything known by name, also what is not offered any more."""
         self._shipped = tuple(shipped)
@@ -65,7 +65,7 @@ class Catalog:
                 self.presets[MINE + name] = own.preset
         self.complaint = "; ".join(own.complaint for own in self._own.values() if own.complaint)
 
-    def refresh_now_and_then(self) -> None:
+    def refresh_if_due(self) -> None:
         """The same, but not at every turn of a loop."""
         if time.monotonic() > self._looked_at + NEWS:
             self.refresh()
@@ -77,30 +77,30 @@ class Catalog:
         own = {MINE + name: own.preset for name, own in self._own.items() if own.preset is not None}
         return shipped | own | {name: lent for name, lent in self.presets.items() if name.startswith(NEW)}
 
-    def words(self, shown: str) -> dict[str, str]:
+    def labels(self, shown: str) -> dict[str, str]:
         """What a menu says of each preset; of the one shown also if it is not offered any more."""
-        words = {}
+        labels = {}
         for name, one in self.offered.items():
-            sign = f"{OWN_MARK} " if self.mine(name) else f"{NEW_MARK} " if name.startswith(NEW) else ""
+            sign = f"{OWN_MARK} " if self.is_own(name) else f"{NEW_MARK} " if name.startswith(NEW) else ""
             lent = ", not saved" if name.startswith(NEW) else ""
-            words[name] = f"{sign}{one.title}{lent} ({bare(name)})"
-        if shown not in words:
-            words[shown] = f"{GONE_MARK} {self.presets[shown].title}, deleted ({bare(shown)})"
-        return words
+            labels[name] = f"{sign}{one.title}{lent} ({display_name(name)})"
+        if shown not in labels:
+            labels[shown] = f"{DELETED_MARK} {self.presets[shown].title}, deleted ({display_name(shown)})"
+        return labels
 
     def open(self, name: str) -> Settings:
         """A preset as it is now. Raises LibraryError if its file cannot be read any more."""
-        if not self.mine(name):
+        if not self.is_own(name):
             return Settings(origin=name, preset=self.presets[name])
         content = self._library.read(name.removeprefix(MINE))
         self.presets[name] = _parsed(content, f"{name.removeprefix(MINE)}.toml")
         return self._seen(name, content)
 
-    def mine(self, name: str) -> bool:
+    def is_own(self, name: str) -> bool:
         """Whether it is a file of one's own."""
         return name.startswith(MINE)
 
-    def lend(self, imported: Preset) -> Settings:
+    def add_imported(self, imported: Preset) -> Settings:
         """Offer a preset that is in no file yet; it is opened."""
         stem = slug(imported.title)
         free = (f"{NEW}{stem}" + (f"-{k}" if k > 1 else "") for k in range(1, len(self.presets) + 2))
@@ -115,7 +115,7 @@ class Catalog:
 
     def save(self, name: str, new: Preset, *, edition: str) -> Settings:
         """Write over a preset of one's own that was opened in some edition. Raises LibraryError."""
-        if not self.mine(name):
+        if not self.is_own(name):
             raise LibraryError("a shipped preset, or one not saved yet, is kept under a title of yours: use “save as”")
         content = _bytes(new)
         self._library.save(name.removeprefix(MINE), content, known=self._editions(name, edition))
@@ -123,7 +123,7 @@ class Catalog:
 
     def rename(self, name: str, new: Preset, *, edition: str) -> Settings:
         """Keep a preset of one's own, retitled, under another name. Raises LibraryError."""
-        if not self.mine(name):
+        if not self.is_own(name):
             raise LibraryError("only presets of your own can be renamed: use “save as”")
         content = _bytes(new)
         known = self._editions(name, edition)
@@ -131,7 +131,7 @@ class Catalog:
 
     def delete(self, name: str, *, edition: str) -> str:
         """Move a preset of one's own to the trash. Returns what `restore` needs. Raises LibraryError."""
-        if not self.mine(name):
+        if not self.is_own(name):
             raise LibraryError("only presets of your own can be deleted")
         mark = self._library.delete(name.removeprefix(MINE), known=self._editions(name, edition))
         self.refresh()
@@ -147,21 +147,21 @@ class Catalog:
         self.refresh()
         return self.open(name)
 
-    def badge(self, name: str, shown: Preset, note: Callable[[], None]) -> Found | None:
+    def badge(self, name: str, shown: Preset, wake: Callable[[], None]) -> CertificateOrReason | None:
         """The certificate of a preset that is shown under a name, why there is none, or None while it is being
         computed; `note` tells of news. What another page has made of its file meanwhile has another."""
-        own = self._own.get(name.removeprefix(MINE)) if self.mine(name) else None
+        own = self._own.get(name.removeprefix(MINE)) if self.is_own(name) else None
         own = own if own and own.preset == shown else None
         content = own.content if own else _bytes(shown)
-        stored = self._library.beside(name.removeprefix(MINE)) if own else _shipped_certificate(name)
+        stored = self._library.read_certificate(name.removeprefix(MINE)) if own else _shipped_certificate(name)
         fitting = None if stored is None else _fitting(stored, content)
         if fitting is not None:
             return fitting
-        found = self._certifying.find(content, note)
+        found = self._certifier.find(content, wake)
         if own and isinstance(found, certificate.Certificate) and content not in self._put:
             self._put.add(content)  # once: a folder that cannot be written will not be so the next time
             with contextlib.suppress(LibraryError):
-                self._library.put_beside(name.removeprefix(MINE), certificate.dumps(found))
+                self._library.write_certificate(name.removeprefix(MINE), certificate.dumps(found))
         return found
 
     def _looked(self, name: str, stamp: tuple[int, int, int]) -> Own:
@@ -188,7 +188,7 @@ class Catalog:
         return self._known.get(name, set()) | {opened}
 
 
-def bare(name: str) -> str:
+def display_name(name: str) -> str:
     """A name as a person knows it: of the shipped preset, of the file, or made of the title."""
     return name.removeprefix(MINE).removeprefix(NEW)
 
@@ -196,10 +196,10 @@ def bare(name: str) -> str:
 def marked(name: str) -> str:
     """The same with the sign of whose it is."""
     sign = OWN_MARK if name.startswith(MINE) else NEW_MARK if name.startswith(NEW) else ""
-    return f"{sign} {bare(name)}".strip()
+    return f"{sign} {display_name(name)}".strip()
 
 
-def titled(text: str) -> str:
+def checked_title(text: str) -> str:
     """A title a person has typed, without blanks around it. Raises LibraryError if it is none."""
     title = " ".join(text.split())
     if not 0 < len(title) <= MAX_TITLE or not title.isprintable():

@@ -14,7 +14,7 @@ from rangenav.certificate import Certificate
 
 REMEMBERED = 400
 """Certificates, of some kilobytes each; more than the shipped presets and a full library."""
-Found = Certificate | str
+CertificateOrReason = Certificate | str
 """A certificate, or the sentence why there is none."""
 
 
@@ -22,20 +22,20 @@ class Certifier:
     """One per program, shared by all visitors."""
 
     def __init__(self) -> None:
-        self._found: OrderedDict[bytes, Found] = OrderedDict()
+        self._found: OrderedDict[bytes, CertificateOrReason] = OrderedDict()
         self._asked: dict[bytes, list[Callable[[], None]]] = {}
         self._queue: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._working = False
 
-    def find(self, content: bytes, note: Callable[[], None]) -> Found | None:
+    def find(self, content: bytes, wake: Callable[[], None]) -> CertificateOrReason | None:
         """What is known of these bytes; None at first, and `note` is called from another thread when there is more."""
         with self._lock:
             if content in self._found:
                 self._found.move_to_end(content)
                 return self._found[content]
             waiting = self._asked.setdefault(content, [])
-            waiting.append(note)
+            waiting.append(wake)
             if len(waiting) == 1:
                 self._queue.put(content)
             if not self._working:
@@ -56,11 +56,11 @@ class Certifier:
                 while len(self._found) > REMEMBERED:
                     self._found.popitem(last=False)
                 notes = self._asked.pop(content, [])
-            for note in notes:
-                note()
+            for wake in notes:
+                wake()
 
 
-def _certified(content: bytes) -> Found:
+def _certified(content: bytes) -> CertificateOrReason:
     try:
         return certificate.certify(content, source="this preset")
     except ValueError as error:

@@ -55,14 +55,14 @@ class FlightOptions(Input, frozen=True, kw_only=True):
 class FlightReport:
     """The answer."""
 
-    words: str
+    summary: str
     """Where the record was informative."""
     verdict: str
     informative: dict[str, Any]
     """As `rangenav log --json` has it."""
     observer: dict[str, Any] | None
     """None without ranges."""
-    told: str
+    world_source: str
     """Where gravity and field come from."""
 
 

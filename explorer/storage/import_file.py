@@ -37,7 +37,7 @@ class ImportFile:
 
 
 @dataclass(frozen=True, eq=False)
-class Understood:
+class Interpretation:
     """What a file was understood to be; with its preset if it is a path and nothing is open."""
 
     found: ImportResult
@@ -57,7 +57,7 @@ def guess(file: ImportFile) -> str:
     return "reference" if "p_x" in head and "gyr" not in head and "acc" not in head else "log"
 
 
-def understand(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: Vec3) -> Understood:
+def interpret(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: Vec3) -> Interpretation:
     """Read a file. Raises ValueError with one sentence naming file and line for what cannot be read at all."""
     path = PurePosixPath(file.name)
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
@@ -69,9 +69,9 @@ def understand(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: 
             raise ValueError(str(error).replace(kept.name, file.name)) from None  # the name that the person knows
     found = replace(found, source=file.name)
     if found.questions or found.path is None:
-        return Understood(found, None)
+        return Interpretation(found, None)
     made = as_preset(found, anchor=anchor)
-    return Understood(found, msgspec.structs.replace(made, title=path.stem[:MAX_TITLE] or made.title))
+    return Interpretation(found, msgspec.structs.replace(made, title=path.stem[:MAX_TITLE] or made.title))
 
 
 def looks_like_a_preset(file: ImportFile) -> bool:

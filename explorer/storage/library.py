@@ -131,7 +131,7 @@ class Library:
             unlink(kept)
             return name
 
-    def beside(self, name: str) -> bytes | None:
+    def read_certificate(self, name: str) -> bytes | None:
         """The certificate that lies beside a preset, unchecked; None if there is none that can be read."""
         try:
             with self._path(name).with_name(name + BESIDE).open("rb") as file:
@@ -139,7 +139,7 @@ class Library:
         except OSError:
             return None
 
-    def put_beside(self, name: str, certificate: bytes) -> None:
+    def write_certificate(self, name: str, certificate: bytes) -> None:
         """Keep a certificate beside its preset."""
         with self._changing(certificate):
             write(self._path(name).with_name(name + BESIDE), certificate)

@@ -78,7 +78,7 @@ class Slots:
             return True
 
 
-def seat_of(client: viser.ClientHandle, slots: Slots) -> str | None:
+def session_key(client: viser.ClientHandle, slots: Slots) -> str | None:
     """The name `<id>-<slot>` under which this tab's work is kept, None if its browser keeps nothing.
 
     Waits for the browser, but not for ever: never call it on the event loop, and best before there is much to draw.

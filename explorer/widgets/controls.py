@@ -13,7 +13,7 @@ from typing import Any, Generic, TypeVar
 
 import viser
 
-from explorer.widgets.form import Note, Section
+from explorer.widgets.form import Section, Wake
 from rangenav.inputs import Vec3
 
 WIDEN = 1.25
@@ -33,7 +33,7 @@ class Control(ABC, Generic[T]):
         self._base: T | None = None
         self._text, self._marked = name, False
         self._seen = self._value()
-        when_moved(handle, section.note)
+        when_moved(handle, section.wake)
         section.add(self)
 
     @abstractmethod
@@ -274,9 +274,9 @@ def short(value: float) -> str:
     return f"{value:.4g}".replace("e-0", "e-").replace("e+0", "e")
 
 
-def when_moved(handle: viser.GuiInputHandle, note: Note) -> None:
+def when_moved(handle: viser.GuiInputHandle, wake: Wake) -> None:
     """Note what a visitor changes; viser also calls back when the program assigns a value, then without a client."""
-    handle.on_update(lambda event: note() if event.client_id is not None else None)
+    handle.on_update(lambda event: wake() if event.client_id is not None else None)
 
 
 def _widen(slider: viser.GuiSliderHandle[float], value: float) -> None:

@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import viser
 from viser._messages import HotkeyKey, KeyModifier
 
-Note = Callable[[], None]
+Wake = Callable[[], None]
 """Called from viser's threads: it may set an event and nothing else."""
 Action = Callable[[], None]
 """What a button asks for, carried out by the session's loop."""
@@ -77,16 +77,16 @@ class Resettable(Protocol):
 class Section:
     """A folder of controls; without a label it has no frame. Use it as a context to add to it."""
 
-    def __init__(self, sheet: "Form", label: str | None = None, *, expanded: bool = True) -> None:
-        self.sheet, self.gui, self.note = sheet, sheet.gui, sheet.note
+    def __init__(self, form: "Form", label: str | None = None, *, expanded: bool = True) -> None:
+        self.form, self.gui, self.wake = form, form.gui, form.wake
         self._folder = self.gui.add_folder(label, expand_by_default=expanded)
         self._controls: list[Resettable] = []
         with self._folder:
             self.complaint = Complaint(self.gui, order=COMPLAINTS)
             self._row = self.gui.add_button_group("reset", ("",), visible=False, order=RESETS, hint=RESET_HINT)
         self._offered: tuple[str, ...] = ()
-        self._row.on_click(lambda event: sheet.do(partial(self._reset, event.target.value)))
-        sheet.sections.append(self)
+        self._row.on_click(lambda event: form.do(partial(self._reset, event.target.value)))
+        form.sections.append(self)
 
     def __enter__(self) -> "Section":
         self._folder.__enter__()
@@ -111,9 +111,9 @@ class Section:
 
     def remove(self) -> None:
         """Take it off the page with all that is in it."""
-        self.sheet.sections.remove(self)
+        self.form.sections.remove(self)
         self._folder.remove()
-        self.sheet.forget(self._controls)
+        self.form.forget(self._controls)
 
     @contextmanager
     def catching(self, text: str = "") -> Iterator[None]:
@@ -128,7 +128,7 @@ class Section:
     @contextmanager
     def answering(self) -> Iterator[None]:
         """As `catching`, for what a button asks: reading the controls, which follows at once, leaves the sentence."""
-        self.sheet.forget_answer()
+        self.form.forget_answer()
         try:
             yield
         except ValueError as error:
@@ -137,9 +137,9 @@ class Section:
 
     def answer(self, sentence: str, *, more: Sequence[str] = ()) -> None:
         """Say here why a button did nothing, until something else is done or shown."""
-        self.sheet.forget_answer()
+        self.form.forget_answer()
         with self._folder:
-            self.sheet.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
+            self.form.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
 
     def refresh(self) -> Resettable | None:
         """Mark what differs from the preset, offer to reset it; the control that was moved since, if any."""
@@ -158,7 +158,7 @@ class Section:
             control.reset()
 
     def _reset(self, name: str) -> None:
-        for control in self._controls if self in self.sheet.sections else ():  # it may have gone since the press
+        for control in self._controls if self in self.form.sections else ():  # it may have gone since the press
             if name in (control.name, "all"):
                 control.reset()
 
@@ -166,21 +166,21 @@ class Section:
 class Form:
     """All sections of one visitor's docks, and what was asked of them."""
 
-    def __init__(self, gui: viser.GuiApi, note: Note) -> None:
-        self.gui, self.note = gui, note
+    def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
+        self.gui, self.wake = gui, wake
         self.sections: list[Section] = []
         self._actions: deque[tuple[Action, bool]] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
-        self.carried = 0
+        self.actions_run = 0
         """Actions carried out so far."""
         self._answer: Complaint | None = None
 
     def do(self, action: Action, *, step: bool = True) -> None:
         """Leave an action for the session's loop; called from viser's threads. Moving in time is no step to undo."""
         self._actions.append((action, step))
-        self.note()
+        self.wake()
 
-    def carry_out(self) -> bool:
+    def run_actions(self) -> bool:
         """Do what was asked for since the last call, oldest first: whether a step was among it. A refusal has been said
         where it belongs."""
         count, stepped = len(self._actions), False
@@ -189,7 +189,7 @@ class Form:
             stepped = stepped or step
             with suppress(InvalidInputError):
                 action()
-        self.carried += count
+        self.actions_run += count
         return stepped
 
     def refresh(self) -> None:

@@ -9,11 +9,11 @@ from explorer.widgets.form import Form
 class ProgressPanel:
     """A line, a bar and a button."""
 
-    def __init__(self, sheet: Form, jobs: Jobs) -> None:
+    def __init__(self, form: Form, jobs: Jobs) -> None:
         self._jobs, self._shown = jobs, False
-        self._line = sheet.gui.add_markdown("", visible=False)
-        self._bar = sheet.gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._button = sheet.button("Stop", jobs.cancel, hint="Ends the work at once; what was there before stays.")
+        self._line = form.gui.add_markdown("", visible=False)
+        self._bar = form.gui.add_progress_bar(0.0, visible=False, animated=True)
+        self._button = form.button("Stop", jobs.cancel, hint="Ends the work at once; what was there before stays.")
         self._button.visible = False
 
     def draw(self) -> None:

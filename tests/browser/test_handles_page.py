@@ -1,4 +1,4 @@
-"""Handles and seats in a real Chromium: what a hand on a mouse does, and what a browser remembers."""
+"""Drag handles and session keys in a real Chromium: what a hand on a mouse does, and what a browser remembers."""
 
 import math
 import threading
@@ -148,8 +148,8 @@ def test_escape_or_a_click_elsewhere_puts_the_gizmo_away(tab: Visitor):
         until(lambda: not shown(), "the gizmo to go")
 
 
-def test_each_tab_gets_its_own_seat_back_after_a_reload_and_from_a_new_server(browser: Browser):
-    seats: list[str | None] = []
+def test_each_tab_gets_its_own_session_key_back_after_a_reload_and_from_a_new_server(browser: Browser):
+    session_keys: list[str | None] = []
 
     def serve(port: int) -> viser.ViserServer:
         server = security.open_server("127.0.0.1", port)
@@ -158,8 +158,8 @@ def test_each_tab_gets_its_own_seat_back_after_a_reload_and_from_a_new_server(br
         def greet(client: viser.ClientHandle) -> None:
             security.accept_values_only(client)
             client.scene.add_frame("/path")
-            seats.append(identity.seat_of(client, slots))
-            client.gui.add_markdown(f"You are {seats[-1]}")
+            session_keys.append(identity.session_key(client, slots))
+            client.gui.add_markdown(f"You are {session_keys[-1]}")
 
         server.on_client_disconnect(lambda client: slots.free(client.client_id))
         server.on_client_connect(greet)
@@ -169,20 +169,20 @@ def test_each_tab_gets_its_own_seat_back_after_a_reload_and_from_a_new_server(br
     port = server.get_port()
     first = Visitor(browser, f"http://127.0.0.1:{port}/", width=500, height=400, says="You are")
     second = Visitor(browser, f"http://127.0.0.1:{port}/", width=500, height=400, says="You are", beside=first)
-    one, two = seats
+    one, two = session_keys
     assert one is not None
     assert two == one.removesuffix("1") + "2"
-    for tab, seat in ((second, two), (first, one)):
+    for tab, session_key in ((second, two), (first, one)):
         tab.page.bring_to_front()
         tab.reload()
-        assert seats[-1] == seat
+        assert session_keys[-1] == session_key
     with second.reconnecting(), first.reconnecting():
         security.close_server(server)
-        seats.clear()
+        session_keys.clear()
         server = serve(port)
-    for tab, seat in ((second, two), (first, one)):
-        tab.wait_for_text(f"You are {seat}")
-    assert len(seats) == 2
+    for tab, session_key in ((second, two), (first, one)):
+        tab.wait_for_text(f"You are {session_key}")
+    assert len(session_keys) == 2
     second.close()
     first.close()
     security.close_server(server)

@@ -9,11 +9,11 @@ import pytest
 
 from explorer.charts import plot_list
 from explorer.model.playback import FRAME_RATE, Playback
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.shared import Compilation
 from explorer.web.security import open_server
 from rangenav import preset
-from tests.support.shared_server import house
+from tests.support.shared_server import shared
 from tests.support.wire import Wire
 
 NOT_SHOWN = "Not shown"
@@ -21,9 +21,9 @@ NOT_SHOWN = "Not shown"
 
 @pytest.fixture(scope="module")
 def port() -> Iterator[int]:
-    server, warming = open_server("127.0.0.1", 0), Compilation()
-    Sessions(server, house(server, warming))
-    warming.start()
+    server, compilation = open_server("127.0.0.1", 0), Compilation()
+    SessionServer(server, shared(server, compilation))
+    compilation.start()
     yield server.get_port()
     server.stop()
 

@@ -216,7 +216,7 @@ def test_a_source_that_says_too_little_is_refused(change: dict[str, str], said: 
 def test_the_page_remembers_the_visitors_own_name_of_the_file(tmp_path: Path):
     file, _ = imported(tmp_path, "reference")
     content = file.read_bytes()
-    made = import_file.understand(
+    made = import_file.interpret(
         import_file.ImportFile("Tour Süd 1.csv", content), "reference", {}, (0.0, 0.0, 0.0)
     ).preset
     assert made is not None

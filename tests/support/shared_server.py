@@ -8,7 +8,14 @@ from explorer.web.identity import Slots, connected
 from rangenav import preset
 
 
-def house(server: viser.ViserServer, warming: Compilation, first: str = "paper-slow") -> Shared:
+def shared(server: viser.ViserServer, compilation: Compilation, first: str = "paper-slow") -> Shared:
     """Shipped presets, and a store where tests/conftest.py has put it."""
     slots = Slots(lambda tab: connected(server, tab))
-    return Shared(shipped=preset.shipped(), first=first, asked=False, warming=warming, store=WorkFiles(), slots=slots)
+    return Shared(
+        shipped=preset.shipped(),
+        first=first,
+        requested=False,
+        compilation=compilation,
+        work_files=WorkFiles(),
+        slots=slots,
+    )

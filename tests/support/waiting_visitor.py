@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 
 from explorer.model.settings import Settings
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.session import Session
 from tests.support.wire import Wire
 
@@ -46,10 +46,10 @@ class Editing:
 
     def _carried_out(self, ask: Callable[[], None]) -> None:
         """Ask for something, and wait until it was done: presses go through a pool of threads, and may be overtaken."""
-        sheet = self.session._sheet
-        before = sheet.carried
+        form = self.session._form
+        before = form.actions_run
         ask()
-        self.tab.wait_for(lambda: sheet.carried > before, "the action")
+        self.tab.wait_for(lambda: form.actions_run > before, "the action")
         self.settle()
 
     def settle(self) -> None:
@@ -68,7 +68,7 @@ class Editing:
         return [re.sub(r"<[^>]+>", " ", p["content"]) for p in shown]
 
 
-def newest(made: Sessions, tab: Wire) -> Session:
+def newest(made: SessionServer, tab: Wire) -> Session:
     """The session of a tab that has just connected, once it has drawn."""
     tab.wait_for_text("of 13</b>, nonlinear")
     return list(made._of.values())[-1]

@@ -62,64 +62,64 @@ class _Rivals:
 class ComparePanel:
     """Everything that stands beside the run on view."""
 
-    def __init__(self, sheet: Form, jobs: Jobs) -> None:
-        self._sheet, self._jobs, self._background = sheet, jobs, Jobs(sheet.note)
+    def __init__(self, form: Form, jobs: Jobs) -> None:
+        self._form, self._jobs, self._background = form, jobs, Jobs(form.wake)
         self._picture: Picture | None = None
         self._pinned: Picture | None = None
         self._seeds: tuple[RunInputs, Ensemble] | None = None
         self._seeding: tuple[RunInputs, object] | None = None
         self._rivals, self._on, self._drawn = _Rivals(), frozenset[Name](), frozenset[Name]()
-        self._news, self._warm, self._note = False, False, ""
-        self._build_pin(sheet)
-        self._build_seeds(sheet)
-        self._build_rivals(sheet)
-        section = Section(sheet, "Does P tell the truth?")
+        self._changed, self._warm, self._note = False, False, ""
+        self._build_pin(form)
+        self._build_seeds(form)
+        self._build_rivals(form)
+        section = Section(form, "Does P tell the truth?")
         with section:
-            self._agreement = sheet.gui.add_html("")
-        sheet.command("Pin this run as A", self.pin)
-        sheet.command("Unpin A", self._unpin)
+            self._agreement = form.gui.add_html("")
+        form.command("Pin this run as A", self.pin)
+        form.command("Unpin A", self._unpin)
 
-    def _build_pin(self, sheet: Form) -> None:
-        with Section(sheet):
-            sheet.button("Pin this run as A", self.pin, hint=PIN_HINT)
-            self._unpin_button = sheet.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
+    def _build_pin(self, form: Form) -> None:
+        with Section(form):
+            form.button("Pin this run as A", self.pin, hint=PIN_HINT)
+            self._unpin_button = form.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
             self._unpin_button.visible = False
-            self._differences = sheet.gui.add_html(words.nothing_pinned())
+            self._differences = form.gui.add_html(words.nothing_pinned())
 
-    def _build_seeds(self, sheet: Form) -> None:
-        self._seeds_section = section = Section(sheet, "Many seeds")
+    def _build_seeds(self, form: Form) -> None:
+        self._seeds_section = section = Section(form, "Many seeds")
         with section:
             self._count = Number(section, "N", step=1, hint=f"How many seeds, 1 to {MAX_SEEDS}.")
             self._count.write(SEEDS, None)
-            sheet.button("N seeds", self._run_seeds, hint=SEEDS_HINT)
-            self._clear_button = sheet.button("Remove the band", self._clear_seeds, hint="Takes it off the plots.")
+            form.button("N seeds", self._run_seeds, hint=SEEDS_HINT)
+            self._clear_button = form.button("Remove the band", self._clear_seeds, hint="Takes it off the plots.")
             self._clear_button.visible = False
-            self._seeds_line = sheet.gui.add_html("")
+            self._seeds_line = form.gui.add_html("")
 
-    def _build_rivals(self, sheet: Form) -> None:
-        section = Section(sheet, "Other estimators on this record")
+    def _build_rivals(self, form: Form) -> None:
+        section = Section(form, "Other estimators on this record")
         with section:
             self._switches: dict[Name, Switch] = {
                 "EKF": Switch(section, "EKF", hint=EKF_HINT),
                 "refined": Switch(section, "refinement", hint=REFINED_HINT),
             }
-            self._table = sheet.gui.add_html("")
+            self._table = form.gui.add_html("")
 
     def read(self) -> None:
         """Take in the switches, and what has been worked out meanwhile."""
         self._background.deliver()
         on = frozenset[Name](name for name in NAMES if self._switches[name].read())
-        self._news |= on != self._on
+        self._changed |= on != self._on
         self._on = on
 
     @property
-    def news(self) -> bool:
+    def changed(self) -> bool:
         """Whether what stands beside the picture has changed since it was drawn last."""
-        return self._news
+        return self._changed
 
-    def beside(self, picture: Picture) -> Comparison:
+    def comparison(self, picture: Picture) -> Comparison:
         """What to draw beside a picture. The EKF is worked out here, the refinement in a thread of its own."""
-        self._picture, self._news = picture, False
+        self._picture, self._changed = picture, False
         if not (self._pinned or self._seeds or self._seeding or self._on):
             return comparison.NOTHING
         run = comparison.run_of(picture)
@@ -131,8 +131,8 @@ class ComparePanel:
         seeds = self._seeds[1] if self._seeds is not None and self._seeds[0] == run else None
         if self._seeds is not None and seeds is None:
             self._seeds, self._note = None, GONE
-        rivals = tuple(Baseline(name, self._rivals.of(name, run)) for name in NAMES if name in self._on)
-        return Comparison(pinned=self._pinned, rivals=rivals, seeds=seeds)
+        baselines = tuple(Baseline(name, self._rivals.of(name, run)) for name in NAMES if name in self._on)
+        return Comparison(pinned=self._pinned, baselines=baselines, seeds=seeds)
 
     def draw(self, picture: Picture, shown: Comparison) -> None:
         """Say in words and tables what is drawn."""
@@ -142,14 +142,14 @@ class ComparePanel:
         if shown.pinned is None:
             _assign(self._differences, words.nothing_pinned())
         else:
-            changed = differences.choices(shown.pinned.preset, picture.preset)
+            choices = differences.choices(shown.pinned.preset, picture.preset)
             _assign(
                 self._differences,
-                words.differences(shown.pinned, picture, changed, differences.figures(shown.pinned, picture)),
+                words.differences(shown.pinned, picture, choices, differences.figures(shown.pinned, picture)),
             )
         run = comparison.run_of(picture) if self._on else None
         refusals = [self._rivals.why_not(name, run) for name in NAMES if name in self._on] if run else []
-        _assign(self._table, words.rivals(picture, shown.rivals, [text for text in refusals if text]))
+        _assign(self._table, words.baselines(picture, shown.baselines, [text for text in refusals if text]))
         many = consistency.of_seeds(shown.seeds, picture.analysis) if shown.seeds is not None else None
         count = len(shown.seeds.seed) if shown.seeds is not None else 0
         matched = picture.preset.gains.mode == "noise-matched"
@@ -161,10 +161,10 @@ class ComparePanel:
 
     def pin(self) -> None:
         """Keep the run on view as A."""
-        self._pinned, self._news = self._picture, True
+        self._pinned, self._changed = self._picture, True
 
     def _unpin(self) -> None:
-        self._pinned, self._news = None, True
+        self._pinned, self._changed = None, True
 
     def _run_seeds(self) -> None:
         with self._seeds_section.catching():
@@ -184,14 +184,14 @@ class ComparePanel:
             )
 
         def done(found: Ensemble) -> None:
-            self._seeds, self._seeding, self._news = (run, found), None, True
+            self._seeds, self._seeding, self._changed = (run, found), None, True
 
         def failed(sentence: str) -> None:
             self._seeding = None
             self._seeds_section.complaint.say(sentence)
 
         self._jobs.start(f"{number} seeds", work, done, failed)
-        self._seeding, self._note, self._news = (run, self._jobs.running), "", True
+        self._seeding, self._note, self._changed = (run, self._jobs.running), "", True
 
     def _stop_seeding(self) -> None:
         """The settings have changed under the job."""
@@ -202,7 +202,7 @@ class ComparePanel:
         self._seeding = None
 
     def _clear_seeds(self) -> None:
-        self._seeds, self._news = None, True
+        self._seeds, self._changed = None, True
 
     def _missing(self, name: Name, run: RunInputs) -> bool:
         return self._rivals.of(name, run) is None and not self._rivals.why_not(name, run)
@@ -221,7 +221,7 @@ class ComparePanel:
     def _start(self, name: Name, picture: Picture, run: RunInputs) -> None:
         def done(result: Candidate | str) -> None:
             self._rivals.keep(name, run, result)
-            self._warm = self._news = True
+            self._warm = self._changed = True
 
         self._background.start(name, lambda _progress, _cancelled: _result(name, picture), done, lambda _: None)
 
@@ -229,7 +229,7 @@ class ComparePanel:
 def _result(name: Name, picture: Picture) -> Candidate | str:
     """What the estimator made of the record, or why it cannot."""
     try:
-        return comparison.rival(name, picture)
+        return comparison.run_baseline(name, picture)
     except ValueError as error:
         return f"{name}: {error}"
 

@@ -59,7 +59,7 @@ def seeds(picture: Picture, runs: Ensemble | None, note: str) -> str:
     return BOX.format(f"{own}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude.")
 
 
-def rivals(picture: Picture, found: Iterable[Baseline], refusals: list[str]) -> str:
+def baselines(picture: Picture, found: Iterable[Baseline], refusals: list[str]) -> str:
     """The cascade and its rivals, figure by figure."""
     found = tuple(found)
     if not found:
@@ -68,13 +68,13 @@ def rivals(picture: Picture, found: Iterable[Baseline], refusals: list[str]) -> 
     cost = _milliseconds(picture.summary, steps)
     lines = _head(["", "settled", "steady", "time"]) + _contender("cascade", VERMILLION, picture.summary, steps, cost)
     told = []
-    for name, contender in found:
+    for name, candidate in found:
         color = COLORS[name]
-        if contender is None:
+        if candidate is None:
             lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
         else:
-            lines += _contender(name, color, contender.summary, steps, cost)
-            told.append(f"<b>{name}</b>: {html.escape(contender.words)}")
+            lines += _contender(name, color, candidate.summary, steps, cost)
+            told.append(f"<b>{name}</b>: {html.escape(candidate.words)}")
     told += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
     return BOX.format(TABLE.format(lines) + "<br>".join(told))
 
@@ -103,7 +103,7 @@ def agreement(run: RunConsistency, many: RunConsistency | None, count: int, *, m
     said = (
         "Bands here are of single values; many seeds have one of their mean, which is narrow."
         if many is None
-        else f"The observer is {many.words} (position, {count} seeds; their bands are of the mean)."
+        else f"The observer is {many.summary} (position, {count} seeds; their bands are of the mean)."
     )
     if not matched:
         said += " With constant gains P follows from q and V, not from the noise: it promises nothing."

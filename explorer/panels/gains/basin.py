@@ -45,33 +45,33 @@ DIAMOND = '<b style="color:rgb{0}">◆</b>'
 class BasinPanel:
     """An angle, a number of axes, buttons, and what was found."""
 
-    def __init__(self, sheet: Form, page: Page, jobs: Jobs) -> None:
+    def __init__(self, form: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
         self._found: tuple[Setup, Basin] | None = None
         self._running: tuple[Setup, object] | None = None
-        self._hidden, self._news, self._note = False, False, ""
-        self._section = section = Section(sheet, "Basin of attraction", expanded=False)
+        self._hidden, self._changed, self._note = False, False, ""
+        self._section = section = Section(form, "Basin of attraction", expanded=False)
         with section:
             scale = math.degrees(1.0)
             self._angle = Dial(section, "start angle (°)", (0.0, 180.0), step=0.1, hint=ANGLE_HINT, scale=scale)
             self._axes = Number(section, "axes", step=1, hint=AXES_HINT)
             self._angle.write(ANGLE, None)
             self._axes.write(AXES, None)
-            sheet.button(COMPUTE_LABEL, self._compute, hint=COMPUTE)
-            self._said = sheet.gui.add_html("", visible=False)
-            self._slowest = sheet.button("Start from the slowest", self._start_from_slowest, hint=SLOWEST)
-            self._hide = sheet.button(HIDE_LABEL, self._toggle, hint=HIDE)
+            form.button(COMPUTE_LABEL, self._compute, hint=COMPUTE)
+            self._said = form.gui.add_html("", visible=False)
+            self._slowest = form.button("Start from the slowest", self._start_from_slowest, hint=SLOWEST)
+            self._hide = form.button(HIDE_LABEL, self._toggle, hint=HIDE)
         self._slowest.visible = self._hide.visible = False
-        sheet.command("Basin of attraction", self._compute)
+        form.command("Basin of attraction", self._compute)
 
     @property
-    def news(self) -> bool:
+    def changed(self) -> bool:
         """Whether there is something else to draw than was drawn last."""
-        return self._news
+        return self._changed
 
     def shown(self, picture: Picture) -> Basin | None:
         """What to draw beside a picture, if there is something that belongs to it."""
-        self._news = False
+        self._changed = False
         if self._found is None and self._running is None:
             return None
         setup = basin.setup_of(picture.preset)
@@ -108,7 +108,7 @@ class BasinPanel:
             return ensemble.basin(chosen, angle, count, progress=progress, cancelled=cancelled)
 
         def done(found: Basin) -> None:
-            self._found, self._running, self._hidden, self._news = (setup, found), None, False, True
+            self._found, self._running, self._hidden, self._changed = (setup, found), None, False, True
 
         def failed(sentence: str) -> None:
             self._running = None
@@ -127,7 +127,7 @@ class BasinPanel:
         self._page.write(msgspec.structs.replace(settings, preset=preset))
 
     def _toggle(self) -> None:
-        self._hidden, self._news = not self._hidden, True
+        self._hidden, self._changed = not self._hidden, True
 
 
 def words(picture: Picture, found: Basin) -> str:

@@ -69,14 +69,14 @@ def told(axis: Vec3) -> str:
 class EquilibriaSection:
     """A line that says how far the start is from the nearest, and in a closed folder a button for each."""
 
-    def __init__(self, sheet: Form, turn: Turn) -> None:
+    def __init__(self, form: Form, turn: Turn) -> None:
         self._turn = turn
-        self._line = sheet.gui.add_html("")
-        with Section(sheet, "Start at a half turn", expanded=False):
-            sheet.gui.add_html(NOTE.format(html.escape(WORDS)))
-            self._buttons = [sheet.button(f"180°, {k}", partial(self._go, k), hint=HINT) for k in range(3)]
+        self._line = form.gui.add_html("")
+        with Section(form, "Start at a half turn", expanded=False):
+            form.gui.add_html(NOTE.format(html.escape(WORDS)))
+            self._buttons = [form.button(f"180°, {k}", partial(self._go, k), hint=HINT) for k in range(3)]
             hint = "The half turn that is nearest now, but by 179°."
-            sheet.button("almost: 1° off the nearest of these", self._almost, hint=hint)
+            form.button("almost: 1° off the nearest of these", self._almost, hint=hint)
         self._turns: list[Equilibrium] = []
         self._nearest = 0
 

@@ -20,8 +20,8 @@ STATES: dict[Literal["zero", "truth", "offset"], str] = {
 class GuessPanel:
     """Where the observer starts."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._section = section = Section(sheet, "Initial estimate")
+    def __init__(self, form: Form) -> None:
+        self._section = section = Section(form, "Initial estimate")
         with section:
             hint = (
                 "x̂(0): zero as in the paper's scenario, the true lifted state, or the lift of truth plus the offsets."
@@ -31,8 +31,8 @@ class GuessPanel:
             self._angle = Dial(section, "R̃(0) angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0))
             hint = "Axis of the initial attitude error, inertial axes; any length but zero."
             self._axis = Vector(section, "R̃(0) axis", step=0.01, hint=hint)
-            self._half_turns = EquilibriaSection(sheet, self._turn)
-        self._offsets = section = Section(sheet, "Offsets from the truth", expanded=False)
+            self._half_turns = EquilibriaSection(form, self._turn)
+        self._offsets = section = Section(form, "Offsets from the truth", expanded=False)
         with section:
             hint = "used when x̂(0) is truth plus offsets; inertial axes."
             self._position = Vector(section, "position (m)", step=0.1, hint=f"m, {hint}")

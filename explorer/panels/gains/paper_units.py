@@ -14,26 +14,26 @@ K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 class PaperDials:
     """A dial for each letter; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._noise = section = Section(sheet, "Riccati observer: q and V")
+    def __init__(self, form: Form) -> None:
+        self._noise = section = Section(form, "Riccati observer: q and V")
         with section:
             hint = (
                 "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
                 "Larger trusts the ranges more."
             )
             self._q = LogDial(section, "q", Q_RANGE, hint=hint)
-            self._process = Section(sheet, "Process noise V", expanded=False)
+            self._process = Section(form, "Process noise V", expanded=False)
             why = "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
             with self._process as section:
                 self._v = _blocks(section, "V", V_RANGE, why)
-        self._start = section = Section(sheet, "Initial covariance P₀", expanded=False)
+        self._start = section = Section(form, "Initial covariance P₀", expanded=False)
         with section:
             why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
             self._p0 = _blocks(section, "P₀", P0_RANGE, why)
 
-    def add_attitude(self, sheet: Form) -> None:
+    def add_attitude(self, form: Form) -> None:
         """The dials of the attitude filter, in the folder that is being made."""
-        self._attitude = section = Section(sheet)
+        self._attitude = section = Section(form)
         with section:
             hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
             self._k1 = LogDial(section, "k1", K1_LIMITS, hint=hint, unit="1/s")

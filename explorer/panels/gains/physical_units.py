@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from msgspec.structs import asdict, replace
 
-from explorer.model.gain_units import WORDS, GainContext, in_words, labelled, understood
+from explorer.model.gain_units import GAIN_LABELS, GainContext, in_paper_units, in_physical_units, with_page_labels
 from explorer.widgets.controls import LogDial
 from explorer.widgets.form import Form, InvalidInputError, Section
 from rangenav.gains import Gains
@@ -23,15 +23,15 @@ ATTITUDE = ("attitude_time", "gravity_weight")
 class PhysicalDials:
     """A dial for each word."""
 
-    def __init__(self, sheet: Form) -> None:
+    def __init__(self, form: Form) -> None:
         self._dials: dict[str, LogDial] = {}
         self._sections: dict[str, Section] = {}
-        self._noise = Section(sheet, "Noise the gains are made for: q and V")
+        self._noise = Section(form, "Noise the gains are made for: q and V")
         self._add(self._noise, NOISE)
         with self._noise:
-            factors = Section(sheet, "Factors on V", expanded=False)
+            factors = Section(form, "Factors on V", expanded=False)
         self._add(factors, FACTORS)
-        self._prior = Section(sheet, "How wrong the start may be: P₀", expanded=False)
+        self._prior = Section(form, "How wrong the start may be: P₀", expanded=False)
         self._add(self._prior, PRIOR)
         self._place: GainContext | None = None
         """Where the words shown were made; None while what was written is not shown yet."""
@@ -39,13 +39,13 @@ class PhysicalDials:
     def _add(self, section: Section, names: tuple[str, ...]) -> None:
         with section:
             for name in names:
-                word = WORDS[name]
+                word = GAIN_LABELS[name]
                 self._dials[name] = LogDial(section, word.label, word.limits, hint=word.hint, unit=word.unit)
                 self._sections[name] = section
 
-    def add_attitude(self, sheet: Form) -> None:
+    def add_attitude(self, form: Form) -> None:
         """The dials of the attitude filter, in the folder that is being made."""
-        self._attitude = Section(sheet)
+        self._attitude = Section(form)
         self._add(self._attitude, ATTITUDE)
 
     def write(self, gains: Gains, base: Gains) -> None:
@@ -73,7 +73,7 @@ class PhysicalDials:
             try:
                 self._put_into_words(place, moved)
             except ValueError as error:
-                return self._wordless(labelled(str(error)), error, moved)
+                return self._wordless(with_page_labels(str(error)), error, moved)
             entered = self._entered()
         self._gains = self._understood(entered, place)
         self._taken = entered
@@ -98,7 +98,10 @@ class PhysicalDials:
         """Show the gains there, but for words that have just been moved; of these, what was put back to the preset's
         goes on saying what the preset says."""
         before = None if self._place is None else self._base_words
-        words = in_words(self._gains, place), in_words(self._base, place)  # all or, where there are none, nothing
+        words = (
+            in_physical_units(self._gains, place),
+            in_physical_units(self._base, place),
+        )  # all or, where there are none, nothing
         self._place, self._start, (self._words, self._base_words) = place, self._gains, words
         for name, dial in self._dials.items():
             value, base, said = getattr(self._words, name), getattr(self._base_words, name), moved.get(name)
@@ -112,15 +115,15 @@ class PhysicalDials:
             return self._start
         try:
             words: PhysicalGains = replace(self._words, **entered)
-            return understood(words, place, (self._base, self._start))
+            return in_paper_units(words, place, (self._base, self._start))
         except ValueError as error:
             sentence = str(error)
             cause = next((name for name in changed if name in sentence), changed[0])
-            self._sections[cause].complaint.say(labelled(sentence))
-            raise InvalidInputError from ValueError(labelled(sentence))
+            self._sections[cause].complaint.say(with_page_labels(sentence))
+            raise InvalidInputError from ValueError(with_page_labels(sentence))
 
 
 def tabled(gains: Gains, place: GainContext) -> list[tuple[str, float, str]]:
     """All words with their values and units."""
-    values = asdict(in_words(gains, place))
-    return [(word.label, values[name], word.unit) for name, word in WORDS.items()]
+    values = asdict(in_physical_units(gains, place))
+    return [(word.label, values[name], word.unit) for name, word in GAIN_LABELS.items()]

@@ -16,13 +16,13 @@ OUTSIDE = "The theorem assumes a constant k1: of a scheduled one it says nothing
 class ScheduleDials:
     """A switch, and three dials that keep what was entered while it is off."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._section = Section(sheet)
+    def __init__(self, form: Form) -> None:
+        self._section = Section(form)
         with self._section as section:
             self._on = Switch(section, "schedule k1", hint=HINT)
-            self._group = Section(sheet)
+            self._group = Section(form)
         with self._group as section:
-            sheet.gui.add_html(NOTE.format(OUTSIDE))
+            form.gui.add_html(NOTE.format(OUTSIDE))
             hint = "k1 (1/s) once the vectors agree; not above k1 itself."
             self._steady = LogDial(section, "k1 in the end", STEADY_LIMITS, hint=hint, unit="1/s")
             hint = "The misalignment s (0 to 2) at which k1 is halfway between its ends, in equal ratios."

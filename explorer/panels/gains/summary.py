@@ -7,8 +7,8 @@ import numpy as np
 from msgspec.structs import replace
 
 from explorer.model.compute import Picture
-from explorer.model.gain_units import labelled, place_of
-from explorer.model.settings import Language
+from explorer.model.gain_units import context_of, with_page_labels
+from explorer.model.settings import GainUnits
 from explorer.panels.gains.paper_units import BLOCKS
 from explorer.panels.gains.physical_units import tabled
 from explorer.widgets.controls import short
@@ -24,11 +24,11 @@ MODE_WORDS = {
         "gain then depends on the estimate, and the theorem says nothing about it."
     ),
 }
-OTHERS: dict[Language, str] = {"paper": "The same in physical words", "physical": "The same in the paper's letters"}
+OTHERS: dict[GainUnits, str] = {"paper": "The same in physical words", "physical": "The same in the paper's letters"}
 STIFF = '<div style="color:light-dark(#9a5b00, #f0b35a);font-weight:600;margin-top:0.4em">▲ {}</div>'
 
 
-REMEDIES: dict[Language, dict[str, str]] = {
+REMEDIES: dict[GainUnits, dict[str, str]] = {
     "paper": {"rho": "ρ"},
     "physical": {
         "lower k1 or rho2": "raise the slowest time T or lower the gravity weight",
@@ -38,7 +38,7 @@ REMEDIES: dict[Language, dict[str, str]] = {
 """What the library's sentence says in the names of the dials that are shown."""
 
 
-def rates(picture: Picture, language: Language = "paper") -> str:
+def rates(picture: Picture, units: GainUnits = "paper") -> str:
     """The three time constants of a small attitude error, under a schedule at both its ends; and a warning, if any."""
     p = picture.preset
     gains, squared = p.gains.attitude, float(np.dot(p.world.gravity, p.world.gravity))
@@ -56,22 +56,22 @@ def rates(picture: Picture, language: Language = "paper") -> str:
     stiff = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
     if stiff is None:
         return NOTE.format(said)
-    for theirs, ours in REMEDIES[language].items():
+    for theirs, ours in REMEDIES[units].items():
         stiff = stiff.replace(theirs, ours)
     return NOTE.format(said + STIFF.format(html.escape(stiff)))
 
 
-def in_other_language(picture: Picture, language: Language) -> str:
+def in_other_units(picture: Picture, units: GainUnits) -> str:
     """The gains of a picture in the language that is not in use."""
     try:
-        place = place_of(picture.settings)
+        place = context_of(picture.settings)
     except ValueError as error:
         return NOTE.format(html.escape(f"not told: the path's typical {error}"))
     gains = picture.preset.gains
     try:
-        entries = tabled(gains, place) if language == "paper" else _letters(gains)
+        entries = tabled(gains, place) if units == "paper" else _letters(gains)
     except ValueError as error:
-        return NOTE.format(html.escape(f"not told: {labelled(str(error))}"))
+        return NOTE.format(html.escape(f"not told: {with_page_labels(str(error))}"))
     cells = [(label, f"{short(value)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]

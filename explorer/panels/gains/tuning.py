@@ -54,37 +54,37 @@ Shown = viser.GuiHtmlHandle
 class TuningPanel:
     """What to search for, a button, and what was found: figures, the curve, and a way to pick from it."""
 
-    def __init__(self, sheet: Form, page: Page, jobs: Jobs) -> None:
+    def __init__(self, form: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
         self._picture: Picture | None = None
         self._found: tuple[Preset, Tuned] | None = None
         self._picked: Point | None = None
         self._walk: tuple[Point, ...] = ()
-        self._judging = Jobs(lambda: sheet.do(self._judging.deliver, step=False))
+        self._judging = Jobs(lambda: form.do(self._judging.deliver, step=False))
         self._judged: dict[Gains, Point] = {}
         """What gains that were found or picked reach on held-out seeds."""
         self._held_out, self._summary = 0, ""
-        self._section = section = Section(sheet, "Auto-tune", expanded=False)
+        self._section = section = Section(form, "Auto-tune", expanded=False)
         with section:
             marks = ((0.0, "soon"), (1.0, "exact"))
-            self._steadiness = sheet.gui.add_slider(WEIGHT, 0.0, 1.0, 0.05, STEADINESS, hint=BALANCE, marks=marks)
+            self._steadiness = form.gui.add_slider(WEIGHT, 0.0, 1.0, 0.05, STEADINESS, hint=BALANCE, marks=marks)
             self._runs = Number(section, "seeds", step=1, hint=RUNS_HINT)
             self._evaluations = Number(section, "gains to try", step=10, hint=EVALUATIONS_HINT)
             self._runs.write(RUNS, None)
             self._evaluations.write(EVALUATIONS, None)
-            sheet.button("Tune the gains", self._start, hint=TUNE)
-            self._said, self._plots = sheet.gui.add_html(""), sheet.gui.add_html("")
-            self._curve = sheet.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE)
-            self._place = sheet.gui.add_slider("place", 1, 2, 1, 1, hint=WALK)
-            self._told = sheet.gui.add_html("")
-            self._use = sheet.button("Use these gains", self._take, hint=USE)
-            self._leave = sheet.button("Discard", self._forget, hint=LEAVE)
+            form.button("Tune the gains", self._start, hint=TUNE)
+            self._said, self._plots = form.gui.add_html(""), form.gui.add_html("")
+            self._curve = form.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE)
+            self._place = form.gui.add_slider("place", 1, 2, 1, 1, hint=WALK)
+            self._told = form.gui.add_html("")
+            self._use = form.button("Use these gains", self._take, hint=USE)
+            self._leave = form.button("Discard", self._forget, hint=LEAVE)
         self._curve.on_update(
-            lambda event: sheet.do(self._walk_along, step=False) if event.client_id is not None else None
+            lambda event: form.do(self._walk_along, step=False) if event.client_id is not None else None
         )
-        self._place.on_update(lambda event: sheet.do(self._pick, step=False) if event.client_id is not None else None)
+        self._place.on_update(lambda event: form.do(self._pick, step=False) if event.client_id is not None else None)
         self._forget()
-        sheet.command("Auto-tune", self._start)
+        form.command("Auto-tune", self._start)
 
     def draw(self, picture: Picture) -> None:
         """What is on the page now, which may be something else than what was searched for."""

@@ -62,12 +62,12 @@ class Chosen:
 class MotionPanel:
     """All controls of the motion."""
 
-    def __init__(self, sheet: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
-        self._time = _Time(sheet)
-        self.path = PathPanel(sheet)
+    def __init__(self, form: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
+        self._time = _Time(form)
+        self.path = PathPanel(form)
         with self.path.section:
-            self._whole = WholePath(sheet, edit)
-        self._turning = _Turning(sheet)
+            self._whole = WholePath(form, edit)
+        self._turning = _Turning(form)
 
     def read(self) -> Chosen:
         """The motion chosen. Raises Refused after saying why beside the control."""
@@ -122,15 +122,15 @@ class MotionPanel:
 class _Time:
     """How long, over which window, and how slowly."""
 
-    def __init__(self, sheet: Form) -> None:
-        self.section = section = Section(sheet)
+    def __init__(self, form: Form) -> None:
+        self.section = section = Section(form)
         with section:
             hint = (
                 "s: the same path run s times slower. Its snap p⁗ falls as s⁻⁴ and the excitation μ over one period as "
                 "s⁻⁷ (paper, PE lemma), while thrust falls towards the weight."
             )
             self._scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
-            self._line = sheet.gui.add_markdown("")
+            self._line = form.gui.add_markdown("")
             hint = (
                 "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability). "
                 "Dragging across a plot draws one; a click goes to that moment."
@@ -162,12 +162,12 @@ class _Time:
 class _Turning:
     """ω(t) and R(0)."""
 
-    def __init__(self, sheet: Form) -> None:
-        self.section = section = Section(sheet, "Angular velocity ω(t), body axes", expanded=False)
+    def __init__(self, form: Form) -> None:
+        self.section = section = Section(form, "Angular velocity ω(t), body axes", expanded=False)
         with section:
-            sheet.gui.add_markdown(NO_EFFECT)
-            self._signal = SignalEditor(sheet, TURN, TURN_FAMILIES, hint=TURN_HINT)
-            self._start = start = Section(sheet, "Initial attitude R(0)", expanded=True)
+            form.gui.add_markdown(NO_EFFECT)
+            self._signal = SignalEditor(form, TURN, TURN_FAMILIES, hint=TURN_HINT)
+            self._start = start = Section(form, "Initial attitude R(0)", expanded=True)
             with start:
                 hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
                 self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))

@@ -40,16 +40,16 @@ AXES: dict[int, str] = {0: "x", 1: "y", 2: "z"}
 class PathPanel:
     """Editors of base and wiggle, and the tools for the whole path."""
 
-    def __init__(self, sheet: Form) -> None:
-        self.section = section = Section(sheet, "Path p(t), inertial axes")
+    def __init__(self, form: Form) -> None:
+        self.section = section = Section(form, "Path p(t), inertial axes")
         with section:
-            self._base = SignalEditor(sheet, PATH, FAMILIES, hint=FAMILY_HINT)
-            self._switches = Section(sheet)
+            self._base = SignalEditor(form, PATH, FAMILIES, hint=FAMILY_HINT)
+            self._switches = Section(form)
             with self._switches:
                 hint = "A second signal added to the path, of any family: a planar path may need only a little of it."
                 self._wiggled = Switch(self._switches, "plus a wiggle", hint=hint)
-            self._wiggle = SignalEditor(sheet, WIGGLE, FAMILIES, hint=FAMILY_HINT, shown=False)
-            self._straight = _Straight(sheet)
+            self._wiggle = SignalEditor(form, WIGGLE, FAMILIES, hint=FAMILY_HINT, shown=False)
+            self._straight = _Straight(form)
 
     def read(self, duration: float) -> Signal:
         """The path chosen. Raises Refused after saying why beside the control."""
@@ -113,8 +113,8 @@ class PathPanel:
 class _Straight:
     """Offset and drift of a sum; its parts have their own where their family has."""
 
-    def __init__(self, sheet: Form) -> None:
-        self.section = section = Section(sheet, "Offset and drift of the sum", expanded=False)
+    def __init__(self, form: Form) -> None:
+        self.section = section = Section(form, "Offset and drift of the sum", expanded=False)
         with section:
             self._offset = Vector(section, "sum's offset (m)", step=0.01, hint="m, inertial axes: added to both.")
             self._drift = Vector(
@@ -143,9 +143,9 @@ class _Straight:
 class WholePath:
     """Scale, turn, mirror, centre: each press changes the path itself, and Ctrl+Z takes it back."""
 
-    def __init__(self, sheet: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
+    def __init__(self, form: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
         self._edit = edit
-        self._section = section = Section(sheet, "Whole path: scale, turn, mirror, centre", expanded=False)
+        self._section = section = Section(form, "Whole path: scale, turn, mirror, centre", expanded=False)
         with section:
             hint = "All these keep the anchor where it is and change the path about it; Ctrl+Z takes a press back."
             self._factor = Number(section, "factor", step=0.1, hint=f"Times as large, seen from the anchor. {hint}")
@@ -157,7 +157,7 @@ class WholePath:
                 "mirror": lambda: self._change(self._mirrored),
                 "centre": lambda: self._change(self._centred),
             }
-            sheet.buttons("", actions, hint=f"centre moves the middle of the path's box onto the anchor. {hint}")
+            form.buttons("", actions, hint=f"centre moves the middle of the path's box onto the anchor. {hint}")
         self._factor.write(1.25, 1.25)
         self._angle.write(30.0, 30.0)
         self._axis.write(2, 2)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from explorer.model.conversion import FamilyName, drafted, kind_of
+from explorer.model.conversion import FamilyName, converted, family_of
 from explorer.panels.motion.families import Editor, SignalSlot, from_file
 from explorer.panels.motion.families.constant import ConstantEditor
 from explorer.panels.motion.families.formulas import FlownEditor, FormulaEditor
@@ -32,10 +32,10 @@ class SignalEditor:
     """A dropdown of families, and below it the editor of the chosen one; the others are made when first needed."""
 
     def __init__(
-        self, sheet: Form, place: SignalSlot, words: Mapping[FamilyName, str], *, hint: str, shown: bool = True
+        self, form: Form, place: SignalSlot, words: Mapping[FamilyName, str], *, hint: str, shown: bool = True
     ) -> None:
-        self._sheet, self._place, self._words, self._shown = sheet, place, words, shown
-        self._section = section = Section(sheet)
+        self._form, self._place, self._words, self._shown = form, place, words, shown
+        self._section = section = Section(form)
         with section:
             self._family = Choice(section, "family", words, hint=hint)
         self._editors: dict[FamilyName, Editor] = {}
@@ -105,7 +105,7 @@ class SignalEditor:
         if draft is None:
             with self._section.catching():
                 try:
-                    draft = drafted(self._signal, kind, duration)
+                    draft = converted(self._signal, kind, duration)
                 except ValueError as error:
                     self._family.show(self._kind)
                     raise ValueError(f"cannot be drawn up as {self._words[kind]}: {error}") from None
@@ -127,7 +127,7 @@ class SignalEditor:
                 editor.show(False)
         if kind not in self._editors:
             with self._section:
-                self._editors[kind] = EDITORS[kind](self._sheet, self._place)
+                self._editors[kind] = EDITORS[kind](self._form, self._place)
         self._editors[kind].write(signal, self._base_of(kind))
         self._editors[kind].show(True)
 
@@ -138,7 +138,7 @@ class SignalEditor:
     def _shown_as(self, signal: Turning) -> FamilyName:
         """A Multisine without tones or drift is a constant, where constants can be chosen."""
         still = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)
-        kind = "constant" if still and "constant" in self._words else kind_of(signal)
+        kind = "constant" if still and "constant" in self._words else family_of(signal)
         return kind if kind in self._words else "given"
 
     def _offer(self, *kinds: FamilyName) -> None:

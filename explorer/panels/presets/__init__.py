@@ -28,8 +28,8 @@ class PresetsPanel:
 
     def __init__(
         self,
-        sheet: Form,
-        shelf: Catalog,
+        form: Form,
+        catalog: Catalog,
         page: Page,
         uploads: Uploads,
         *,
@@ -37,26 +37,28 @@ class PresetsPanel:
         paper: Action,
         download: Action,
     ) -> None:
-        self._sheet, self._shelf, self._page = sheet, shelf, page
-        self._section = section = Section(sheet)
+        self._form, self._catalog, self._page = form, catalog, page
+        self._section = section = Section(form)
         self._shown, self._changed = "", False
         self._words: dict[str, str] = {}
         with section:
-            self._choice = Choice(section, "preset", shelf.words(next(iter(shelf.presets))), hint=PICK)
+            self._choice = Choice(section, "preset", catalog.labels(next(iter(catalog.presets))), hint=PICK)
             browse = {"‹ previous": self._previous, "next ›": self._next, "see all": self._all}
-            sheet.buttons("browse", browse, hint=BROWSE)
-            self._card = sheet.gui.add_html("")
-        self._gallery = Gallery(sheet, shelf, self.open)
-        self._library = LibraryPanel(sheet, shelf, page, uploads, changed=lambda: self._changed, news=self.refresh)
-        with Section(sheet):
-            sheet.button("Download this preset", download, hint=DOWNLOAD)
-            sheet.buttons("also", {"start this preset again": again, "the paper's figures 3–5": paper}, hint=ALSO)
+            form.buttons("browse", browse, hint=BROWSE)
+            self._card = form.gui.add_html("")
+        self._gallery = Gallery(form, catalog, self.open)
+        self._library = LibraryPanel(
+            form, catalog, page, uploads, is_changed=lambda: self._changed, refresh_catalog=self.refresh
+        )
+        with Section(form):
+            form.button("Download this preset", download, hint=DOWNLOAD)
+            form.buttons("also", {"start this preset again": again, "the paper's figures 3–5": paper}, hint=ALSO)
         for label, action in (
             ("Download this preset", download),
             ("Start this preset again", again),
             ("The paper's figures 3–5", paper),
         ):
-            sheet.command(label, action)
+            form.command(label, action)
 
     def read(self) -> str:
         """The name of the chosen preset. Raises Refused if the browser sent another."""
@@ -74,12 +76,12 @@ class PresetsPanel:
     def draw(self, picture: Picture) -> None:
         """Say whether what is on the page is what the preset says."""
         settings = picture.settings
-        self._changed = settings.time_scale != 1.0 or settings.preset != self._shelf.presets[settings.origin]
+        self._changed = settings.time_scale != 1.0 or settings.preset != self._catalog.presets[settings.origin]
         self._draw_card()
 
     def refresh(self) -> None:
         """Show what other pages have done to the library, and certificates that have come."""
-        self._shelf.refresh_now_and_then()
+        self._catalog.refresh_if_due()
         self._offer()
         self._draw_card()
 
@@ -87,7 +89,7 @@ class PresetsPanel:
         """Put a preset on the page. Raises Refused, and what is there stays, if its file cannot be read any more."""
         try:
             with self._library.section.catching():
-                settings = self._shelf.open(name)
+                settings = self._catalog.open(name)
         except InvalidInputError:
             self._choice.show(self._shown)
             raise
@@ -101,7 +103,7 @@ class PresetsPanel:
 
     def _step(self, by: int) -> None:
         """Open a neighbour in the menu; after the last comes the first."""
-        names = list(self._shelf.words(self._shown))
+        names = list(self._catalog.labels(self._shown))
         self.open(names[(names.index(self._shown) + by) % len(names)])
 
     def _all(self) -> None:
@@ -109,18 +111,18 @@ class PresetsPanel:
 
     def _offer(self) -> None:
         """Bring the menu up to date; what is chosen there may be called otherwise now."""
-        words = self._shelf.words(self._shown)
+        words = self._catalog.labels(self._shown)
         if words != self._words:
             self._words = words
             self._choice.offer(words)
             self._choice.show(self._shown)
 
     def _draw_card(self) -> None:
-        shown = self._shelf.presets[self._shown]
-        found = self._shelf.badge(self._shown, shown, self._sheet.note)
+        shown = self._catalog.presets[self._shown]
+        found = self._catalog.badge(self._shown, shown, self._form.wake)
         content = card(shown, found, changed=self._changed)
-        if self._shelf.complaint:
-            content += NOTE.format(f"⚠ {html.escape(self._shelf.complaint)}")
+        if self._catalog.complaint:
+            content += NOTE.format(f"⚠ {html.escape(self._catalog.complaint)}")
         if content != self._card.content:
             self._card.content = content
         self._gallery.draw(self._shown)

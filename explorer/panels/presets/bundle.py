@@ -2,7 +2,7 @@
 
 from explorer.model.jobs import Cancelled, Jobs, Progress
 from explorer.model.settings import effective
-from explorer.storage.bundle import Bundle, Send, parcel
+from explorer.storage.bundle import Bundle, Send, pack
 from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
 from explorer.widgets.controls import Switch
@@ -34,18 +34,18 @@ MARKED = (
 class PackPanel:
     """A switch for each format, one for what misses its requirement, and a button."""
 
-    def __init__(self, sheet: Form, shelf: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
-        self._shelf, self._page, self._jobs, self._send = shelf, page, jobs, send
-        self._section = section = Section(sheet, "Download with certificate", expanded=False)
+    def __init__(self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
+        self._catalog, self._page, self._jobs, self._send = catalog, page, jobs, send
+        self._section = section = Section(form, "Download with certificate", expanded=False)
         with section:
-            sheet.buttons("formats", {"all": self._all, "none": self._none}, hint=EACH)
+            form.buttons("formats", {"all": self._all, "none": self._none}, hint=EACH)
             self._formats = {
-                form: Switch(section, label, hint=CHOSEN.format(hint)) for form, (label, hint) in FORMATS.items()
+                name: Switch(section, label, hint=CHOSEN.format(hint)) for name, (label, hint) in FORMATS.items()
             }
             self._marked = Switch(section, "even if uncertified", hint=MARKED)
-            sheet.button("Export as a zip", self._export, hint="Certifies the written bytes, then downloads the zip.")
-            self._said = sheet.gui.add_html("", visible=False)
-        sheet.command("Export as a zip", self._export)
+            form.button("Export as a zip", self._export, hint="Certifies the written bytes, then downloads the zip.")
+            self._said = form.gui.add_html("", visible=False)
+        form.command("Export as a zip", self._export)
 
     def _all(self) -> None:
         for switch in self._formats.values():
@@ -58,13 +58,13 @@ class PackPanel:
     def _export(self) -> None:
         with self._section.answering():
             settings, marked = self._page.read(), self._marked.read()
-            forms = tuple(form for form, switch in self._formats.items() if switch.read())
+            forms = tuple(name for name, switch in self._formats.items() if switch.read())
         shown = effective(settings)
-        stem = file_name(settings.origin, shown, self._shelf.presets[settings.origin]).removesuffix(".toml")
+        stem = file_name(settings.origin, shown, self._catalog.presets[settings.origin]).removesuffix(".toml")
         self._said.visible = False
 
         def work(progress: Progress, cancelled: Cancelled) -> Bundle:
-            return parcel(shown, stem, forms, uncertified=marked, progress=progress, cancelled=cancelled)
+            return pack(shown, stem, forms, uncertified=marked, progress=progress, cancelled=cancelled)
 
         self._jobs.start("export", work, self._done, self._refuse)
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from explorer.storage.certifier import Found
+from explorer.storage.certifier import CertificateOrReason
 from rangenav.preset import Preset
 
 SIDE, MARGIN, POINTS = 92, 7, 240
@@ -40,7 +40,7 @@ BOX = f'<svg width="{{0}}" height="{{0}}" style="{FRAME}" role="img" aria-label=
 UPRIGHT = np.eye(3)
 
 
-def card(shown: Preset, found: Found | None, *, changed: bool) -> str:
+def card(shown: Preset, found: CertificateOrReason | None, *, changed: bool) -> str:
     """The card as HTML; `found` None means that the certificate is being computed."""
     title = html.escape(shown.title) + (" • changed, not saved" if changed else "")
     said = [f'<div style="font-weight:600">{title}</div>']
@@ -50,7 +50,7 @@ def card(shown: Preset, found: Found | None, *, changed: bool) -> str:
     return f'<div style="{STYLE}">{pictures}{"".join(said)}</div>'
 
 
-def badge(shown: Preset, found: Found | None) -> tuple[str, str, str]:
+def badge(shown: Preset, found: CertificateOrReason | None) -> tuple[str, str, str]:
     """Shape, colour and words of what is known about a preset."""
     if found is None:
         return BEING_CERTIFIED
@@ -99,7 +99,7 @@ def _up(shown: Preset) -> float:
     return -1.0 if shown.world.gravity[2] > 0 else 1.0
 
 
-def _badge(shown: Preset, found: Found | None) -> str:
+def _badge(shown: Preset, found: CertificateOrReason | None) -> str:
     shape, colour, words = badge(shown, found)
     why = ""
     if isinstance(found, str):
@@ -111,7 +111,7 @@ def _badge(shown: Preset, found: Found | None) -> str:
     return f'<div style="padding:0.15em 0 0.3em">{chip}{shape} {words}</span></div>{said}'
 
 
-def _figures(shown: Preset, found: Found | None) -> str:
+def _figures(shown: Preset, found: CertificateOrReason | None) -> str:
     """μ and σ as the certificate has them."""
     if found is None or isinstance(found, str):
         return ""

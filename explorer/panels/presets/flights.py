@@ -32,11 +32,11 @@ JUDGE = "Rank and predicted error on sliding windows, from the IMU alone; then t
 class FlightPanel:
     """Hidden until a flight has been read."""
 
-    def __init__(self, sheet: Form, jobs: Jobs) -> None:
+    def __init__(self, form: Form, jobs: Jobs) -> None:
         self._jobs, self._flight, self._source = jobs, None, ""
-        self._section = section = Section(sheet, "Recorded flight")
+        self._section = section = Section(form, "Recorded flight")
         with section:
-            self._evidence = sheet.gui.add_html("")
+            self._evidence = form.gui.add_html("")
             self._anchor = Vector(section, "its anchor (m)", step=0.01, hint=ANCHOR)
             self._world = Choice(section, "gravity, field", SOURCES, hint=SOURCE)
             self._gravity = Vector(section, "its gravity (m/s²)", step=0.01, hint="Inertial; used if given.")
@@ -47,8 +47,8 @@ class FlightPanel:
             self._end = Number(section, "to (s)", step=1, hint=PART)
             self._window = Number(section, "windows of (s)", step=0.5, hint=WINDOW)
             self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK)
-            sheet.button("Was it informative?", self._judge, hint=JUDGE)
-            self._report = sheet.gui.add_html("", visible=False)
+            form.button("Was it informative?", self._judge, hint=JUDGE)
+            self._report = form.gui.add_html("", visible=False)
         section.show(False)
 
     def take(self, found: ImportResult) -> None:
@@ -102,14 +102,14 @@ class FlightPanel:
 def report(judged: FlightReport) -> str:
     """The answer as HTML: a word, windows by verdict, the worst one, and the observers' errors."""
     seen = judged.informative
-    head = f"{SHAPES.get(judged.verdict, '')} {judged.verdict}: {judged.words}"
+    head = f"{SHAPES.get(judged.verdict, '')} {judged.verdict}: {judged.summary}"
     rows = [
         ("windows", ", ".join(f"{count} {name}" for name, count in seen["windows"].items() if count)),
         ("worst window", f"from {seen['at']:.4g} s: rank {seen['rank']} of 13"),
         ("σ there", _number(seen["position"], "m", seen.get("reason", ""))),
         ("σ, median", _number(seen["position_median"], "m")),
     ]
-    said = bullets((head, *([judged.told] if judged.told else []))) + table((), rows)
+    said = bullets((head, *([judged.world_source] if judged.world_source else []))) + table((), rows)
     if judged.observer is None:
         return said + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
     return said + _observers(judged.observer)

@@ -44,14 +44,14 @@ OPEN = "The same as a click on its picture. Ctrl+Z brings back what was on the p
 class Gallery:
     """Shown when asked for, hidden when asked again."""
 
-    def __init__(self, sheet: Form, shelf: Catalog, open_preset: Callable[[str], None]) -> None:
-        self._sheet, self._shelf, self._open = sheet, shelf, open_preset
+    def __init__(self, form: Form, catalog: Catalog, open_preset: Callable[[str], None]) -> None:
+        self._form, self._catalog, self._open = form, catalog, open_preset
         self._visible = False
         self._labels: tuple[str, ...] = ("",)
-        with Section(sheet):
-            self._tiles = sheet.gui.add_html("", visible=False)
-            self._row = sheet.gui.add_button_group("open", self._labels, hint=OPEN, visible=False)
-        self._row.on_click(lambda event: sheet.do(lambda label=event.target.value: self._press(label)))
+        with Section(form):
+            self._tiles = form.gui.add_html("", visible=False)
+            self._row = form.gui.add_button_group("open", self._labels, hint=OPEN, visible=False)
+        self._row.on_click(lambda event: form.do(lambda label=event.target.value: self._press(label)))
 
     def toggle(self, shown: str) -> None:
         """Show or hide it."""
@@ -67,7 +67,7 @@ class Gallery:
         labels = tuple(marked(name) for name in names)
         if labels != self._labels:
             self._labels = self._row.options = labels
-        left_out = len(self._shelf.words(shown)) - len(names)
+        left_out = len(self._catalog.labels(shown)) - len(names)
         more = f". {left_out} more are in the menu" if left_out > 0 else ""
         offered = enumerate(self._offered.items())
         tiles = "".join(self._tile(k, name, one, name == shown) for k, (name, one) in offered)
@@ -77,10 +77,10 @@ class Gallery:
 
     @property
     def _offered(self) -> dict[str, Preset]:
-        return dict(list(self._shelf.offered.items())[:MAX_TILES])
+        return dict(list(self._catalog.offered.items())[:MAX_TILES])
 
     def _tile(self, number: int, name: str, one: Preset, shown: bool) -> str:
-        shape, colour, words = badge(one, self._shelf.badge(name, one, self._sheet.note))
+        shape, colour, words = badge(one, self._catalog.badge(name, one, self._form.wake))
         return TILE.format(
             press=PRESS.format(self._row._impl.uuid, number),
             title=html.escape(f"{one.title}: {words.lower()}"),

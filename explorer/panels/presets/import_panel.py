@@ -8,7 +8,7 @@ from functools import partial
 
 from explorer.model.jobs import Jobs
 from explorer.storage.catalog import Catalog
-from explorer.storage.import_file import ImportFile, Understood, guess, looks_like_a_preset, understand
+from explorer.storage.import_file import ImportFile, Interpretation, guess, interpret, looks_like_a_preset
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
@@ -38,8 +38,8 @@ class ImportPanel:
 
     def __init__(
         self,
-        sheet: Form,
-        shelf: Catalog,
+        form: Form,
+        catalog: Catalog,
         page: Page,
         jobs: Jobs,
         uploads: Uploads,
@@ -47,8 +47,8 @@ class ImportPanel:
         judge: Callable[[ImportResult], None],
     ) -> None:
         """`judge` takes a recorded flight."""
-        self._sheet, self._shelf, self._page, self._jobs, self._judge = sheet, shelf, page, jobs, judge
-        self._section = section = Section(sheet, "Import a path or a recorded flight", expanded=False)
+        self._form, self._catalog, self._page, self._jobs, self._judge = form, catalog, page, jobs, judge
+        self._section = section = Section(form, "Import a path or a recorded flight", expanded=False)
         self._file: ImportFile | None = None
         self._asking: Section | None = None
         self._answers: dict[str, str] = {}
@@ -56,10 +56,10 @@ class ImportPanel:
         with section:
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD)
             self._format = Choice(section, "format", FORMATS, hint=FORMAT)
-            sheet.button(
+            form.button(
                 "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
             )
-            self._said = sheet.gui.add_html("", visible=False)
+            self._said = form.gui.add_html("", visible=False)
 
     def _receive(self, name: str, content: bytes) -> None:
         file = ImportFile(name, content)
@@ -79,29 +79,31 @@ class ImportPanel:
         with self._section.catching():
             if self._file is None:
                 raise ValueError("no file has been handed over yet")
-            form = self._format.read()
+            format_name = self._format.read()
         self._forget_questions()
         self._said.visible = False
         file, answers = self._file, dict(self._answers)
         self._jobs.start(
             f"reading {file.name}",
-            lambda progress, cancelled: understand(file, form, answers, ANCHOR),
+            lambda progress, cancelled: interpret(file, format_name, answers, ANCHOR),
             self._understood,
-            partial(self._fail, form),
+            partial(self._fail, format_name),
         )
 
-    def _fail(self, form: str, reason: str) -> None:
+    def _fail(self, format_name: str, reason: str) -> None:
         """Say as what it could not be read, since that was a guess."""
-        words = f"{reason}. It was read as {FORMATS[form]}: if it is none, choose another format and read it again"
+        words = (
+            f"{reason}. It was read as {FORMATS[format_name]}: if it is none, choose another format and read it again"
+        )
         self._section.complaint.say(words)
 
-    def _understood(self, understood: Understood) -> None:
+    def _understood(self, understood: Interpretation) -> None:
         found = understood.found
         self._say(*report(found))
         if found.questions:
             self._ask(found.questions)
         elif understood.preset is not None:
-            self._page.write(self._shelf.lend(understood.preset))
+            self._page.write(self._catalog.add_imported(understood.preset))
             self._say(*report(found), "opened as a preset that is not saved yet (anchor at 0, 0, 0: see World)")
         elif found.flight is not None:
             self._judge(found)
@@ -110,7 +112,7 @@ class ImportPanel:
     def _ask(self, questions: tuple[Question, ...]) -> None:
         """Put each question with its evidence; what is suggested is chosen already, and waits to be confirmed."""
         with self._section:
-            self._asking = asking = Section(self._sheet, "Questions before it is used")
+            self._asking = asking = Section(self._form, "Questions before it is used")
         with asking:
             for question in questions:
                 words = {option: option for option in question.options}
@@ -119,10 +121,10 @@ class ImportPanel:
                 said = f"{question.asks}? {question.evidence}"
                 if question.suggestion is not None:
                     said += f"; suggested: {question.suggestion}"
-                self._sheet.gui.add_html(NOTE.format(bullets((said,))))
+                self._form.gui.add_html(NOTE.format(bullets((said,))))
                 choice = self._asked[question.key] = Choice(asking, question.key, words, hint=question.asks)
                 choice.show(question.suggestion or UNANSWERED)
-            self._sheet.button("Confirm the answers", partial(self._confirm, questions), hint=CONFIRM)
+            self._form.button("Confirm the answers", partial(self._confirm, questions), hint=CONFIRM)
 
     def _confirm(self, questions: tuple[Question, ...]) -> None:
         if self._asking is None:

@@ -7,7 +7,7 @@ import msgspec
 import viser
 
 from explorer.model.settings import Settings, effective
-from explorer.storage.catalog import MINE, Catalog, bare, titled
+from explorer.storage.catalog import MINE, Catalog, checked_title, display_name
 from explorer.storage.import_file import ImportFile, preset_in
 from explorer.storage.library import slug
 from explorer.web.uploads import Uploads
@@ -34,30 +34,36 @@ class LibraryPanel:
     """A title, two rows of buttons and an upload."""
 
     def __init__(
-        self, sheet: Form, shelf: Catalog, page: Page, uploads: Uploads, changed: Callable[[], bool], news: Action
+        self,
+        form: Form,
+        catalog: Catalog,
+        page: Page,
+        uploads: Uploads,
+        is_changed: Callable[[], bool],
+        refresh_catalog: Action,
     ) -> None:
         """`changed`: whether what is on the page differs from its preset. `news`: the library has other files now."""
-        self._shelf, self._page, self._changed, self._news = shelf, page, changed, news
+        self._catalog, self._page, self._is_changed, self._refresh_catalog = catalog, page, is_changed, refresh_catalog
         self._shown = ""
         self._deleted: list[str] = []
-        self.section = section = Section(sheet)  # its complaints stay until the next thing is asked for
+        self.section = section = Section(form)  # its complaints stay until the next thing is asked for
         with section:
             self._title = Text(section, "title", hint=TITLE, longest=LONGEST_TYPED)
             keep = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
-            sheet.buttons("keep", self._guarded(keep), hint=KEEP)
+            form.buttons("keep", self._guarded(keep), hint=KEEP)
             tidy = {"rename": self._rename, "delete": self._delete, "undo delete": self._restore}
-            sheet.buttons("tidy", self._guarded(tidy), hint=TIDY)
-            self._said = sheet.gui.add_html("", visible=False)
-        self._files = section = Section(sheet)
+            form.buttons("tidy", self._guarded(tidy), hint=TIDY)
+            self._said = form.gui.add_html("", visible=False)
+        self._files = section = Section(form)
         with section:
             uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
-            self._came = sheet.gui.add_html("", visible=False)
-        sheet.command("Save the preset", self._guarded({"": self._save})[""])
+            self._came = form.gui.add_html("", visible=False)
+        form.command("Save the preset", self._guarded({"": self._save})[""])
 
     def write(self, settings: Settings) -> None:
         """Show the title to save under."""
         self._shown = settings.origin
-        self._title.write(settings.preset.title, self._shelf.presets[settings.origin].title)
+        self._title.write(settings.preset.title, self._catalog.presets[settings.origin].title)
 
     def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
         """Actions that say beside the buttons why they failed."""
@@ -75,29 +81,29 @@ class LibraryPanel:
     def _save(self) -> None:
         settings = self._page.read()
         new = retitled(effective(settings), self._title.read())
-        self._keep(settings, self._shelf.save(settings.origin, new, edition=settings.edition))
+        self._keep(settings, self._catalog.save(settings.origin, new, edition=settings.edition))
         self._say(f"saved as {self._name()}")
 
     def _save_as(self) -> None:
         settings = self._page.read()
         new = retitled(effective(settings), self._title.read())
-        self._keep(settings, self._shelf.add(new))
+        self._keep(settings, self._catalog.add(new))
         self._say(f"saved as {self._name()}{_instead(self._shown, new.title)}")
 
     def _duplicate(self) -> None:
-        opened = self._shelf.presets[self._shown]
-        copy = self._shelf.add(retitled(opened, f"{opened.title[: MAX_TITLE - 7]}, copy"))
-        if self._changed():
-            self._news()
+        opened = self._catalog.presets[self._shown]
+        copy = self._catalog.add(retitled(opened, f"{opened.title[: MAX_TITLE - 7]}, copy"))
+        if self._is_changed():
+            self._refresh_catalog()
             self._say(f"kept as {file_of(copy.origin)}; the page still shows your changes to {self._name()}")
         else:
             self._page.write(copy)
             self._say(f"kept as {self._name()}, which is open now")
 
     def _rename(self) -> None:
-        settings, title = self._page.read(), titled(self._title.read())
-        opened = self._shelf.presets[settings.origin]
-        renamed = self._shelf.rename(settings.origin, retitled(opened, title), edition=settings.edition)
+        settings, title = self._page.read(), checked_title(self._title.read())
+        opened = self._catalog.presets[settings.origin]
+        renamed = self._catalog.rename(settings.origin, retitled(opened, title), edition=settings.edition)
         shown = msgspec.structs.replace(settings.preset, title=title)
         self._page.write(
             msgspec.structs.replace(settings, origin=renamed.origin, edition=renamed.edition, preset=shown)
@@ -106,22 +112,22 @@ class LibraryPanel:
 
     def _delete(self) -> None:
         settings = self._page.read()
-        self._deleted.append(self._shelf.delete(settings.origin, edition=settings.edition))
+        self._deleted.append(self._catalog.delete(settings.origin, edition=settings.edition))
         self._say(f"{self._name()} is in the trash; what is on the page stays, and “undo delete” brings it back")
-        self._news()
+        self._refresh_catalog()
 
     def _restore(self) -> None:
-        marks = self._deleted or self._shelf.deleted()[:1]  # this page's own first, then what went before it came
+        marks = self._deleted or self._catalog.deleted()[:1]  # this page's own first, then what went before it came
         if not marks:
             raise ValueError("nothing was deleted: the trash is empty")
-        restored = self._shelf.restore(marks.pop())
-        self._news()
+        restored = self._catalog.restore(marks.pop())
+        self._refresh_catalog()
         self._say(f"{file_of(restored.origin)} is back")
 
     def _upload(self, name: str, content: bytes) -> None:
         self._came.visible = False
         with self._files.catching():
-            self._page.write(self._shelf.add(preset_in(ImportFile(name, content))))
+            self._page.write(self._catalog.add(preset_in(ImportFile(name, content))))
             _tell(self._came, f"{name} joined your library as {self._name()}")
 
     def _keep(self, settings: Settings, now: Settings) -> None:
@@ -138,7 +144,7 @@ class LibraryPanel:
 
 def retitled(shown: Preset, title: str) -> Preset:
     """The same under another title. Raises ValueError if it is none."""
-    return msgspec.structs.replace(shown, title=titled(title))
+    return msgspec.structs.replace(shown, title=checked_title(title))
 
 
 def _tell(place: viser.GuiHtmlHandle, sentence: str) -> None:
@@ -149,9 +155,9 @@ def _tell(place: viser.GuiHtmlHandle, sentence: str) -> None:
 def _instead(name: str, title: str) -> str:
     """Says so if another file has the name that the title would make."""
     usual = slug(title)
-    return "" if bare(name) == usual else f", beside {usual}.toml, which is left as it was"
+    return "" if display_name(name) == usual else f", beside {usual}.toml, which is left as it was"
 
 
 def file_of(name: str) -> str:
     """The file of a preset on the shelf, for reading."""
-    return f"{bare(name)}.toml" if name.startswith(MINE) else name
+    return f"{display_name(name)}.toml" if name.startswith(MINE) else name

@@ -19,12 +19,12 @@ UNDESIRED = (
 class PrintedPanel:
     """The switches "as printed"."""
 
-    def __init__(self, sheet: Form) -> None:
-        section = Section(sheet, "As printed in the paper", expanded=False)
+    def __init__(self, form: Form) -> None:
+        section = Section(form, "As printed in the paper", expanded=False)
         with section:
-            sheet.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
+            form.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
             self._switches = {name: _Row(section, row) for name, row in ROWS.items()}
-            sheet.gui.add_markdown(UNDESIRED)
+            form.gui.add_markdown(UNDESIRED)
 
     def read(self) -> Printed:
         """The switches that are on."""

@@ -46,20 +46,20 @@ LEAVE = "Forgets the change; what is on the page stays as it is."
 class RepairPanel:
     """A kind of change, two buttons, and the change that was found."""
 
-    def __init__(self, sheet: Form, page: Page, jobs: Jobs, pin: Action) -> None:
+    def __init__(self, form: Form, page: Page, jobs: Jobs, pin: Action) -> None:
         """`pin` keeps the run on view as A."""
         self._page, self._jobs, self._pin = page, jobs, pin
-        self._section = section = Section(sheet, "Repair", expanded=False)
+        self._section = section = Section(form, "Repair", expanded=False)
         self._found: Repair | None = None
         with section:
             self._kind = Choice(section, "by changing", BY, hint=KIND)
-            sheet.button("Make it observable", self._repair, hint=REPAIR)
-            sheet.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
-            self._said = sheet.gui.add_html("", visible=False)
-            self._accept = sheet.button("Accept the motion", self._take, hint=TAKE)
-            self._discard = sheet.button("Discard the motion", self._forget, hint=LEAVE, quiet=True)
+            form.button("Make it observable", self._repair, hint=REPAIR)
+            form.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
+            self._said = form.gui.add_html("", visible=False)
+            self._accept = form.button("Accept the motion", self._take, hint=TAKE)
+            self._discard = form.button("Discard the motion", self._forget, hint=LEAVE, quiet=True)
         self._forget()
-        sheet.command("Make it observable", self._repair)
+        form.command("Make it observable", self._repair)
 
     def _repair(self) -> None:
         self._start(improve=False)

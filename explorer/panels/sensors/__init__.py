@@ -33,28 +33,28 @@ class Chosen(NamedTuple):
 class SensorsPanel:
     """All controls of the sensors."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._section = section = Section(sheet)
+    def __init__(self, form: Form) -> None:
+        self._section = section = Section(form)
         hint = "Rates, noise and faults of known sensors, to start from. Choosing one replaces all of them below."
         names = {name: name for name in SETS} | {OWN: "as set below"}
         with section:
             self._set = Choice(section, "sensor set", names, hint=hint)
-            self._set_words = sheet.gui.add_html("")
+            self._set_words = form.gui.add_html("")
         hint = (
             "Hz: how often a range d = |p − anchor| + noise arrives (paper, eq. 3); each is one correction by y = ½d²."
         )
         with section:
             self._range_rate = Dial(section, "range (Hz)", (1.0, 200.0), step=1.0, hint=hint)
-        self._noise = _NoiseFolder(sheet)
-        self._rates = section = Section(sheet, "IMU and magnetometer rates", expanded=False)
+        self._noise = _NoiseFolder(form)
+        self._rates = section = Section(form, "IMU and magnetometer rates", expanded=False)
         with section:
             hint = "Hz: gyro and accelerometer, and with them the observer's step. Faster makes every change slower."
             self._imu_rate = Dial(section, "IMU (Hz)", (20.0, 1000.0), step=10.0, hint=hint)
             hint = "Hz: the magnetometer, read on the IMU's clock; it cannot be faster."
             self._mag_rate = Dial(section, "mag (Hz)", (1.0, 1000.0), step=1.0, hint=hint)
-        self._unmodelled = EffectsFolder(sheet)
+        self._unmodelled = EffectsFolder(form)
         hint = "The same seed gives the same noise to the last bit; another one another run. A whole number from 0."
-        self._seed_section = section = Section(sheet)
+        self._seed_section = section = Section(form)
         with section:
             self._seed = Number(section, "noise seed", step=1.0, hint=hint)
         self._shown = OWN
@@ -113,7 +113,7 @@ class SensorsPanel:
 class _NoiseFolder:
     """Standard deviations per sample; gyro and accelerometer also as densities, each unit on dials of its own."""
 
-    def __init__(self, sheet: Form) -> None:
+    def __init__(self, form: Form) -> None:
         def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
             hint = f"{symbol} ({unit or 1}): deviation of white noise per sample of the {what} (paper, eq. 2–3)."
             return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
@@ -122,7 +122,7 @@ class _NoiseFolder:
             hint = f"{symbol} ({unit}): density of the {what}'s white noise; per sample it is {symbol[0]}·√(IMU rate)."
             return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
 
-        self._section = section = Section(sheet, "Noise")
+        self._section = section = Section(form, "Noise")
         with section:
             self._range = dial("σ range", "m", (1e-3, 10.0), "range")
             hint = "On: gyro and accelerometer noise as data sheets give it, and kept when the IMU's rate changes."
@@ -130,14 +130,14 @@ class _NoiseFolder:
             self._groups: dict[Unit, Section] = {}
             self._gyro: dict[Unit, LogDial] = {}
             self._accel: dict[Unit, LogDial] = {}
-            with self._group(sheet, "sample") as section:
+            with self._group(form, "sample") as section:
                 self._gyro["sample"] = dial("σ gyro", "rad/s", (1e-4, 1.0), "gyro")
                 self._accel["sample"] = dial("σ accel", "m/s²", (1e-3, 10.0), "accelerometer")
-            with self._group(sheet, "density") as section:
+            with self._group(form, "density") as section:
                 self._gyro["density"] = density("n gyro", "rad/s/√Hz", (1e-6, 0.1), "gyro")
                 self._accel["density"] = density("n accel", "m/s²/√Hz", (1e-5, 1.0), "accelerometer")
             section = self._section
-            self._line = sheet.gui.add_markdown("")
+            self._line = form.gui.add_markdown("")
             self._mag = dial("σ mag", "", (1e-3, 1.0), "magnetometer, a unit vector; the paper prints σ² = 0.01")
         self._unit: Unit = "sample"
         self._turned: tuple[Noise, float, Noise] | None = None
@@ -183,8 +183,8 @@ class _NoiseFolder:
         for unit, group in self._groups.items():
             group.show(unit == shown)
 
-    def _group(self, sheet: Form, unit: Unit) -> Section:
-        self._groups[unit] = Section(sheet)
+    def _group(self, form: Form, unit: Unit) -> Section:
+        self._groups[unit] = Section(form)
         return self._groups[unit]
 
     def _turn(self, noise: Noise, unit: Unit, rate: float) -> Noise:

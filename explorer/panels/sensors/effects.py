@@ -13,9 +13,9 @@ STYLE = "font-size:0.85em;line-height:1.4;padding:0 0.9em 0.6em"
 class EffectsFolder:
     """Biases, outliers, drop-outs, the lever arm; all off in the paper."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._words = sheet.gui.add_html("", visible=False)  # outside: a closed folder must not hide what is on
-        self._section = section = Section(sheet, "Not in the paper", expanded=False)
+    def __init__(self, form: Form) -> None:
+        self._words = form.gui.add_html("", visible=False)  # outside: a closed folder must not hide what is on
+        self._section = section = Section(form, "Not in the paper", expanded=False)
         with section:
             hint = "b_ω (rad/s, body axes): added to the gyro. Not in the paper: its observer has no state for it."
             gyro = Vector(section, "gyro bias (rad/s)", step=0.001, hint=hint)

@@ -18,18 +18,18 @@ HINT = (
 class WorldPanel:
     """What does not move."""
 
-    def __init__(self, sheet: Form, relabel: Action) -> None:
-        self._anchor_section = anchor = Section(sheet, "Anchor")
+    def __init__(self, form: Form, relabel: Action) -> None:
+        self._anchor_section = anchor = Section(form, "Anchor")
         with anchor:
             hint = "m, inertial axes; drag the beacon in the scene or type. It changes σ, never the Gramian or μ."
             self._anchor = Vector(anchor, "anchor (m)", step=0.05, hint=hint)
-        self.section = axes = Section(sheet, "Gravity and axes")
+        self.section = axes = Section(form, "Gravity and axes")
         with axes:
-            self._line = sheet.gui.add_markdown("")
+            self._line = form.gui.add_markdown("")
             hint = "m/s², inertial axes, as it enters v̇ = g + R a; “up” in the scene is −g."
             self._gravity = Vector(axes, "g (m/s²)", step=0.01, hint=hint)
-            self._relabel = sheet.button("Relabel the axes: z up ↔ z down", relabel, hint=HINT)
-        self._magnetic_section = magnetic = Section(sheet, "Magnetic direction")
+            self._relabel = form.button("Relabel the axes: z up ↔ z down", relabel, hint=HINT)
+        self._magnetic_section = magnetic = Section(form, "Magnetic direction")
         with magnetic:
             hint = "Inertial axes, of any length: only its direction counts, and it must not be that of gravity."
             self._magnetic = Vector(magnetic, "m", step=0.01, hint=hint)

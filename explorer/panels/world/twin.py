@@ -21,8 +21,8 @@ UP: Vec3 = (0.0, 0.0, 1.0)
 class TwinPanel:
     """An angle, an axis where any will do, and a way back to the usual twin."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._section = section = Section(sheet, "Evil twin")
+    def __init__(self, form: Form) -> None:
+        self._section = section = Section(form, "Evil twin")
         self._turn: Vec3 | None = None
         self._shown: tuple[float, Vec3] | None = None
         with section:
@@ -32,7 +32,7 @@ class TwinPanel:
             )
             hint = "Of that turn, inertial axes; any length but zero. To and fro on a line there is only one."
             self._axis = Vector(section, "twin's axis", step=0.01, hint=hint)
-            sheet.button("The usual twin", self._forget, hint="A right angle, where that leads far enough.")
+            form.button("The usual twin", self._forget, hint="A right angle, where that leads far enough.")
         section.show(False)
 
     def read(self) -> Vec3 | None:

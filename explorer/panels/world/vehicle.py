@@ -23,11 +23,11 @@ GOOD, BAD = "light-dark(#00785a, #4fd1ad)", "light-dark(#b3261e, #ff8f86)"
 class VehiclePanel:
     """A dropdown, and a table of what the motion asks for."""
 
-    def __init__(self, sheet: Form) -> None:
-        self._section = section = Section(sheet, "Vehicle and its limits")
+    def __init__(self, form: Form) -> None:
+        self._section = section = Section(form, "Vehicle and its limits")
         with section:
             self._choice = Choice(section, "vehicle", _words(CATALOGUE), hint=HINT)
-            self._table = sheet.gui.add_html("")
+            self._table = form.gui.add_html("")
 
     def read(self) -> Vehicle:
         """The vehicle chosen."""

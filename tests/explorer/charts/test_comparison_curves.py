@@ -39,8 +39,8 @@ def slow() -> Picture:
 @pytest.fixture(scope="module")
 def crowd(slow: Picture) -> Comparison:
     """Everything at once."""
-    rivals = tuple(Baseline(name, comparison.rival(name, slow)) for name in comparison.NAMES)
-    return Comparison(pinned=picture("paper"), rivals=rivals, seeds=ensemble.seeds(slow.preset, 12))
+    baselines = tuple(Baseline(name, comparison.run_baseline(name, slow)) for name in comparison.NAMES)
+    return Comparison(pinned=picture("paper"), baselines=baselines, seeds=ensemble.seeds(slow.preset, 12))
 
 
 @pytest.fixture
@@ -129,7 +129,7 @@ def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd:
 
 
 def test_an_estimator_at_work_has_its_place_but_no_curve(slow: Picture) -> None:
-    more, drawing = over(ERRORS[0], slow, Comparison(rivals=(Baseline("refined", None),)))
+    more, drawing = over(ERRORS[0], slow, Comparison(baselines=(Baseline("refined", None),)))
     assert more.curves[-1].label == "refined"
     assert np.isnan(drawing.drawn[:, -1]).all()
     assert drawing.axis == ERRORS[0].draw(slow).axis
@@ -138,7 +138,7 @@ def test_an_estimator_at_work_has_its_place_but_no_curve(slow: Picture) -> None:
 def test_estimators_are_the_librarys_on_the_same_record(slow: Picture) -> None:
     found = {c.name: c for c in estimators.compare(record.run(slow.preset))}
     for name, full in (("EKF", estimators.EKF), ("refined", estimators.REFINEMENT)):
-        ours = comparison.rival(name, slow)
+        ours = comparison.run_baseline(name, slow)
         np.testing.assert_array_equal(ours.errors.position, found[full].errors.position)
 
 

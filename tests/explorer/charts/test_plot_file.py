@@ -22,14 +22,14 @@ from explorer.charts.plots import Drawing, Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
 from explorer.panels.export import python_lines
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.shared import Compilation
 from explorer.storage import preset_file
 from explorer.web.security import open_server
 from rangenav import preset
 from tests.explorer.scene.test_scene import picture
 from tests.support.sent_messages import Page
-from tests.support.shared_server import house
+from tests.support.shared_server import shared
 from tests.support.wire import Wire
 
 ALL = {plot.name: plot for group in plot_list.GROUPS for plot in group.plots}
@@ -210,9 +210,9 @@ def test_the_printed_switches_change_what_the_lines_compute():
 
 @pytest.fixture(scope="module")
 def tab() -> Iterator[Wire]:
-    server, warming = open_server("127.0.0.1", 0), Compilation()
-    Sessions(server, house(server, warming))
-    warming.start()
+    server, compilation = open_server("127.0.0.1", 0), Compilation()
+    SessionServer(server, shared(server, compilation))
+    compilation.start()
     visitor = Wire(server.get_port())
     visitor.wait_for_text("estimate off by")
     yield visitor

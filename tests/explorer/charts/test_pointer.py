@@ -28,11 +28,11 @@ class Told:
 
     def __init__(self, page: Page, name: str) -> None:
         self.page, self.seen, self.notes = page, picture(name), 0
-        self.charts = Charts(page.client, narrow=False, note=self._note)
+        self.charts = Charts(page.client, narrow=False, wake=self._wake)
         self.charts.draw(self.seen)
         self._boxes = [m.uuid for m in page.messages if type(m).__name__ == "GuiTextMessage"]
 
-    def _note(self) -> None:
+    def _wake(self) -> None:
         self.notes += 1
 
     def write(self, text: str) -> None:

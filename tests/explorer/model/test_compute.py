@@ -272,7 +272,7 @@ def test_a_window_with_too_much_in_it_is_refused_in_one_sentence():
 
 def test_warming_up_reports_progress_from_start_to_end():
     heard = []
-    stages.warm_up(lambda share, what: heard.append((share, what)))
+    stages.compile_kernels(lambda share, what: heard.append((share, what)))
     shares = [share for share, _ in heard]
     assert shares == sorted(shares)
     assert shares[-1] == 1.0

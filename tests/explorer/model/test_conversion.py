@@ -19,8 +19,8 @@ TIME = np.linspace(0, DURATION, 300)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("family", [name for name, signal in EXAMPLES.items() if not hasattr(signal, "base")])
 def test_every_family_can_be_drafted_from_every_other(family: str, kind: conversion.FamilyName):
-    made = conversion.drafted(EXAMPLES[family], kind, DURATION)
-    assert conversion.kind_of(made) == kind
+    made = conversion.converted(EXAMPLES[family], kind, DURATION)
+    assert conversion.family_of(made) == kind
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "lissajous", "soft", "circle"])
@@ -54,12 +54,12 @@ def test_the_strongest_tones_of_a_formula_are_found():
 
 
 def test_to_and_from_a_flown_body_and_a_constant():
-    assert conversion.drafted(preset.load("soft").path, "flown", DURATION) == Flown()
-    assert conversion.drafted(Flown(), "multisine", DURATION) == Multisine()
-    constant = conversion.drafted(Multisine(offset=(1.0, 2.0, 3.0)), "constant", DURATION)
+    assert conversion.converted(preset.load("soft").path, "flown", DURATION) == Flown()
+    assert conversion.converted(Flown(), "multisine", DURATION) == Multisine()
+    constant = conversion.converted(Multisine(offset=(1.0, 2.0, 3.0)), "constant", DURATION)
     assert constant == Multisine(offset=(1.0, 2.0, 3.0))
     for kind in ("formula", "waypoints"):
-        assert conversion.kind_of(conversion.drafted(Flown(), kind, DURATION)) == kind  # type: ignore[arg-type]
+        assert conversion.family_of(conversion.converted(Flown(), kind, DURATION)) == kind  # type: ignore[arg-type]
 
 
 PAIRS = st.lists(st.tuples(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6)), max_size=20)

@@ -69,10 +69,10 @@ def test_the_excitation_at_a_time_is_that_of_the_window_starting_there(time: flo
 
 def test_the_frozen_test_is_told_once_python_control_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(details, "LOADED", threading.Event())
-    assert details.frozen_words(SLOW) == ""
+    assert details.frozen_summary(SLOW) == ""
     assert len(drawings.say_depth(picture("paper-slow"))) == 2
-    details.load_slow()
-    assert "rank 11 of 13 in body axes, 5 in turned axes" in details.frozen_words(SLOW)
+    details.import_control()
+    assert "rank 11 of 13 in body axes, 5 in turned axes" in details.frozen_summary(SLOW)
     assert len(drawings.say_depth(picture("paper-slow"))) == 3
     assert len(drawings.say_depth(picture("circle"))) == 4
 

@@ -21,7 +21,7 @@ def _at(scale: float) -> Settings:
 def test_undo_goes_back_through_every_step_and_redo_forward_again(scales: list[float]):
     history = History()
     for k, scale in enumerate(scales):
-        history.note(_at(scale), 10.0 * k)
+        history.record(_at(scale), 10.0 * k)
     for scale in scales[-2::-1]:
         assert history.undo() == _at(scale)
     assert history.undo() is None
@@ -32,27 +32,27 @@ def test_undo_goes_back_through_every_step_and_redo_forward_again(scales: list[f
 
 def test_what_follows_within_a_moment_is_one_step_but_never_the_beginning():
     history = History()
-    history.note(_at(1.0), 0.0)
+    history.record(_at(1.0), 0.0)
     for k in range(20):
-        history.note(_at(2.0 + k / 10), 0.01 + k * MOMENT / 2)
+        history.record(_at(2.0 + k / 10), 0.01 + k * MOMENT / 2)
     assert history.undo() == _at(1.0)
     assert history.undo() is None
 
 
 def test_a_slow_machine_does_not_tear_a_drag_apart():
     history = History()
-    history.note(_at(1.0), 0.0)
+    history.record(_at(1.0), 0.0)
     for k in range(5):
-        history.note(_at(2.0 + k), 10.0 + 3 * k, shown=10.0 + 3 * k + 2.9)
+        history.record(_at(2.0 + k), 10.0 + 3 * k, shown=10.0 + 3 * k + 2.9)
     assert history.undo() == _at(1.0)
 
 
 def test_what_is_held_is_one_step_however_slowly_it_moves():
     history = History()
-    history.note(_at(1.0), 0.0)
+    history.record(_at(1.0), 0.0)
     for k in range(4):
-        history.note(_at(2.0 + k), 10.0 * (k + 1), hold=3)
-    history.note(_at(8.0), 60.0, hold=4)
+        history.record(_at(2.0 + k), 10.0 * (k + 1), hold=3)
+    history.record(_at(8.0), 60.0, hold=4)
     assert history.undo() == _at(5.0)
     assert history.undo() == _at(1.0)
 
@@ -61,9 +61,9 @@ def test_two_things_moved_within_a_moment_are_two_steps():
     history = History()
     slow = SLOW.preset
     seeded = msgspec.structs.replace(SLOW, preset=msgspec.structs.replace(slow, seed=7))
-    history.note(SLOW, 0.0)
-    history.note(_at(2.0), 0.01)
-    history.note(seeded, 0.02)
+    history.record(SLOW, 0.0)
+    history.record(_at(2.0), 0.01)
+    history.record(seeded, 0.02)
     assert history.undo() == _at(2.0)
     assert history.undo() == SLOW
 
@@ -87,9 +87,9 @@ def test_what_differs_is_named_to_the_innermost_table():
 
 def test_a_step_apart_stays_apart_however_soon_the_next_one_comes():
     history = History()
-    history.note(_at(1.0), 0.0)
-    history.note(_at(2.0), 0.01, apart=True)
-    history.note(_at(3.0), 0.02)
+    history.record(_at(1.0), 0.0)
+    history.record(_at(2.0), 0.01, apart=True)
+    history.record(_at(3.0), 0.02)
     assert history.undo() == _at(2.0)
     assert history.undo() == _at(1.0)
 
@@ -97,36 +97,36 @@ def test_a_step_apart_stays_apart_however_soon_the_next_one_comes():
 def test_what_is_still_held_after_undo_or_after_a_step_apart_is_another_step():
     history = History()
     for k, scale in enumerate((1.0, 2.0)):
-        history.note(_at(scale), 10.0 * k)
-    history.note(_at(3.0), 20.0, hold=0)
+        history.record(_at(scale), 10.0 * k)
+    history.record(_at(3.0), 20.0, hold=0)
     assert history.undo() == _at(2.0)
-    history.note(_at(4.0), 30.0, hold=0)
+    history.record(_at(4.0), 30.0, hold=0)
     assert history.undo() == _at(2.0)
-    history.note(_at(5.0), 40.0, apart=True, hold=0)
-    history.note(_at(6.0), 50.0, hold=0)
-    history.note(_at(7.0), 60.0, hold=0)
+    history.record(_at(5.0), 40.0, apart=True, hold=0)
+    history.record(_at(6.0), 50.0, hold=0)
+    history.record(_at(7.0), 60.0, hold=0)
     assert [history.undo() for _ in range(3)] == [_at(5.0), _at(2.0), _at(1.0)]
 
 
 def test_a_change_after_undo_forgets_what_was_undone():
     history = History()
     for k, scale in enumerate((1.0, 2.0, 3.0)):
-        history.note(_at(scale), 10.0 * k)
+        history.record(_at(scale), 10.0 * k)
     history.undo()
-    history.note(_at(5.0), 100.0)
+    history.record(_at(5.0), 100.0)
     assert history.redo() is None
     assert history.undo() == _at(2.0)
 
 
 def test_the_same_again_is_no_step():
     history = History()
-    history.note(_at(1.0), 0.0)
-    history.note(_at(1.0), 50.0)
+    history.record(_at(1.0), 0.0)
+    history.record(_at(1.0), 50.0)
     assert history.depth == (0, 0)
 
 
 def test_only_so_many_steps_are_kept():
     history = History()
     for k in range(3 * DEPTH):
-        history.note(_at(1.0 + k * 1e-3), 10.0 * k)
+        history.record(_at(1.0 + k * 1e-3), 10.0 * k)
     assert history.depth[0] == DEPTH - 1

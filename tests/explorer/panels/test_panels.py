@@ -211,13 +211,13 @@ def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: 
 
 
 def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: viser.ClientHandle):
-    sheet = Form(client.gui, _nothing)
-    dial = LogDial(Section(sheet), "n", (1e-3, 10.0), hint="")
-    sheet.refresh()
-    assert sheet._last is None
+    form = Form(client.gui, _nothing)
+    dial = LogDial(Section(form), "n", (1e-3, 10.0), hint="")
+    form.refresh()
+    assert form._last is None
     dial._slider.value = 0.5
-    sheet.refresh()
-    assert sheet._last is dial
+    form.refresh()
+    assert form._last is dial
 
 
 @pytest.mark.parametrize("sent", [(), (1.0, 2.0), (1.0,) * 4, ("a", "b", "c"), (None, 1.0, 2.0)])

@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, reject
 from hypothesis import settings as tried
 from hypothesis import strategies as st
 
-from explorer.model.conversion import kind_of
+from explorer.model.conversion import family_of
 from explorer.model.settings import Drafts, Printed, Settings
 from explorer.panels.dock import Dock
 from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, Text, Vector
@@ -38,7 +38,7 @@ FAMILIES = st.one_of(
 )
 PATHS = st.one_of(FAMILIES, st.builds(Sum, base=FAMILIES, wiggle=FAMILIES, offset=VECTORS, drift=VECTORS))
 TURNINGS = st.one_of(
-    FAMILIES.filter(lambda signal: kind_of(signal) in ("multisine", "formula", "waypoints")),
+    FAMILIES.filter(lambda signal: family_of(signal) in ("multisine", "formula", "waypoints")),
     st.builds(Flown, yaw=st.sampled_from(("0", "sin(t)", "-(t)"))),
 )
 BLOCKS = st.builds(Blocks, xi=SIZES, position=SIZES, velocity=SIZES, gravity=SIZES)
@@ -93,9 +93,9 @@ PARTS: dict[str, st.SearchStrategy[Any]] = {
 
 def _kept(shown: Turning | None, found: list[Any]) -> tuple[Any, ...]:
     """Drafts as the page leaves them: one of each family that is not in use."""
-    each = {kind_of(draft): draft for draft in found}
+    each = {family_of(draft): draft for draft in found}
     if shown is not None:
-        each.pop(kind_of(shown), None)
+        each.pop(family_of(shown), None)
     return tuple(each.values())
 
 
@@ -194,8 +194,8 @@ DEEDS = st.tuples(st.integers(0, 999), st.tuples(*VALUES.values()))
 
 def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
     """One thing that a visitor does: half of the time another family, for there is most to lose."""
-    sheet = dock.sensors._section.sheet
-    controls = [c for section in sheet.sections if section._folder.visible for c in section._controls]
+    form = dock.sensors._section.form
+    controls = [c for section in form.sections if section._folder.visible for c in section._controls]
     families = [dock.motion.path._base._family, dock.motion._turning._signal._family]
     control: Any = families[which % 4] if which % 4 < 2 else controls[which % len(controls)]
     value = dict(zip(VALUES, values, strict=True))[type(control)]

@@ -23,7 +23,7 @@ from rangenav.certificate import Certificate
 ADD_MANY = """
 import sys
 from pathlib import Path
-from explorer.library import Library
+from explorer.storage.library import Library
 kept = Library(Path(sys.argv[1]))
 for k in range(20):
     kept.add("The same", f"{sys.argv[2]} {k}".encode())
@@ -163,11 +163,11 @@ def test_a_rename_of_a_changed_file_leaves_no_second_one_behind(kept: Library):
 
 def test_a_certificate_lies_beside_its_preset_and_goes_when_that_changes(kept: Library):
     name = kept.add("path", b"first")
-    kept.put_beside(name, b"{}")
-    assert kept.beside(name) == b"{}"
+    kept.write_certificate(name, b"{}")
+    assert kept.read_certificate(name) == b"{}"
     assert list(kept.stamps()) == [name]
     kept.save(name, b"second", known={edition(b"first")})
-    assert kept.beside(name) is None
+    assert kept.read_certificate(name) is None
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EACCES, errno.EROFS], ids=["full", "denied", "read-only"])
@@ -272,8 +272,8 @@ def test_a_file_of_a_long_name_is_brought_back_too(kept: Library):
 def test_the_badge_is_of_what_is_shown_and_not_of_what_another_page_made_of_its_file(tmp_path: Path):
     shipped = preset.shipped()
     opened, other = shipped["soft"], msgspec.structs.replace(shipped["hover"], title=shipped["soft"].title)
-    certifying = Certifier()
-    here, there = (Catalog(shipped, Library(tmp_path), certifying) for _ in range(2))
+    certifier = Certifier()
+    here, there = (Catalog(shipped, Library(tmp_path), certifier) for _ in range(2))
     mine = here.add(opened)
     there.refresh()
     there.save(mine.origin, other, edition=there.open(mine.origin).edition)

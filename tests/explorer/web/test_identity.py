@@ -22,23 +22,23 @@ BROWSER, OTHER = "a" * 32, "b" * 32
 
 @dataclass
 class Page:
-    """A guarded server which seats everybody who joins."""
+    """A guarded server which session_keys everybody who joins."""
 
     server: viser.ViserServer
     slots: Slots
-    seats: dict[int, str | None] = field(default_factory=dict)
+    session_keys: dict[int, str | None] = field(default_factory=dict)
 
     @property
     def port(self) -> int:
         return self.server.get_port()
 
     def join(self, storage: Storage) -> tuple[Wire, str | None]:
-        """A tab, and the seat it was given."""
-        before = set(self.seats)
+        """A tab, and the session key it was given."""
+        before = set(self.session_keys)
         tab = Wire(self.port, storage=storage)
-        tab.wait_for(lambda: set(self.seats) - before, "a seat")
-        (new,) = set(self.seats) - before
-        return tab, self.seats[new]
+        tab.wait_for(lambda: set(self.session_keys) - before, "a session key")
+        (new,) = set(self.session_keys) - before
+        return tab, self.session_keys[new]
 
     def leave(self, tab: Wire) -> None:
         """The tab is closed, and the server has noticed."""
@@ -53,12 +53,12 @@ def page() -> Iterator[Page]:
     server = security.open_server("127.0.0.1", 0)
     running = Page(server, Slots(lambda tab: identity.connected(server, tab)))
 
-    def seat(client: viser.ClientHandle) -> None:
+    def welcome(client: viser.ClientHandle) -> None:
         security.accept_values_only(client)
-        running.seats[client.client_id] = identity.seat_of(client, running.slots)
+        running.session_keys[client.client_id] = identity.session_key(client, running.slots)
 
     server.on_client_disconnect(lambda client: running.slots.free(client.client_id))
-    server.on_client_connect(seat)
+    server.on_client_connect(welcome)
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(wire, "NO_DOCK", 0.05)  # there is none to wait for
         yield running
@@ -67,11 +67,11 @@ def page() -> Iterator[Page]:
 
 def test_a_browser_is_given_an_id_and_known_by_it_again(page: Page):
     storage = Storage()
-    tab, seat = page.join(storage)
-    assert seat == f"{storage.shared[KEY]}-1"
+    tab, session_key = page.join(storage)
+    assert session_key == f"{storage.shared[KEY]}-1"
     page.leave(tab)
-    again, seat_again = page.join(storage)
-    assert seat_again == seat
+    again, key_again = page.join(storage)
+    assert key_again == session_key
     page.leave(again)
     assert set(storage.shared) == {KEY}, "the copy of the slot is taken away again"
 
@@ -79,16 +79,16 @@ def test_a_browser_is_given_an_id_and_known_by_it_again(page: Page):
 def test_two_tabs_of_a_browser_have_their_own_slots_and_each_gets_its_own_back(page: Page):
     shared: dict[str, str] = {}
     first, second = Storage(shared=shared), Storage(shared=shared)
-    one, seat_one = page.join(first)
-    two, seat_two = page.join(second)
-    assert (seat_one, seat_two) == (f"{shared[KEY]}-1", f"{shared[KEY]}-2")
+    one, key_one = page.join(first)
+    two, key_two = page.join(second)
+    assert (key_one, key_two) == (f"{shared[KEY]}-1", f"{shared[KEY]}-2")
     page.leave(one)
     page.leave(two)
-    two, seat_two = page.join(second)  # the second is back before the first
-    one, seat_one = page.join(first)
-    assert (seat_one, seat_two) == (f"{shared[KEY]}-1", f"{shared[KEY]}-2")
-    three, seat_three = page.join(Storage(shared=shared, tab=dict(first.tab)))  # a tab that was duplicated
-    assert seat_three == f"{shared[KEY]}-3"
+    two, key_two = page.join(second)  # the second is back before the first
+    one, key_one = page.join(first)
+    assert (key_one, key_two) == (f"{shared[KEY]}-1", f"{shared[KEY]}-2")
+    three, key_three = page.join(Storage(shared=shared, tab=dict(first.tab)))  # a tab that was duplicated
+    assert key_three == f"{shared[KEY]}-3"
     for tab in (one, two, three):
         page.leave(tab)
 
@@ -98,8 +98,8 @@ def test_a_new_tab_takes_the_lowest_slot_that_nobody_has(page: Page):
     one, _ = page.join(Storage(shared=shared))
     two, _ = page.join(Storage(shared=shared))
     page.leave(one)
-    new, seat = page.join(Storage(shared=shared))
-    assert seat == f"{shared[KEY]}-1"
+    new, session_key = page.join(Storage(shared=shared))
+    assert session_key == f"{shared[KEY]}-1"
     page.leave(new)
     page.leave(two)
 
@@ -109,38 +109,38 @@ def test_a_new_tab_takes_the_lowest_slot_that_nobody_has(page: Page):
     [Storage(refused=True), Storage(forgetful=True), Storage(silent=True)],
     ids=["refuses", "keeps nothing", "does not answer"],
 )
-def test_a_browser_that_keeps_nothing_has_no_seat_and_nobody_waits_for_ever(
+def test_a_browser_that_keeps_nothing_has_no_key_and_nobody_waits_for_ever(
     page: Page, storage: Storage, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(identity, "PATIENCE", 0.5)
-    tab, seat = page.join(storage)
-    assert seat is None
+    tab, session_key = page.join(storage)
+    assert session_key is None
     page.leave(tab)
 
 
 @pytest.mark.parametrize("lie", ["../../etc/passwd", "A" * 32, "a" * 31, "", "a" * 100_000, 7, ["a"], {"a": 1}, True])
 def test_an_id_that_is_not_of_our_making_is_replaced(page: Page, lie: str):
     storage = Storage(shared={KEY: lie})
-    tab, seat = page.join(storage)
+    tab, session_key = page.join(storage)
     assert identity.BROWSER.fullmatch(storage.shared[KEY])
-    assert seat == f"{storage.shared[KEY]}-1"
+    assert session_key == f"{storage.shared[KEY]}-1"
     page.leave(tab)
 
 
 @pytest.mark.parametrize("lie", ["0", "-1", "100", "1e9", "1\n", "", "../1", "１"])
 def test_a_slot_that_is_none_of_ours_is_not_believed(page: Page, lie: str):
-    tab, seat = page.join(Storage(shared={KEY: BROWSER}, tab={SLOT_KEY: lie}))
-    assert seat == f"{BROWSER}-1"
+    tab, session_key = page.join(Storage(shared={KEY: BROWSER}, tab={SLOT_KEY: lie}))
+    assert session_key == f"{BROWSER}-1"
     page.leave(tab)
 
 
 def test_a_tab_that_goes_away_while_it_is_asked_is_no_error(page: Page):
-    before = set(page.seats)
+    before = set(page.session_keys)
     tab = Wire(page.port, storage=Storage(silent=True))
     tab.wait_for(lambda: "LocalStorageGetItemRequestMessage" in tab.counts, "the question")
     tab.close()
-    tab.wait_for(lambda: set(page.seats) - before, "an end of the waiting", patience=5.0)
-    assert page.seats.popitem()[1] is None
+    tab.wait_for(lambda: set(page.session_keys) - before, "an end of the waiting", patience=5.0)
+    assert page.session_keys.popitem()[1] is None
 
 
 def test_a_connection_that_answers_is_alive_and_one_that_is_stuck_or_gone_is_not(

@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from explorer.storage.bundle import parcel
+from explorer.storage.bundle import pack
 from rangenav import formats, preset
 from rangenav.certificate import exports
 from tests.support.real_files import shared
@@ -63,8 +63,8 @@ def test_the_page_and_the_command_line_pass_one_gate(complaint, tmp_path):
     assert words in complaint("export", "circle", "--to", "reference", "-o", tmp_path / "x.csv")
     told = {"uncertified": False, "progress": lambda _: None, "cancelled": lambda: False}
     with pytest.raises(ValueError, match=re.escape(words)):
-        parcel(circle, "circle", ["reference"], **told)
-    both = parcel(circle, "circle", ["reference", "csv"], **told)
+        pack(circle, "circle", ["reference"], **told)
+    both = pack(circle, "circle", ["reference", "csv"], **told)
     assert any(note.startswith("reference: left out:") and words in note for note in both.notes)
     assert list(tmp_path.iterdir()) == []
 
@@ -72,7 +72,7 @@ def test_the_page_and_the_command_line_pass_one_gate(complaint, tmp_path):
 @pytest.mark.parametrize("name", ["soft", "torus", "circle"])
 def test_everything_in_the_pages_zip_verifies_where_it_is_unpacked_and_nothing_else_does(run, tmp_path, name):
     pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
-    packed = parcel(
+    packed = pack(
         preset.load(name), name, EVERYTHING, uncertified=True, progress=lambda _: None, cancelled=lambda: False
     )
     zipfile.ZipFile(io.BytesIO(packed.content)).extractall(tmp_path)
@@ -168,9 +168,9 @@ def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
     k = next(j for j, row in enumerate(rows) if not row.startswith("#"))
     columns = [row.split(",")[:10] for row in rows[k:]]
     (tmp_path / "bare.csv").write_text("\n".join([*rows[:k], *map(",".join, columns)]))
-    bare = answer("log", tmp_path / "bare.csv")
-    assert bare["observer"] is None
-    assert "--synthetic-ranges" in bare["observer_reason"]
+    plain_name = answer("log", tmp_path / "bare.csv")
+    assert plain_name["observer"] is None
+    assert "--synthetic-ranges" in plain_name["observer_reason"]
 
 
 @pytest.mark.parametrize(

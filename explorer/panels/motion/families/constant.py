@@ -9,8 +9,8 @@ from rangenav.signals import Multisine
 class ConstantEditor:
     """A signal that stays what it is: a Multisine of nothing but an offset."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
-        self._section = section = Section(sheet)
+    def __init__(self, form: Form, place: SignalSlot) -> None:
+        self._section = section = Section(form)
         with section:
             self._value = Vector(section, f"value ({place.unit})", step=place.step, hint=f"{place.unit}, at all times.")
 

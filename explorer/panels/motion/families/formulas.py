@@ -17,20 +17,20 @@ KNOWN = "+ − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their rela
 class FormulaEditor:
     """Three boxes; what turned or moved the path is kept beside them."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, place: SignalSlot) -> None:
         self._signal = Formula()
-        self._section = section = Section(sheet)
+        self._section = section = Section(form)
         with section:
             hint = f"An expression in t (s), in {place.unit}: {KNOWN}. Derivatives are exact."
             self._texts = {axis: Text(section, f"{axis}(t) =", hint=hint, longest=LONGEST) for axis in AXES}
-        self._rest = rest = Section(sheet, "Offset and drift", expanded=False)
+        self._rest = rest = Section(form, "Offset and drift", expanded=False)
         with rest:
             hint = f"{place.unit}: added to the formulas. It moves a path against the anchor; the excitation stays."
             self._offset = Vector(rest, f"offset ({place.unit})", step=0.01, hint=hint)
             hint = f"{place.unit}/s: a constant rate added to the formulas; it excites nothing."
             self._drift = Vector(rest, f"drift ({place.unit}/s)", step=0.01, hint=hint)
-            self._line = sheet.gui.add_markdown("", visible=False)
-            self._forget = sheet.button(
+            self._line = form.gui.add_markdown("", visible=False)
+            self._forget = form.button(
                 "Forget turning and scaling", self._forget_map, hint="The formulas count as typed again."
             )
 
@@ -81,11 +81,11 @@ class FormulaEditor:
 class FlownEditor:
     """The body axes follow from the path; only the yaw is chosen."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, place: SignalSlot) -> None:
         del place  # the yaw is an angle whatever the signal's unit
-        self._section = section = Section(sheet)
+        self._section = section = Section(form)
         with section:
-            sheet.gui.add_markdown(
+            form.gui.add_markdown(
                 "Thrust points along the specific force p̈ − g, as in a multirotor; the path decides the attitude, its "
                 "rate follows from jerk and snap, and the initial attitude is not asked."
             )

@@ -24,11 +24,11 @@ LINE = (
 class FileSignalEditor:
     """What there is, in words."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
-        self._section = section = Section(sheet)
+    def __init__(self, form: Form, place: SignalSlot) -> None:
+        self._section = section = Section(form)
         self._signal: Turning = Multisine()
         with section:
-            self._line = sheet.gui.add_html("")
+            self._line = form.gui.add_html("")
 
     def read(self) -> Turning:
         """The signal as it was written."""

@@ -25,10 +25,10 @@ DEFAULT_GAP = 1.0
 class PointsEditor(Generic[F]):
     """One curve; the table, the chosen point and the handles in the scene all show the same points."""
 
-    def __init__(self, sheet: Form, place: SignalSlot, first: F) -> None:
+    def __init__(self, form: Form, place: SignalSlot, first: F) -> None:
         self._signal, self._index, self._boxed = first, 0, first.points[0]
         self._table = table.Table[Waypoint](COLUMNS, _row, _cells)
-        self._section = section = Section(sheet)
+        self._section = section = Section(form)
         with section:
             hint = "Whether the curve ends at its last point, at rest, or closes smoothly and repeats."
             self._ends = Choice(section, "ends", {False: OPEN, True: CLOSED}, hint=hint)
@@ -36,7 +36,7 @@ class PointsEditor(Generic[F]):
             self._period = Number(section, "period (s)", step=0.01, hint=hint)
             hint = f"One point per line: t x y z, in s and {place.unit}; times must increase. Paste a whole path here."
             self._text = Text(section, "points: t x y z", hint=hint, longest=LONGEST, lines=True)
-        self._one = one = Section(sheet)
+        self._one = one = Section(form)
         with one:
             hint = "The point that the boxes below move; dragging one in the scene chooses it."
             self._chosen = Choice(one, "point", {0: "1"}, hint=hint)
@@ -46,7 +46,7 @@ class PointsEditor(Generic[F]):
             self._value = Vector(one, f"its place ({place.unit})", step=0.001, hint=hint)
             hint = "A point between this one and the next, where the curve passes already; or none where this one is."
             actions = {"+ after it": self._insert, "− delete it": self._delete}
-            sheet.buttons("", actions, hint=hint)
+            form.buttons("", actions, hint=hint)
 
     @property
     def points(self) -> tuple[Waypoint, ...]:
@@ -144,14 +144,14 @@ class PointsEditor(Generic[F]):
             self._put(waypoints.delete(self._signal, self._index))
 
 
-def waypoints_editor(sheet: Form, place: SignalSlot) -> PointsEditor[Waypoints]:
+def waypoints_editor(form: Form, place: SignalSlot) -> PointsEditor[Waypoints]:
     """For the C⁸ curve."""
-    return PointsEditor(sheet, place, Waypoints(points=_NOWHERE))
+    return PointsEditor(form, place, Waypoints(points=_NOWHERE))
 
 
-def minimum_snap_editor(sheet: Form, place: SignalSlot) -> PointsEditor[MinimumSnap]:
+def minimum_snap_editor(form: Form, place: SignalSlot) -> PointsEditor[MinimumSnap]:
     """For the curve of least snap."""
-    return PointsEditor(sheet, place, MinimumSnap(points=_NOWHERE))
+    return PointsEditor(form, place, MinimumSnap(points=_NOWHERE))
 
 
 _NOWHERE = (Waypoint(time=0.0, value=(0.0, 0.0, 0.0)), Waypoint(time=1.0, value=(0.0, 0.0, 0.0)))

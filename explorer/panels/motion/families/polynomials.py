@@ -20,9 +20,9 @@ ENDS: dict[Literal["hold", "repeat"], str] = {"hold": "hold: it stays where it i
 class PolynomialsEditor:
     """The pieces as text, and what happens after the last."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, place: SignalSlot) -> None:
         self._table = _table()
-        self._section = section = Section(sheet)
+        self._section = section = Section(form)
         with section:
             hint = "After the last piece the signal holds where it is, or begins anew."
             self._ends = Choice(section, "at the end", ENDS, hint=hint)
@@ -31,7 +31,7 @@ class PolynomialsEditor:
                 f"coefficients in its own time for x, y, z ({place.unit}) and yaw (rad). A header line may stay."
             )
             self._text = Text(section, "pieces", hint=hint, longest=LONGEST, lines=True)
-            self._jumps = sheet.gui.add_html("", visible=False)
+            self._jumps = form.gui.add_html("", visible=False)
 
     def read(self) -> Polynomials:
         """The pieces as typed."""

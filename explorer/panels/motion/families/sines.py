@@ -20,16 +20,16 @@ AXES: tuple[Axis, ...] = ("x", "y", "z")
 class SinesEditor:
     """All tones of one signal; added and removed one by one."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
-        self._sheet, self._place = sheet, place
+    def __init__(self, form: Form, place: SignalSlot) -> None:
+        self._form, self._place = form, place
         self._tones: list[_ToneSection] = []
         self._base: Multisine | None = None
-        self._list = Section(sheet)
-        self._bottom = Section(sheet)
+        self._list = Section(form)
+        self._bottom = Section(form)
         with self._bottom:
             actions = {f"+ {axis}": partial(self._add, axis) for axis in AXES}
-            sheet.buttons("add a tone", actions, hint="One more sine on this axis.")
-        self._rest = _Rest(sheet, place)
+            form.buttons("add a tone", actions, hint="One more sine on this axis.")
+        self._rest = _Rest(form, place)
 
     def read(self) -> Multisine:
         """The signal as the sliders have it."""
@@ -58,7 +58,7 @@ class SinesEditor:
 
     def _made(self, axis: Axis, *, expanded: bool) -> "_ToneSection":
         with self._list:
-            return _ToneSection(self._sheet, self._place, axis, self._remove, expanded=expanded)
+            return _ToneSection(self._form, self._place, axis, self._remove, expanded=expanded)
 
     def _add(self, axis: Axis) -> None:
         with self._bottom.answering():
@@ -78,10 +78,10 @@ class _ToneSection:
     """A sin(w t + φ₀) on one axis."""
 
     def __init__(
-        self, sheet: Form, place: SignalSlot, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
+        self, form: Form, place: SignalSlot, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
     ) -> None:
         self.axis: Axis = axis
-        self.section = section = Section(sheet, axis, expanded=expanded)
+        self.section = section = Section(form, axis, expanded=expanded)
         with section:
             hint = f"A ({place.unit}): adds A sin(w t + φ₀) to the {axis} component; its fourth derivative is A w⁴."
             self._amplitude = Dial(section, f"A ({place.unit})", place.amplitude, step=0.001, hint=hint)
@@ -89,7 +89,7 @@ class _ToneSection:
             self._frequency = Dial(section, "w (rad/s)", place.frequency, step=0.01, hint=hint)
             hint = "φ₀ (rad): the tone's phase at t = 0; π/2 makes it a cosine."
             self._phase = Dial(section, "φ₀ (rad)", (-3.142, 3.142), step=0.001, hint=hint)
-            sheet.buttons("", {"− remove this tone": partial(remove, self)}, hint="Ctrl+Z brings it back.")
+            form.buttons("", {"− remove this tone": partial(remove, self)}, hint="Ctrl+Z brings it back.")
 
     def read(self) -> Tone:
         with self.section.catching():
@@ -115,8 +115,8 @@ class _ToneSection:
 class _Rest:
     """Where a signal starts and how it drifts: a line or a hover has nothing else."""
 
-    def __init__(self, sheet: Form, place: SignalSlot) -> None:
-        self.section = section = Section(sheet, "Offset and drift", expanded=False)
+    def __init__(self, form: Form, place: SignalSlot) -> None:
+        self.section = section = Section(form, "Offset and drift", expanded=False)
         with section:
             hint = f"{place.unit}: added to the tones. It moves a path against the anchor; the excitation stays."
             self._offset = Vector(section, f"offset ({place.unit})", step=0.01, hint=hint)

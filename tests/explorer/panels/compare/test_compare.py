@@ -9,7 +9,7 @@ import pytest
 
 from explorer.charts import Charts
 from explorer.panels.compare import ComparePanel
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.session import Session
 from tests.support.wire import Wire
 
@@ -19,7 +19,7 @@ PRESS = 0.05
 
 
 @pytest.fixture
-def comparing(sessions: tuple[int, Sessions]) -> Iterator[tuple[Wire, Session]]:
+def comparing(sessions: tuple[int, SessionServer]) -> Iterator[tuple[Wire, Session]]:
     port, made = sessions
     tab = Wire(port)
     tab.wait_for_text("13 of 13")

@@ -10,8 +10,8 @@ from msgspec.structs import replace
 
 from explorer.model import gain_units
 from explorer.model.compute import compute
-from explorer.model.gain_units import WORDS, in_words, place_of
-from explorer.model.settings import Language, Settings
+from explorer.model.gain_units import GAIN_LABELS, context_of, in_physical_units
+from explorer.model.settings import GainUnits, Settings
 from explorer.panels.dock import Dock
 from explorer.panels.gains import summary
 from explorer.widgets.form import InvalidInputError
@@ -41,9 +41,9 @@ TOUCHED = {
 """Which gains each word decides, from the formulas at the top of rangenav.physical."""
 
 
-def _speak(dock: Dock, language: Language) -> None:
+def _speak(dock: Dock, units: GainUnits) -> None:
     """As a visitor would, who moves the menu and nothing else."""
-    dock.gains._wanted.show(language)
+    dock.gains._wanted.show(units)
 
 
 def _dial(dock: Dock, name: str) -> Any:
@@ -60,22 +60,22 @@ def _numbers(gains: Gains) -> dict[str, float]:
 @pytest.fixture(autouse=True)
 def _in_letters(dock: Dock) -> None:
     """Each test begins with the paper's letters and a shipped preset."""
-    dock.gains.speak("paper")
+    dock.gains.use_units("paper")
     dock.write(SLOW)
 
 
 @FEW
 @given(chosen(), chosen())
 def test_switching_there_and_back_any_number_of_times_changes_no_bit(dock: Dock, before: Settings, settings: Settings):
-    dock.gains.speak("paper")
+    dock.gains.use_units("paper")
     dock.write(before)
     for written in (settings, before):
         dock.write(written)
-        for language in ("physical", "paper", "physical", "physical"):
-            _speak(dock, language)
+        for units in ("physical", "paper", "physical", "physical"):
+            _speak(dock, units)
             assert dock.read() == written
             assert dock.read() == written
-            assert dock.gains.language == language
+            assert dock.gains.units == units
 
 
 def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_language(dock: Dock):
@@ -88,7 +88,7 @@ def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_lan
     assert dock.read() == settings
 
 
-@pytest.mark.parametrize("name", WORDS)
+@pytest.mark.parametrize("name", GAIN_LABELS)
 def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_others(dock: Dock, name: str):
     _speak(dock, "physical")
     before = dock.read().preset.gains
@@ -97,12 +97,12 @@ def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_
     changed = {n for n, value in _numbers(after.preset.gains).items() if value != _numbers(before)[n]}
     assert changed == TOUCHED[name]
     # and what is now stored says what was asked, to rounding
-    assert getattr(in_words(after.preset.gains, place_of(after)), name) == pytest.approx(
+    assert getattr(in_physical_units(after.preset.gains, context_of(after)), name) == pytest.approx(
         _dial(dock, name).read(), rel=1e-12
     )
 
 
-@pytest.mark.parametrize("name", WORDS)
+@pytest.mark.parametrize("name", GAIN_LABELS)
 def test_a_word_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
     _speak(dock, "physical")
     dock.read()
@@ -112,10 +112,10 @@ def test_a_word_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: 
     assert dock.read() != SLOW
     dial.show(good)
     assert dock.read() == SLOW
-    for other in WORDS:
+    for other in GAIN_LABELS:
         _dial(dock, other).show(0.9 * _dial(dock, other).read())
         dock.read()
-    for other in WORDS:
+    for other in GAIN_LABELS:
         assert _dial(dock, other).mark()
         _dial(dock, other).reset()
         dock.read()
@@ -140,8 +140,8 @@ def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock
         change()
         settings = dock.read()
         assert settings.preset.gains == gains
-        words = in_words(gains, place_of(settings))
-        assert all(_dial(dock, name).read() == getattr(words, name) for name in WORDS)
+        words = in_physical_units(gains, context_of(settings))
+        assert all(_dial(dock, name).read() == getattr(words, name) for name in GAIN_LABELS)
         assert shown != (words.range_sigma, words.position_factor, words.gyro_sigma)
     _speak(dock, "paper")
     assert dock.read().preset.gains == gains
@@ -153,7 +153,7 @@ def test_a_word_moved_together_with_the_path_means_what_it_says_on_the_new_path(
     dock.world.move_anchor((4.0, 5.0, 6.0))
     _dial(dock, "range_sigma").show(0.5)
     after = dock.read()
-    at = place_of(after).at
+    at = context_of(after).at
     variance = at.distance**2 * 0.5**2 + 0.5**4 / 2
     assert after.preset.gains.riccati.q == pytest.approx(after.preset.sensors.range_rate / variance, rel=1e-12)
     assert replace(after.preset.gains.riccati, q=1.0) == replace(before.preset.gains.riccati, q=1.0)
@@ -163,12 +163,12 @@ def test_a_word_moved_together_with_the_path_means_what_it_says_on_the_new_path(
 def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
     _speak(dock, "physical")
     dock.read()
-    for name in WORDS:
+    for name in GAIN_LABELS:
         _dial(dock, name).show(0.8 * _dial(dock, name).read())
         dock.read()
     dock.motion._time._scale.show(3.0)
     dock.read()
-    dock.gains._section.sheet.reset_all()
+    dock.gains._section.form.reset_all()
     assert dock.read() == SLOW
 
 
@@ -176,12 +176,12 @@ def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
 def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
     _speak(dock, "physical")
     good = dock.read().preset.gains
-    for name in WORDS:
+    for name in GAIN_LABELS:
         shown = _dial(dock, name).read()
         _dial(dock, name).show(far)
         with pytest.raises(InvalidInputError) as refusal:
             dock.read()
-        assert WORDS[name].label in str(refusal.value.__cause__)
+        assert GAIN_LABELS[name].label in str(refusal.value.__cause__)
         assert dock.gains._physical._sections[name].complaint._line.visible
         _dial(dock, name).show(shown)
         assert dock.read().preset.gains == good
@@ -230,7 +230,7 @@ def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(doc
 def test_the_other_language_stands_beside(dock: Dock):
     picture = compute(SLOW)
     dock.gains.draw(picture)
-    words = in_words(SLOW.preset.gains, place_of(SLOW))
+    words = in_physical_units(SLOW.preset.gains, context_of(SLOW))
     assert f"{words.range_sigma:.4g} m" in dock.gains._table.content
     assert dock.gains._beside._folder.label == "The same in physical words"
     _speak(dock, "physical")
@@ -249,7 +249,7 @@ def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(
     dock.write(weightless)
     assert dock.read().preset.gains == weightless.preset.gains
     assert "no physical words" in dock.gains._physical._noise.complaint._line.content
-    assert "not told" in summary.in_other_language(compute(weightless), "paper")
+    assert "not told" in summary.in_other_units(compute(weightless), "paper")
     dock.write(SLOW)
     assert dock.read() == SLOW
     assert not dock.gains._physical._noise.complaint._line.visible

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 from msgspec.structs import replace
 
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.storage.autosave import SavedWork
 from rangenav.attitude import Schedule
 from tests.explorer.panels.motion.test_editor import NOT_SHOWN
@@ -19,13 +19,13 @@ LETTERS, WORDS = "in the paper's letters", "in physical words"
 STIFF = "▲ The attitude filter is stiff"
 
 
-def _visitor(sessions: tuple[int, Sessions], storage: Storage | None = None) -> Editing:
+def _visitor(sessions: tuple[int, SessionServer], storage: Storage | None = None) -> Editing:
     tab = Wire(sessions[0], storage=storage)
     return Editing(tab, newest(sessions[1], tab))
 
 
 @pytest.fixture
-def page(sessions: tuple[int, Sessions]) -> Iterator[Editing]:
+def page(sessions: tuple[int, SessionServer]) -> Iterator[Editing]:
     visitor = _visitor(sessions)
     yield visitor
     visitor.tab.close()
@@ -53,15 +53,15 @@ def test_switching_the_language_draws_nothing_anew_and_is_no_step_to_undo(page: 
     assert page.session._history.depth == (1, 0)
     page.command("Undo")
     assert page.settings == picture.settings  # type: ignore[union-attr]
-    assert page.session._dock.gains.language == "paper"
+    assert page.session._dock.gains.units == "paper"
     page.set("shown", WORDS)
     page.command("Redo")
-    assert page.session._dock.gains.language == "physical"
+    assert page.session._dock.gains.units == "physical"
     assert page.settings.preset.gains.riccati.q == q
     page.tab.wait_for(lambda: _label(page, "noise σ of range").endswith("= 0.25 m •"), "the word, marked")
 
 
-def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, Sessions]):
+def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, SessionServer]):
     storage = Storage()
     first = _visitor(sessions, storage)
     first.set("shown", WORDS)
@@ -73,7 +73,7 @@ def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(ses
     first.tab.close()
     again = _visitor(sessions, storage)
     again.tab.wait_for(lambda: again.settings == kept, "the work")
-    assert again.session._dock.gains.language == "physical"
+    assert again.session._dock.gains.units == "physical"
     assert again.tab.value("shown") == WORDS
     again.tab.wait_for(lambda: _label(again, "slowest time T").startswith("slowest time T = 1 s"), "the word")
     again.set("schedule k1", True)
@@ -83,7 +83,7 @@ def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(ses
 
 def test_work_kept_before_there_were_languages_is_found(page: Editing):
     old = msgspec.json.encode({"opened": "paper", "settings": page.settings})
-    assert msgspec.json.decode(old, type=SavedWork).language == "paper"
+    assert msgspec.json.decode(old, type=SavedWork).units == "paper"
 
 
 def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
@@ -94,9 +94,9 @@ def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
     page.tab.wait_for(lambda: _label(page, "noise σ of range") != before, "other words")
     page.set("preset", next(o for o in page.tab.elements[page.tab.find("preset")]["options"] if "(soft)" in o))
     page.tab.wait_for(lambda: page.settings.origin == "soft", "the preset")
-    assert page.session._dock.gains.language == "physical"
+    assert page.session._dock.gains.units == "physical"
     page.set("shown", LETTERS)
-    assert page.settings.preset.gains == page.session._shelf.presets["soft"].gains
+    assert page.settings.preset.gains == page.session._catalog.presets["soft"].gains
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_a_schedule_is_switched_on_edited_and_off_and_undo_goes_back_through_it(
     assert page.settings.preset.gains.attitude.schedule == Schedule(steady=0.1)
     for _ in range(4):
         page.command("Undo")
-    assert page.settings.preset == page.session._shelf.presets["paper-slow"]
+    assert page.settings.preset == page.session._catalog.presets["paper-slow"]
     page.tab.wait_for(lambda: page.tab.text().count("at k1 = ") == 1, "one k1")
 
 
@@ -191,4 +191,4 @@ def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
     assert page.settings.preset.gains.riccati == riccati
     page.set("gains", "constant (the paper's theorem)")
     assert noise.visible
-    assert page.settings.preset == page.session._shelf.presets["paper-slow"]
+    assert page.settings.preset == page.session._catalog.presets["paper-slow"]

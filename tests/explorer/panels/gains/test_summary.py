@@ -32,7 +32,7 @@ SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
 @pytest.fixture(autouse=True)
 def _shipped(dock: Dock) -> None:
     """Each test begins with the paper's letters and a shipped preset."""
-    dock.gains.speak("paper")
+    dock.gains.use_units("paper")
     dock.write(SLOW)
 
 

@@ -9,12 +9,12 @@ import pytest
 
 from explorer.model.history import MOMENT
 from explorer.model.settings import Settings
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.shared import Compilation
 from explorer.web.security import open_server
 from rangenav import preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
-from tests.support.shared_server import house
+from tests.support.shared_server import shared
 from tests.support.waiting_visitor import Editing, newest
 from tests.support.wire import Storage, Wire
 
@@ -393,20 +393,20 @@ def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alo
     editing.set("q", 1.0)
     before = editing.settings
     time.sleep(0.8)  # longer than a moment
-    sheet, uuid = editing.session._sheet, editing.tab.find("range (Hz)")
-    carry_out, dial = sheet.carry_out, editing.session._dock.sensors._range_rate
+    form, uuid = editing.session._form, editing.tab.find("range (Hz)")
+    run_actions, dial = form.run_actions, editing.session._dock.sensors._range_rate
 
     def busy() -> bool:
         """A change and its undo come while the session is at work, and are seen together."""
-        sheet.carry_out = carry_out  # type: ignore[method-assign]
-        pending = len(sheet._actions)
+        form.run_actions = run_actions  # type: ignore[method-assign]
+        pending = len(form._actions)
         editing.tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 33.0}})
         editing.tab.wait_for(lambda: dial.read() == 33.0, "the change")
         editing.tab.command("Undo")
-        editing.tab.wait_for(lambda: len(sheet._actions) > pending, "the undo")
-        return carry_out()
+        editing.tab.wait_for(lambda: len(form._actions) > pending, "the undo")
+        return run_actions()
 
-    sheet.carry_out = busy  # type: ignore[method-assign]
+    form.run_actions = busy  # type: ignore[method-assign]
     editing.settle()
     assert dial.read() == before.preset.sensors.range_rate
     assert editing.settings == before
@@ -474,7 +474,7 @@ def _until_shown(editing: Editing, expected: Settings) -> None:
     editing.tab.wait_for(lambda: editing.settings == expected, "the work")
 
 
-def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, Sessions]):
+def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, SessionServer]):
     storage = Storage()
     port, made = sessions
     editing = Editing(tab := Wire(port, storage=storage), newest(made, tab))
@@ -486,9 +486,9 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
     back = Wire(port, storage=storage)
     _until_shown(Editing(back, newest(made, back)), expected)
     back.close()
-    server, warming = open_server("127.0.0.1", 0), Compilation()
-    again = Sessions(server, house(server, warming))
-    warming.start()
+    server, compilation = open_server("127.0.0.1", 0), Compilation()
+    again = SessionServer(server, shared(server, compilation))
+    compilation.start()
     later = Wire(server.get_port(), storage=storage)
     _until_shown(Editing(later, newest(again, later)), expected)
     assert later.value("x(t) =") == "cos(3*t)"
@@ -496,7 +496,7 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
     server.stop()
 
 
-def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessions]):
+def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, SessionServer]):
     port, made = sessions
     browser = Storage()
     first = Editing(one := Wire(port, storage=browser), newest(made, one))

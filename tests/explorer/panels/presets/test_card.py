@@ -74,13 +74,13 @@ def test_a_circle_is_drawn_round_and_seen_from_the_side_flat():
 
 
 def test_certificates_come_one_after_the_other_and_are_remembered():
-    certifying, came = Certifier(), threading.Semaphore(0)
+    certifier, came = Certifier(), threading.Semaphore(0)
     contents = [preset.dumps(SHIPPED[name]).encode() for name in ("paper-slow", "soft")] + [b"not a preset"]
     for content in contents:
-        assert certifying.find(content, lambda: came.release()) is None
+        assert certifier.find(content, lambda: came.release()) is None
     for _ in contents:
         assert came.acquire(timeout=60)
-    first, second, third = (certifying.find(content, lambda: None) for content in contents)
+    first, second, third = (certifier.find(content, lambda: None) for content in contents)
     assert isinstance(first, certificate.Certificate)
     assert first.certified
     assert isinstance(second, certificate.Certificate)

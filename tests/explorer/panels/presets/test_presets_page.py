@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from explorer.server import Sessions
+from explorer.server import SessionServer
 from explorer.storage import files
 from explorer.storage.catalog import MINE
 from explorer.storage.library import Library
@@ -28,14 +28,14 @@ WORST = re.compile(r"from ([\d.]+) s: rank")
 
 
 @pytest.fixture
-def data(tmp_path: Path, sessions: tuple[int, Sessions]) -> Library:
+def data(tmp_path: Path, sessions: tuple[int, SessionServer]) -> Library:
     """An empty library for this test's visitors."""
     kept = Library(tmp_path / "presets")
-    object.__setattr__(sessions[1]._house, "library", kept)
+    object.__setattr__(sessions[1]._shared, "library", kept)
     return kept
 
 
-def _visitor(sessions: tuple[int, Sessions], storage: Storage | None = None) -> Editing:
+def _visitor(sessions: tuple[int, SessionServer], storage: Storage | None = None) -> Editing:
     port, made = sessions
     tab = Wire(port, storage=storage)
     tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
@@ -45,14 +45,14 @@ def _visitor(sessions: tuple[int, Sessions], storage: Storage | None = None) -> 
 
 
 @pytest.fixture
-def page(sessions: tuple[int, Sessions], data: Library) -> Iterator[Editing]:
+def page(sessions: tuple[int, SessionServer], data: Library) -> Iterator[Editing]:
     visitor = _visitor(sessions)
     yield visitor
     visitor.tab.close()
 
 
 @pytest.fixture
-def reloaded(page: Editing, sessions: tuple[int, Sessions]) -> Iterator[Callable[[], Editing]]:
+def reloaded(page: Editing, sessions: tuple[int, SessionServer]) -> Iterator[Callable[[], Editing]]:
     """Closes the page, and gives what a browser that keeps its storage finds afterwards."""
     later: list[Editing] = []
 
@@ -75,7 +75,7 @@ def _save_as(page: Editing, title: str) -> None:
 
 
 def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
-    page: Editing, data: Library, sessions: tuple[int, Sessions]
+    page: Editing, data: Library, sessions: tuple[int, SessionServer]
 ):
     page.set("q", 1.25)
     shown = page.settings.preset
@@ -149,7 +149,7 @@ def test_what_is_deleted_stays_on_the_page_and_comes_back(page: Editing, data: L
 
 
 def test_what_was_deleted_comes_back_after_a_reload_too(
-    page: Editing, data: Library, sessions: tuple[int, Sessions], reloaded: Callable[[], Editing]
+    page: Editing, data: Library, sessions: tuple[int, SessionServer], reloaded: Callable[[], Editing]
 ):
     _save_as(page, "mine")
     content, shown = data.read("mine"), page.settings.preset
@@ -176,7 +176,7 @@ def test_what_was_imported_and_not_saved_keeps_its_title_over_a_reload(
 
 
 def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_told(
-    page: Editing, data: Library, sessions: tuple[int, Sessions]
+    page: Editing, data: Library, sessions: tuple[int, SessionServer]
 ):
     _save_as(page, "mine")
     other = _visitor(sessions)
