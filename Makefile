@@ -1,33 +1,50 @@
 # make run    set up, start the page, open the browser      make test   set up, run every test
-# make check  the whole gate, as .ci/run calls it           make bench  side-by-side timings against named peers
-# make fuzz   hostile formulas, presets and files, a minute of each
+# make quick  the laws alone, for the inner loop             make check  format, lint, types, layers, every test
+# make docs   the documentation, as HTML in build/docs       make bench  side-by-side timings against named peers
+# make fuzz   hostile formulas, presets and files            make lowest the laws with the oldest versions that are allowed
 #
 # Everything is installed into .venv, and again only when pyproject.toml has changed.
 # ARGS goes to the program: make run ARGS="--port 9000 --no-browser", make test ARGS="-k hover".
+# Another interpreter: make quick PYTHON=python3.13 VENV=.venv-3.13.
 
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+WORKERS ?= 2
+PYTEST := $(BIN)/python -m pytest --numprocesses $(WORKERS) --dist loadgroup
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check fuzz format bench clean
+.PHONY: help run test quick check lowest docs fuzz format bench clean
 
 help:
-	@sed -n '1,6s/^# \{0,1\}//p' Makefile
+	@sed -n '1,8s/^# \{0,1\}//p' Makefile
 
 run: $(VENV)/installed
 	@$(BIN)/rangenav-explorer $(ARGS)
 
 test: $(VENV)/installed-test
-	$(BIN)/python -m pytest $(ARGS)
+	$(PYTEST) $(ARGS)
+
+quick: $(VENV)/installed-quick
+	$(PYTEST) -m "not slow and not browser" $(ARGS)
 
 check: $(VENV)/installed-test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/pyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest $(ARGS)
+	$(PYTEST) $(ARGS)
+
+# A second environment with the floor of every direct dependency, made anew when pyproject.toml has changed.
+lowest: $(VENV)/installed-test
+	@mkdir -p build
+	@$(BIN)/python .ci/lowest.py quick > build/lowest.txt
+	PIP_CONSTRAINT=$(CURDIR)/build/lowest.txt $(MAKE) quick VENV=.venv-lowest
+
+docs: $(VENV)/installed-docs
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
+	@echo "The documentation is in build/docs/index.html."
 
 fuzz: $(VENV)/installed-test
 	$(BIN)/python -m tests.fuzz $(ARGS)
@@ -44,7 +61,7 @@ bench: $(VENV)/installed-bench
 	$(BIN)/python benchmarks/live.py
 
 clean:
-	rm -rf $(VENV)
+	rm -rf .venv .venv-* build
 
 $(VENV)/created:
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) was not found: install Python 3.11 or newer, or say which one with PYTHON=..." >&2; exit 1; }
@@ -59,9 +76,19 @@ $(VENV)/installed: pyproject.toml | $(VENV)/created
 	@touch $@
 
 # The extras also hold the project itself, so their stamps stand for the plain one too.
+$(VENV)/installed-quick: pyproject.toml | $(VENV)/created
+	@echo "Installing rangenav and what its quick tests need into $(VENV) (a minute or two the first time) ..."
+	@$(INSTALL) ".[quick]"
+	@touch $@ $(VENV)/installed
+
 $(VENV)/installed-test: pyproject.toml | $(VENV)/created
 	@echo "Installing rangenav and what its tests need into $(VENV) (a few minutes the first time) ..."
 	@$(INSTALL) ".[test]"
+	@touch $@ $(VENV)/installed $(VENV)/installed-quick
+
+$(VENV)/installed-docs: pyproject.toml | $(VENV)/created
+	@echo "Installing what the documentation is made with into $(VENV) ..."
+	@$(INSTALL) ".[docs]"
 	@touch $@ $(VENV)/installed
 
 # If the peers cannot all be had, those that can are installed; each benchmark says which one is missing and goes on.

@@ -32,6 +32,14 @@ settings.load_profile("gate" if os.environ.get("CI") else "developer")
 install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Each file stays in one worker, for it shares what it computed; the browser tests share one worker."""
+    for item in items:
+        browser = "tests/browser" in item.path.as_posix()
+        item.add_marker(pytest.mark.xdist_group("browser" if browser else item.path.as_posix()))
+
+
 @pytest.fixture(autouse=True, scope="session")
 def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Nothing is written to, or read from, what the person who runs the tests has on this machine."""
