@@ -20,7 +20,7 @@ import numpy as np
 from scipy.io import savemat
 
 from rangenav import formats, motion, preset, record
-from rangenav.certificate import exports, files
+from rangenav.certificate import files
 from rangenav.formats import euroc, readback
 from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
@@ -262,7 +262,7 @@ def exported_record(random: random.Random) -> None:
     if random.random() < 0.05:
         damaged[random.choice(("../x", "a/b", "metadata.yaml", ".", "y"))] = b"z"
     try:
-        time, position = readback.places(damaged, name, "x")
+        time, position = readback.positions(damaged, formats.row(name), "x")
     except ValueError as error:
         _check_sentence(str(error), "x")
         return
@@ -362,7 +362,7 @@ def _records() -> list[tuple[str, dict[str, bytes]]]:
         requirement = msgspec.structs.replace(soft.requirement, window=1.5)
         short = msgspec.structs.replace(soft, duration=3.0, sensors=slow, requirement=requirement)
         with tempfile.TemporaryDirectory() as folder:
-            for name in exports.RUNS:
+            for name in (row.name for row in formats.writable() if row.certified_as == "run"):
                 path = Path(folder) / f"x-{name}"
                 try:
                     formats.export(short, name, path)
@@ -373,7 +373,7 @@ def _records() -> list[tuple[str, dict[str, bytes]]]:
                 content = files.read_bytes(path)
                 _RECORDED.append((name, files.unpacked(content, "x") if path.is_dir() else {"": content}))
         for name, seeds in _RECORDED:  # undamaged they are read
-            assert len(readback.places(seeds, name, "x")[0]) > 100
+            assert len(readback.positions(seeds, formats.row(name), "x")[0]) > 100
     return _RECORDED
 
 

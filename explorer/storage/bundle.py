@@ -17,17 +17,6 @@ from rangenav import formats
 from rangenav.commands.export import exported
 from rangenav.preset import Preset
 
-SUFFIXES = {
-    "preset": ".toml",
-    "bag": ".bag",
-    "euroc": ".euroc",
-    "mcap": ".mcap",
-    "tum": ".tum.txt",
-    "mat": ".mat",
-    "npz": ".npz",
-    "csv": ".csv",
-}
-"""Bags and EuRoC records are folders; the rest are CSV files that say in their names what they are."""
 OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
 MARK = ".uncertified"
 VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
@@ -63,7 +52,7 @@ def pack(
             progress((k + 1) / (len(forms) + 2))
             if cancelled():
                 raise Stopped
-            path = folder / (stem + SUFFIXES.get(form, f".{form}.csv"))
+            path = folder / (stem + formats.row(form).suffix)
             try:
                 notes += _written(shown, form, path, uncertified=uncertified)
             except ValueError as error:

@@ -46,15 +46,7 @@ class Interpretation:
 
 def guess(file: ImportFile) -> str:
     """The format that a file looks like, by its name and first lines; a person confirms it."""
-    suffix = PurePosixPath(file.name.lower()).suffix
-    if suffix in formats.SUFFIXES:
-        return formats.SUFFIXES[suffix]
-    head = file.content[:HEAD].decode("utf-8", "replace").lower()
-    if "x^0" in head:
-        return "polynomial"
-    if "p_rs_r" in head:
-        return "euroc"
-    return "reference" if "p_x" in head and "gyr" not in head and "acc" not in head else "log"
+    return formats.guess(file.name, file.content[:HEAD].decode("utf-8", "replace"))
 
 
 def interpret(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: Vec3) -> Interpretation:

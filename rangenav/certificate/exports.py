@@ -1,12 +1,16 @@
 """Certificates of exported files, recomputed from what was written, and the one gate that exports pass.
 
-polynomial, reference       the motion that the file itself holds between its two ramps: its own pieces, cut out, and
-                            judged by the preset's world, sensors, requirement and vehicle
-bag, mcap, tum, euroc,      a record of one run: a motion cannot be had back from samples with its snap, so the preset
-mat, npz, csv, log          in the certificate is judged, after every position in the file was found to lie on its path
-preset                      as any preset
-A file is as long as its path and one ramp, and steady from one ramp after its beginning to one before its end: its
-length less the steady one is two ramps.
+A format's row in `rangenav.formats.table` says which of these holds for its files:
+
+preset    the file is judged as any preset
+motion    the file holds a motion between two ramps: its own pieces are cut out and judged by the preset's world,
+          sensors, requirement and vehicle
+run       the file is a record of one run. A motion with its snap cannot be recovered from samples, so the preset in
+          the certificate is judged, after every position in the file was compared with the preset's path
+neither   there is no certificate
+
+A file of a motion lasts one ramp longer than its path. It is steady from one ramp after its beginning to one ramp
+before its end: the file's duration less the steady one is two ramps.
 """
 
 import math
@@ -14,7 +18,7 @@ import re
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import cast
+from typing import assert_never, cast
 
 import msgspec
 import numpy as np
@@ -23,18 +27,15 @@ from rangenav import formats, provenance
 from rangenav import preset as presets
 from rangenav.axes import upright
 from rangenav.certificate import files, requirements
-from rangenav.certificate.certify import READERS, Held, Reader, certify
+from rangenav.certificate.certify import READERS, Held, Reader, certify, read_preset
 from rangenav.certificate.files import beside, read_bytes
 from rangenav.certificate.schema import Certificate, dumps
-from rangenav.formats import readback, text
+from rangenav.formats import Format, readback, text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Piece, Polynomials
 from rangenav.signals.polynomials import MIN_DURATION, Coefficients
 
-MOTIONS = ("polynomial", "reference")
-FOLDERS = ("bag", "euroc")
-RUNS = ("bag", "mcap", "tum", "euroc", "mat", "npz", "csv", "log")
 DEGREE = 7
 ON_PATH = 1e-6
 """m; TUM has nine decimals, the others all digits, and stamps in nanoseconds cost 1e-9 of the speed."""
@@ -48,7 +49,22 @@ TIME = re.compile(r"\bt\b")
 
 def readers() -> Mapping[str, Reader]:
     """How the bytes of every format that can be certified are read again."""
-    return {**READERS, **{form: _steady(form) for form in MOTIONS}, **{form: _recorded(form) for form in RUNS}}
+    found = {row.name: _reader(row) for row in formats.rows()}
+    return {**READERS, **{name: reader for name, reader in found.items() if reader is not None}}
+
+
+def _reader(row: Format) -> Reader | None:
+    match row.certified_as:
+        case "motion":
+            return _steady(row)
+        case "run":
+            return _recorded(row)
+        case "preset":
+            return read_preset
+        case "neither":
+            return None
+        case unknown:
+            assert_never(unknown)
 
 
 def certified(
@@ -59,10 +75,11 @@ def certified(
     `steady` says from when to when (s, in the file) the path runs at its own speed, `attitude` which one was written.
     Raises ValueError for what cannot be read again.
     """
-    context = None if form == "preset" else preset
-    if form in MOTIONS:
+    row = formats.row(form)
+    context = None if row.certified_as == "preset" else preset
+    if row.certified_as == "motion":
         context = _steady_context(upright(preset), *cast("tuple[float, float]", steady))
-        if form == "reference" and attitude == "preset":
+        if row.own_attitude_writer is not None and attitude == "preset":
             context = msgspec.structs.replace(context, angular_velocity=upright(preset).angular_velocity)
     return certify(read_bytes(path), source=path.name, form=form, context=context, readers=readers())
 
@@ -75,7 +92,7 @@ def gate(preset: Preset, form: str = "preset") -> str | None:
     says it is, so that a hover can be studied.
     """
     found = certify(presets.dumps(preset).encode(), source="preset")
-    return None if found.certified and form not in MOTIONS else requirements.gate(found)
+    return None if found.certified and formats.row(form).gate == "claim" else requirements.gate(found)
 
 
 def write_beside(found: Certificate, path: Path) -> Path:
@@ -119,14 +136,14 @@ def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
         return steady
 
 
-def _steady(form: str) -> Reader:
+def _steady(row: Format) -> Reader:
     def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
         why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
         require(why is None, f"{source}: {why}")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
-        found = formats.parse(content, form, source=source, confirm={})
+        found = formats.parse(content, row.name, source=source, confirm={})
         require(found.unjudged is None, f"{source}: {found.unjudged}")
         path = cast(Polynomials, found.path)
         ramp = max(0.0, (found.duration - context.duration) / 2)
@@ -140,13 +157,13 @@ def _steady(form: str) -> Reader:
     return read
 
 
-def _recorded(form: str) -> Reader:
+def _recorded(row: Format) -> Reader:
     def read(content: bytes, source: str, context: Preset | None) -> Held:
         if context is None:
             raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
-        parts = files.unpacked(content, source) if form in FOLDERS else {"": content}
-        time, position = readback.places(parts, form, source)
-        path = upright(context).path if form in readback.UPRIGHT else context.path
+        parts = files.unpacked(content, source) if row.folder else {"": content}
+        time, position = readback.positions(parts, row, source)
+        path = upright(context).path if row.upright else context.path
         rule = f"{source}: its stamps do not lie within the {context.duration:g} s of the preset that is certified"
         require(time.min() >= -ON_PATH and time.max() <= context.duration + ON_PATH, rule)
         away = np.linalg.norm(path(time) - position, axis=-1)

@@ -3,35 +3,37 @@
 import shutil
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from rangenav import formats
 from rangenav import preset as presets
 from rangenav.commands.output import PresetName, print_json, print_table
 from rangenav.preset import Preset
 
-Format = Literal[
-    "preset", "reference", "polynomial", "bag", "mcap", "tum", "euroc", "mat", "npz", "csv", "log", "bezier", "qgc"
-]
+if TYPE_CHECKING:
+    FormatName = str
+else:
+    FormatName = Literal[tuple(row.name for row in (*formats.writable(), *formats.unsupported()))]
+TO = f"The format; {formats.names(formats.unsupported())} only say why they are not written."
+OUTPUT = f"File to write; a folder for {formats.names(tuple(row for row in formats.writable() if row.folder))}."
 OTHERWISE = "--uncertified writes it all the same, marked"
 
 
 def export(
     preset: PresetName,
     *,
-    to: Format,
-    output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PATH")],
+    to: Annotated[FormatName, tyro.conf.arg(help=TO)],
+    output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PATH", help=OUTPUT)],
     attitude: Literal["flown", "preset"] = "flown",
     uncertified: bool = False,
     json: bool = False,
 ) -> None:
-    """Write a preset's motion (reference, polynomial) or one run of it (all others) for other tools.
+    """Write a preset, its motion or one run of it for other tools.
 
     Args:
         preset: A shipped preset's name or a path to a TOML file.
-        to: The format; bezier and qgc only say why they are not written.
-        output: File to write; a folder for bag and euroc.
         attitude: For reference: what flying the path takes, or the preset's own.
         uncertified: Write it although the preset misses its requirement; the name then says so.
         json: Print one JSON object.
@@ -56,10 +58,10 @@ def exported(
     written all the same, with "uncertified" in its name and in what is said, and without a certificate. `otherwise`
     says how to ask for that.
     """
-    from rangenav import formats
     from rangenav.certificate import exports as certificates
 
-    complaint = None if to in formats.REFUSED else certificates.gate(chosen, to)
+    row = formats.row(to)
+    complaint = None if row.unsupported else certificates.gate(chosen, to)
     if complaint is not None and not uncertified:
         raise ValueError(f"{name}: {complaint}; nothing was written ({otherwise})")
     if complaint is not None:
@@ -76,6 +78,8 @@ def exported(
     if complaint is not None:
         written = replace(written, notes=(f"UNCERTIFIED: {complaint}", *written.notes))
         report |= {"certificate": None, "certificate_reason": f"null: {complaint}"}
+    elif row.certified_as == "neither":
+        report |= {"certificate": None, "certificate_reason": f"null: nothing in a file of {to} can be certified"}
     else:
         place = _certificate(chosen, to, output, name=name, steady=written.steady, attitude=attitude)
         report["certificate"] = str(place)

@@ -1,21 +1,25 @@
 """`rangenav import`: another tool's path as a preset, with what the file did not say asked and not assumed."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
+from rangenav import formats
 from rangenav import preset as presets
 from rangenav.commands.output import print_json, print_table, require_place
 from rangenav.inputs import Vec3
 
-ReadFormat = Literal["preset", "reference", "polynomial", "tum", "euroc", "log", "mat"]
+if TYPE_CHECKING:
+    FormatName = str
+else:
+    FormatName = Literal[tuple(row.name for row in formats.rows() if row.reads)]
 
 
 def import_(
     path: tyro.conf.Positional[Path],
     *,
-    from_: Annotated[ReadFormat, tyro.conf.arg(name="from")],
+    from_: Annotated[FormatName, tyro.conf.arg(name="from")],
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PRESET.toml")],
     duration: float | None = None,
     frame: Literal["z-up", "z-down"] | None = None,
@@ -35,7 +39,6 @@ def import_(
         anchor: Where the anchor stands (m), which no path says.
         json: Print one JSON object.
     """
-    from rangenav import formats
     from rangenav.formats.path_preset import as_preset
 
     require_place("-o", output, ".toml")

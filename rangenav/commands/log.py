@@ -2,16 +2,20 @@
 
 import math
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 import tyro
 
+from rangenav import formats
 from rangenav.commands.output import print_json, print_table
 from rangenav.inputs import Vec3, require
 
 Given = Annotated[Vec3 | None, tyro.conf.arg(metavar="X Y Z")]
-SUFFIXES = {".mat": "mat", ".csv": "log"}
+if TYPE_CHECKING:
+    FormatName = str
+else:
+    FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
 TAIL = 4
 """The steady errors are of the last quarter, as in `rangenav simulate`."""
 SYNTHETIC = (1e-3, 1e2)
@@ -23,7 +27,7 @@ EARTH = 1e-3
 def log(
     file: tyro.conf.Positional[Path],
     *,
-    from_: Annotated[Literal["log", "mat", "euroc"] | None, tyro.conf.arg(name="from")] = None,
+    from_: Annotated[FormatName | None, tyro.conf.arg(name="from")] = None,
     time_unit: Literal["s", "ms", "us", "ns"] | None = None,
     gyro_unit: Literal["rad/s", "deg/s"] | None = None,
     accel_unit: Literal["m/s2", "g", "mg"] | None = None,
@@ -71,12 +75,12 @@ def log(
         position_sigma: Predicted position error (m) above which a window is weak.
         json: Print one JSON object.
     """
-    from rangenav import formats, logs, rest
+    from rangenav import logs, rest
     from rangenav.formats import recorded_flight
 
     confirm = {"time": time_unit, "gyro": gyro_unit, "accel": accel_unit, "mag": mag_unit, "range": range_unit}
     answers = {key: value for key, value in {**confirm, "frame": frame, "lines": lines}.items() if value is not None}
-    found = formats.read(file, from_ or SUFFIXES.get(file.suffix, "euroc" if file.is_dir() else "log"), confirm=answers)
+    found = formats.read(file, from_ or _format(file), confirm=answers)
     given = _given(world, gravity, magnetic)
     flight = formats.settled(found).flight
     if flight is None:
@@ -104,6 +108,14 @@ def log(
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     return print_json(report) if json else print_table(f"{found.source}: {seen.words}", report)
+
+
+def _format(file: Path) -> str:
+    """The format of a flight by its file's name: that of the suffix, that of folders, else the CSV of any logger."""
+    flights = formats.holding("flight")
+    by_suffix = [row.name for row in flights if file.suffix in row.read_suffixes]
+    by_folder = [row.name for row in flights if row.folder_reader is not None and file.is_dir()]
+    return [*by_suffix, *by_folder, "log"][0]
 
 
 def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> Any:

@@ -5,9 +5,7 @@
 mag0 and uwb0 are no part of EuRoC: `ns, m_x, m_y, m_z` (unit vector) and `ns, range [m]`. Stamps begin at one second.
 """
 
-import hashlib
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -42,19 +40,21 @@ HEADERS = {
     MAG: tuple(f"m_{axis} []" for axis in "xyz"),
     UWB: ("range [m]",),
 }
+HEAD = 4096
+"""Bytes of a file in which its header is looked for."""
 LEAST_ROWS = 8
 LARGEST = 1e6
 
 
-def read(path: Path, *, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
-    """A folder's flight, or the path of one truth file. Raises ValueError naming file, line and column."""
-    if not path.is_dir():
-        data = text.contents(path)
-        if b"p_RS_R_x" in data[:4096]:
-            found = parse_truth(data, source=path.name, knots=knots)
-        else:
-            found = log.parse(data, source=path.name, confirm=confirm)
-        return replace(found, sha256=hashlib.sha256(data).hexdigest())
+def parse_file(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
+    """The path of one ground-truth file, or the flight of another CSV file. Raises ValueError naming the line."""
+    if b"p_RS_R_x" in data[:HEAD]:
+        return parse_truth(data, source=source, knots=knots)
+    return log.parse(data, source=source, confirm=confirm)
+
+
+def read_folder(path: Path, *, confirm: Mapping[str, str]) -> ImportResult:
+    """The flight of a folder. Raises ValueError naming file, line and column."""
     root = path / "mav0" if (path / "mav0").is_dir() else path
     names = {name: root / name / "data.csv" for name in (IMU, TRUTH, MAG, UWB)}
     require(names[IMU].is_file(), f"{path}: no {IMU}/data.csv in it")

@@ -6,51 +6,54 @@ Each reader is the shortest way to stamps (s) and positions (m), and knows nothi
 import io
 import tempfile
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray as Array
 
 from rangenav.formats import euroc, ros, text, tum
+from rangenav.formats.format import Format, PositionReader, Samples
 from rangenav.inputs import require
 
 MAX_UNPACKED = 1_000_000_000
 """Bytes that an archive may unpack to."""
-Places = tuple[Float[Array, "n"], Float[Array, "n 3"]]
-"""Stamps from the beginning of the run (s), positions (m)."""
-UPRIGHT = ("bag", "mcap", "tum", "euroc")
-"""Formats that are z-up whatever the preset is."""
 
 
-def places(content: Mapping[str, bytes], form: str, source: str) -> Places:
-    """Stamps and positions of a record; a format of one file has it under the name "". Raises ValueError."""
-    require(form in READERS, f"{source}: no record is written as {form!r}")
+def positions(content: Mapping[str, bytes], form: Format, source: str) -> Samples:
+    """Times (s) and positions (m) of a record; the content of a single file has the name "". Raises ValueError."""
+    if form.positions is None:
+        raise ValueError(f"{source}: no record is written as {form.name!r}")
     try:
-        time, position = READERS[form](content, source)
-    except Exception as error:  # readers of others raise what they like, and know no names
+        time, position = form.positions(content, source)
+    except Exception as error:  # readers of other libraries raise any exception, and do not name the file
         if isinstance(error, ValueError) and str(error).startswith(source):
             raise
-        raise ValueError(f"{source}: cannot be read again as {form} ({type(error).__name__})") from None
+        raise ValueError(f"{source}: cannot be read again as {form.name} ({type(error).__name__})") from None
     rule = f"{source}: its stamps or positions are no table of numbers"
     fits = time.ndim == 1 and position.shape == (len(time), 3) and len(time) > 0
     require(fits and bool(np.isfinite(time).all() and np.isfinite(position).all()), rule)
     return time, position
 
 
-def _table(content: Mapping[str, bytes], source: str, names: tuple[str, ...]) -> Places:
-    values = text.columns(text.table(content[""], source=source), names)
-    values = values[~np.isnan(values[:, 1])]  # rows of a log on which there is a range and no sample
-    return values[:, 0], values[:, 1:]
+def columns(*names: str) -> PositionReader:
+    """The reader of a CSV file with these four columns: the time (s) and the position (m)."""
+
+    def read(content: Mapping[str, bytes], source: str) -> Samples:
+        values = text.columns(text.table(content[""], source=source), names)
+        values = values[~np.isnan(values[:, 1])]  # a row of a log with a range only has no position
+        return values[:, 0], values[:, 1:]
+
+    return read
 
 
-def _tum(content: Mapping[str, bytes], source: str) -> Places:
+def tum_poses(content: Mapping[str, bytes], source: str) -> Samples:
+    """The poses of a TUM file."""
     values = text.table(content[""], source=source, separator=None, names=tum.NAMES).values
     return values[:, 0], values[:, 1:4]
 
 
-def _npz(content: Mapping[str, bytes], source: str) -> Places:
+def npz_arrays(content: Mapping[str, bytes], source: str) -> Samples:
+    """The arrays `time` and `position` of an NPZ archive."""
     with zipfile.ZipFile(io.BytesIO(content[""])) as archive:
         size = sum(entry.file_size for entry in archive.infolist())
         require(size <= MAX_UNPACKED, f"{source}: unpacks to {size} bytes")
@@ -58,21 +61,24 @@ def _npz(content: Mapping[str, bytes], source: str) -> Places:
         return arrays["time"], arrays["position"]
 
 
-def _mat(content: Mapping[str, bytes], source: str) -> Places:
+def mat_struct(content: Mapping[str, bytes], source: str) -> Samples:
+    """The fields `time` and `position` of the struct in a .mat file."""
     from scipy.io import loadmat
 
     held = loadmat(io.BytesIO(content[""]), variable_names=["rangenav"])["rangenav"][0, 0]
     return held["time"][:, 0], held["position"]
 
 
-def _euroc(content: Mapping[str, bytes], source: str) -> Places:
+def euroc_truth(content: Mapping[str, bytes], source: str) -> Samples:
+    """The ground truth of a EuRoC folder."""
     name = f"mav0/{euroc.TRUTH}/data.csv"
     require(name in content, f"{source}: no {name} in it")
     time, position = euroc.truth(content[name], f"{source}/{name}")
     return time - euroc.FIRST, position
 
 
-def _ros(content: Mapping[str, bytes], source: str) -> Places:
+def ros_poses(content: Mapping[str, bytes], source: str) -> Samples:
+    """The true poses of a bag or of an MCAP file."""
     with tempfile.TemporaryDirectory(prefix="rangenav-") as made:
         folder = Path(made) / "bag"
         folder.mkdir()
@@ -82,15 +88,3 @@ def _ros(content: Mapping[str, bytes], source: str) -> Places:
             (folder / plain).write_bytes(data)
         time, position = ros.poses(folder / "record.mcap" if "" in content else folder)
     return time - ros.FIRST, position
-
-
-READERS: dict[str, Callable[[Mapping[str, bytes], str], Places]] = {
-    "tum": _tum,
-    "csv": lambda content, source: _table(content, source, ("t", "p_x", "p_y", "p_z")),
-    "log": lambda content, source: _table(content, source, ("t [s]", "p_x [m]", "p_y [m]", "p_z [m]")),
-    "npz": _npz,
-    "mat": _mat,
-    "euroc": _euroc,
-    "bag": _ros,
-    "mcap": _ros,
-}

@@ -9,26 +9,20 @@ from explorer.widgets.controls import Switch
 from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
+from rangenav import formats
+from rangenav.formats import Format
 
-FORMATS = {
-    "reference": ("reference CSV", "Agilicious, RPG, GTSAM: position, attitude and derivatives up to snap, by name."),
-    "polynomial": ("polynomials", "uav_trajectories pieces for a Crazyflie, at most 31."),
-    "bag": ("ROS 2 bag", "IMU, magnetic field, ranges and poses as messages, in a folder."),
-    "mcap": ("MCAP", "The same messages in one MCAP file."),
-    "tum": ("TUM", "Positions and attitudes, for evo."),
-    "euroc": ("EuRoC", "Ground truth, IMU and ranges, in a folder as EuRoC has them."),
-    "mat": ("MATLAB", "The whole run as one struct, version 5."),
-    "npz": ("NumPy", "The whole run as arrays, without loss."),
-    "csv": ("plain CSV", "Time, position, velocity, acceleration: for anything."),
-    "log": ("log CSV", "What the sensors read, and the truth."),
-}
-"""Label and hint of each."""
 CHOSEN = "Goes into the zip beside the preset and its certificate. {}"
 EACH = "Chooses every format, or none."
 MARKED = (
     "Files that miss the requirement are refused, with what is missing and what would help. "
     "Switched on, they are written with “uncertified” in their names."
 )
+
+
+def choices() -> tuple[Format, ...]:
+    """The formats with a switch: all that are written but the preset, which is in every zip."""
+    return tuple(row for row in formats.writable() if row.certified_as != "preset")
 
 
 class PackPanel:
@@ -39,9 +33,7 @@ class PackPanel:
         self._section = section = Section(form, "Download with certificate", expanded=False)
         with section:
             form.buttons("formats", {"all": self._all, "none": self._none}, hint=EACH)
-            self._formats = {
-                name: Switch(section, label, hint=CHOSEN.format(hint)) for name, (label, hint) in FORMATS.items()
-            }
+            self._formats = {row.name: Switch(section, row.label, hint=CHOSEN.format(row.hint)) for row in choices()}
             self._marked = Switch(section, "even if uncertified", hint=MARKED)
             form.button("Export as a zip", self._export, hint="Certifies the written bytes, then downloads the zip.")
             self._said = form.gui.add_html("", visible=False)

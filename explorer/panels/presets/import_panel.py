@@ -14,16 +14,9 @@ from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
+from rangenav import formats
 from rangenav.formats import ImportResult, Question
 
-FORMATS = {
-    "reference": "reference CSV (Agilicious, RPG)",
-    "polynomial": "polynomial CSV (Crazyflie)",
-    "tum": "TUM trajectory",
-    "euroc": "EuRoC ground truth CSV",
-    "log": "flight log CSV",
-    "mat": "flight log .mat",
-}
 ANCHOR = (0.0, 0.0, 0.0)
 """m; no path says where the anchor stands, and the World tab moves it."""
 UPLOAD = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
@@ -31,6 +24,11 @@ FORMAT = "Guessed from the file's name and first lines when it comes; choose ano
 CONFIRM = "Takes the answers above. Nothing is converted before you have confirmed it."
 UNANSWERED = ""
 CHOOSE = "choose"
+
+
+def choices() -> dict[str, str]:
+    """Label by name of every format that is read."""
+    return {row.name: row.read_label for row in formats.readable()}
 
 
 class ImportPanel:
@@ -55,7 +53,7 @@ class ImportPanel:
         self._asked: dict[str, Choice[str]] = {}
         with section:
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD)
-            self._format = Choice(section, "format", FORMATS, hint=FORMAT)
+            self._format = Choice(section, "format", choices(), hint=FORMAT)
             form.button(
                 "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
             )
@@ -92,10 +90,9 @@ class ImportPanel:
 
     def _fail(self, format_name: str, reason: str) -> None:
         """Say as what it could not be read, since that was a guess."""
-        words = (
-            f"{reason}. It was read as {FORMATS[format_name]}: if it is none, choose another format and read it again"
-        )
-        self._section.complaint.say(words)
+        label = formats.row(format_name).read_label
+        advice = f"It was read as {label}: if it is none, choose another format and read it again"
+        self._section.complaint.say(f"{reason}. {advice}")
 
     def _understood(self, understood: Interpretation) -> None:
         found = understood.found

@@ -20,9 +20,9 @@ from tests.support.signal_examples import POLYNOMIALS
 
 replace = msgspec.structs.replace
 READERS = exports.readers()
+RUNS = tuple(row for row in formats.writable() if row.certified_as == "run")
 SOFT = preset.load("soft")
 SUFFIXES = {"preset": ".toml", "mat": ".mat", "npz": ".npz", "tum": ".tum"}
-
 
 BETWEEN = "s of the file, between its ramps, and no more"
 STEADY = {"reference": f"2 s to 20 {BETWEEN}", "polynomial": f"2 s to 18.057 {BETWEEN}"}  # 31 pieces hold no more
@@ -195,7 +195,7 @@ def test_the_bytes_of_a_folder_are_taken_apart_as_they_were_put_together(parts: 
             files.unpacked(packed + b"x", "x")
 
 
-@pytest.mark.parametrize("form", ["tum", "csv", "log", "npz", "mat", "euroc", "bag", "mcap"])
+@pytest.mark.parametrize("form", [row.name for row in RUNS])
 @pytest.mark.parametrize("name", ["soft", "paper-slow"])
 def test_the_positions_in_a_record_are_read_again_and_lie_on_the_path(name: str, form: str, tmp_path: Path):
     """The witness is the preset's formula, z up where the format is."""
@@ -205,9 +205,9 @@ def test_the_positions_in_a_record_are_read_again_and_lie_on_the_path(name: str,
     formats.export(p, form, path)
     content = files.read_bytes(path)
     parts = files.unpacked(content, "x") if path.is_dir() else {"": content}
-    time, position = readback.places(parts, form, "x")
+    time, position = readback.positions(parts, formats.row(form), "x")
     assert (len(time), time[0], time[-1]) == pytest.approx((4001, 0, 20), abs=1e-8)
-    own = p.path(time) * ((1, -1, -1) if form in readback.UPRIGHT and p.world.gravity[2] > 0 else 1)
+    own = p.path(time) * ((1, -1, -1) if formats.row(form).upright and p.world.gravity[2] > 0 else 1)
     np.testing.assert_allclose(position, own, atol=1e-8)
 
 
@@ -220,10 +220,10 @@ def test_a_record_of_another_path_is_not_certified_by_this_ones_preset(form: str
 
 
 def test_what_is_no_record_at_all_is_a_sentence(tmp_path: Path):
-    for form in readback.READERS:
+    for row in RUNS:
         for content in (b"", b"nonsense", b"PK\x03\x04" + bytes(40), b"t,p_x,p_y,p_z\n0,1,2,nan\n"):
             with pytest.raises(ValueError, match=r"^x") as caught:
-                readback.places({"": content}, form, "x")
+                readback.positions({"": content}, row, "x")
             assert "\n" not in str(caught.value)
 
 

@@ -13,15 +13,14 @@ from rangenav import formats, preset
 from rangenav.certificate import exports
 from tests.support.real_files import shared
 
-SUFFIX = {"preset": ".toml", "npz": ".npz", "mat": ".mat", "mcap": ".mcap", "bag": "", "euroc": ""}
-EVERYTHING = tuple(form for form in formats.WRITTEN if form != "preset")
+EVERYTHING = tuple(row.name for row in formats.writable() if row.name != "preset")
 
 
-@pytest.mark.parametrize("format", formats.WRITTEN)
+@pytest.mark.parametrize("format", [row.name for row in formats.writable()])
 def test_every_format_is_exported_and_what_was_written_is_said(answer, tmp_path, format):
     if format in ("bag", "mcap"):
         pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
-    path = tmp_path / f"x{SUFFIX.get(format, '.csv')}"
+    path = tmp_path / f"x{formats.row(format).suffix}"
     said = answer("export", "soft", "--to", format, "-o", path)
     assert (said["preset"], said["format"], said["uncertified"]) == ("soft", format, False)
     assert path.exists()

@@ -8,7 +8,7 @@ import pytest
 
 from rangenav import formats, motion, preset, record
 from rangenav.axes import upright
-from rangenav.formats import frames, hermite, hover_ramps
+from rangenav.formats import frames, hermite, hover_ramps, output_files
 from rangenav.formats.path_preset import as_preset
 from rangenav.formats.polynomial import MAX_SEGMENTS
 from rangenav.observability import excitation
@@ -233,7 +233,7 @@ def test_half_a_file_never_stays_and_folders_are_never_written_over(tmp_path, mo
     def broken(*_):
         raise OSError(28, "No space left on device", "x")
 
-    monkeypatch.setattr(formats.written.os, "fdopen", broken)
+    monkeypatch.setattr(output_files.os, "fdopen", broken)
     with pytest.raises(OSError, match="No space"):
         formats.export(preset.load("soft"), "tum", tmp_path / "x.tum")
     assert sorted(one.name for one in tmp_path.iterdir()) == ["full"]
