@@ -12,7 +12,7 @@ import tyro
 
 from explorer.panels.presets import bundle, import_panel
 from explorer.storage import import_file
-from explorer.storage.bundle import parcel
+from explorer.storage.bundle import pack
 from rangenav import certificate, formats, preset
 from rangenav.certificate import exports
 from rangenav.commands import export, import_, log
@@ -88,7 +88,7 @@ def test_a_new_row_is_offered_by_the_command_line_the_page_and_the_documentation
 
 
 def test_a_file_of_a_new_row_is_written_certified_and_verified(new_format: formats.Format, tmp_path: Path) -> None:
-    packed = parcel(
+    packed = pack(
         preset.load("soft"), "x", ["blank"], uncertified=False, progress=lambda _: None, cancelled=lambda: False
     )
     zipfile.ZipFile(io.BytesIO(packed.content)).extractall(tmp_path)

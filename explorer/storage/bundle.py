@@ -68,7 +68,7 @@ def _written(shown: Preset, form: str, path: Path, *, uncertified: bool) -> list
     """Write one format and its certificate; what is to be known about the file."""
     report = exported(shown, form, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE)
     name = formats.marked(path).name if report["uncertified"] else path.name
-    proof = "uncertified" if report["uncertified"] else f"certified ({Path(report['certificate']).name})"
+    proof = "uncertified" if report["certificate"] is None else f"certified ({Path(report['certificate']).name})"
     about = f"{name}: {form}, {report['frame']}, {proof}"
     return [about, *(f"{name}: {note}" for note in report["notes"])]
 

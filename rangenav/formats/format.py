@@ -107,8 +107,6 @@ class Format:
 
     def __post_init__(self) -> None:
         if (self.certified_as == "run") != (self.positions is not None):
-            raise TypeError(
-                f"{self.name}: positions must be given for what is certified as a run, and only then"
-            )
+            raise TypeError(f"{self.name}: positions must be given for what is certified as a run, and only then")
         if self.certified_as == "motion" and self.reader is None:
             raise TypeError(f"{self.name}: reader must be given for what is certified as a motion")
