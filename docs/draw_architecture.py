@@ -19,9 +19,11 @@ LIBRARY = (
 )
 PAGE = (
     ("start", ("__main__", "server"), "#e8e8e8"),
-    ("one browser tab", ("session", "interaction"), "#e8e8e8"),
-    ("what is seen", ("panels", "scene", "charts"), "#fde7d3"),
-    ("parts for it", ("widgets", "web", "shared"), "#fdf3c8"),
+    ("one browser tab", ("session", "interaction", "shared"), "#e8e8e8"),
+    ("controls", ("panels",), "#fde7d3"),
+    ("3-D view and plots", ("scene", "charts"), "#fde7d3"),
+    ("parts of controls", ("widgets",), "#fdf3c8"),
+    ("browser, network", ("web",), "#fdf3c8"),
     ("what is kept", ("storage",), "#d9edd9"),
     ("what follows", ("model",), "#d6e8f5"),
 )
@@ -106,8 +108,9 @@ def drawing() -> str:
     parts.append(arrow(MARGIN + PAGE_WIDTH + 4, top + page_height / 2, right - 4, top + page_height / 2))
     parts.append(text(MARGIN + PAGE_WIDTH + BETWEEN / 2, top + page_height / 2 - 8, "imports", size=12, anchor="middle"))
     for k, words in enumerate(NOTES):
-        parts.append(text(MARGIN, top + page_height + 30 + 19 * k, words, size=12))
-    y = top + library_height + 52
+        column, line = divmod(k, 2)
+        parts.append(text((MARGIN, right)[column], top + library_height + 28 + 19 * line, words, size=12))
+    y = top + library_height + 100
     for title, steps in FLOWS:
         parts += flow(MARGIN, y, width - 2 * MARGIN, title, steps)
         y += ROW + 46

@@ -1,0 +1,69 @@
+"""Fill the generated parts of the pages: the table of formats so far.
+
+    python docs/generate.py
+A part stands between `<!-- NAME: begin -->` and `<!-- NAME: end -->` and is replaced as a whole; a test sees that it is
+up to date. Nothing outside the marks is touched.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+HERE = Path(__file__).parent
+
+
+def table_of_formats() -> str:
+    """One row for each exchange format, from the table in `rangenav.formats`."""
+    from rangenav import formats
+
+    rows = getattr(formats, "FORMATS", None)
+    if rows is None:
+        return _from_lists(formats)
+    head = "| format | name of the file | reads | writes | what is kept | certified as |\n|---|---|---|---|---|---|"
+    return "\n".join([head, *(_row(one) for one in rows)])
+
+
+def _row(one) -> str:
+    """A row of the table; `one` is a `Format`."""
+    reads, writes = ("yes" if getattr(one, name) else "no" for name in ("reads", "writes"))
+    return f"| `{one.name}` | `{one.suffix}` | {reads} | {writes} | {one.keeps} | {one.certified} |"
+
+
+def _from_lists(formats) -> str:
+    """Until there is one table: the names that are read, written and refused."""
+    names = dict.fromkeys([*formats.WRITTEN, *formats.READ])
+    head = "| format | reads | writes |\n|---|---|---|"
+    rows = (f"| `{n}` | {_yes(n in formats.READ)} | {_yes(n in formats.WRITTEN)} |" for n in names)
+    return "\n".join([head, *rows])
+
+
+def _yes(is_so: bool) -> str:
+    return "yes" if is_so else "no"
+
+
+PARTS: dict[str, dict[str, Callable[[], str]]] = {
+    "formats.md": {"table of formats": table_of_formats},
+}
+"""Page → name of the part → what makes it."""
+
+
+def filled(text: str, name: str, content: str) -> str:
+    """The text with one part replaced. Raises ValueError if its marks are not there exactly once."""
+    begin, end = f"<!-- {name}: begin -->", f"<!-- {name}: end -->"
+    if text.count(begin) != 1 or text.count(end) != 1:
+        raise ValueError(f"the marks of {name!r} must stand exactly once")
+    before, rest = text.split(begin)
+    return f"{before}{begin}\n\n{content}\n\n{end}{rest.split(end)[1]}"
+
+
+def main() -> None:
+    """Fill every part of every page."""
+    for page, parts in PARTS.items():
+        path = HERE / page
+        text = path.read_text(encoding="utf-8")
+        for name, make in parts.items():
+            text = filled(text, name, make())
+        path.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
