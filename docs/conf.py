@@ -19,10 +19,10 @@ author = "the rangenav contributors"
 copyright = author
 version = release = rangenav.__version__
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "formulas"]
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 exclude_patterns = ["drafts", "api/generated/*.md", "**/README*"]
-suppress_warnings = ["config.cache"]  # hooks and gallery settings are functions, which Sphinx cannot store
+suppress_warnings = ["toc.empty_glob"]  # without examples there is no gallery
 
 # Markdown that a git forge renders as well: formulas in $…$ and $$…$$, links between headings.
 myst_enable_extensions = ["dollarmath"]
@@ -37,6 +37,7 @@ autodoc_default_options = {"members": True, "undoc-members": True, "member-order
 autodoc_typehints = "signature"
 python_maximum_signature_line_length = 88
 
+html_math_renderer = "drawn"
 html_theme = "pydata_sphinx_theme"
 html_title = f"rangenav {version}"
 html_static_path = ["_static"]
@@ -54,7 +55,7 @@ html_theme_options = {
 
 # The examples run when the pages are built, so their figures are those of this version; a test runs them as well.
 EXAMPLES = HERE.parent / "examples"
-if any(EXAMPLES.glob("*.py")):
+if any(EXAMPLES.glob("GALLERY_HEADER.*")):
     extensions.append("sphinx_gallery.gen_gallery")
     sphinx_gallery_conf = {
         "examples_dirs": [str(EXAMPLES)],
