@@ -22,7 +22,6 @@ version = release = rangenav.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "formulas"]
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 exclude_patterns = ["drafts", "api/generated/*.md", "**/README*"]
-suppress_warnings = ["toc.empty_glob"]  # without examples there is no gallery
 
 # Markdown that a git forge renders as well: formulas in $…$ and $$…$$, links between headings.
 myst_enable_extensions = ["dollarmath"]
@@ -71,8 +70,15 @@ if any(EXAMPLES.glob("GALLERY_HEADER.*")):
     }
 
 
+def without_gallery(app, name, source):
+    """Leave the examples out of the table of contents where there are none."""
+    if name == "index" and not any(EXAMPLES.glob("GALLERY_HEADER.*")):
+        source[0] = source[0].replace("\nexamples/index\n", "\n")
+
+
 def setup(app):
     """Connect the hooks that make docstrings and annotations readable."""
+    app.connect("source-read", without_gallery)
     app.connect("autodoc-process-docstring", docstrings.process)
     app.connect("autodoc-process-signature", docstrings.shorten)
     app.connect("autodoc-skip-member", docstrings.skip)
