@@ -36,6 +36,8 @@ autodoc_default_options = {"members": True, "undoc-members": True, "member-order
 autodoc_typehints = "signature"
 python_maximum_signature_line_length = 88
 
+WIDE = ("presets", "formats", "benchmarks", "departures")
+"""Pages with wide tables: they get the whole width."""
 html_math_renderer = "drawn"
 html_theme = "pydata_sphinx_theme"
 html_title = f"rangenav {version}"
@@ -49,7 +51,7 @@ html_theme_options = {
     "navigation_with_keys": False,
     "footer_start": [],
     "footer_end": [],
-    "secondary_sidebar_items": ["page-toc"],
+    "secondary_sidebar_items": {"**": ["page-toc"]} | dict.fromkeys(WIDE, []),
 }
 
 # The examples run when the pages are built, so their figures are those of this version; a test runs them as well.
