@@ -51,7 +51,7 @@ html_theme_options = {
     "navigation_with_keys": False,
     "footer_start": [],
     "footer_end": [],
-    "secondary_sidebar_items": {"**": ["page-toc"]} | dict.fromkeys(WIDE, []),
+    "secondary_sidebar_items": {"**": ["page-toc"]} | {page: [] for page in WIDE},
 }
 
 # The examples run when the pages are built, so their figures are those of this version; a test runs them as well.

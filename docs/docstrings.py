@@ -52,7 +52,7 @@ def _escaped(line: str, *, first: bool) -> str:
     for k, part in enumerate(parts):
         if k % 2 and part.strip("`") == part.strip("` "):
             before = parts[k - 1][-1:]
-            joined = "" if k == 1 and not before or before in (" ", "(", "[", "") else "\\ "
+            joined = "" if (k == 1 and not before) or before in (" ", "(", "[", "") else "\\ "
             after = parts[k + 1][:1]
             closed = "\\ " if after.isalnum() else ""
             parts[k] = f"{joined}``{part.strip('`')}``{closed}"

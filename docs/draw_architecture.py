@@ -30,13 +30,23 @@ PAGE = (
 FLOWS = (
     (
         "A slider is moved",
-        ("callback: an event is set", "loop: panels → Settings", "compute: stages, cached by their inputs", "scene and charts draw, in one message"),
+        (
+            "callback: an event is set",
+            "loop: panels → Settings",
+            "compute: stages, cached by their inputs",
+            "scene and charts draw, in one message",
+        ),
     ),
     (
         "A preset is certified",
-        ("bytes of the TOML file", "Preset", "bounds of μ, ranks, σ, limits, jumps", "requirements → certificate beside the file"),
+        (
+            "bytes of the TOML file",
+            "Preset",
+            "bounds of μ, ranks, σ, limits, jumps",
+            "requirements → certificate beside the file",
+        ),
     ),
-)  # fmt: skip
+)
 NOTES = (
     "A room imports rooms of its own row or of rows below it, never above.",
     "explorer/storage and explorer/model do not import viser.",
@@ -52,7 +62,8 @@ LIBRARY_WIDTH, PAGE_WIDTH, BETWEEN = 620, 440, 66
 def text(x: float, y: float, words: str, *, size: int = 14, anchor: str = "start", bold: bool = False) -> str:
     """One line of text."""
     weight = " font-weight='bold'" if bold else ""
-    return f"<text x='{x:g}' y='{y:g}' font-size='{size}' text-anchor='{anchor}' fill='{INK}'{weight}>{escape(words)}</text>"
+    place = f"x='{x:g}' y='{y:g}' text-anchor='{anchor}'"
+    return f"<text {place} font-size='{size}' fill='{INK}'{weight}>{escape(words)}</text>"
 
 
 def box(x: float, y: float, width: float, height: float, fill: str) -> str:
@@ -65,7 +76,9 @@ def arrow(x1: float, y1: float, x2: float, y2: float) -> str:
     return f"<path d='M{x1:g},{y1:g} L{x2:g},{y2:g}' stroke='{INK}' stroke-width='1.5' marker-end='url(#tip)'/>"
 
 
-def house(x: float, y: float, width: float, title: str, rooms: tuple[tuple[str, tuple[str, ...], str], ...]) -> list[str]:
+def house(
+    x: float, y: float, width: float, title: str, rooms: tuple[tuple[str, tuple[str, ...], str], ...]
+) -> list[str]:
     """A house: a row for each group of rooms, and an arrow down its left side."""
     height = len(rooms) * (ROW + GAP) + GAP
     parts = [text(x, y - 12, title, size=16, bold=True), box(x, y, width, height, "#ffffff")]
@@ -106,7 +119,9 @@ def drawing() -> str:
     parts = house(MARGIN, top, PAGE_WIDTH, "explorer: the page in the browser", PAGE)
     parts += house(right, top, LIBRARY_WIDTH, "rangenav: the library and its command line", LIBRARY)
     parts.append(arrow(MARGIN + PAGE_WIDTH + 4, top + page_height / 2, right - 4, top + page_height / 2))
-    parts.append(text(MARGIN + PAGE_WIDTH + BETWEEN / 2, top + page_height / 2 - 8, "imports", size=12, anchor="middle"))
+    parts.append(
+        text(MARGIN + PAGE_WIDTH + BETWEEN / 2, top + page_height / 2 - 8, "imports", size=12, anchor="middle")
+    )
     for k, words in enumerate(NOTES):
         column, line = divmod(k, 2)
         parts.append(text((MARGIN, right)[column], top + library_height + 28 + 19 * line, words, size=12))
@@ -116,7 +131,8 @@ def drawing() -> str:
         y += ROW + 46
     height = y - 46 + MARGIN
     head = (
-        f"<svg xmlns='http://www.w3.org/2000/svg' width='{width:g}' height='{height:g}' viewBox='0 0 {width:g} {height:g}' {FONT}>"
+        f"<svg xmlns='http://www.w3.org/2000/svg' width='{width:g}' height='{height:g}'"
+        f" viewBox='0 0 {width:g} {height:g}' {FONT}>"
         "<title>The rooms of explorer and rangenav, who imports whom, and two flows</title>"
         "<defs><marker id='tip' markerWidth='8' markerHeight='8' refX='6' refY='3' orient='auto'>"
         f"<path d='M0,0 L7,3 L0,6 z' fill='{INK}'/></marker></defs>"

@@ -1,6 +1,6 @@
 """Formulas as drawings (SVG) in the page itself: it needs no script, no network and no mathematical font to be read."""
 
-from functools import lru_cache
+from functools import cache
 from html import escape
 
 import ziamath
@@ -11,7 +11,7 @@ SIZE = 17.0
 ziamath.config.svg2 = False  # paths in each drawing, and no symbols shared by name
 
 
-@lru_cache(maxsize=None)
+@cache
 def drawing(latex: str, *, inline: bool) -> str:
     """The formula as an <svg> element in the colour of the text, with its source for those who cannot see it."""
     made = ziamath.Latex(latex, size=SIZE, color="currentColor", inline=inline)

@@ -78,7 +78,8 @@ def test_generated_parts_of_the_pages_are_up_to_date(tmp_path: Path):
 
 def test_the_drawing_is_up_to_date_and_knows_every_room_of_the_page():
     specification = importlib.util.spec_from_file_location("draw_architecture", DOCS / "draw_architecture.py")
-    assert specification and specification.loader
+    assert specification is not None
+    assert specification.loader is not None
     drawing = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(drawing)
     assert (DOCS / "architecture.svg").read_text(encoding="utf-8") == drawing.drawing()
@@ -87,5 +88,7 @@ def test_the_drawing_is_up_to_date_and_knows_every_room_of_the_page():
             place = ROOT / package / name
             assert place.is_dir() or place.with_suffix(".py").is_file(), f"{package}/{name} is drawn and does not exist"
     drawn = {name for _, names, _ in drawing.PAGE for name in names}
-    there = {path.stem for path in (ROOT / "explorer").iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()}
+    there = {
+        path.stem for path in (ROOT / "explorer").iterdir() if path.suffix == ".py" or (path / "__init__.py").is_file()
+    }
     assert there - {"__init__", "__pycache__"} <= drawn
