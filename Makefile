@@ -43,7 +43,9 @@ lowest: $(VENV)/installed-test
 	PIP_CONSTRAINT=$(CURDIR)/build/lowest.txt $(MAKE) quick VENV=.venv-lowest
 
 docs: $(VENV)/installed-docs
-	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet docs build/docs
+	$(BIN)/python docs/draw_architecture.py
+	$(BIN)/python docs/generate.py
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet $(ARGS) docs build/docs
 	@echo "The documentation is in build/docs/index.html."
 
 fuzz: $(VENV)/installed-test

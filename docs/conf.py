@@ -21,7 +21,7 @@ version = release = rangenav.__version__
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "formulas"]
 source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
-exclude_patterns = ["drafts", "api/generated/*.md", "**/README*"]
+exclude_patterns = ["api/generated/*.md", "**/README*"]
 
 # Markdown that a git forge renders as well: formulas in $…$ and $$…$$, links between headings.
 myst_enable_extensions = ["dollarmath"]

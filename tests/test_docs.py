@@ -16,7 +16,7 @@ from rangenav import analysis, preset
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = sorted(page for page in [*DOCS.rglob("*.md"), ROOT / "README.md"] if "drafts" not in page.parts)
+PAGES = sorted([*DOCS.rglob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
 BLOCK = re.compile(r"```(python|console)\n(.*?)```", re.DOTALL)
 SLOW = 180
 """s that one command may take."""
