@@ -102,6 +102,21 @@ def still(flight: Flight, seconds: float) -> Still:
     )
 
 
+def noise_at_rest(flight: Flight) -> tuple[float, float, float] | None:
+    """Noise of gyro (rad/s) and accelerometer (m/s²) per sample and the size of the gyro's bias (rad/s), at rest.
+
+    None if the record does not start at rest, or has no magnetometer.
+    """
+    seconds = still_seconds(flight)
+    if seconds == 0 or flight.mag is None:
+        return None
+    try:
+        rest = still(flight, seconds)
+    except ValueError:
+        return None
+    return rest.gyro_noise, rest.accel_noise, float(np.linalg.norm(rest.gyro_bias))
+
+
 def world_of(
     flight: Flight, *, anchor: Vec3, given: tuple[Vec3, Vec3] | None = None, confirmed: bool = False
 ) -> tuple[World | None, tuple[Question, ...], str]:

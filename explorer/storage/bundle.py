@@ -14,7 +14,7 @@ from pathlib import Path
 
 from explorer.model.jobs import Cancelled, Progress, Stopped
 from rangenav import formats
-from rangenav.commands.export import exported
+from rangenav.certificate import certified_export
 from rangenav.preset import Preset
 
 OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
@@ -54,7 +54,7 @@ def pack(
                 raise Stopped
             path = folder / (stem + formats.row(form).suffix)
             try:
-                notes += _written(shown, form, path, uncertified=uncertified)
+                notes += _write_format(shown, form, path, uncertified=uncertified)
             except ValueError as error:
                 if form == "preset" or len(forms) == 1:
                     raise
@@ -64,13 +64,15 @@ def pack(
         return Bundle(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
 
 
-def _written(shown: Preset, form: str, path: Path, *, uncertified: bool) -> list[str]:
-    """Write one format and its certificate; what is to be known about the file."""
-    report = exported(shown, form, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE)
-    name = formats.marked(path).name if report["uncertified"] else path.name
-    proof = "uncertified" if report["certificate"] is None else f"certified ({Path(report['certificate']).name})"
-    about = f"{name}: {form}, {report['frame']}, {proof}"
-    return [about, *(f"{name}: {note}" for note in report["notes"])]
+def _write_format(preset: Preset, format_name: str, path: Path, *, uncertified: bool) -> list[str]:
+    """Write one format and its certificate; what a person should know about the file."""
+    export = certified_export.write(
+        preset, format_name, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE
+    )
+    name = path.name if export.complaint is None else formats.marked(path).name
+    proof = "uncertified" if export.certificate is None else f"certified ({export.certificate.name})"
+    about = f"{name}: {format_name}, {export.output.frame}, {proof}"
+    return [about, *(f"{name}: {note}" for note in export.notes)]
 
 
 def _zipped(folder: Path) -> bytes:

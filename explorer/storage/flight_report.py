@@ -5,10 +5,10 @@ The same functions as `rangenav log`: still.world_of → logs.informative → lo
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
-from rangenav import logs, rest
-from rangenav.commands.log import informative_report, noise_at_rest, observer_report
+from rangenav import flight_summary, logs, rest
+from rangenav.flight_summary import ObserverSummary, WindowSummary
 from rangenav.formats import Flight, recorded_flight
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.preset import MAX_DURATION
@@ -58,9 +58,8 @@ class FlightReport:
     summary: str
     """Where the record was informative."""
     verdict: str
-    informative: dict[str, Any]
-    """As `rangenav log --json` has it."""
-    observer: dict[str, Any] | None
+    windows: WindowSummary
+    observer: ObserverSummary | None
     """None without ranges."""
     world_source: str
     """Where gravity and field come from."""
@@ -76,7 +75,7 @@ def judge(flight: Flight, asked: FlightOptions) -> FlightReport:
     world, questions, told = rest.world_of(flight, anchor=asked.anchor, given=given, confirmed=asked.source == "still")
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
-    noise = noise_at_rest(flight)  # like the world, from the whole record: from where it rests
+    noise = rest.noise_at_rest(flight)  # like the world, from the whole record: from where it rests
     flight = recorded_flight.between(flight, asked.begin, math.inf if asked.end is None else asked.end)
     seen = logs.informative(
         flight, window=asked.window, range_sigma=asked.range_sigma, requirement=asked.position_sigma, noise=noise
@@ -84,8 +83,8 @@ def judge(flight: Flight, asked: FlightOptions) -> FlightReport:
     observed = None
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=asked.range_sigma)
-        observed = observer_report(logs.observe(flight, world, sensors=sensors))
-    return FlightReport(seen.words, seen.verdict, informative_report(seen), observed, told)
+        observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
+    return FlightReport(seen.words, seen.verdict, flight_summary.summarise_windows(seen), observed, told)
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:

@@ -4,20 +4,20 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import numpy as np
 import tyro
 
 from rangenav import formats
 from rangenav.commands.output import print_json, print_table
 from rangenav.inputs import Vec3, require
 
+if TYPE_CHECKING:
+    from rangenav.flight_summary import ObserverSummary, WindowSummary  # imported when used: it takes long
+
 Given = Annotated[Vec3 | None, tyro.conf.arg(metavar="X Y Z")]
 if TYPE_CHECKING:
     FormatName = str
 else:
     FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
-TAIL = 4
-"""The steady errors are of the last quarter, as in `rangenav simulate`."""
 SYNTHETIC = (1e-3, 1e2)
 """m of noise on ranges that are made up."""
 EARTH = 1e-3
@@ -75,7 +75,7 @@ def log(
         position_sigma: Predicted position error (m) above which a window is weak.
         json: Print one JSON object.
     """
-    from rangenav import logs, rest
+    from rangenav import flight_summary, logs, rest
     from rangenav.formats import recorded_flight
 
     confirm = {"time": time_unit, "gyro": gyro_unit, "accel": accel_unit, "mag": mag_unit, "range": range_unit}
@@ -94,17 +94,20 @@ def log(
     )
     if len(flight.range):
         formats.settled(found, also=(*questions, *(() if place is not None else (_where(),))))
-    noise = noise_at_rest(flight)
+    noise = rest.noise_at_rest(flight)
     if begin is not None or end is not None:
         flight = recorded_flight.between(
             flight, begin if begin is not None else 0.0, end if end is not None else math.inf
         )
     seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
-    report = _understood(found, flight, told) | {"informative": informative_report(seen), "verdict": seen.verdict}
+    report = _understood(found, flight, told) | {
+        "informative": windows_report(flight_summary.summarise_windows(seen), seen.words),
+        "verdict": seen.verdict,
+    }
     if len(flight.range) and around is not None:
         observed = logs.observe(flight, around, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(around, name)) for name in ("gravity", "magnetic", "anchor")}
-        report["observer"] = observer_report(observed)
+        report["observer"] = observer_report(flight_summary.summarise_observer(observed))
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     return print_json(report) if json else print_table(f"{found.source}: {seen.words}", report)
@@ -166,70 +169,36 @@ def _where() -> Any:
     )
 
 
-def noise_at_rest(flight: Any) -> tuple[float, float, float] | None:
-    """Noise and bias of the IMU at rest, None if the record does not start still."""
-    from rangenav import rest
-
-    seconds = rest.still_seconds(flight)
-    if seconds == 0 or flight.mag is None:
-        return None
-    try:
-        still = rest.still(flight, seconds)
-    except ValueError:
-        return None
-    return still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias))
-
-
-def informative_report(seen: Any) -> dict[str, Any]:
-    """What windows of the record could tell: counts of verdicts, and the worst one."""
-    k = seen.worst
-    sigma = float(seen.sigma[k])
-    known = seen.sigma[np.isfinite(seen.sigma)]
+def windows_report(windows: "WindowSummary", words: str) -> dict[str, Any]:
+    """What windows of the record could tell, as a JSON object."""
     report: dict[str, Any] = {
-        "window": seen.window,
-        "windows": {verdict: seen.each.count(verdict) for verdict in ("observable", "weak", "rank 13", "blind")},
-        "at": float(seen.start[k]),
-        "rank": int(seen.rank[k]),
-        "eigenvalues": seen.eigenvalues[k].tolist(),
-        "position": sigma if math.isfinite(sigma) else None,
-        "position_median": float(np.median(known)) if len(known) else None,
-        "words": seen.words,
+        "window": windows.window,
+        "windows": windows.counts,
+        "at": windows.worst_start,
+        "rank": windows.worst_rank,
+        "eigenvalues": list(windows.worst_eigenvalues),
+        "position": windows.worst_position,
+        "position_median": windows.median_position,
+        "words": words,
     }
-    if report["position"] is None:
+    if windows.worst_position is None:
         report["reason"] = "null: blind there, or without ranges"
     return report
 
 
-def observer_report(observed: Any) -> dict[str, Any]:
-    """What the observers made of the record; errors by quarters where the file has a truth."""
-    time = observed.estimate.time
+def observer_report(observer: "ObserverSummary") -> dict[str, Any]:
+    """What the observers made of the record, as a JSON object; errors by quarters where the file has a truth."""
     report: dict[str, Any] = {
-        "final_position": [_finite(value) for value in observed.position[-1]],
-        "innovation_rms": _rms(observed.estimate.innovation[:, 0]),
+        "final_position": list(observer.final_position),
+        "innovation_rms": observer.innovation_rms,
     }
-    for name, error, factor in (
-        ("position", observed.position_error, 1.0),
-        ("attitude_deg", observed.attitude_error, 180 / math.pi),
-    ):
-        if error is None:
+    for name, errors in (("position", observer.position), ("attitude_deg", observer.attitude)):
+        if errors is None:
             report[name], report[f"{name}_reason"] = None, "null: no truth in the file"
             continue
-        quarters = [factor * error[k * len(time) // TAIL : (k + 1) * len(time) // TAIL] for k in range(TAIL)]
-        report[name] = {
-            "quarters_rmse": [_rms(part) for part in quarters],
-            "median": _finite(np.nanmedian(factor * error)),
-        }
-        if None in report[name]["quarters_rmse"] or report[name]["median"] is None:
+        report[name] = {"quarters_rmse": list(errors.quarters), "median": errors.median}
+        if not errors.complete:
             report[name]["reason"] = "null: the estimate overflowed, or no truth there"
-    if None in report["final_position"] or report["innovation_rms"] is None:
+    if not observer.complete:
         report["reason"] = "null: the estimate overflowed"
     return report
-
-
-def _rms(values: Any) -> float | None:
-    known = values[~np.isnan(values)]
-    return _finite(np.sqrt(np.mean(known**2))) if len(known) else None
-
-
-def _finite(value: Any) -> float | None:
-    return float(value) if math.isfinite(value) else None

@@ -1,13 +1,13 @@
 """A recorded flight: was it informative, what do the observers make of it, how far off were they?"""
 
 import math
-from typing import Any
 
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import FlightOptions, FlightReport, WorldSource, judge, world_evidence
 from explorer.widgets.controls import Choice, Number, Switch, Vector
 from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets, table
+from rangenav.flight_summary import ObserverSummary
 from rangenav.formats import Flight, ImportResult
 
 SHAPES = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
@@ -101,13 +101,13 @@ class FlightPanel:
 
 def report(judged: FlightReport) -> str:
     """The answer as HTML: a word, windows by verdict, the worst one, and the observers' errors."""
-    seen = judged.informative
+    windows = judged.windows
     head = f"{SHAPES.get(judged.verdict, '')} {judged.verdict}: {judged.summary}"
     rows = [
-        ("windows", ", ".join(f"{count} {name}" for name, count in seen["windows"].items() if count)),
-        ("worst window", f"from {seen['at']:.4g} s: rank {seen['rank']} of 13"),
-        ("σ there", _number(seen["position"], "m", seen.get("reason", ""))),
-        ("σ, median", _number(seen["position_median"], "m")),
+        ("windows", ", ".join(f"{count} {name}" for name, count in windows.counts.items() if count)),
+        ("worst window", f"from {windows.worst_start:.4g} s: rank {windows.worst_rank} of 13"),
+        ("σ there", _number(windows.worst_position, "m", "blind there, or without ranges")),
+        ("σ, median", _number(windows.median_position, "m")),
     ]
     said = bullets((head, *([judged.world_source] if judged.world_source else []))) + table((), rows)
     if judged.observer is None:
@@ -115,16 +115,13 @@ def report(judged: FlightReport) -> str:
     return said + _observers(judged.observer)
 
 
-def _observers(found: dict[str, Any]) -> str:
-    place = ", ".join(_number(value) for value in found["final_position"])
+def _observers(observer: ObserverSummary) -> str:
+    place = ", ".join(_number(value) for value in observer.final_position)
     rows: list[tuple[str, ...]] = []
-    for name, words, unit in (("position", "position error", "m"), ("attitude_deg", "attitude error", "°")):
-        errors = found[name]
+    for label, errors in (("position error (m)", observer.position), ("attitude error (°)", observer.attitude)):
         if errors is not None:
-            rows.append(
-                (f"{words} ({unit})", *(_number(value) for value in (*errors["quarters_rmse"], errors["median"])))
-            )
-    said = bullets((f"ends at {place} m; innovations {_number(found['innovation_rms'], 'm²')} rms",))
+            rows.append((label, *(_number(value) for value in (*errors.quarters, errors.median))))
+    said = bullets((f"ends at {place} m; innovations {_number(observer.innovation_rms, 'm²')} rms",))
     if not rows:
         return said + bullets(("no truth in the file to hold the estimate against",))
     return said + table(("rms by quarters", "1st", "2nd", "3rd", "4th", "median"), rows)
@@ -140,5 +137,5 @@ def _has(flight: Flight) -> str:
 
 def _number(value: float | None, unit: str = "", reason: str = "") -> str:
     if value is None or not math.isfinite(value):
-        return f"not determined ({reason.removeprefix('null: ')})" if reason else "not determined"
+        return f"not determined ({reason})" if reason else "not determined"
     return f"{value:.3g} {unit}".rstrip()

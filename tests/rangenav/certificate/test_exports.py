@@ -9,9 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rangenav import certificate, formats, preset, signals
-from rangenav.certificate import exports, files
+from rangenav.certificate import certified_export, exports, files
 from rangenav.certificate.schema import Certificate
-from rangenav.commands import export
 from rangenav.formats import readback
 from rangenav.preset import Preset
 from rangenav.signals import Polynomials
@@ -267,13 +266,14 @@ def test_a_trajectory_that_the_vehicle_cannot_turn_with_is_not_certified(tmp_pat
     _, found = written(stiff, "polynomial", tmp_path)
     assert (found.certified, found.vehicle.flyable) == (False, False)
     with pytest.raises(ValueError, match=r"promises: stiff cannot fly it: body rate 0\.73"):
-        export.exported(stiff, "polynomial", tmp_path / "y.csv", name="stiff")
+        certified_export.write(stiff, "polynomial", tmp_path / "y.csv", name="stiff", otherwise="")
     assert not (tmp_path / "y.csv").exists()
 
 
 def test_a_trajectory_with_the_presets_own_attitude_is_judged_by_that(tmp_path: Path):
-    report = export.exported(SOFT, "reference", tmp_path / "x.csv", name="soft", attitude="preset")
-    found = certificate.loads(Path(report["certificate"]).read_bytes(), source="x")
+    export = certified_export.write(SOFT, "reference", tmp_path / "x.csv", name="soft", attitude="preset", otherwise="")
+    assert export.certificate is not None
+    found = certificate.loads(export.certificate.read_bytes(), source="x")
     own = certificate.certify_file("soft")
     assert found.frame.body == own.frame.body == "angular velocity of its own"
     assert found.limits.body_rate == pytest.approx(own.limits.body_rate, rel=1e-6)

@@ -1,0 +1,110 @@
+"""A recorded flight in a few numbers: what its windows could tell, and how far off the observers were."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav.logs import Informative, Observed
+
+QUARTERS = 4
+"""Errors are summed up over each quarter of a record; the last one tells the steady errors."""
+VERDICTS = ("observable", "weak", "rank 13", "blind")
+"""Of a window."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class WindowSummary:
+    """The verdicts on the sliding windows of a record, and its worst window."""
+
+    window: float
+    """s, the length of each window."""
+    counts: dict[str, int]
+    """How many windows have each verdict."""
+    worst_start: float
+    """s, by the record's own stamps."""
+    worst_rank: int
+    """Of 13."""
+    worst_eigenvalues: tuple[float, ...]
+    """Of the worst window's Gramian (1/δ)∫, ascending, SI."""
+    worst_position: float | None
+    """m, predicted 1-σ position at the end of the worst window; None where it is blind or without ranges."""
+    median_position: float | None
+    """m, the median over the windows for which a position error is predicted; None if there are none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ErrorSummary:
+    """One error of an estimate; None where the estimate overflowed or the truth is missing."""
+
+    quarters: tuple[float | None, ...]
+    """Root mean square over each quarter of the record."""
+    median: float | None
+
+    @property
+    def complete(self) -> bool:
+        """Whether every number is known."""
+        return None not in self.quarters and self.median is not None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObserverSummary:
+    """What the observers made of a record; None where the estimate overflowed."""
+
+    final_position: tuple[float | None, ...]
+    """m, inertial."""
+    innovation_rms: float | None
+    """m², of y = ½d²."""
+    position: ErrorSummary | None
+    """m; None without a true position."""
+    attitude: ErrorSummary | None
+    """degrees; None without a true attitude."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether final position and innovation are known."""
+        return None not in self.final_position and self.innovation_rms is not None
+
+
+def summarise_windows(found: Informative) -> WindowSummary:
+    """Counts of verdicts, and the worst window."""
+    worst = found.worst
+    known = found.sigma[np.isfinite(found.sigma)]
+    return WindowSummary(
+        window=found.window,
+        counts={verdict: sum(one == verdict for one in found.each) for verdict in VERDICTS},
+        worst_start=float(found.start[worst]),
+        worst_rank=int(found.rank[worst]),
+        worst_eigenvalues=tuple(found.eigenvalues[worst].tolist()),
+        worst_position=_finite(float(found.sigma[worst])),
+        median_position=float(np.median(known)) if len(known) else None,
+    )
+
+
+def summarise_observer(observed: Observed) -> ObserverSummary:
+    """Where the observers end, and their errors by quarters where the record has a truth."""
+    degrees = None if observed.attitude_error is None else np.degrees(observed.attitude_error)
+    return ObserverSummary(
+        final_position=tuple(_finite(float(value)) for value in observed.position[-1]),
+        innovation_rms=_rms(observed.estimate.innovation[:, 0]),
+        position=None if observed.position_error is None else _errors(observed.position_error),
+        attitude=None if degrees is None else _errors(degrees),
+    )
+
+
+def _errors(error: Float[Array, "n"]) -> ErrorSummary:
+    n = len(error)
+    parts = [error[k * n // QUARTERS : (k + 1) * n // QUARTERS] for k in range(QUARTERS)]
+    return ErrorSummary(quarters=tuple(_rms(part) for part in parts), median=_finite(float(np.nanmedian(error))))
+
+
+def _rms(values: Float[Array, "n"]) -> float | None:
+    """NaN is a missing value and left out; None if all are missing or the mean is not finite."""
+    known = values[~np.isnan(values)]
+    return _finite(float(np.sqrt(np.mean(known**2)))) if len(known) else None
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,59 @@
+"""The few numbers that sum up a recorded flight: quarters of an error, missing truth, windows by verdict."""
+
+import numpy as np
+import pytest
+
+from rangenav.flight_summary import summarise_observer, summarise_windows
+from rangenav.logs import Informative, Observed
+from rangenav.motion import World
+from tests.support.records import scene
+
+
+def observed(position_error, attitude_error=None) -> Observed:
+    estimate = scene("soft", duration=2.0).observe()
+    n = len(estimate.time)
+    return Observed(
+        estimate=estimate,
+        world=World(),
+        position=np.tile([1.0, 2.0, 3.0], (n, 1)),
+        position_error=None if position_error is None else np.resize(position_error, n),
+        attitude_error=None if attitude_error is None else np.resize(attitude_error, n),
+    )
+
+
+def test_a_constant_error_is_its_own_root_mean_square_in_every_quarter_and_its_own_median():
+    summary = summarise_observer(observed(0.25, np.radians(3.0)))
+    assert summary.position is not None
+    assert summary.attitude is not None
+    assert summary.position.quarters == pytest.approx((0.25,) * 4)
+    assert summary.position.median == pytest.approx(0.25)
+    assert summary.attitude.quarters == pytest.approx((3.0,) * 4)
+    assert summary.final_position == (1.0, 2.0, 3.0)
+
+
+def test_without_a_truth_there_is_no_error_and_an_overflow_is_none_and_never_infinite():
+    summary = summarise_observer(observed(None))
+    assert summary.position is None
+    assert summary.attitude is None
+    overflowed = summarise_observer(observed(np.inf)).position
+    assert overflowed is not None
+    assert overflowed.quarters == (None,) * 4
+    assert not overflowed.complete
+
+
+def test_windows_are_counted_by_verdict_and_a_blind_worst_window_has_no_position_error():
+    found = Informative(
+        start=np.array([0.0, 1.0, 2.0]),
+        window=6.0,
+        eigenvalues=np.arange(39.0).reshape(3, 13),
+        scaled=np.ones((3, 13)),
+        rank=np.array([13, 10, 13]),
+        noise=np.zeros((3, 13)),
+        sigma=np.array([0.2, np.nan, 0.4]),
+        worst=1,
+        each=("observable", "blind", "observable"),
+    )
+    summary = summarise_windows(found)
+    assert summary.counts == {"observable": 2, "weak": 0, "rank 13": 0, "blind": 1}
+    assert (summary.worst_start, summary.worst_rank, summary.worst_position) == (1.0, 10, None)
+    assert summary.median_position == pytest.approx(0.3)
