@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal
 
 import msgspec
 import numpy as np
@@ -10,7 +9,6 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import accuracy, blindness, excitation, horizon, reduced, rows, spectrum
 from rangenav.observability.accuracy import Accuracy
@@ -18,8 +16,10 @@ from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
 from rangenav.observability.rows import Visit
 from rangenav.preset import Preset, Requirement
+from rangenav.provenance import Source
 from rangenav.sensors import Sensors, effects
 from rangenav.signals import Signal
+from rangenav.verdict import Verdict, judge, restriction
 
 WINDOWS = 101
 """Start times on which spectra are taken: a curve that looks smooth, at 5 ms for 101 windows of 13 columns."""
@@ -27,8 +27,6 @@ FINE_WINDOWS = 401
 """Start times for the worst excitation, which is far cheaper than a Gramian."""
 CACHED, VISITED = 8, 2
 """Results kept for each stage: enough for undo and A/B, small enough for many visitors; places take more memory."""
-
-Verdict = Literal["blind", "weak", "observable"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -122,6 +120,7 @@ def analyse(preset: Preset) -> Analysis:
         sensors.sigma.range,
         sensors.range_rate,
         sensors.arriving,
+        preset.source,
     )
 
 
@@ -163,10 +162,12 @@ def analysis(
     range_sigma: float,
     range_rate: float,
     arriving: float = 1.0,
+    source: Source | None = None,
 ) -> Analysis:
     """The whole answer; everything that does not depend on anchor and noise comes from `seen`.
 
-    `arriving` is the share of ranges that random drop-outs leave."""
+    `arriving` is the share of ranges that random drop-outs leave. `source` is the file that the path was imported from.
+    """
     window = requirement.window
     lifted = seen(path, world.gravity, duration, window)
     visit = visited(path, duration, window)
@@ -203,7 +204,12 @@ def analysis(
         nonlinear_end=predicted("nonlinear", "end"),
         reduced_min=lifted.reduced_min,
         reduced_floor=lifted.reduced_floor,
-        verdict=judge(rank, lifted_end, requirement),
+        verdict=judge(
+            rank,
+            lifted_end.position,
+            requirement.position_sigma,
+            restriction=restriction(path, source, duration),
+        ),
     )
 
 
@@ -218,13 +224,6 @@ def how_long(preset: Preset) -> Horizon:
         share=preset.sensors.arriving,
         position_sigma=preset.requirement.position_sigma,
     )
-
-
-def judge(rank: int, end: Accuracy, requirement: Requirement) -> Verdict:
-    """blind: rank below 13; weak: full rank, but the predicted error exceeds the requirement; else observable."""
-    if rank < STATES:
-        return "blind"
-    return "observable" if end.position <= requirement.position_sigma else "weak"
 
 
 def with_window(preset: Preset, window: float, *, source: str) -> Preset:

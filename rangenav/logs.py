@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 from scipy.interpolate import CubicHermiteSpline
 
-from rangenav import cascade, model, motion, so3
+from rangenav import cascade, model, motion, so3, verdict
 from rangenav.attitude import AttitudeGains
 from rangenav.cascade import Estimate, ObserverConfig, Start
 from rangenav.formats import recorded_flight
@@ -41,8 +41,10 @@ scale, misalignment and lever arm make of fast motion. On BROAD's trial 21 (thre
 the noise at rest alone 5 m."""
 K1 = 1.0
 """1/s; 4, the simulations' default, follows the gravity estimate's own errors: 5.8° rms there instead of 4.3°."""
-Verdict = Literal["blind", "weak", "observable", "rank 13", "partly"]
-"""Of a window, or of all; "rank 13" without ranges to predict an accuracy from, "partly" where windows differ."""
+WindowVerdict = verdict.Word | Literal["rank 13"]
+"""On one window of a record; "rank 13" where there are no ranges from which an accuracy could be predicted."""
+RecordVerdict = WindowVerdict | Literal["partly"]
+"""On a whole record; "partly" where its windows differ."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -62,11 +64,11 @@ class Informative:
     sigma: Float[Array, "w"]
     """m, predicted 1-σ position at the end of each window from its ranges; NaN where blind or without ranges."""
     worst: int
-    each: tuple[Verdict, ...]
+    each: tuple[WindowVerdict, ...]
     """On each window."""
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> RecordVerdict:
         """Of the whole record: that of every window, or "partly"."""
         return self.each[0] if len(set(self.each)) == 1 else "partly"
 
@@ -78,9 +80,7 @@ class Informative:
             return f"nowhere informative: no window of {self.window:g} s reaches rank {model.STATES}"
         middle = self.start + self.window / 2
         told = " and ".join(
-            f"{count} {verdict}"
-            for verdict in ("observable", "weak", "rank 13", "blind")
-            if (count := self.each.count(verdict))
+            f"{count} {word}" for word in ("observable", "weak", "rank 13", "blind") if (count := self.each.count(word))
         )
         parts = [f"{told} of {len(self.each)} windows of {self.window:g} s"]
         if blind.any():
@@ -233,12 +233,11 @@ def _stretches(time: Float[Array, "w"], where: Bool[Array, "w"]) -> list[tuple[f
     return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _verdict(rank: int, sigma: float, requirement: float) -> Verdict:
-    if rank < model.STATES:
-        return "blind"
-    if np.isnan(sigma):
+def _verdict(rank: int, sigma: float, requirement: float) -> WindowVerdict:
+    """On a window of a recorded flight, whose path is never restricted; NaN where no accuracy is predicted."""
+    if rank == model.STATES and np.isnan(sigma):
         return "rank 13"
-    return "observable" if sigma <= requirement else "weak"
+    return verdict.judge(rank, sigma, requirement).word
 
 
 def _turned(truth: Float[Array, "n 3 3"], estimate: Float[Array, "n 3 3"]) -> Float[Array, "n"]:

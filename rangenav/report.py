@@ -7,8 +7,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from rangenav import certificate, motion, record
+from rangenav import motion, record
 from rangenav.analysis import Analysis, analyse, noise_note
+from rangenav.model import STATES
 from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
@@ -58,10 +59,9 @@ def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
 def verdict(preset: Preset, found: Analysis) -> Json:
     """The verdict; null, and why, of a path that was fitted to a record or that jumps."""
     source = {} if preset.source is None else {"source": msgspec.to_builtins(preset.source)}
-    why = certificate.restriction(preset)
-    if why is None:
-        return {"verdict": found.verdict, **source}
-    return {"verdict": None, "verdict_reason": f"null: not judged: {why}", **source}
+    if found.verdict.judged:
+        return {"verdict": found.verdict.word, **source}
+    return {"verdict": None, "verdict_reason": f"null: {found.verdict}", **source}
 
 
 def simulation_report(first: Record, others: list[Summary], *, name: str) -> Json:
@@ -94,7 +94,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         report["reason"] = "null: the estimate overflowed"
     if any(summary.diverged for summary in summaries):
         report["note"] = "unobservable, covariance diverges"
-    elif analyse(preset).verdict == "blind":
+    elif analyse(preset).rank < STATES:
         report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
     if words(preset.sensors):
         report["unmodelled"] = list(words(preset.sensors))

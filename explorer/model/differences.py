@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import msgspec
 
 from explorer.model.compute import Picture
-from rangenav import certificate
 from rangenav.preset import Preset
 
 NOTABLE = 0.005
@@ -43,18 +42,13 @@ FIGURES = (
 
 def figures(a: Picture, b: Picture) -> list[str]:
     """From A to B, one sentence for each figure that changed."""
-    before, after = verdict(a), verdict(b)
+    before, after = a.analysis.verdict.word, b.analysis.verdict.word
     told = [f"{before} → {after}"] if before != after else []
     for name, seen in (("A", a), ("B", b)):
         if seen.summary.diverged:
             told.append(f"{name}'s covariance diverges: its errors say nothing")
     changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
     return told + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
-
-
-def verdict(picture: Picture) -> str:
-    """The verdict in a word; of an imported curve whose snap is a fit's, or that jumps, there is none."""
-    return picture.analysis.verdict if certificate.restriction(picture.preset) is None else "not judged"
 
 
 def notable(before: float | None, after: float | None) -> bool:

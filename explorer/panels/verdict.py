@@ -7,7 +7,8 @@ import viser
 
 from explorer.model.compute import Picture
 from explorer.widgets.form import Complaint
-from rangenav import certificate, sensors
+from rangenav import sensors
+from rangenav.model import STATES
 from rangenav.vehicle import FREE
 
 WORDS = {
@@ -60,10 +61,11 @@ class VerdictPanel:
 
 def _head(picture: Picture) -> tuple[str, str, str, str]:
     """Shape, colour, word and meaning; of an imported curve whose snap is a fit's, or that jumps, why there is none."""
-    why = certificate.restriction(picture.preset)
-    if why is not None:
-        return *NOT_JUDGED, f"{html.escape(why)}; what follows is the curve's own, and proves nothing about the flight"
-    shape, colour, word, meaning = WORDS[picture.analysis.verdict]
+    verdict = picture.analysis.verdict
+    if not verdict.judged:
+        reason = html.escape(verdict.reason)
+        return *NOT_JUDGED, f"{reason}; what follows is the curve's own, and proves nothing about the flight"
+    shape, colour, word, meaning = WORDS[verdict.word]
     if picture.analysis.mu < picture.preset.requirement.mu:
         meaning += "; <b>✕ the required μ is not met</b>"
     return shape, colour, word, meaning
@@ -130,7 +132,7 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
     s = picture.summary
     if s.diverged:
         return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing")]
-    if picture.analysis.verdict == "blind":
+    if picture.analysis.rank < STATES:
         words = f"position {number(s.steady_position, 'm')}, attitude {number(s.steady_attitude_deg)}°"
         return [("this run", f"steady error {words}: along what cannot be told it is this start's luck, no accuracy")]
     settled = f"position {_since(s.settle_position_s, '0.3 m')}; attitude {_since(s.settle_attitude_s, '5°')}"

@@ -6,7 +6,7 @@ The verdict is computed from the text that follows it, so that the file says wha
 import math
 
 from explorer.model.settings import Settings, effective
-from rangenav import analysis, certificate, preset
+from rangenav import analysis, preset
 from rangenav.preset import Preset
 
 PRINTED_START = (
@@ -28,12 +28,13 @@ def document(settings: Settings) -> bytes:
 def verdict_comments(shown: Preset) -> str:
     """Comment lines that state what was computed, without a word from the preset's own text; of an imported curve whose
     snap is a fit's, or that jumps, that nothing is judged."""
-    if certificate.restriction(shown) is not None:
-        return UNJUDGED
     found, needed = analysis.analyse(shown), shown.requirement
+    if not found.verdict.judged:
+        return UNJUDGED
     met = "met" if found.mu >= needed.mu else "NOT met"
     lines = [
-        f"verdict: {found.verdict}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); required mu {met}",
+        f"verdict: {found.verdict.word}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); "
+        f"required mu {met}",
         f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
         f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
         f"predicted 1-sigma position at the end of the worst window: {_metres(found.lifted_end.position)} lifted, "

@@ -6,9 +6,9 @@ verify_file(path)   what is wrong with a file and the certificate beside it, a s
 
 from rangenav.certificate.certify import READERS, Held, Reader, certify, certify_file, read_preset
 from rangenav.certificate.files import beside
-from rangenav.certificate.requirements import gate, restriction
+from rangenav.certificate.requirements import gate
 from rangenav.certificate.schema import Certificate, dumps, loads, plain
-from rangenav.certificate.verify import verify, verify_file
+from rangenav.certificate.verify import differences, verify, verify_file
 
 __all__ = [
     "READERS",
@@ -18,12 +18,12 @@ __all__ = [
     "beside",
     "certify",
     "certify_file",
+    "differences",
     "dumps",
     "gate",
     "loads",
     "plain",
     "read_preset",
-    "restriction",
     "verify",
     "verify_file",
 ]

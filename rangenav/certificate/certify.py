@@ -16,6 +16,7 @@ import numpy as np
 
 import rangenav
 from rangenav import preset as presets
+from rangenav import verdict
 from rangenav.certificate import remedy, requirements, sections
 from rangenav.certificate.files import read_bytes
 from rangenav.certificate.schema import Artifact, Certificate, Tool
@@ -93,7 +94,12 @@ def _of(preset: Preset) -> Certificate:
         expect=preset.expect,
         certified=not failed,
         meets=meets,
-        verdict=requirements.verdict(found, rank, predicted),
+        verdict=verdict.judge(
+            rank.rank,
+            predicted.lifted.end.position,
+            predicted.required,
+            restriction=verdict.restriction(preset.path, preset.source, preset.duration),
+        ).word,
         checks=found,
         failures=failed,
         remedy=msgspec.UNSET if meets else remedy.remedy(preset, excited.at) or msgspec.UNSET,

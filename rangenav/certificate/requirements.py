@@ -1,19 +1,15 @@
 """The requirements held against what was found, in words; and whether that is what the preset says it expects."""
 
-from typing import Literal
-
 import msgspec
 import numpy as np
 
-from rangenav import provenance
-from rangenav.analysis import Verdict
-from rangenav.certificate import schema, sections
+from rangenav import continuity, provenance
+from rangenav.certificate import schema
 from rangenav.certificate.schema import Certificate, Check, Expectation
 from rangenav.model import STATES
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.provenance import Source
-from rangenav.signals.polynomials import COMPLAINTS, Polynomials, complaints
 from rangenav.vehicle import FREE
 
 
@@ -35,25 +31,6 @@ def requirements(
         _vehicle(flying),
         *(() if came is None else (_source(came, preset),)),
     )
-
-
-def restriction(preset: Preset) -> str | None:
-    """Why no verdict is given on a preset's path, one clause: its snap is a fit's, or it jumps. None if one is."""
-    came = provenance.restriction(preset.source, preset.path)
-    smooth = _smooth(sections.jumped(preset))
-    if came is not None or smooth.met:
-        return came
-    found = complaints(preset.path, inside=(0, preset.duration)) if isinstance(preset.path, Polynomials) else ()
-    return f"{found[0]}, which nothing can follow" if found else smooth.words
-
-
-def verdict(found: tuple[Check, ...], rank: schema.Rank, predicted: schema.Accuracy) -> Verdict | Literal["not judged"]:
-    """blind, weak or observable, as everywhere; of what is not to be believed, nothing."""
-    if _unbelieved(found):
-        return "not judged"
-    if rank.rank < STATES:
-        return "blind"
-    return "observable" if _accurate(predicted) else "weak"
 
 
 def failures(found: tuple[Check, ...], excited: schema.Excitation, expect: Expectation) -> tuple[str, ...]:
@@ -142,22 +119,15 @@ def _accuracy(predicted: schema.Accuracy, window: float) -> Check:
 
 
 def _smooth(jumps: schema.Jumps) -> Check:
-    sizes = {0: jumps.position, 1: jumps.velocity}
-    for order, (name, least, unit) in COMPLAINTS.items():
-        if sizes[order] >= least:
-            words = f"the {name} jumps by {sizes[order]:.2g} {unit}, which nothing can follow"
-            return Check(name="smooth", met=False, proven=True, words=words)
-    return Check(name="smooth", met=True, proven=True, words="neither position nor velocity jumps")
+    jump = continuity.unflyable_jump(jumps.position, jumps.velocity)
+    words = "neither position nor velocity jumps" if jump is None else jump
+    return Check(name="smooth", met=jump is None, proven=True, words=words)
 
 
 def _source(came: Source, preset: Preset) -> Check:
     why = provenance.restriction(came, preset.path)
     words = provenance.words(came, preset.path) if why is None else why
     return Check(name="source", met=why is None, proven=True, words=words)
-
-
-def _unbelieved(found: tuple[Check, ...]) -> bool:
-    return any(one.name in ("source", "smooth") and not one.met for one in found)
 
 
 def _vehicle(flying: schema.Flyability) -> Check:

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import provenance, record, vehicle
+from rangenav import continuity, provenance, record, vehicle
 from rangenav.analysis import noise_note
 from rangenav.certificate import derivative_bounds, schema
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
@@ -17,7 +17,7 @@ from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.observability import accuracy, blindness, excitation, spectrum
 from rangenav.preset import Preset
-from rangenav.signals import Flown, knots, piecewise
+from rangenav.signals import Flown
 from rangenav.vehicle import THRUST_MARGIN
 
 WINDOWS = 201
@@ -26,8 +26,6 @@ MAX_EVENTS = 100
 Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
 EVERY: Starts = "every t >= 0"
 FLIGHT: Starts = "every t in [0, duration - window]"
-SAME_TIME = 1e-9
-"""Share of the flight; a knot nearer than that to its beginning or end is its beginning or end."""
 SIGMA_TIE = 1e-3
 """Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
 
@@ -220,21 +218,10 @@ def _most(values: Float[Array, "n"]) -> float:
 
 def jumped(preset: Preset) -> schema.Jumps:
     """The largest jumps at knots strictly inside the flight."""
-    largest, count = np.zeros(len(piecewise.JUMP_ORDERS)), 0
-    for found in knots.pieces(preset.path):
-        once, steps = found.knots, piecewise.jumps(found)
-        if found.repeats:
-            once = np.mod(once, found.duration)
-        end = preset.duration * (1 - SAME_TIME)
-        inside = (once < end) & ((once > SAME_TIME * end) | (found.repeats & (found.duration < end)))
-        if inside.any():
-            sizes = np.linalg.norm(steps[inside], axis=-1).max(axis=0)
-            rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(found, order) for order in piecewise.JUMP_ORDERS]
-            largest = np.maximum(largest, np.where(sizes > rounding, sizes, 0.0))
-            count += int(inside.sum())
-    position, velocity, acceleration, jerk, snap = (figure(float(f"{size:.3g}")) for size in largest)
+    jumps = continuity.flight_jumps(preset.path, preset.duration)
+    position, velocity, acceleration, jerk, snap = jumps.sizes
     return schema.Jumps(
-        knots=count, position=position, velocity=velocity, acceleration=acceleration, jerk=jerk, snap=snap
+        knots=jumps.knots, position=position, velocity=velocity, acceleration=acceleration, jerk=jerk, snap=snap
     )
 
 

@@ -54,7 +54,7 @@ def import_(
 
 
 def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
-    from rangenav import analysis, certificate
+    from rangenav import analysis
     from rangenav.signals import Flown
 
     seen = analysis.analyse(made)
@@ -73,13 +73,12 @@ def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
         "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",
         "excitation": {"window": made.requirement.window, "mu": seen.mu, "floor": seen.mu_floor},
         "rank": seen.rank,
-        "verdict": seen.verdict,
+        "verdict": seen.verdict.word,
     }
     if found.rate is None:
         report["rate_reason"] = "null: pieces and no samples"
     if found.fit_error is None:
         report["fit_error_reason"] = "null: the path is the file's own"
-    why = certificate.restriction(made)
-    if why is not None:
-        report |= {"excitation": None, "rank": None, "verdict": "not judged", "reason": f"null: {why}"}
+    if not seen.verdict.judged:
+        report |= {"excitation": None, "rank": None, "reason": f"null: {seen.verdict.reason}"}
     return report

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from explorer.model.settings import Settings, effective
 from explorer.storage import import_file, preset_file
-from rangenav import axes, certificate, formats, preset, provenance, repair, signals
+from rangenav import axes, certificate, formats, preset, provenance, repair, signals, verdict
 from rangenav.certificate import exports
 from rangenav.formats import reference
 from rangenav.formats.path_preset import as_preset
@@ -132,7 +132,7 @@ def test_whoever_changes_the_path_has_designed_one_and_whoever_undoes_it_has_not
     assert found.source.edited
     assert certified(replace(changed, path=made.path)).verdict == "not judged"
     kept = replace(made, title="other", seed=7, duration=made.duration - 1, world=replace(made.world, anchor=(1, 2, 3)))
-    assert certificate.restriction(kept) is not None  # all but the path may change
+    assert verdict.restriction(kept.path, kept.source, kept.duration) is not None  # all but the path may change
     slower = effective(Settings(preset=made, time_scale=2.0))
     assert provenance.edited(slower.source, slower.path)
     assert effective(Settings(preset=made)).path == made.path
@@ -145,7 +145,7 @@ def test_whoever_deletes_the_source_has_made_the_curve_a_design(tmp_path: Path):
     after = rest.partition("\n[")
     adopted = preset.loads(head + (f"[{after[2]}" if after[1] else ""), source="x")
     assert adopted == replace(made, source=None)
-    assert certificate.restriction(adopted) is None
+    assert verdict.restriction(adopted.path, adopted.source, adopted.duration) is None
 
 
 def test_the_gate_and_repair_say_what_would_help(complaint, run, tmp_path: Path):
@@ -263,7 +263,7 @@ def test_a_wiggle_that_does_nothing_makes_no_design_of_a_fit(tmp_path: Path, amp
     _, made = imported(tmp_path, "tum")
     tones = () if amplitude is None else (Tone(axis="z", amplitude=amplitude, frequency=2.0),)
     wiggled = replace(made, path=signals.Sum(base=made.path, wiggle=Multisine(tones=tones)))
-    assert (certificate.restriction(wiggled) is None) == bool(amplitude)
+    assert (verdict.restriction(wiggled.path, wiggled.source, wiggled.duration) is None) == bool(amplitude)
     turned = axes.flipped(wiggled)
-    assert (certificate.restriction(turned) is None) == bool(amplitude)
+    assert (verdict.restriction(turned.path, turned.source, turned.duration) is None) == bool(amplitude)
     assert axes.flipped(turned).source == made.source

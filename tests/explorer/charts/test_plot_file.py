@@ -185,7 +185,7 @@ def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp
     (tmp_path / "mine.toml").write_bytes(preset_file.document(settings))
     lines = python_lines(settings, "mine.toml")
     assert len(lines.splitlines()) <= 6
-    ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), found.mu, found.verdict"
+    ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), found.mu, found.verdict.word"
     ask += ", printed.tolist()]))" if "printed =" in lines else "]))"
     ran = subprocess.run(
         [sys.executable, "-c", lines + ask], cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
@@ -194,7 +194,7 @@ def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp
     position, mu, verdict, *rest = json.loads(ran.stdout)
     seen = compute(settings)
     np.testing.assert_array_equal(position, seen.errors.position)
-    assert (mu, verdict) == (seen.analysis.mu, seen.analysis.verdict)
+    assert (mu, verdict) == (seen.analysis.mu, seen.analysis.verdict.word)
     if rest:
         # The same sums, but in a process where numpy may add in another order: 14 digits of the greatest.
         np.testing.assert_allclose(rest[0], seen.printed_excitation, rtol=0, atol=1e-14 * np.max(rest[0]))

@@ -318,7 +318,7 @@ def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_ve
     assert preset.loads(text, source="download") == shown
     comments = [line for line in text.splitlines() if line.startswith("#")]
     found = analysis.analyse(shown)
-    assert text.startswith(f"# verdict: {found.verdict}; rank {found.rank} of 13")
+    assert text.startswith(f"# verdict: {found.verdict.word}; rank {found.rank} of 13")
     assert f"mu = {found.mu:.6g}" in comments[1]
     assert "required: 500" in comments[1]
 

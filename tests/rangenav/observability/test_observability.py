@@ -480,7 +480,7 @@ def test_accuracy_and_verdict_are_those_of_the_window_worst_for_accuracy(name: s
     worst = np.max(found.windows.sigma_lifted)
     assert found.lifted_end.position == pytest.approx(worst, rel=0.07)  # the curve's own accuracy
     between = replace(p.requirement, position_sigma=0.9 * worst)
-    assert analysis.analyse(replace(p, requirement=between)).verdict == "weak"
+    assert analysis.analyse(replace(p, requirement=between)).verdict.word == "weak"
 
 
 @pytest.mark.parametrize("name", SHIPPED)
@@ -494,10 +494,10 @@ def test_an_excitation_below_its_floor_is_an_unobservable_motion(name: str):
 
 def test_three_verdicts():
     paper = preset.load("paper")
-    assert analysis.analyse(paper).verdict == "observable"
-    assert analysis.analyse(preset.load("hover")).verdict == "blind"
-    assert analysis.analyse(analysis.with_window(preset.load("paper-slow"), 2.0, source="here")).verdict == "weak"
-    assert analysis.analyse(preset.load("wiggle")).verdict == "weak"
+    assert analysis.analyse(paper).verdict.word == "observable"
+    assert analysis.analyse(preset.load("hover")).verdict.word == "blind"
+    assert analysis.analyse(analysis.with_window(preset.load("paper-slow"), 2.0, source="here")).verdict.word == "weak"
+    assert analysis.analyse(preset.load("wiggle")).verdict.word == "weak"
 
 
 def test_too_long_a_window_for_fast_tones_is_refused():

@@ -1,0 +1,86 @@
+"""There is one verdict: the page, the command line, the certificate and the library give the same one."""
+
+from pathlib import Path
+from unittest.mock import MagicMock
+
+import msgspec
+import pytest
+
+from explorer.model.compute import compute
+from explorer.model.settings import Settings
+from explorer.panels.verdict import VerdictPanel
+from explorer.storage import flight_report
+from explorer.storage.flight_report import FlightOptions
+from rangenav import analysis, certificate, formats, logs, preset, verdict
+from rangenav.formats.path_preset import as_preset
+from rangenav.preset import Preset
+
+SHIPPED = sorted(preset.shipped())
+SOFT = preset.load("soft")
+
+
+def of_page(p: Preset) -> str:
+    """The word at the head of the page's verdict block, in lower case."""
+    gui = MagicMock()
+    VerdictPanel(gui).draw(compute(Settings(origin="", preset=p)))
+    html = gui.add_html.return_value.content
+    (word,) = (word for word in ("observable", "weak", "blind", "not judged") if f" {word.upper()}</div>" in html)
+    return word
+
+
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory: pytest.TempPathFactory) -> Preset:
+    """A path whose snap comes from a fit to sampled positions."""
+    file = tmp_path_factory.mktemp("import") / "flight.tum"
+    formats.export(SOFT, "tum", file)
+    return as_preset(formats.read(file, "tum", confirm={"frame": "z-up"}))
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_page_command_line_certificate_and_library_agree_on_every_preset(name: str, answer):
+    p = preset.load(name)
+    stored = certificate.loads(certificate.beside(preset.find(name)).read_bytes(), source=name)
+    library = analysis.analyse(p).verdict
+    assert library.judged
+    assert [answer("analyze", name)["verdict"], stored.verdict, of_page(p)] == 3 * [library.word]
+
+
+def test_all_four_refuse_to_judge_a_fitted_path_and_give_the_same_reason(answer, tmp_path: Path, imported: Preset):
+    preset.save(imported, tmp_path / "x.toml")
+    library = analysis.analyse(imported).verdict
+    assert library.word == "not judged"
+    assert library.reason.startswith("the path's snap was not in flight.tum but comes from fitting: ")
+    assert str(library) == f"not judged: {library.reason}"
+    said = answer("analyze", tmp_path / "x.toml")
+    assert (said["verdict"], said["verdict_reason"]) == (None, f"null: {library}")
+    certified = certificate.certify_file(tmp_path / "x.toml")
+    assert (certified.verdict, certified.failures) == ("not judged", (library.reason,))
+    assert of_page(imported) == "not judged"
+
+
+def test_a_fit_and_the_same_path_as_a_design_differ_in_the_verdict_alone(imported: Preset):
+    design = msgspec.structs.replace(imported, source=None)
+    fit, judged = analysis.analyse(imported), analysis.analyse(design)
+    assert (fit.verdict.judged, judged.verdict.judged) == (False, True)
+    assert (fit.mu, fit.rank, fit.lifted_end) == (judged.mu, judged.rank, judged.lifted_end)
+
+
+def test_page_command_line_and_library_agree_on_a_recorded_flight(answer, tmp_path: Path):
+    formats.export(preset.load("paper-slow"), "log", tmp_path / "demo.csv")
+    flight = formats.settled(formats.read(tmp_path / "demo.csv", "log")).flight
+    assert flight is not None
+    for window in (1.0, 6.0):
+        library = logs.informative(flight, window=window, range_sigma=0.1, requirement=0.5, noise=None)
+        said = answer("log", tmp_path / "demo.csv", "--window", window)
+        page = flight_report.judge(flight, FlightOptions(anchor=(0.0, 0.0, 0.0), window=window))
+        assert library.verdict == said["verdict"] == page.verdict
+        assert said["informative"]["words"] == page.words == library.words
+
+
+@pytest.mark.parametrize(
+    ("rank", "sigma", "word"),
+    [(12, 0.1, "blind"), (13, 0.5, "observable"), (13, 0.51, "weak"), (13, None, "weak"), (13, float("nan"), "weak")],
+)
+def test_the_verdict_follows_rank_and_predicted_error(rank: int, sigma: float | None, word: str):
+    assert verdict.judge(rank, sigma, 0.5) == verdict.Verdict(word=word)
+    assert not verdict.judge(rank, sigma, 0.5, restriction="it jumps").judged
