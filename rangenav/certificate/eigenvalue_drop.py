@@ -24,6 +24,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.certificate import derivative_bounds
+from rangenav.observability.excitation import drop_between
 from rangenav.signals import Signal, mapped
 
 ACROSS_SHARE = 0.05
@@ -100,9 +101,8 @@ def rise(start: Float[Array, "w"], window: float, known: Enclosure, narrow: Narr
 
 def _isotropic(start: Array, window: float, known: Enclosure) -> Float[Array, "c"]:
     """κc of each cell, whatever the direction."""
-    rate = 2 * known.sizes[0] * known.sizes[1]
-    one, other = known.at_ends(start, window)
-    return (rate[one] + rate[other]) * np.diff(start) ** 2 / 8
+    snap, rate = known.sizes[:2]
+    return drop_between(start, *((snap[end], rate[end]) for end in known.at_ends(start, window)))
 
 
 def _curvatures(start: Array, window: float, known: Enclosure, narrow: Narrow) -> tuple[Array, Array, Array]:

@@ -22,6 +22,7 @@ from numpy import ndarray as Array
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.eigenvalue_drop import Enclosure, Narrow, along, enclosed, fall, rise
 from rangenav.certificate.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
+from rangenav.observability.excitation import lowest_between
 from rangenav.signals import Signal, knots
 
 ROUNDS = 8
@@ -180,9 +181,8 @@ def _summary(path: Signal, window: float, grid: _Grid, gap: Float[Array, "c"], k
     least = float(grid.value.min())
     k = int(np.argmax(grid.value <= least + TIE * abs(least) + grid.floor))
     direction = _least_direction(grid.matrix[k], grid.floor)
-    lower = float(np.min(np.minimum(grid.value[1:], grid.value[:-1]) - gap)) - grid.floor
     return Bounds(
-        lower=max(0.0, lower),
+        lower=max(0.0, lowest_between(grid.value, gap, grid.floor)),
         upper=max(0.0, float(grid.value[k])) + grid.floor,
         upper_everywhere=min(_most_along(path, window, n, grid, known) for n in (direction, *np.eye(3))),
         found=max(0.0, float(grid.value[k])),

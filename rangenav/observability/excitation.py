@@ -123,17 +123,37 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
         order = np.argsort(np.append(time, more))
         least = np.append(least, _least(path, sums, more, window))[order]
         time = np.append(time, more)[order]
-    between = np.minimum(least[1:], least[:-1]) - _slack(path, time, window)
-    lowest = float(between.min()) - rounding
+    lowest = lowest_between(least, _slack(path, time, window), rounding)
     return max(0.0, lowest) if math.isfinite(lowest) else None
 
 
+def lowest_between(least: Float[Array, "w"], drop: Float[Array, "c"], rounding: float) -> float:
+    """A lower bound of λ_min over every start between the points of a grid, from its values at these points.
+
+    This is the one bound of μ. `bound_for_all_t` applies it to a grid of at most 4000 starts, refined in 4 rounds, with
+    the drop of `drop_between`. A certificate applies it to a grid of up to 40 000 starts and a smaller drop
+    (`certificate.eigenvalue_drop`), and counts the error of its quadrature as rounding.
+    """
+    return float(np.min(np.minimum(least[1:], least[:-1]) - drop)) - rounding
+
+
+def drop_between(start: Float[Array, "w"], *ends: tuple[Float[Array, "c"], Float[Array, "c"]]) -> Float[Array, "c"]:
+    """How far λ_min may fall below both of two neighbouring starts Δ apart: (Δ²/8) sup|Ẅ|, sup|Ẅ| ≤ Σ 2 |p⁗| |p⁽⁵⁾|.
+
+    ends: for the window's start and for its end, bounds of |p⁗| and |p⁽⁵⁾| on each cell. No window between two
+    neighbours may start or end at a knot of the path.
+    """
+    bend = sum(snap * rate for snap, rate in ends)
+    return np.diff(start) ** 2 / 4 * bend
+
+
 def _slack(path: Signal, time: Array, window: float) -> Array:
-    """(Δ²/8) sup|Ẅ| between neighbouring times (s); no window between them starts or ends at a knot."""
+    """The drop between neighbouring times (s), from what the path's families know of their derivatives."""
     middle = (time[1:] + time[:-1]) / 2
     ends = (middle, middle + window)
-    bend = sum(knots.bounds_between(path, 4, end) * knots.bounds_between(path, 5, end) for end in ends)
-    return np.diff(time) ** 2 / 4 * bend
+    return drop_between(
+        time, *((knots.bounds_between(path, 4, end), knots.bounds_between(path, 5, end)) for end in ends)
+    )
 
 
 def _between(time: Array, least: Array, slack: Array) -> Array:
