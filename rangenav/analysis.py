@@ -268,5 +268,5 @@ def noise_note(sensors: Sensors) -> str:
     lost = sensors.unmodelled.dropout_probability
     thinned = f", {100 * lost:g} of 100 of them lost" if lost else ""
     note = f"ranges at {sensors.range_rate:g} Hz with {sensors.sigma.range:g} m noise{thinned}, no IMU noise"
-    ignored = [name for name in effects(sensors) if name != "drop-outs"]
+    ignored = effects.unpredicted(sensors.unmodelled)
     return f"{note}, and nothing of what is on besides: {', '.join(ignored)}" if ignored else note

@@ -11,7 +11,7 @@ from rangenav import provenance
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import Preset
-from rangenav.sensors import Sensors
+from rangenav.sensors import Sensors, effects
 from rangenav.signals import Flown, Polynomials, Signal, Sum, Turning, mapped
 from rangenav.signals.polynomials import Coefficients
 
@@ -63,7 +63,8 @@ def flipped(preset: Preset) -> Preset:
 def _flipped_sensors(sensors: Sensors) -> Sensors:
     """Biases and the lever arm are vectors in body axes."""
     known = sensors.unmodelled
-    turned = {name: flipped_vector(getattr(known, name)) for name in ("gyro_bias", "accel_bias", "lever_arm")}
+    vectors = [name for name, row in effects.rows().items() if row.body_vector]
+    turned = {name: flipped_vector(getattr(known, name)) for name in vectors}
     return msgspec.structs.replace(sensors, unmodelled=msgspec.structs.replace(known, **turned))
 
 

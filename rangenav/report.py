@@ -14,7 +14,7 @@ from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
 from rangenav.record import Record, Summary
-from rangenav.sensors import effects, words
+from rangenav.sensors import active_effects, effect_sentences
 
 Json = dict[str, Any]
 
@@ -96,8 +96,8 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         report["note"] = "unobservable, covariance diverges"
     elif analyse(preset).rank < STATES:
         report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
-    if words(preset.sensors):
-        report["unmodelled"] = list(words(preset.sensors))
+    if effect_sentences(preset.sensors):
+        report["unmodelled"] = list(effect_sentences(preset.sensors))
     if others:
         report["runs"] = len(summaries)
     return report
@@ -134,7 +134,7 @@ def _accuracy(accuracy: Accuracy) -> Json:
 
 def _ignored(preset: Preset) -> Json:
     """A note beside the predicted accuracy where sensors do what it does not know."""
-    return {"assumes": noise_note(preset.sensors)} if effects(preset.sensors) else {}
+    return {"assumes": noise_note(preset.sensors)} if active_effects(preset.sensors) else {}
 
 
 def _settle(median: Any) -> Json:

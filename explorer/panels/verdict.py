@@ -93,7 +93,7 @@ def _chips(picture: Picture) -> str:
 
 def _rows(picture: Picture) -> list[tuple[str, str]]:
     rows = [*_observability_rows(picture), *_observer_rows(picture)]
-    beyond = sensors.words(picture.preset.sensors)
+    beyond = sensors.effect_sentences(picture.preset.sensors)
     if beyond:
         rows.append(("sensors", "<br>".join(f"▲ {html.escape(sentence)}" for sentence in beyond)))
     return [*rows, ("vehicle", _vehicle(picture))]

@@ -1,7 +1,8 @@
 """What the vehicle measures: rates, noise, what the paper's model does not have, and the record of a motion."""
 
+from rangenav.sensors import effects
 from rangenav.sensors.antenna import distance
-from rangenav.sensors.effects import MODELLED, Effects
+from rangenav.sensors.effects import MODELLED, Effect, Effects
 from rangenav.sensors.measuring import Measurements, check, measure
 from rangenav.sensors.noise import (
     MAX_RATE,
@@ -15,7 +16,7 @@ from rangenav.sensors.noise import (
     given_as,
     per_sample,
 )
-from rangenav.sensors.suite import Sensors, effects, words
+from rangenav.sensors.suite import Sensors, active_effects, effect_sentences
 
 __all__ = [
     "MAX_RATE",
@@ -24,17 +25,19 @@ __all__ = [
     "MIN_RATE",
     "MIN_SIGMA",
     "MODELLED",
+    "Effect",
     "Effects",
     "Measurements",
     "Noise",
     "Sensors",
     "Unit",
+    "active_effects",
     "check",
     "density",
     "distance",
+    "effect_sentences",
     "effects",
     "given_as",
     "measure",
     "per_sample",
-    "words",
 ]

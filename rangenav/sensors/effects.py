@@ -1,10 +1,17 @@
-"""What real sensors do and the paper's model does not have: biases, outliers, drop-outs, an antenna beside the IMU.
+"""What real sensors do and the paper's model does not have: biases, outliers, drop-outs, a lever arm of the antenna.
 
-    gyro ω + b + η     accel a + b + η     range |p + R r − p_anchor| + b + e + η, or none at all
-Everything is off by default, and the observer knows nothing of any of it.
+    gyro ω + b + η     accel a + b + η     range |p + R r − p_anchor| + b + e + η, or no range at all
+Every effect is off by default, and the observer knows nothing of any effect.
+
+An effect is one field of `Effects` with its row (an `Effect`), and one line in `measuring` where it acts. Limits, page,
+preset files, the sentences beside the verdict and the tests follow from the row.
 """
 
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, get_type_hints
 
 from rangenav.inputs import Input, Vec3, require, require_within
 
@@ -19,44 +26,200 @@ MAX_LEVER_ARM = 100.0
 MAX_BURST = 1e4
 """s; a burst beyond the end of the flight does nothing."""
 UNKNOWN = "the paper's observer has no state for it"
-UNITS = {"gyro_bias": "rad/s", "accel_bias": "m/s²", "lever_arm": "m"}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Effect:
+    """What the program has to know of one field of `Effects`."""
+
+    label: str
+    """What the page calls it, without its unit."""
+    unit: str
+    """SI unit of the value; empty for a share."""
+    limits: tuple[float, float]
+    """The least and the largest value. Of a vector: of its length."""
+    excluded: bool = False
+    """Whether the largest value itself is excluded."""
+    step: float
+    """Step of the page's control, in the unit that the page shows."""
+    dial: tuple[float, float] | None = None
+    """Ends of the page's slider, in the unit that the page shows; None: a box for a number."""
+    percent: bool = False
+    """Whether the page shows the value in per cent."""
+    hint: str
+    """What it does, for the page."""
+    name: str = ""
+    """What sentences call the effect; empty for a field that only shapes another one."""
+    text: Callable[["Effects"], str] | None = None
+    """What the effect does and what the observer makes of it, a clause; empty if the effect is off all the same."""
+    shapes: str = ""
+    """The field whose effect this field shapes: while that field is zero, this one does nothing."""
+    body_vector: bool = False
+    """Whether it is a vector in body axes, which turns where the axes are named anew."""
+    predicted: bool = False
+    """Whether the predicted accuracy takes account of it."""
+
+    @property
+    def shown_unit(self) -> str:
+        """The unit that the page shows."""
+        return "%" if self.percent else self.unit
+
+    def check(self, name: str, value: float | Vec3) -> None:
+        """Raise ValueError, with the field's name, for a value outside the limits."""
+        low, high = self.limits
+        if isinstance(value, tuple):
+            size = math.hypot(*value)
+            require(size <= high, f"{name} must not be longer than {high:g} {self.unit}, got {size:g}")
+        elif self.excluded:
+            rule = f"{name} must lie between {low:g} and {high:g}, {high:g} excluded, got {value:g}"
+            require(low <= value < high, rule)
+        else:
+            require_within(name, value, low, high, self.unit)
 
 
 class Effects(Input, frozen=True, kw_only=True):
     """Effects of real sensors that are not in the paper; each constant over a flight, none by default."""
 
-    gyro_bias: Vec3 = (0.0, 0.0, 0.0)
+    gyro_bias: Annotated[
+        Vec3,
+        Effect(
+            label="gyro bias",
+            unit="rad/s",
+            limits=(0.0, MAX_GYRO_BIAS),
+            step=0.001,
+            hint="b_ω (rad/s, body axes): added to the gyro. Not in the paper: its observer has no state for it.",
+            name="gyro bias",
+            text=lambda e: f"{_vector(e.gyro_bias)} rad/s; {UNKNOWN}, so attitude and position keep an error",
+            body_vector=True,
+        ),
+    ] = (0.0, 0.0, 0.0)
     """rad/s, body axes."""
-    accel_bias: Vec3 = (0.0, 0.0, 0.0)
+    accel_bias: Annotated[
+        Vec3,
+        Effect(
+            label="accel bias",
+            unit="m/s²",
+            limits=(0.0, MAX_ACCEL_BIAS),
+            step=0.01,
+            hint="b_a (m/s², body axes): added to the accelerometer. Not in the paper: the observer has no state for "
+            "it.",
+            name="accelerometer bias",
+            text=lambda e: f"{_vector(e.accel_bias)} m/s²; {UNKNOWN}, so position and velocity keep an error",
+            body_vector=True,
+        ),
+    ] = (0.0, 0.0, 0.0)
     """m/s², body axes."""
-    range_bias: float = 0.0
+    range_bias: Annotated[
+        float,
+        Effect(
+            label="range bias",
+            unit="m",
+            limits=(-MAX_RANGE_ERROR, MAX_RANGE_ERROR),
+            step=0.01,
+            hint="b_d (m): added to every range, as antenna delays do. Not in the paper; either sign.",
+            name="range bias",
+            text=lambda e: f"{e.range_bias:g} m; {UNKNOWN}, so position keeps an error of its order or larger",
+        ),
+    ] = 0.0
     """m, of either sign; antenna delays make one."""
-    outlier_probability: float = 0.0
-    """The share of ranges with an excess e, each by itself."""
-    outlier_size: float = 1.0
+    outlier_probability: Annotated[
+        float,
+        Effect(
+            label="outliers",
+            unit="",
+            limits=(0.0, 1.0),
+            excluded=True,
+            step=0.1,
+            dial=(0.0, 50.0),
+            percent=True,
+            hint="The share of ranges that come out too long. Not in the paper: its observer has no gate.",
+            name="outliers",
+            text=lambda e: _outliers(e),
+        ),
+    ] = 0.0
+    """The share of ranges with an excess e; whether one range has it does not depend on the others."""
+    outlier_size: Annotated[
+        float,
+        Effect(
+            label="outlier size",
+            unit="m",
+            limits=(0.0, MAX_RANGE_ERROR),
+            step=0.1,
+            hint="e (m): the mean excess of an outlier, exponential and never negative, as behind an obstacle.",
+            shapes="outlier_probability",
+        ),
+    ] = 1.0
     """m, the mean of e: exponential and never negative, because a blocked or reflected signal can only come late."""
-    dropout_probability: float = 0.0
-    """The share of ranges that do not arrive, each by itself."""
-    burst_start: float = 0.0
-    """s"""
-    burst_length: float = 0.0
-    """s; from burst_start on for so long no range arrives."""
-    lever_arm: Vec3 = (0.0, 0.0, 0.0)
+    dropout_probability: Annotated[
+        float,
+        Effect(
+            label="drop-outs",
+            unit="",
+            limits=(0.0, 1.0),
+            excluded=True,
+            step=0.1,
+            dial=(0.0, 90.0),
+            percent=True,
+            hint="The share of ranges that do not arrive, each by itself. The paper has a range at all times.",
+            name="drop-outs",
+            text=lambda e: (
+                f"{100 * e.dropout_probability:g} of 100 ranges do not arrive; "
+                "the paper has one at all times, here the IMU carries the estimate over a gap"
+            ),
+            predicted=True,
+        ),
+    ] = 0.0
+    """The share of ranges that do not arrive; whether one range is lost does not depend on the others."""
+    burst_start: Annotated[
+        float,
+        Effect(
+            label="silent from",
+            unit="s",
+            limits=(0.0, MAX_BURST),
+            step=0.5,
+            hint="s: from here on no range arrives, for as long as the next box says.",
+            shapes="burst_length",
+        ),
+    ] = 0.0
+    """s: when the burst of losses begins."""
+    burst_length: Annotated[
+        float,
+        Effect(
+            label="silent for",
+            unit="s",
+            limits=(0.0, MAX_BURST),
+            step=0.5,
+            hint="s: how long no range arrives; 0 for no such burst. The paper has a range at all times.",
+            name="burst",
+            text=lambda e: (
+                f"no range from {e.burst_start:g} s to {e.burst_start + e.burst_length:g} s; "
+                "the IMU alone carries the estimate, whose error grows until ranges return"
+            ),
+        ),
+    ] = 0.0
+    """s: from burst_start on no range arrives for so long."""
+    lever_arm: Annotated[
+        Vec3,
+        Effect(
+            label="lever arm",
+            unit="m",
+            limits=(0.0, MAX_LEVER_ARM),
+            step=0.01,
+            hint="r (m, body axes): from the IMU to the antenna; the range is |p + R r − anchor|. In the paper r = 0.",
+            name="lever arm",
+            text=lambda e: (
+                f"the antenna is {_vector(e.lever_arm)} m from the IMU; the paper has it in the IMU, "
+                "so position keeps an error of the arm's order or larger"
+            ),
+            body_vector=True,
+        ),
+    ] = (0.0, 0.0, 0.0)
     """m, body axes: from the IMU to the antenna, r."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        limits = {"gyro_bias": MAX_GYRO_BIAS, "accel_bias": MAX_ACCEL_BIAS, "lever_arm": MAX_LEVER_ARM}
-        for name, limit in limits.items():
-            size = math.hypot(*getattr(self, name))
-            require(size <= limit, f"{name} must not be longer than {limit:g} {UNITS[name]}, got {size:g}")
-        require_within("range_bias", self.range_bias, -MAX_RANGE_ERROR, MAX_RANGE_ERROR, "m")
-        require_within("outlier_size", self.outlier_size, 0.0, MAX_RANGE_ERROR, "m")
-        for name in ("outlier_probability", "dropout_probability"):
-            value = getattr(self, name)
-            require(0 <= value < 1, f"{name} must lie between 0 and 1, 1 excluded, got {value:g}")
-        for name in ("burst_start", "burst_length"):
-            require_within(name, getattr(self, name), 0.0, MAX_BURST, "s")
+        for name, effect in rows().items():
+            effect.check(name, getattr(self, name))
 
     @property
     def outliers(self) -> bool:
@@ -64,32 +227,48 @@ class Effects(Input, frozen=True, kw_only=True):
         return self.outlier_probability > 0 and self.outlier_size > 0
 
 
+@cache
+def rows() -> Mapping[str, Effect]:
+    """The row of every field, in the order of the fields. Raises TypeError for a field without one."""
+    found: dict[str, Effect] = {}
+    for name, annotation in get_type_hints(Effects, include_extras=True).items():
+        rows_of_field = [row for row in getattr(annotation, "__metadata__", ()) if isinstance(row, Effect)]
+        if len(rows_of_field) != 1:
+            raise TypeError(f"Effects.{name}: a field needs one Effect in its annotation, got {len(rows_of_field)}")
+        found[name] = rows_of_field[0]
+    return found
+
+
 MODELLED = Effects()
 """Nothing but what the paper has."""
 
 
-def told(unmodelled: Effects) -> dict[str, str]:
-    """What is on, by name, and what the observer makes of it: one sentence each."""
-    u, said = unmodelled, {}
-    if any(u.gyro_bias):
-        said["gyro bias"] = f"{_vector(u.gyro_bias)} rad/s; {UNKNOWN}, so attitude and position keep an error"
-    if any(u.accel_bias):
-        said["accelerometer bias"] = f"{_vector(u.accel_bias)} m/s²; {UNKNOWN}, so position and velocity keep an error"
-    if u.range_bias:
-        said["range bias"] = f"{u.range_bias:g} m; {UNKNOWN}, so position keeps an error of its order or larger"
-    if u.outliers:
-        share = f"{100 * u.outlier_probability:g} of 100 ranges are too long, by {u.outlier_size:g} m on average"
-        said["outliers"] = f"{share}; the paper's observer has no gate and believes each one"
-    if u.dropout_probability:
-        share = f"{100 * u.dropout_probability:g} of 100 ranges do not arrive"
-        said["drop-outs"] = f"{share}; the paper has one at all times, here the IMU carries the estimate over a gap"
-    if u.burst_length:
-        span = f"no range from {u.burst_start:g} s to {u.burst_start + u.burst_length:g} s"
-        said["burst"] = f"{span}; the IMU alone carries the estimate, whose error grows until ranges return"
-    if any(u.lever_arm):
-        arm = f"the antenna is {_vector(u.lever_arm)} m from the IMU; the paper has it in the IMU"
-        said["lever arm"] = f"{arm}, so position keeps an error of the arm's order or larger"
-    return said
+def sentences(effects: Effects) -> dict[str, str]:
+    """What every effect that is on does, and what the observer makes of it: a clause for each, by the effect's name."""
+    clauses = {
+        row.name: row.text(effects)
+        for field, row in rows().items()
+        if row.text is not None and _nonzero(getattr(effects, field))
+    }
+    return {name: clause for name, clause in clauses.items() if clause}
+
+
+def unpredicted(effects: Effects) -> tuple[str, ...]:
+    """The names of those effects that are on and that the predicted accuracy leaves out."""
+    predicted = {row.name for row in rows().values() if row.predicted}
+    return tuple(name for name in sentences(effects) if name not in predicted)
+
+
+def _nonzero(value: float | Vec3) -> bool:
+    return any(value) if isinstance(value, tuple) else value != 0
+
+
+def _outliers(effects: Effects) -> str:
+    if not effects.outliers:
+        return ""
+    share, size = 100 * effects.outlier_probability, effects.outlier_size
+    said = f"{share:g} of 100 ranges are too long, by {size:g} m on average"
+    return f"{said}; the paper's observer has no gate and believes each one"
 
 
 def _vector(vector: Vec3) -> str:

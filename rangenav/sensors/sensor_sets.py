@@ -19,25 +19,25 @@ class SensorSet(Input, frozen=True, kw_only=True):
     """Sensors under a name."""
 
     name: str
-    words: str
+    summary: str
     """One sentence: whose figures they are, and what is not in the paper."""
     sensors: Sensors
 
 
 PAPER = SensorSet(
     name="paper",
-    words="The paper's: it prints only the magnetometer's variance, 0.01; the other figures are ours.",
+    summary="The paper's: it prints only the magnetometer's variance, 0.01; the other figures are ours.",
     sensors=Sensors(range_rate=200.0),
 )
 UWB_GOOD = SensorSet(
     name="UWB in sight",
-    words="Ranges of an ultra-wideband radio that sees its anchor, 5 cm at 100 Hz; the paper's IMU and magnetometer.",
+    summary="Ranges of an ultra-wideband radio that sees its anchor, 5 cm at 100 Hz; the paper's IMU and magnetometer.",
     # DW1000: ±10 cm by its maker; a calibrated pair in sight scatters by about half of that (ours)
     sensors=Sensors(range_rate=100.0, noise=Noise(range=0.05)),
 )
 UWB_NLOS = SensorSet(
     name="UWB behind obstacles",
-    words="That radio behind walls and people: ranges 15 cm too long, a tenth by half a metre more, some lost.",
+    summary="That radio behind walls and people: ranges 15 cm too long, a tenth by half a metre more, some lost.",
     # in sight Gaussian, out of sight Gaussian and exponential: "Modeling distance and bandwidth dependency of TOA-based
     # UWB ranging error" (TU Delft); the sizes are ours
     sensors=Sensors(
@@ -48,7 +48,7 @@ UWB_NLOS = SensorSet(
 )
 MEMS = SensorSet(
     name="consumer MEMS",
-    words="A phone's IMU by its data sheet (MPU-6050), with what a calibration at rest leaves of its biases.",
+    summary="A phone's IMU by its data sheet (MPU-6050), with what a calibration at rest leaves of its biases.",
     sensors=Sensors(
         imu_rate=200.0,
         mag_rate=50.0,
@@ -68,7 +68,7 @@ MEMS = SensorSet(
 )
 CRAZYFLIE = SensorSet(
     name="Crazyflie-like",
-    words="A BMI088 by its data sheet, and ranges to one of eight Loco anchors; propellers would add far more noise.",
+    summary="A BMI088 by its data sheet, and ranges to one of eight Loco anchors; propellers would add far more noise.",
     sensors=Sensors(
         imu_rate=500.0,  # its firmware reads at 1000 Hz; as a density the noise is the same, and the page is quicker
         mag_rate=50.0,  # the 2.1 carries none: an added one, with the paper's noise
@@ -88,7 +88,7 @@ CRAZYFLIE = SensorSet(
 )
 PERFECT = SensorSet(
     name="perfect",
-    words="No noise and nothing wrong: what remains is the observer's own convergence and its step.",
+    summary="No noise and nothing wrong: what remains is the observer's own convergence and its step.",
     sensors=Sensors(range_rate=200.0, noise=Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0)),
 )
 CATALOGUE = (PAPER, UWB_GOOD, UWB_NLOS, MEMS, CRAZYFLIE, PERFECT)

@@ -1,7 +1,7 @@
 """What a vehicle carries: how often each sensor speaks, how noisy it is, and what else is wrong with it."""
 
 from rangenav.inputs import Input, require, require_within
-from rangenav.sensors.effects import MODELLED, Effects, told
+from rangenav.sensors.effects import MODELLED, Effects, sentences
 from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, given_as
 
 
@@ -38,11 +38,11 @@ class Sensors(Input, frozen=True, kw_only=True):
         return 1 - self.unmodelled.dropout_probability
 
 
-def words(sensors: Sensors) -> tuple[str, ...]:
-    """One sentence for each effect in use that the paper does not model, for beside the controls and the verdict."""
-    return tuple(f"{name}: {sentence}." for name, sentence in told(sensors.unmodelled).items())
+def effect_sentences(sensors: Sensors) -> tuple[str, ...]:
+    """One sentence for each effect that is on and that the paper does not model."""
+    return tuple(f"{name}: {clause}." for name, clause in sentences(sensors.unmodelled).items())
 
 
-def effects(sensors: Sensors) -> tuple[str, ...]:
-    """The names of the effects in use that the paper does not model."""
-    return tuple(told(sensors.unmodelled))
+def active_effects(sensors: Sensors) -> tuple[str, ...]:
+    """The names of the effects that are on and that the paper does not model."""
+    return tuple(sentences(sensors.unmodelled))

@@ -19,7 +19,7 @@ from rangenav.observability import excitation
 from rangenav.preset import Preset, Requirement
 from rangenav.provenance import Source
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
-from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Effects, Noise, Sensors
+from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Effects, Noise, Sensors, effects
 from rangenav.signals import Multisine, Tone
 
 SHIPPED = preset.shipped()
@@ -41,19 +41,17 @@ def blocks(limits):
 
 sigmas = st.just(0.0) | st.floats(MIN_SIGMA, MAX_SIGMA)
 densities = st.just(0.0) | st.floats(MIN_SIGMA, MAX_SIGMA / math.sqrt(3000))  # as noisy as may be at 3000 Hz
-shares = st.just(0.0) | st.floats(0, 1, exclude_max=True)
-unmodelled = st.builds(
-    Effects,
-    gyro_bias=st.just((0.0, 0.0, 0.0)) | vectors(5.0),
-    accel_bias=st.just((0.0, 0.0, 0.0)) | vectors(50.0),
-    range_bias=st.just(0.0) | st.floats(-1e3, 1e3),
-    outlier_probability=shares,
-    outlier_size=st.just(1.0) | st.floats(0, 1e3),
-    dropout_probability=shares,
-    burst_start=st.just(0.0) | st.floats(0, 1e4),
-    burst_length=st.just(0.0) | st.floats(0, 1e4),
-    lever_arm=st.just((0.0, 0.0, 0.0)) | vectors(50.0),
-)
+
+
+def values_of(field):
+    """An effect's default, or any value within its limits."""
+    row, default = effects.rows()[field], getattr(MODELLED, field)
+    if isinstance(default, tuple):
+        return st.just(default) | vectors(row.limits[1] / 2)
+    return st.just(default) | st.floats(*row.limits, exclude_max=row.excluded)
+
+
+unmodelled = st.builds(Effects, **{field: values_of(field) for field in effects.rows()})
 tones = st.builds(
     Tone,
     axis=st.sampled_from("xyz"),

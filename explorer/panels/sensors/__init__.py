@@ -9,7 +9,7 @@ from explorer.panels.sensors.effects import STYLE, EffectsFolder
 from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, short
 from explorer.widgets.form import Form, Section
 from rangenav.preset import Preset
-from rangenav.sensors import Noise, Sensors, Unit, given_as, words
+from rangenav.sensors import Noise, Sensors, Unit, effect_sentences, given_as
 from rangenav.sensors.sensor_sets import CATALOGUE
 
 OWN = "own"
@@ -73,7 +73,7 @@ class SensorsPanel:
             sensors = msgspec.structs.replace(rates, noise=noise, unmodelled=unmodelled)
         if self._set.read() == picked:  # else the visitor has just picked another, which the next look will find
             self._name(sensors)
-        self._unmodelled.tell(words(sensors))
+        self._unmodelled.tell(effect_sentences(sensors))
         with self._seed_section.catching():
             return Chosen(sensors, _whole("seed", self._seed.read()))
 
@@ -85,7 +85,7 @@ class SensorsPanel:
             folder.write(getattr(chosen.sensors, name), getattr(base.sensors, name))
         self._set.write(_set_of(chosen.sensors), _set_of(base.sensors))
         self._name(chosen.sensors)
-        self._unmodelled.tell(words(chosen.sensors))
+        self._unmodelled.tell(effect_sentences(chosen.sensors))
         self._seed.write(float(chosen.seed), float(base.seed))
 
     def complain(self, sentence: str) -> None:
@@ -106,7 +106,7 @@ class SensorsPanel:
         """Say which set the sensors are, if they are one."""
         self._shown = _set_of(sensors)
         self._set.show(self._shown)
-        said = html.escape(SETS[self._shown].words) if self._shown in SETS else "None of the sets."
+        said = html.escape(SETS[self._shown].summary) if self._shown in SETS else "None of the sets."
         self._set_words.content = f'<div style="{STYLE}">{said}</div>'
 
 

@@ -172,8 +172,8 @@ def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: 
     _pick(panel, entry.name)
     assert panel.read() == Chosen(entry.sensors, SHIPPED["soft"].seed)
     assert panel._set.read() == entry.name
-    assert html.escape(entry.words) in panel._set_words.content
-    assert panel._unmodelled._words.visible == bool(sensors.words(entry.sensors))
+    assert html.escape(entry.summary) in panel._set_words.content
+    assert panel._unmodelled._words.visible == bool(sensors.effect_sentences(entry.sensors))
     panel._range_rate.show(17.0)
     assert panel.read().sensors == msgspec.structs.replace(entry.sensors, range_rate=17.0)
     assert panel._set.read() == OWN
@@ -186,7 +186,7 @@ def test_every_effect_that_is_on_is_told_outside_its_closed_folder(dock: Dock):
     dock.read()
     told = dock.sensors._unmodelled._words
     assert told.visible
-    for sentence in sensors.words(Sensors(unmodelled=EVERYTHING)):
+    for sentence in sensors.effect_sentences(Sensors(unmodelled=EVERYTHING)):
         assert html.escape(sentence) in told.content
     dock.write(Settings(origin="soft", preset=SHIPPED["soft"]))
     assert not told.visible

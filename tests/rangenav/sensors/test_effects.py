@@ -13,24 +13,15 @@ from scipy.spatial.transform import Rotation
 from rangenav import analysis, cascade, motion, preset, record, reference, report, sensors, so3
 from rangenav.sensors import MODELLED, Effects, Noise, Sensors, antenna, sensor_sets
 from rangenav.signals import Flown, Multisine, Tone
+from tests.support.effect_examples import EVERYTHING, example
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
 
 SLOW = preset.load("paper-slow")
 ONE_IN_A_MILLION = 1e-6
 ARRAYS = ("time", "gyro", "accel", "mag", "range_time", "range")
-EVERYTHING = Effects(
-    gyro_bias=(0.01, -0.02, 0.03),
-    accel_bias=(0.1, 0.2, -0.3),
-    range_bias=0.25,
-    outlier_probability=0.2,
-    outlier_size=2.0,
-    dropout_probability=0.3,
-    burst_start=5.0,
-    burst_length=2.0,
-    lever_arm=(0.1, -0.05, 0.2),
-)
-NAMES = ("gyro bias", "accelerometer bias", "range bias", "outliers", "drop-outs", "burst", "lever arm")
+ROWS = sensors.effects.rows()
+NAMES = tuple(row.name for row in ROWS.values() if row.name)
 
 
 def measured(*, seed=0, noise=SILENT, duration=20.0, rate=200.0, **effects):
@@ -223,20 +214,61 @@ def told_of(**effects):
 
 
 def test_nothing_is_said_where_nothing_is_on():
-    assert sensors.words(Sensors()) == ()
-    assert sensors.words(told_of(outlier_probability=0.5, outlier_size=0.0)) == ()
-    assert sensors.words(told_of(burst_start=3.0)) == ()
+    assert sensors.effect_sentences(Sensors()) == ()
+    assert sensors.effect_sentences(told_of(outlier_probability=0.5, outlier_size=0.0)) == ()
+    assert sensors.effect_sentences(told_of(burst_start=3.0)) == ()
     assert Sensors().unmodelled == MODELLED
 
 
 def test_every_effect_that_is_on_gets_one_sentence_with_its_name_and_size():
-    said = sensors.words(Sensors(unmodelled=EVERYTHING))
-    assert sensors.effects(Sensors(unmodelled=EVERYTHING)) == NAMES
+    said = sensors.effect_sentences(Sensors(unmodelled=EVERYTHING))
+    assert sensors.active_effects(Sensors(unmodelled=EVERYTHING)) == NAMES
     assert [sentence.split(":")[0] for sentence in said] == list(NAMES)
     assert all(sentence.endswith(".") and "\n" not in sentence for sentence in said)
-    assert "(0.01, -0.02, 0.03) rad/s" in said[0]
-    assert "20 of 100 ranges are too long, by 2 m on average" in said[3]
-    assert "from 5 s to 7 s" in said[5]
+    by_name = dict(zip(NAMES, said, strict=True))
+    assert "(0.01, -0.02, 0.03) rad/s" in by_name["gyro bias"]
+    assert "25 of 100 ranges are too long, by 0.5 m on average" in by_name["outliers"]
+    assert "from 5 s to 10 s" in by_name["burst"]
+
+
+@pytest.mark.parametrize("field", ROWS)
+def test_every_effect_changes_the_record(field):
+    """An effect that nobody applies in the simulation leaves the record to the last bit, and fails here."""
+    main = ROWS[field].shapes
+    off = {main: example(main)} if main else {}
+    before, after = measured(noise=Noise(), **off), measured(noise=Noise(), **off, **{field: example(field)})
+    assert any(not np.array_equal(getattr(before, name), getattr(after, name), equal_nan=True) for name in ARRAYS)
+
+
+@pytest.mark.parametrize("field", ROWS)
+def test_a_field_that_shapes_an_effect_does_nothing_while_that_effect_is_off(field):
+    if ROWS[field].shapes:
+        assert_same(measured(noise=Noise()), measured(noise=Noise(), **{field: example(field)}), *ARRAYS)
+        assert sensors.effect_sentences(told_of(**{field: example(field)})) == ()
+    else:
+        assert len(sensors.effect_sentences(told_of(**{field: example(field)}))) == 1
+
+
+def test_every_field_has_one_complete_row():
+    assert tuple(ROWS) == Effects.__struct_fields__
+    for field, row in ROWS.items():
+        assert row.label
+        assert row.hint.endswith(".")
+        assert row.limits[0] < row.limits[1]
+        assert row.shown_unit or row.limits == (0.0, 1.0)
+        assert bool(row.name) == (row.text is not None) == (not row.shapes)
+        assert row.shapes == "" or row.shapes in ROWS
+        assert getattr(EVERYTHING, field) != getattr(MODELLED, field)
+    assert len({row.label for row in ROWS.values()}) == len(ROWS)
+
+
+@pytest.mark.parametrize("field", ROWS)
+def test_a_value_beyond_its_limit_is_refused_with_the_fields_name(field):
+    row = ROWS[field]
+    beyond = 1.001 * row.limits[1]
+    Effects(**{field: example(field)})
+    with pytest.raises(ValueError, match=f"^{field} must .*, got "):
+        Effects(**{field: (0.0, beyond, 0.0) if row.body_vector else beyond})
 
 
 def run(**effects):
@@ -328,7 +360,9 @@ def test_the_reports_name_what_is_on_and_are_as_they_were_where_nothing_is():
         p.sensors
     )
     assert report.analysis_report(p, analysis.analyse(p), name="x")["accuracy"]["range_rate"] == 50
-    assert report.simulation_report(record.run(p), [], name="x")["unmodelled"] == list(sensors.words(p.sensors))
+    assert report.simulation_report(record.run(p), [], name="x")["unmodelled"] == list(
+        sensors.effect_sentences(p.sensors)
+    )
     assert "assumes" not in report.analysis_report(SLOW, analysis.analyse(SLOW), name="x")["accuracy"]
     assert "unmodelled" not in report.simulation_report(record.run(SLOW), [], name="x")
 
@@ -360,13 +394,17 @@ def test_the_catalogue_is_for_reading_and_fits_every_shipped_motion():
     names = [entry.name for entry in sensor_sets.CATALOGUE]
     assert len(set(names)) == len(names) == 6
     for entry in sensor_sets.CATALOGUE:
-        assert entry.words[0].isupper()
-        assert entry.words.endswith(".")
+        assert entry.summary[0].isupper()
+        assert entry.summary.endswith(".")
         for p in preset.shipped().values():
             replace(p, sensors=entry.sensors)  # raises where a preset cannot carry them
     assert preset.load("paper").sensors == sensor_sets.PAPER.sensors
     assert sensor_sets.PERFECT.sensors.sigma == SILENT
-    assert sensors.words(sensor_sets.PAPER.sensors) == sensors.words(sensor_sets.PERFECT.sensors) == ()
+    assert (
+        sensors.effect_sentences(sensor_sets.PAPER.sensors)
+        == sensors.effect_sentences(sensor_sets.PERFECT.sensors)
+        == ()
+    )
 
 
 @pytest.mark.parametrize("entry", sensor_sets.CATALOGUE, ids=lambda entry: entry.name)
@@ -375,7 +413,7 @@ def test_the_observer_settles_exactly_with_those_sets_that_are_as_the_paper_mode
     runs = [record.run_seed(replace(SLOW, sensors=entry.sensors), seed).summary for seed in range(5)]
     steady = np.median([s.steady_position for s in runs])
     assert not any(s.diverged for s in runs)
-    if sensors.words(entry.sensors):
+    if sensors.effect_sentences(entry.sensors):
         assert 0.3 < steady < 2.0
     else:
         assert steady < 0.2
