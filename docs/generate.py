@@ -8,36 +8,14 @@ up to date. Nothing outside the marks is touched.
 from collections.abc import Callable
 from pathlib import Path
 
+from rangenav import formats
+
 HERE = Path(__file__).parent
 
 
 def table_of_formats() -> str:
     """One row for each exchange format, from the table in `rangenav.formats`."""
-    from rangenav import formats
-
-    rows = getattr(formats, "FORMATS", None)
-    if rows is None:
-        return _from_lists(formats)
-    head = "| format | name of the file | reads | writes | what is kept | certified as |\n|---|---|---|---|---|---|"
-    return "\n".join([head, *(_row(one) for one in rows)])
-
-
-def _row(one) -> str:
-    """A row of the table; `one` is a `Format`."""
-    reads, writes = ("yes" if getattr(one, name) else "no" for name in ("reads", "writes"))
-    return f"| `{one.name}` | `{one.suffix}` | {reads} | {writes} | {one.keeps} | {one.certified} |"
-
-
-def _from_lists(formats) -> str:
-    """Until there is one table: the names that are read, written and refused."""
-    names = dict.fromkeys([*formats.WRITTEN, *formats.READ])
-    head = "| format | reads | writes |\n|---|---|---|"
-    rows = (f"| `{n}` | {_yes(n in formats.READ)} | {_yes(n in formats.WRITTEN)} |" for n in names)
-    return "\n".join([head, *rows])
-
-
-def _yes(is_so: bool) -> str:
-    return "yes" if is_so else "no"
+    return formats.markdown().rstrip()
 
 
 PARTS: dict[str, dict[str, Callable[[], str]]] = {

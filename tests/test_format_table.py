@@ -14,7 +14,7 @@ from explorer.panels.presets import bundle, import_panel
 from explorer.storage import import_file
 from explorer.storage.bundle import pack
 from rangenav import certificate, formats, preset
-from rangenav.certificate import exports
+from rangenav.certificate import certified_export, exports
 from rangenav.commands import export, import_, log
 from rangenav.formats import format, table, text
 from rangenav.formats import tum as witness
@@ -104,9 +104,10 @@ def test_a_format_that_nothing_can_be_certified_of_gets_no_certificate_and_the_r
 ) -> None:
     row = formats.Format(name="blank", label="blank", keeps="positions", writer=written)
     monkeypatch.setattr(table, "FORMATS", (*table.FORMATS, row))
-    report = export.exported(preset.load("soft"), "blank", tmp_path / "x.blank", name="soft")
-    assert report["certificate"] is None
-    assert report["certificate_reason"] == "null: nothing in a file of blank can be certified"
+    path = tmp_path / "x.blank"
+    export = certified_export.write(preset.load("soft"), "blank", path, name="soft", otherwise="")
+    assert (export.certificate, export.complaint) == (None, None)
+    assert export.reason == "nothing in a file of blank can be certified"
     assert [path.name for path in tmp_path.iterdir()] == ["x.blank"]
     assert "blank" not in exports.readers()
 
