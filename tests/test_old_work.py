@@ -85,7 +85,7 @@ def contains(now: Any, before: Any) -> bool:
 
 def test_every_part_of_the_archive_is_compared(expected: dict[str, Any]):
     assert set(expected) == {"read_by", "state", "library", "presets", "bundle", "exports", "reopened"}
-    assert {name for name in expected["exports"]} == set(EXPORTS.values())
+    assert set(expected["exports"]) == set(EXPORTS.values())
 
 
 def test_the_work_of_each_tab_is_found_again(old: Path, expected: dict[str, Any]):
