@@ -31,18 +31,18 @@ class Interaction:
 
     def _handles_moved(self) -> int | None:
         """Where anchor and waypoints were dragged to."""
-        drag, grabs = self._drags, self._handles.take()
-        self._drags += any(grab.done for grab in grabs)
-        for grab in grabs:
-            if grab.kind == "anchor":
-                self._dock.move_anchor(grab.position)
+        drag, moves = self._drags, self._handles.take_moves()
+        self._drags += any(move.done for move in moves)
+        for move in moves:
+            if move.kind == "anchor":
+                self._dock.move_anchor(move.position)
             else:
-                self._dock.move_waypoint(grab.index, grab.position)
-        return drag if grabs else None
+                self._dock.move_waypoint(move.index, move.position)
+        return drag if moves else None
 
     def _twin_turned(self, picture: Picture | None) -> None:
         """Where the evil twin was dragged to."""
-        point = self._scene.twin_dragged()
+        point = self._scene.take_twin_drag()
         if point is not None and picture is not None:
             self._dock.twin.write(twin.turn_towards(picture.preset, point, time=self._playback.time))
 

@@ -20,7 +20,7 @@ import viser
 from explorer.charts import TITLES, Charts
 from explorer.charts.details import look
 from explorer.interaction import Interaction
-from explorer.model import compute
+from explorer.model import compute, palette
 from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
@@ -129,7 +129,7 @@ class Session:
         self._timeline = TimelinePanel(self._form, self._playback, room=wide - WIDTH - self._charts.width)
         self._scene = Scene(client, self._wake.set)
         self._handles = DragHandles(client.scene, self._wake.set)
-        self._form.command("Let go of the handle", self._handles.let_go, key="escape")
+        self._form.command("Let go of the handle", self._handles.deselect, key="escape")
         self._interaction = Interaction(self._dock, self._charts, self._scene, self._handles, self._playback)
         self._restore()
 
@@ -199,9 +199,9 @@ class Session:
         self._form.forget_answer()
 
     def _draw_handles(self) -> None:
-        if self._picture is not None and self._scene.stage is not None:
+        if self._picture is not None and self._scene.bounds is not None:
             anchor = self._picture.preset.world.anchor
-            self._handles.draw(anchor, self._dock.points, self._scene.stage)
+            self._handles.draw(anchor, self._dock.points, self._scene.bounds)
 
     def _open(self, name: str) -> None:
         self._dock.presets.open(name)
@@ -305,7 +305,7 @@ class Session:
 
     def _notify(self, sentence: str) -> None:
         """Something about keeping work, once."""
-        self._client.add_notification("Your work", sentence, color="orange", auto_close_seconds=12)
+        self._client.add_notification("Your work", sentence, color=palette.NOTIFY_WARNING, auto_close_seconds=12)
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
@@ -316,4 +316,4 @@ class Session:
             log.exception("session %s", self._client.client_id)
             self._playback.playing = False
             text = "Something went wrong on the server; what you see may be out of date. The log has the details."
-            self._client.add_notification("⚠ Internal error", text, color="red", auto_close_seconds=10)
+            self._client.add_notification("⚠ Internal error", text, color=palette.NOTIFY_ERROR, auto_close_seconds=10)

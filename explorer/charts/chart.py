@@ -8,11 +8,12 @@ from viser import ClientHandle, GuiHtmlHandle, GuiUplotHandle, uplot
 from explorer.charts import comparison_curves, cursor_values, curves, markup
 from explorer.charts.comparison_curves import Pinned
 from explorer.charts.plots import Curve, Drawing, Plot
+from explorer.model import palette
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 
-BAND_TINT, HEX = "38", len("#rrggbb")
-"""Opacity, hexadecimal; and how much of a colour stands before its own."""
+OPAQUE = len("#rrggbb")
+"""Characters of a colour before its opacity."""
 
 
 @dataclass(eq=False)
@@ -113,13 +114,13 @@ def _line(curve: Curve, *, show: bool) -> uplot.Series:
     if curve.dash:
         line["dash"] = curve.dash
     if curve.filled:
-        line["fill"] = f"{curve.color}38"
+        line["fill"] = f"{curve.color}{palette.FILL}"
     return line
 
 
 def tinted(plot: Plot) -> tuple[uplot.Band, ...] | None:
     """uPlot's description of what is tinted between two curves."""
-    fills = ((upper, lower, f"{plot.curves[upper].color[:HEX]}{BAND_TINT}") for upper, lower in plot.bands)
+    fills = ((upper, lower, f"{plot.curves[upper].color[:OPAQUE]}{palette.FILL}") for upper, lower in plot.bands)
     return tuple(uplot.Band(series=(upper + 1, lower + 1), fill=fill) for upper, lower, fill in fills) or None
 
 

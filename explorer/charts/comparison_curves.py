@@ -15,20 +15,19 @@ from numpy import ndarray as Array
 from explorer.charts import curves, plots
 from explorer.charts.curves import Range
 from explorer.charts.plots import Curve, Drawing, Plot
-from explorer.model.comparison import COLORS, PINNED_COLOR, Baseline, Comparison, Name
+from explorer.model import palette
+from explorer.model.comparison import Baseline, Comparison, Name
 from explorer.model.compute import Picture
 from rangenav.ensemble import Ensemble
 
 PINNED_DASH, PINNED_AGAIN_DASH = (9.0, 3.0, 2.0, 3.0, 2.0, 3.0), (4.0, 3.0)
 """Of A's first curve in a plot, and of its second; no curve of a picture has either."""
 RIVALS: dict[Name, Curve] = {
-    "EKF": Curve(label="EKF", color=COLORS["EKF"], dash=(12.0, 2.0), width=1.25),
-    "refined": Curve(label="refined", color=COLORS["refined"], dash=(5.0, 2.0), width=1.25),
+    "EKF": Curve(label="EKF", color=palette.ESTIMATORS["EKF"], dash=(12.0, 2.0), width=1.25),
+    "refined": Curve(label="refined", color=palette.ESTIMATORS["refined"], dash=(5.0, 2.0), width=1.25),
 }
 ERRORS = ("position", "velocity", "gravity", "attitude")
 """Plots that hold the error of this name."""
-LIGHTER = "B0"
-"""Opacity, hexadecimal: what a picture's own curves show through where A lies over them."""
 EDGE = 0.5
 """px: the edges of a band."""
 REACH = 100.0
@@ -94,7 +93,7 @@ def _again(plot: Plot, time: Float[Array, "n"], kept: Pinned) -> Layer:
     looks = tuple(
         Curve(
             label=f"A {plot.curves[column].label}" if several else "A",
-            color=f"{PINNED_COLOR}{LIGHTER}",
+            color=f"{palette.PINNED}{palette.TRANSLUCENT}",
             dash=dash,
             width=1.75,
         )
@@ -123,8 +122,8 @@ def _seeds(plot: Plot, time: Float[Array, "n"], runs: Ensemble) -> Layer:
     band = runs.band(plot.name)  # pyright: ignore[reportArgumentType]  (one of ERRORS)
     stacked = np.stack([band.median, band.high, band.low], axis=1)
     read = taken(runs.time, _in_unit(plot, stacked), time)
-    edge = Curve(label="", color=f"{plots.VERMILLION}{LIGHTER}", width=EDGE)
-    median = Curve(label=f"{len(runs.seed)} seeds", color=plots.GREY, width=2.25)
+    edge = Curve(label="", color=f"{palette.SEEDS_EDGE}{palette.TRANSLUCENT}", width=EDGE)
+    median = Curve(label=f"{len(runs.seed)} seeds", color=palette.SEEDS, width=2.25)
     axis = curves.decades(read, low_quantile=plots.SMALLEST_SHARE)
     return Layer((median, edge, edge), read, curves.onto_log_axis(read, axis), axis, REACH, band=True)
 

@@ -12,6 +12,7 @@ from html import escape
 
 from explorer.charts.plots import Curve, Plot
 from explorer.charts.pointer import curve_id
+from explorer.model import palette
 
 AXIS_WIDTH, AXIS_HEIGHT = 50, 24
 """px that the plots give to their axes: fixed, so that the cursor knows where the time axis begins and ends."""
@@ -43,20 +44,22 @@ STYLE = f"""<style>
 .rn-legend {{ margin: 0 {MARGIN}px; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
 .rn-legend button {{ all: unset; white-space: nowrap; cursor: pointer; }}
 .rn-legend button:hover {{ text-decoration: underline; }}
-.rn-legend button:focus-visible {{ outline: 2px solid #56B4E9; }}
+.rn-legend button:focus-visible {{ outline: 2px solid {palette.FOCUS}; }}
 .rn-legend button[aria-pressed=false] {{ opacity: .5; text-decoration: line-through; }}
 .rn-v {{ display: inline-block; min-width: 43px; font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-note {{ margin: 0 {MARGIN}px; font-size: 11px; line-height: 1.25; opacity: .75; }}
-.rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid #56B4E9; background: rgba(128,128,128,.09); }}
+.rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
+  background: {palette.DEFINITION_FILL}; }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
 .rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px;
   margin-left: -.75px; background: currentColor; opacity: .55; }}
 .rn-at {{ position: absolute; bottom: -{AXIS_HEIGHT - 3}px; transform: translateX(-50%); padding: 0 4px;
-  border-radius: 3px; background: #333; color: #fff; font-size: 11px; font-variant-numeric: tabular-nums; }}
+  border-radius: 3px; background: {palette.TOOLTIP}; color: {palette.TOOLTIP_TEXT};
+  font-size: 11px; font-variant-numeric: tabular-nums; }}
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
-.rn-window {{ position: absolute; top: 0; bottom: 0; background: #56B4E9; opacity: .13; }}
-.rn-brush {{ position: absolute; top: 0; bottom: 0; background: #E69F00; opacity: .25; }}
+.rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
+.rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
 .rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
   font-size: 11px; opacity: .65; }}
 </style>"""

@@ -15,6 +15,7 @@ import numpy as np
 
 from explorer.charts import curves
 from explorer.charts.plots import Curve, Drawing, Plot
+from explorer.model import palette
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,8 +25,8 @@ MAX_CELLS = 5_000_000
 """About 100 MB of text; more helps nobody in a browser."""
 SIZE, DOTS = (7.2, 3.6), 200
 """Inches, as wide as a text column; and dots to the inch."""
-TINT = 0x38 / 255
-"""Of what lies below a filled curve, as on the page."""
+FILL_OPACITY = int(palette.FILL, 16) / 255
+"""Of the area below a filled curve, as on the page."""
 LOOKS: dict[Any, Any] = {
     "svg.hashsalt": "rangenav",
     "lines.scale_dashes": False,
@@ -96,7 +97,7 @@ def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> None:
         label += " (blind)" if np.any(np.isposinf(drawing.read[:, column])) else " (outside)"
     axes.plot(time, values, label=label, color=curve.color, linewidth=curve.width, linestyle=dashes)
     if curve.filled:
-        axes.fill_between(time, values, bottom, color=curve.color, alpha=TINT, linewidth=0)
+        axes.fill_between(time, values, bottom, color=curve.color, alpha=FILL_OPACITY, linewidth=0)
 
 
 def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> None:
@@ -108,7 +109,7 @@ def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> Non
     axes.set_yticks([], minor=True)
     axes.set_xlim(0.0, duration)
     axes.set_ylim(*axis)
-    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.grid(color=palette.PLOT_GRID, linewidth=0.6)
     axes.set_title(plot.title, loc="left", fontsize="medium", fontweight="bold")
     axes.set_xlabel(_named(plot.across, "s"))
     axes.set_ylabel(plot.unit.partition(f", by {plot.across}")[0])

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from explorer.charts import definitions, details, plots, styles
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
+from explorer.model import palette
 from explorer.model.compute import Picture
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
@@ -32,7 +33,7 @@ ERRORS = Group(
             name="attitude",
             title="Attitude error",
             unit="°",
-            curves=(Curve(label="error", color=plots.VERMILLION),),
+            curves=(Curve(label="error", color=palette.ESTIMATE),),
             draw=plots.attitude_error,
             words=definitions.ATTITUDE_ERROR,
         ),
@@ -58,7 +59,7 @@ OBSERVABILITY = Group(
             across="window start",
             curves=(
                 *styles.eigenvalues("", (SOLID, DASHED, DOTTED)),
-                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+                Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
                 *styles.eigenvalues("printed ", PRINTED[:3]),
             ),
             draw=plots.excitation,
@@ -79,10 +80,10 @@ OBSERVABILITY = Group(
             unit="m, by window start",
             across="window start",
             curves=(
-                Curve(label="lifted", color=plots.BLUE, dash=DASHED, width=2.0),
-                Curve(label="nonlinear", color=plots.GREEN, dash=DOTTED, width=2.0),
-                Curve(label="actual", color=plots.VERMILLION),
-                Curve(label="wanted", color=plots.GREY, dash=DASH_DOT),
+                Curve(label="lifted", color=palette.BLUE, dash=DASHED, width=2.0),
+                Curve(label="nonlinear", color=palette.GREEN, dash=DOTTED, width=2.0),
+                Curve(label="actual", color=palette.ESTIMATE),
+                Curve(label="wanted", color=palette.REQUIRED, dash=DASH_DOT),
             ),
             draw=plots.predicted,
             words=definitions.PREDICTED,
@@ -97,7 +98,7 @@ SIGNALS = Group(
             name="innovation",
             title="Innovation",
             unit="in its own σ",
-            curves=(Curve(label="(y − ŷ)/σ", color=plots.VERMILLION, unit=""),),
+            curves=(Curve(label="(y − ŷ)/σ", color=palette.ESTIMATE, unit=""),),
             draw=plots.innovation,
             words=definitions.INNOVATION,
             log=False,
@@ -107,8 +108,8 @@ SIGNALS = Group(
             title="Range",
             unit="m",
             curves=(
-                Curve(label="measured", color=plots.SKY, width=1.0),
-                Curve(label="true", color=plots.BLUE, dash=DASHED),
+                Curve(label="measured", color=palette.MEASURED, width=1.0),
+                Curve(label="true", color=palette.TRUTH, dash=DASHED),
             ),
             draw=plots.distance,
             words=definitions.DISTANCE,
@@ -119,7 +120,7 @@ SIGNALS = Group(
             name="speed",
             title="Speed",
             unit="m/s",
-            curves=(Curve(label="true", color=plots.BLUE), styles.limit("limit", plots.BLUE, DASHED)),
+            curves=(Curve(label="true", color=palette.TRUTH), styles.limit("limit", palette.TRUTH, DASHED)),
             draw=plots.speed,
             words=definitions.SPEED,
             log=False,
@@ -129,10 +130,10 @@ SIGNALS = Group(
             title="Thrust/weight and body rate",
             unit="1, rad/s",
             curves=(
-                Curve(label="thrust/weight", color=plots.BLUE, unit=""),
-                Curve(label="|ω|", color=plots.ORANGE, dash=DASHED, unit="rad/s"),
-                styles.limit("thrust limit", plots.BLUE, DASH_DOT, ""),
-                styles.limit("|ω| limit", plots.ORANGE, DOTTED, "rad/s"),
+                Curve(label="thrust/weight", color=palette.TRUTH, unit=""),
+                Curve(label="|ω|", color=palette.TURN_RATE, dash=DASHED, unit="rad/s"),
+                styles.limit("thrust limit", palette.TRUTH, DASH_DOT, ""),
+                styles.limit("|ω| limit", palette.TURN_RATE, DOTTED, "rad/s"),
             ),
             draw=plots.effort,
             words=definitions.EFFORT,
@@ -195,8 +196,8 @@ TWIN = Group(
             title="Range of the evil twin",
             unit="m",
             curves=(
-                Curve(label="true", color=plots.BLUE, width=2.5),
-                Curve(label="twin", color=plots.OLIVE, dash=DASHED),
+                Curve(label="true", color=palette.TRUTH, width=2.5),
+                Curve(label="twin", color=palette.TWIN, dash=DASHED),
             ),
             draw=details.ranges,
             words=definitions.TWIN_RANGE,
@@ -207,9 +208,9 @@ TWIN = Group(
             title="How far off, and unseen",
             unit="m",
             curves=(
-                Curve(label="apart", color=plots.OLIVE, dash=DASHED, width=2.0),
-                Curve(label="range differs", color=plots.VERMILLION),
-                Curve(label="tolerance", color=plots.GREY, dash=DASH_DOT),
+                Curve(label="apart", color=palette.TWIN, dash=DASHED, width=2.0),
+                Curve(label="range differs", color=palette.VERMILLION),
+                Curve(label="tolerance", color=palette.REQUIRED, dash=DASH_DOT),
             ),
             draw=details.apart,
             words=definitions.TWIN_APART,
@@ -219,8 +220,8 @@ TWIN = Group(
             title="|φ| derived and printed",
             unit="m/s⁴",
             curves=(
-                Curve(label="derived", color=plots.BLUE, width=2.0),
-                Curve(label="printed", color=plots.ORANGE, dash=LONG),
+                Curve(label="derived", color=palette.DERIVED, width=2.0),
+                Curve(label="printed", color=palette.PRINTED, dash=LONG),
             ),
             draw=details.phi,
             words=definitions.PHI_BOTH,
@@ -232,11 +233,11 @@ TWIN = Group(
             unit="m²/s⁷, by window start",
             across="window start",
             curves=(
-                Curve(label="derived", color=plots.BLUE, width=2.0),
-                Curve(label="φ printed", color=plots.ORANGE, dash=DASHED),
-                Curve(label="body axes", color=plots.GREEN, dash=DOTTED),
-                Curve(label="both", color=plots.VERMILLION, dash=LONG, width=2.0),
-                Curve(label="μ", color=plots.GREY, dash=DASH_DOT, width=2.0),
+                Curve(label="derived", color=palette.DERIVED, width=2.0),
+                Curve(label="φ printed", color=palette.PRINTED, dash=DASHED),
+                Curve(label="body axes", color=palette.GREEN, dash=DOTTED),
+                Curve(label="both", color=palette.VERMILLION, dash=LONG, width=2.0),
+                Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
             ),
             draw=details.certificates,
             words=definitions.CERTIFICATES,

@@ -15,9 +15,6 @@ from explorer.charts import curves, definitions
 from explorer.model.compute import Picture
 from rangenav import sensors, vehicle
 
-BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
-ORANGE, SKY, GREY, OLIVE = "#E69F00", "#56B4E9", "#888888", "#999933"
-"""Okabe–Ito (the last one Tol's), seen on white and on black; each and no two curves of a plot share dash and width."""
 Dash = tuple[float, ...]
 SOLID: Dash = ()
 DASHED, DOTTED, DASH_DOT = (7.0, 4.0), (2.0, 3.0), (8.0, 3.0, 2.0, 3.0)

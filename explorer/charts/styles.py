@@ -2,6 +2,7 @@
 
 from explorer.charts import definitions, plots
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
+from explorer.model import palette
 from rangenav.observability.functions import NAMES
 
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -9,14 +10,14 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 def error(name: str, title: str, unit: str, draw: plots.Callable, text: definitions.Words) -> Plot:
     """An error with the σ that P claims beside it."""
-    actual = Curve(label="error", color=plots.VERMILLION)
-    claimed = Curve(label="σ by P", color=plots.BLUE, dash=DASHED)
+    actual = Curve(label="error", color=palette.ESTIMATE)
+    claimed = Curve(label="σ by P", color=palette.CLAIMED_SIGMA, dash=DASHED)
     return Plot(name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, words=text)
 
 
 def components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
     """Three components and, thicker, their norm."""
-    colors = (plots.VERMILLION, plots.GREEN, plots.BLUE, plots.GREY)
+    colors = (palette.X_AXIS, palette.Y_AXIS, palette.Z_AXIS, palette.NORM)
     labels = tuple(prefix + name for name in ("x", "y", "z", "norm"))
     dressed = zip(labels, colors, dashes, (1.25, 1.25, 1.25, 2.25), strict=True)
     return tuple(Curve(label=label, color=color, dash=dash, width=width) for label, color, dash, width in dressed)
@@ -24,8 +25,7 @@ def components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]
 
 def eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
     """The three of an excitation, least first."""
-    colors = (plots.VERMILLION, plots.PURPLE, plots.SKY)
-    dressed = zip((f"{prefix}λ₁", f"{prefix}λ₂", f"{prefix}λ₃"), colors, dashes, strict=True)
+    dressed = zip((f"{prefix}λ₁", f"{prefix}λ₂", f"{prefix}λ₃"), palette.EXCITATION_EIGENVALUES, dashes, strict=True)
     return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in dressed)
 
 
@@ -41,26 +41,26 @@ def spectrum(least: str, greatest: str, floor: str, unit: str | None = None) -> 
     labels = [f"{names[0]} …", *("" for _ in names[1:])]
     between = zip(labels, names, strict=True)
     return (
-        Curve(label=least, color=plots.VERMILLION, width=2.0, unit=unit),
-        *(Curve(label=label, name=name, color=plots.SKY, width=1.0, unit=unit) for label, name in between),
-        Curve(label=greatest, color=plots.BLUE, width=2.0, dash=DASHED, unit=unit),
-        Curve(label=floor, color=plots.GREY, width=2.0, filled=True, unit=unit),
+        Curve(label=least, color=palette.LEAST, width=2.0, unit=unit),
+        *(Curve(label=label, name=name, color=palette.MIDDLE, width=1.0, unit=unit) for label, name in between),
+        Curve(label=greatest, color=palette.GREATEST, width=2.0, dash=DASHED, unit=unit),
+        Curve(label=floor, color=palette.NOISE_FLOOR, width=2.0, filled=True, unit=unit),
     )
 
 
 def functions() -> tuple[Curve, ...]:
     """Powers of τ grey; D by axis in its colour and width, by power of τ in its dash."""
     powers = zip(NAMES[:4], (SPARSE, LONG_DOT, DASH_DOT, LONG), strict=True)
-    axes = ((plots.VERMILLION, 1.25), (plots.GREEN, 1.75), (plots.BLUE, 2.5))
+    axes = ((palette.X_AXIS, 1.25), (palette.Y_AXIS, 1.75), (palette.Z_AXIS, 2.5))
     dressed = zip(NAMES[4:], [(dash, *axis) for dash in (SOLID, DASHED, DOTTED) for axis in axes], strict=True)
     return (
-        *(Curve(label=name, color=plots.GREY, dash=dash, width=1.0, unit="") for name, dash in powers),
+        *(Curve(label=name, color=palette.GREY, dash=dash, width=1.0, unit="") for name, dash in powers),
         *(Curve(label=name, color=color, dash=dash, width=width, unit="") for name, (dash, color, width) in dressed),
     )
 
 
 def by_length(goal: str) -> tuple[Curve, ...]:
     """Windows of growing length: from the start, at the worst, and what is wanted."""
-    first = Curve(label="from 0 s", color=plots.BLUE, dash=DASHED)
-    worst = Curve(label="worst", color=plots.VERMILLION, width=2.0)
-    return (first, worst, Curve(label=goal, color=plots.GREY, dash=DASH_DOT))
+    first = Curve(label="from 0 s", color=palette.BLUE, dash=DASHED)
+    worst = Curve(label="worst", color=palette.VERMILLION, width=2.0)
+    return (first, worst, Curve(label=goal, color=palette.REQUIRED, dash=DASH_DOT))

@@ -11,6 +11,7 @@ from jaxtyping import Float, UInt8
 from msgspec.structs import replace
 from numpy import ndarray as Array
 
+from explorer.model import palette
 from explorer.model.compute import Picture
 from rangenav import attitude, record
 from rangenav.ensemble import Basin
@@ -18,22 +19,6 @@ from rangenav.gains import Gains, Guess
 from rangenav.preset import Preset
 from rangenav.record import TruthInputs
 from rangenav.sensors import Sensors
-
-STOPS = (
-    (253, 231, 37),
-    (173, 220, 48),
-    (94, 201, 98),
-    (40, 174, 128),
-    (33, 145, 140),
-    (44, 114, 142),
-    (59, 82, 139),
-    (71, 44, 122),
-    (68, 1, 84),
-)
-"""viridis from its light end (soonest) to its dark one (latest), in nine steps: the lightness alone tells the order, so
-that it is read without telling colours apart."""
-NEVER = (213, 94, 0)
-"""Vermillion, which is not on the scale; what never settles is also larger and of another shape."""
 
 
 class Setup(NamedTuple):
@@ -71,14 +56,15 @@ def colors(found: Basin) -> UInt8[Array, "a 3"]:
     if span is not None and span[1] > span[0]:
         share = (np.minimum(found.settle, span[1]) - span[0]) / (span[1] - span[0])
     scale = on_scale(share)
-    scale[~np.isfinite(found.settle)] = NEVER
+    scale[~np.isfinite(found.settle)] = palette.rgb(palette.NEVER_SETTLES)
     return scale
 
 
 def on_scale(share: Float[Array, "a"]) -> UInt8[Array, "a 3"]:
     """Colours (sRGB) from the light end (0) to the dark one (1)."""
-    places = np.linspace(0.0, 1.0, len(STOPS))
-    channels = [np.interp(share, places, channel) for channel in np.array(STOPS, dtype=float).T]
+    stops = np.array([palette.rgb(color) for color in palette.SETTLING_SCALE], dtype=float)
+    places = np.linspace(0.0, 1.0, len(stops))
+    channels = [np.interp(share, places, channel) for channel in stops.T]
     return np.stack(channels, axis=1).round().astype(np.uint8)
 
 

@@ -23,9 +23,6 @@ from rangenav.sensors import Sensors
 Name = Literal["EKF", "refined"]
 NAMES: tuple[Name, ...] = ("EKF", "refined")
 """In the order in which they are drawn and told."""
-PINNED_COLOR = "#CC79A7"
-COLORS: dict[Name, str] = {"EKF": "#E69F00", "refined": "#009E73"}
-"""Okabe–Ito, the same in plots, in 3-D and in words; the run on view is vermillion everywhere."""
 
 
 class RunInputs(NamedTuple):

@@ -5,6 +5,7 @@ import math
 
 import viser
 
+from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.form import Complaint
 from rangenav import sensors
@@ -14,16 +15,16 @@ from rangenav.vehicle import FREE
 WORDS = {
     "observable": (
         "●",
-        "light-dark(#00785a, #4fd1ad)",
+        palette.GOOD,
         "OBSERVABLE",
         "full rank, and the predicted error meets the requirement",
     ),
-    "weak": ("▲", "light-dark(#9a5b00, #f0b35a)", "WEAK", "full rank, but the predicted error exceeds the requirement"),
-    "blind": ("✕", "light-dark(#b3261e, #ff8f86)", "BLIND", "some directions cannot be told at all"),
+    "weak": ("▲", palette.WARNING, "WEAK", "full rank, but the predicted error exceeds the requirement"),
+    "blind": ("✕", palette.ERROR, "BLIND", "some directions cannot be told at all"),
 }
 """Shape, colour (Okabe–Ito hues, dark enough to read on white, and light enough on black), word, meaning."""
-NOT_JUDGED = "○", "light-dark(#555, #bbb)", "NOT JUDGED"
-DIMMED = "color:light-dark(#666, #a8a8a8)"
+NOT_JUDGED = "○", palette.NEUTRAL, "NOT JUDGED"
+DIMMED = f"color:{palette.SECONDARY_TEXT}"
 NAME_STYLE = f"padding:0.1em 0.7em 0.1em 0;{DIMMED};vertical-align:top;white-space:nowrap"
 ROW = f'<tr><td style="{NAME_STYLE}">{{}}</td><td>{{}}</td></tr>'
 CHIP_STYLE = "border:1px solid;border-radius:3px;padding:0 0.35em;margin-left:0.6em;font-size:0.75em"
@@ -85,9 +86,9 @@ def _chips(picture: Picture) -> str:
     """Labels beside the verdict: printed switches that are on, and a run that says nothing."""
     printed = picture.settings.printed
     on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
-    chips = [CHIP.format("light-dark(#8a3d7a, #d99ac9)", f"PRINTED: {', '.join(on)}")] if on else []
+    chips = [CHIP.format(palette.PRINTED_FORMULA, f"PRINTED: {', '.join(on)}")] if on else []
     if picture.summary.diverged:
-        chips.append(CHIP.format("light-dark(#b3261e, #ff8f86)", "⚠ covariance diverges"))
+        chips.append(CHIP.format(palette.ERROR, "⚠ covariance diverges"))
     return "".join(chips)
 
 

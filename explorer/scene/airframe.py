@@ -21,7 +21,7 @@ class Mesh(NamedTuple):
 
 
 def frame() -> Mesh:
-    """Two crossed arms, a body, and a nose that tells ahead from behind."""
+    """Two crossed arms, a body, and a nose that shows which way is ahead."""
     bars = [_box((2 * ARM, 0.05, 0.04)) @ _about_z(angle) for angle in (np.pi / 4, -np.pi / 4)]
     body, nose = _box((0.3, 0.18, 0.12)), _box((0.22, 0.05, 0.05)) + np.array([0.22, 0.0, 0.0])
     return _join([(corners, BOX_FACES) for corners in (*bars, body, nose)])

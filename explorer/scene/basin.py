@@ -1,8 +1,7 @@
-"""A globe of starts beside the path: each axis about which the attitude may be wrong is a dot, coloured by how long it
-takes to settle.
+"""The globe of initial attitude errors next to the path: a dot for each axis of the error, coloured by settling time.
 
-    +u and −u of each undesired equilibrium R̃ = 2uuᵀ − I (paper, theorem) are sticks through it, with their names
-Dots that never settle are larger, of another shape and of a colour that is not on the scale.
+Each undesired equilibrium R̃ = 2uuᵀ − I (paper, theorem) has a stick through the globe, from −u to +u, with both names.
+Dots that never settle are larger, have another shape, and a colour that is not on the scale.
 """
 
 import math
@@ -12,49 +11,50 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 from viser import SceneApi
 
-from explorer.model import basin
+from explorer.model import basin, palette
 from explorer.model.compute import Picture
-from explorer.scene.bounds import NO_LINE, SceneBounds
-from explorer.scene.colors import PURPLE
-from explorer.scene.view import direction
+from explorer.scene.bounds import EMPTY_LINE, SceneBounds
+from explorer.scene.view import view_direction
 from rangenav.ensemble import Basin
+from rangenav.number_format import quantity, subscript
 
 SIZE = 0.25
 """Radius of the globe, in radii of the view."""
-OFF = 0.75
-"""How far from the middle of the view, in radii of the view: with its sticks it is still seen."""
-TURNS = [sign * k * math.pi / 8 for k in range(9) for sign in (1, -1)]
-"""rad from straight up, where it may be: the nearest to up first."""
-CLEAR = 1.3
-"""How far from path and anchor its centre should be, in its radii."""
+OFFSET = 0.75
+"""Distance from the middle of the view, in radii of the view: the globe with its sticks is then still in view."""
+ANGLES = [sign * k * math.pi / 8 for k in range(9) for sign in (1, -1)]
+"""rad from straight up in the view: the directions that are tried for the globe, those nearest to up first."""
+CLEARANCE = 1.3
+"""Least distance of its centre from path and anchor, in radii of the globe."""
 CORE = 0.97
-"""An opaque ball inside, in radii of the globe: dots of the far side would be read as those of the near one."""
-GREY = (214, 214, 214)
-BLACK = (20, 20, 20)
-CROWDED = 300
-"""So many dots have the size below; fewer are larger and more are smaller, so that they cover as much of the globe."""
-DOT, LARGER = 0.07, 1.6
-"""Half the width of a dot in radii; and how many times larger one that never settles is, or the slowest's rim."""
-LARGEST = 2.0
-"""Times the usual size: a few dots do not cover the globe."""
+"""Radius of the opaque ball inside, in radii of the globe: it hides the dots of the far side."""
+USUAL_COUNT = 300
+"""This many dots have the size below. Fewer are larger and more are smaller: they always cover the same area."""
+DOT, EMPHASIS = 0.07, 1.6
+"""Half the width of a dot in radii of the globe; and the factor for a dot that never settles, or the rim of the
+slowest."""
+MAX_ENLARGEMENT = 2.0
+"""Factor on the usual size: a few dots need not cover the globe."""
 STICK, LABEL = 1.28, 1.36
-"""Ends of the sticks through the undesired equilibria, in radii, and their names."""
+"""Where the sticks through the undesired equilibria end, and where their names are, in radii of the globe."""
 POINTER = 1.5
-"""The end of a line from the slowest start: seen from most sides though its dot be behind the globe."""
+"""Where the line from the slowest start ends, in radii of the globe: visible from most sides, even if the dot is on the
+far side."""
 TITLE = 1.55
-DIGITS = "₁₂₃"
+"""Height of the title, in radii of the globe."""
 
 
 class Globe:
-    """The node /basin and what is on it; hidden while there is none."""
+    """The node /basin and all below it; hidden while there is no basin."""
 
     def __init__(self, scene: SceneApi) -> None:
         self._root = scene.add_frame("/basin", show_axes=False, visible=False)
         self._core = scene.add_icosphere(
-            "/basin/core", CORE, GREY, subdivisions=5, cast_shadow=False, receive_shadow=False
+            "/basin/core", CORE, palette.rgb(palette.GLOBE), subdivisions=5, cast_shadow=False, receive_shadow=False
         )
         dot = np.array([[0.0, 0.0, 1.0]], dtype=np.float32)
-        black = np.array([BLACK], dtype=np.uint8)
+        ink = palette.rgb(palette.GLOBE_INK)
+        black = np.array([ink], dtype=np.uint8)
         self._dots = scene.add_point_cloud(
             "/basin/settling", dot, black, point_shape="circle", precision="float32", point_shading="flat"
         )
@@ -65,51 +65,53 @@ class Globe:
             "/basin/slowest", dot, black, point_shape="circle", precision="float32", point_shading="flat"
         )
         self._sticks = scene.add_line_segments(
-            "/basin/equilibria", NO_LINE, PURPLE, thickness=4.0, thickness_units="screen"
+            "/basin/equilibria", EMPTY_LINE, palette.rgb(palette.EQUILIBRIUM), thickness=4.0, thickness_units="screen"
         )
         self._names = [
             scene.add_label(f"/basin/u{k}", "", anchor="center-center", font_screen_scale=0.9) for k in range(6)
         ]
         self._pointer = scene.add_line_segments(
-            "/basin/slowest/pointer", NO_LINE, BLACK, thickness=2.0, thickness_units="screen"
+            "/basin/slowest/pointer", EMPTY_LINE, ink, thickness=2.0, thickness_units="screen"
         )
         self._slowest = scene.add_label("/basin/slowest/label", "", anchor="bottom-center", font_screen_scale=0.9)
         self._title = scene.add_label("/basin/title", "", anchor="bottom-center", font_screen_scale=0.9)
         self._drawn: Basin | None = None
 
-    def draw(self, picture: Picture, found: Basin | None, on: SceneBounds) -> None:
-        """Show a sphere of starts that belongs to a picture, or none."""
-        self._root.visible = found is not None
-        if found is None:
+    def draw(self, picture: Picture, shown: Basin | None, bounds: SceneBounds) -> None:
+        """Show the basin that belongs to a picture, or none."""
+        self._root.visible = shown is not None
+        if shown is None:
             self._drawn = None
             return
-        radius = SIZE * on.view_radius
-        self._root.position = place(picture.motion.position, np.asarray(picture.preset.world.anchor), on)
+        radius = SIZE * bounds.view_radius
+        self._root.position = globe_centre(picture.motion.position, np.asarray(picture.preset.world.anchor), bounds)
         self._core.scale = radius
-        self._title.position = TITLE * radius * on.up
-        if found is not self._drawn:
-            self._drawn = found
-            self._draw_dots(found, radius, on.up)
+        self._title.position = TITLE * radius * bounds.up
+        if shown is not self._drawn:
+            self._drawn = shown
+            self._draw_dots(shown, radius, bounds.up)
             self._draw_equilibria(picture, radius)
 
-    def _draw_dots(self, found: Basin, radius: float, up: Float[Array, "3"]) -> None:
-        settles = np.isfinite(found.settle)
-        size = DOT * radius * min((CROWDED / len(settles)) ** 0.5, LARGEST)
-        colors = basin.colors(found)
-        for cloud, chosen, larger in ((self._dots, settles, 1.0), (self._never, ~settles, LARGER)):
+    def _draw_dots(self, starts: Basin, radius: float, up: Float[Array, "3"]) -> None:
+        settles = np.isfinite(starts.settle)
+        size = DOT * radius * min((USUAL_COUNT / len(settles)) ** 0.5, MAX_ENLARGEMENT)
+        colors = basin.colors(starts)
+        for cloud, chosen, factor in ((self._dots, settles, 1.0), (self._never, ~settles, EMPHASIS)):
             cloud.visible = bool(chosen.any())
             if chosen.any():
-                cloud.points, cloud.colors = (radius * found.axis[chosen]).astype(np.float32), colors[chosen]
-                cloud.point_size = larger * size
-        last = basin.slowest(found)
-        axis, when = found.axis[last], found.settle[last]
+                cloud.points, cloud.colors = (radius * starts.axis[chosen]).astype(np.float32), colors[chosen]
+                cloud.point_size = factor * size
+        last = basin.slowest(starts)
+        axis, when = starts.axis[last], starts.settle[last]
         self._rim.points = (0.995 * radius * axis[None]).astype(np.float32)
-        self._rim.point_size = (LARGER if settles[last] else LARGER**2) * size
+        self._rim.point_size = (EMPHASIS if settles[last] else EMPHASIS**2) * size
         self._pointer.points = (radius * np.array([[axis, POINTER * axis]])).astype(np.float32)
         self._slowest.position = POINTER * radius * axis
         self._slowest.anchor = "bottom-center" if axis @ up >= 0 else "top-center"  # not across the pointer
-        self._slowest.text = f"slowest, {when:.3g} s" if settles[last] else f"not settled in {found.time[-1]:.3g} s"
-        self._title.text = f"starts at {np.degrees(found.angle):.4g}°"
+        self._slowest.text = (
+            f"slowest, {quantity(when, 's')}" if settles[last] else f"not settled in {quantity(starts.time[-1], 's')}"
+        )
+        self._title.text = f"starts at {quantity(np.degrees(starts.angle), '°', digits=4)}"
 
     def _draw_equilibria(self, picture: Picture, radius: float) -> None:
         axes = basin.equilibria(picture)
@@ -117,17 +119,20 @@ class Globe:
         for k, label in enumerate(self._names):
             sign = (1.0, -1.0)[k % 2]
             label.position = sign * LABEL * radius * axes[k // 2]
-            label.text = f"{'+' if sign > 0 else '−'}u{DIGITS[k // 2]}"
+            label.text = f"{'+' if sign > 0 else '−'}u{subscript(k // 2 + 1)}"
 
 
-def place(path: Float[Array, "n 3"], anchor: Float[Array, "3"], on: SceneBounds) -> Float[Array, "3"]:
-    """Where the globe's centre is: beside the middle of the view as the camera is first set, above it rather than
-    below, and there the first place that is clear of path and anchor, or else the one that is most so."""
-    towards = direction(on.up)
-    upwards = on.up - (on.up @ towards) * towards
+def globe_centre(path: Float[Array, "n 3"], anchor: Float[Array, "3"], bounds: SceneBounds) -> Float[Array, "3"]:
+    """The globe's centre (m), for the camera as it is first set.
+
+    The directions from the middle of the view are tried in order, those above the path first. The first one that is
+    clear of path and anchor is taken, or else the one with the largest distance from them.
+    """
+    towards = view_direction(bounds.up)
+    upwards = bounds.up - (bounds.up @ towards) * towards
     screen = np.stack([np.cross(upwards, towards), upwards]) / np.linalg.norm(upwards)
-    seen = (np.vstack([path, anchor]) - on.view_centre) @ screen.T / on.view_radius
-    spots = [OFF * np.array([math.sin(turn), math.cos(turn)]) for turn in TURNS]
-    clear = [float(np.linalg.norm(seen - spot, axis=1).min()) for spot in spots]
-    best = next((k for k, distance in enumerate(clear) if distance > CLEAR * SIZE), int(np.argmax(clear)))
-    return on.view_centre + on.view_radius * spots[best] @ screen
+    projected = (np.vstack([path, anchor]) - bounds.view_centre) @ screen.T / bounds.view_radius
+    spots = [OFFSET * np.array([math.sin(angle), math.cos(angle)]) for angle in ANGLES]
+    gaps = [float(np.linalg.norm(projected - spot, axis=1).min()) for spot in spots]
+    best = next((k for k, gap in enumerate(gaps) if gap > CLEARANCE * SIZE), int(np.argmax(gaps)))
+    return bounds.view_centre + bounds.view_radius * spots[best] @ screen

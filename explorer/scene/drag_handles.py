@@ -1,12 +1,12 @@
-"""Taking hold of anchor and waypoints in the 3-D picture: by a sphere across the screen, by a gizmo along an axis.
+"""Drag handles of the anchor and the waypoints: a sphere moves across the screen, a gizmo along an axis.
 
-viser's loop     a handle is moved: remember where to, note()       nothing else, and only the latest place
-session's loop   for grab in handles.take(): settings = …           what is held follows the pointer at once
-                 handles.draw(anchor, waypoints, scene.stage)       and all others go where the settings have them
+viser's loop     a handle is moved: keep the latest position, wake()          nothing else
+session's loop   for move in handles.take_moves(): settings = …               the dragged handle follows the pointer
+                 handles.draw(anchor, waypoints, scene.bounds)                all other handles follow the settings
 
-A sphere moves in the plane through it that faces the camera (viser: about 20 messages a second, start and end always
-told). The one touched last has a gizmo for exact axes, until Escape or a click elsewhere. Places are in the inertial
-frame whichever way is up.
+A sphere moves in the plane through it that faces the camera. viser sends about 20 messages a second while it moves, and
+always sends the press and the release. The handle touched last carries the gizmo until the visitor presses Escape or
+clicks elsewhere. All positions are in the inertial frame.
 """
 
 import math
@@ -17,108 +17,110 @@ from typing import Any
 
 from viser import SceneApi, SceneClickEvent, SceneNodeDragEvent, SceneNodePointerEvent, TransformControlsEvent
 
+from explorer.model import palette
 from explorer.scene import handle_position
-from explorer.scene.bounds import UNSEEN, SceneBounds
-from explorer.scene.colors import BLUE, ORANGE
-from explorer.scene.handle_position import Grab, Grip, HandleKind
+from explorer.scene.bounds import INVISIBLE_SIZE, SceneBounds
+from explorer.scene.handle_position import Drag, HandleKind, HandleMove
 from rangenav.inputs import Vec3
 
 MAX_WAYPOINTS = 60
-"""Drawn; of more, the others are moved by their numbers."""
-EVERYWHERE = (-handle_position.MAX_REACH, handle_position.MAX_REACH)
-STEPS = 1000
-"""A place is rounded to the power of ten below a thousandth of the stage's radius: finer than a pixel, and readable."""
+"""Handles drawn at most; the remaining waypoints are edited by their numbers."""
+REACH = (-handle_position.MAX_REACH, handle_position.MAX_REACH)
+STEPS_PER_RADIUS = 1000
+"""Positions are rounded to the power of ten below the scene's radius over this: finer than a pixel, and readable."""
 WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.18, 0.34, 1.8
-"""Radii of the handles and length of the gizmo's arrows, in units of the stage. The anchor's encloses the beacon."""
-ONE_CLICK = 0.3
-"""s within which a click on a handle and one on the scene are the same click: viser tells both, in any order."""
-OTHERS = f"{MAX_WAYPOINTS} (drag the first {MAX_WAYPOINTS}, the others by numbers)"
+"""Radii of the handles and length of the gizmo's arrows, in units of the scene. The anchor's encloses the beacon."""
+SAME_CLICK = 0.3
+"""s within which a click on a handle and one on the scene are the same click: viser reports both, in either order."""
+LAST_LABEL = f"{MAX_WAYPOINTS} (drag the first {MAX_WAYPOINTS}, the others by numbers)"
 
-Told = Coroutine[Any, Any, None]
+Callback = Coroutine[Any, Any, None]
 
 
 class _Handle:
-    """A sphere to be dragged, with a word beside it."""
+    """A sphere to be dragged; a waypoint's has its number as a label."""
 
     def __init__(self, scene: SceneApi, kind: HandleKind, index: int) -> None:
         self.kind: HandleKind = kind
-        self.index, self.place = index, (0.0, 0.0, 0.0)
-        self.grip: Grip | None = None
+        self.index, self.position = index, (0.0, 0.0, 0.0)
+        self.drag: Drag | None = None
         anchor = kind == "anchor"
         name = f"/handles/{kind}{'' if anchor else index + 1}"
         self.node = scene.add_icosphere(
             name,
             1.0,
-            ORANGE if anchor else BLUE,
+            palette.rgb(palette.ANCHOR if anchor else palette.WAYPOINT),
             subdivisions=1 if anchor else 2,
             wireframe=anchor,  # a cage around the beacon; a translucent shell is lost inside the range sphere
-            scale=UNSEEN,
+            scale=INVISIBLE_SIZE,
             cast_shadow=False,
             receive_shadow=False,
             visible=False,
         )
-        if not anchor:  # which has its word already
+        if not anchor:  # the anchor has a label of its own
             self.label = scene.add_label(f"{name}/label", f"{index + 1}", anchor="bottom-left", font_screen_scale=0.9)
 
-    def move(self, place: Vec3) -> None:
-        if place != self.place:
-            self.place = self.node.position = place
+    def move_to(self, position: Vec3) -> None:
+        if position != self.position:
+            self.position = self.node.position = position
 
 
 class DragHandles:
-    """All handles of one visitor."""
+    """All drag handles of one visitor."""
 
     def __init__(self, scene: SceneApi, wake: Callable[[], None]) -> None:
-        """`note` is called from viser's loop when there is something to take; it may set an event and nothing else."""
+        """`wake` is called from viser's loop when there is a move to take; it may set an event and nothing else."""
         self._scene, self._wake, self._lock = scene, wake, threading.Lock()
         self._anchor = self._add("anchor", 0)
         self._waypoints: list[_Handle] = []
         self._shown = 0
         self._step = 1e-3
         self._touched: _Handle | None = None
-        """To be given the gizmo."""
-        self._chosen: _Handle | None = None
-        """Has the gizmo."""
-        self._clicked = self._clicked_beside = -math.inf
+        """The handle that the visitor touched since the session last looked; it is given the gizmo."""
+        self._selected: _Handle | None = None
+        """The handle that carries the gizmo."""
+        self._handle_clicked_at = self._background_clicked_at = -math.inf
         self._gizmo = scene.add_transform_controls(
             "/handles/gizmo",
             disable_rotations=True,
             depth_test=False,
-            translation_limits=(EVERYWHERE, EVERYWHERE, EVERYWHERE),
+            translation_limits=(REACH, REACH, REACH),
             visible=False,
         )
-        self._gizmo.on_update(self._pulled)
+        self._gizmo.on_update(self._gizmo_moved)
 
     @property
     def dragging(self) -> bool:
-        """Whether something is held, or was let go since the last take."""
-        return any(handle.grip is not None for handle in self._drawn())
+        """Whether a handle is held, or was released since the last `take_moves`."""
+        return any(handle.drag is not None for handle in self._drawn())
 
-    def draw(self, anchor: Vec3, waypoints: tuple[Vec3, ...], on: SceneBounds) -> None:
-        """Show the handles where the settings have anchor and waypoints; what is held stays where it is held."""
-        self._step = 10.0 ** math.floor(math.log10(on.radius / STEPS))
+    def draw(self, anchor: Vec3, waypoints: tuple[Vec3, ...], bounds: SceneBounds) -> None:
+        """Show the handles where the settings have anchor and waypoints (m); a handle that is held stays at the
+        pointer."""
+        self._step = 10.0 ** math.floor(math.log10(bounds.radius / STEPS_PER_RADIUS))
         self._show_waypoints(len(waypoints))
-        for handle, place in zip(self._drawn(), (anchor, *waypoints), strict=False):
-            handle.node.scale = (ANCHOR_SHARE if handle.kind == "anchor" else WAYPOINT_SHARE) * on.unit
-            if handle.grip is None:
-                handle.move(place)
+        for handle, position in zip(self._drawn(), (anchor, *waypoints), strict=False):
+            handle.node.scale = (ANCHOR_SHARE if handle.kind == "anchor" else WAYPOINT_SHARE) * bounds.unit
+            if handle.drag is None:
+                handle.move_to(position)
             handle.node.visible = True
-        self._gizmo.scale = GIZMO_SHARE * on.unit
+        self._gizmo.scale = GIZMO_SHARE * bounds.unit
         self._draw_gizmo()
 
-    def take(self) -> list[Grab]:
-        """What was moved since the last call, each handle once at its latest place; it is there in the picture, too."""
-        found = (self._taken(handle) for handle in self._drawn())
-        grabs = [grab for grab in found if grab is not None]
-        self._choose()
+    def take_moves(self) -> list[HandleMove]:
+        """The moves since the last call, at most one for each handle, at its latest position; the picture already shows
+        the handles there."""
+        taken = (self._take_move(handle) for handle in self._drawn())
+        moves = [move for move in taken if move is not None]
+        self._update_selection()
         self._draw_gizmo()
-        return grabs
+        return moves
 
-    def let_go(self) -> None:
-        """Put the gizmo away."""
+    def deselect(self) -> None:
+        """Hide the gizmo."""
         with self._lock:
             self._touched = None
-        self._give_gizmo(None)
+        self._select(None)
         self._draw_gizmo()
 
     def _drawn(self) -> list[_Handle]:
@@ -126,96 +128,97 @@ class DragHandles:
 
     def _add(self, kind: HandleKind, index: int) -> _Handle:
         handle = _Handle(self._scene, kind, index)
-        handle.node.on_drag(self._hearing(handle))
-        handle.node.on_click(self._clicking(handle))
+        handle.node.on_drag(self._drag_callback(handle))
+        handle.node.on_click(self._click_callback(handle))
         return handle
 
     def _show_waypoints(self, count: int) -> None:
-        """Make handles that are missing and hide those that are too many; nodes are never made twice."""
+        """Add the handles that are missing and hide those that are too many; a node is never created twice."""
         shown = min(count, MAX_WAYPOINTS)
         for k in range(len(self._waypoints), shown):
             self._waypoints.append(self._add("waypoint", k))
         for handle in self._waypoints[shown:]:
-            handle.node.visible, handle.grip = False, None
+            handle.node.visible, handle.drag = False, None
         if len(self._waypoints) == MAX_WAYPOINTS:
-            self._waypoints[-1].label.text = OTHERS if count > MAX_WAYPOINTS else f"{MAX_WAYPOINTS}"
+            self._waypoints[-1].label.text = LAST_LABEL if count > MAX_WAYPOINTS else f"{MAX_WAYPOINTS}"
         self._shown = shown
 
-    def _taken(self, handle: _Handle) -> Grab | None:
+    def _take_move(self, handle: _Handle) -> HandleMove | None:
         with self._lock:
-            grip = handle.grip
-            if grip is None or not grip.news:
+            drag = handle.drag
+            if drag is None or not drag.moved:
                 return None
-            latest, done, grip.news = grip.latest, grip.done, False
+            latest, done, drag.moved = drag.latest, drag.done, False
             if done:
-                handle.grip = None
-        grip.good = handle_position.place(grip, latest, self._step) or grip.good
-        if grip.good is None:
+                handle.drag = None
+        drag.last_valid = handle_position.dragged_position(drag, latest, self._step) or drag.last_valid
+        if drag.last_valid is None:
             return None
-        handle.move(grip.good)
-        return Grab(kind=handle.kind, index=handle.index, position=grip.good, done=done)
+        handle.move_to(drag.last_valid)
+        return HandleMove(kind=handle.kind, index=handle.index, position=drag.last_valid, done=done)
 
-    def _choose(self) -> None:
-        """Give the gizmo to the handle touched last, or put it away after a click elsewhere."""
+    def _update_selection(self) -> None:
+        """Select the handle touched last, or none after a click elsewhere."""
         with self._lock:
             touched, self._touched = self._touched, None
-            elsewhere = abs(self._clicked_beside - self._clicked) > ONE_CLICK
-            clicked, self._clicked_beside = self._clicked_beside > -math.inf, -math.inf
+            elsewhere = abs(self._background_clicked_at - self._handle_clicked_at) > SAME_CLICK
+            clicked, self._background_clicked_at = self._background_clicked_at > -math.inf, -math.inf
         if touched is not None or (clicked and elsewhere):
-            self._give_gizmo(touched)
+            self._select(touched)
 
-    def _give_gizmo(self, handle: _Handle | None) -> None:
-        """Another handle has it, or none; one that it was pulling is let go, for its end may never be told."""
+    def _select(self, handle: _Handle | None) -> None:
+        """Move the gizmo to another handle, or to none. A drag by the gizmo then ends here: the browser may never send
+        its release."""
         with self._lock:
-            before, self._chosen = self._chosen, handle
-            if before is not None and before is not handle and before.grip is not None and before.grip.start is None:
-                before.grip.news = before.grip.done = True
+            before, self._selected = self._selected, handle
+            if before is not None and before is not handle and before.drag is not None and before.drag.start is None:
+                before.drag.moved = before.drag.done = True
 
     def _draw_gizmo(self) -> None:
-        if self._chosen is not None and self._chosen not in self._drawn():
-            self._give_gizmo(None)
-        chosen = self._chosen
-        if (chosen is not None) != self._gizmo.visible:
-            self._gizmo.visible = chosen is not None
-            # only while there is a gizmo to put away: the browser shows a pointing hand everywhere
-            if chosen is None:
-                self._scene.remove_click_callback(self._beside)
+        if self._selected is not None and self._selected not in self._drawn():
+            self._select(None)
+        selected = self._selected
+        if (selected is not None) != self._gizmo.visible:
+            self._gizmo.visible = selected is not None
+            # only while there is a gizmo to hide: the callback turns the cursor into a hand over the whole scene
+            if selected is None:
+                self._scene.remove_click_callback(self._background_clicked)
             else:
-                self._scene.on_click()(self._beside)
-        if chosen is not None and (chosen.grip is None or chosen.grip.start is not None):
-            self._gizmo.position = chosen.place  # never while it is pulled itself: the browser has moved it already
+                self._scene.on_click()(self._background_clicked)
+        if selected is not None and (selected.drag is None or selected.drag.start is not None):
+            self._gizmo.position = selected.position  # not while it is dragged itself: the browser has moved it already
 
-    def _hearing(self, handle: _Handle) -> Callable[[SceneNodeDragEvent[Any]], Told]:
-        async def heard(event: SceneNodeDragEvent[Any]) -> None:  # async: those alone are called in their order
-            self._hear(handle, event.phase, event.start_position, event.end_position)
+    def _drag_callback(self, handle: _Handle) -> Callable[[SceneNodeDragEvent[Any]], Callback]:
+        async def dragged(event: SceneNodeDragEvent[Any]) -> None:  # async: viser calls only those in their order
+            self._record(handle, event.phase, event.start_position, event.end_position)
 
-        return heard
+        return dragged
 
-    def _clicking(self, handle: _Handle) -> Callable[[SceneNodePointerEvent[Any]], Told]:
+    def _click_callback(self, handle: _Handle) -> Callable[[SceneNodePointerEvent[Any]], Callback]:
         async def clicked(_: SceneNodePointerEvent[Any]) -> None:
             with self._lock:
-                self._touched, self._clicked = handle, time.monotonic()
+                self._touched, self._handle_clicked_at = handle, time.monotonic()
             self._wake()
 
         return clicked
 
-    def _beside(self, _: SceneClickEvent) -> None:
+    def _background_clicked(self, _: SceneClickEvent) -> None:
         with self._lock:
-            self._clicked_beside = time.monotonic()
+            self._background_clicked_at = time.monotonic()
         self._wake()
 
-    async def _pulled(self, event: TransformControlsEvent) -> None:
-        if self._chosen is not None:
-            self._hear(self._chosen, event.phase, None, event.target.position.tolist())
+    async def _gizmo_moved(self, event: TransformControlsEvent) -> None:
+        if self._selected is not None:
+            self._record(self._selected, event.phase, None, event.target.position.tolist())
 
-    def _hear(self, handle: _Handle, phase: str, start: Any, latest: Any) -> None:
-        """Remember where a handle is held; whatever came before and was not taken is forgotten."""
+    def _record(self, handle: _Handle, phase: str, start: Any, latest: Any) -> None:
+        """Keep the latest position of a drag; one that the session has not taken is replaced."""
         with self._lock:
             if phase == "start":
-                handle.grip, self._touched = Grip(handle.place, start), handle
-            elif handle.grip is None or handle.grip.done:
+                handle.drag, self._touched = Drag(handle.position, start), handle
+            elif handle.drag is None or handle.drag.done:
                 return
             else:
-                handle.grip.latest, handle.grip.news = latest, True
-                handle.grip.done = phase == "end"
+                handle.drag.latest, handle.drag.moved = latest, True
+                handle.drag.done = phase == "end"
         self._wake()

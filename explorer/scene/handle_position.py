@@ -1,4 +1,7 @@
-"""Where a handle is held. Of what a browser says only this is believed: three finite numbers within 100 km."""
+"""Where a drag handle goes: position = origin + (pointer now − pointer at the press), for each axis.
+
+A browser may send anything. A position is accepted only if it is three finite numbers within 100 km of the origin.
+"""
 
 import math
 from dataclasses import dataclass
@@ -12,8 +15,8 @@ HandleKind = Literal["anchor", "waypoint"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Grab:
-    """Where a handle has been moved to."""
+class HandleMove:
+    """A handle was moved to a position."""
 
     kind: HandleKind
     index: int
@@ -21,40 +24,43 @@ class Grab:
     position: Vec3
     """m, inertial frame."""
     done: bool
-    """It has been let go."""
+    """Whether the visitor has released the handle."""
 
 
 @dataclass(eq=False)
-class Grip:
-    """A handle is held, from the press until its end has been taken."""
+class Drag:
+    """A drag in progress, from the press until the session has taken the release."""
 
-    home: Vec3
-    """Where the handle was."""
+    origin: Vec3
+    """m; where the handle was at the press."""
     start: Any
-    """Where the pointer took hold of it."""
+    """Where the pointer was at the press, unchecked; None when the gizmo moves the handle."""
     latest: Any = None
-    """Where the pointer is now; as the browser says, unchecked."""
-    news: bool = False
+    """Where the pointer is now, unchecked."""
+    moved: bool = False
+    """Whether `latest` has come since the session last took the drag."""
     done: bool = False
-    good: Vec3 | None = None
-    """The last place that was one."""
+    last_valid: Vec3 | None = None
+    """m; the last position that was accepted."""
 
 
-def place(grip: Grip, latest: Any, step: float) -> Vec3 | None:
-    """Where a handle is held, None if that is no place. A coordinate that has not moved stays as it is, to the last
-    digit; one that has is rounded."""
-    start = grip.home if grip.start is None else grip.start
-    if not (is_place(start) and is_place(latest)):
+def dragged_position(drag: Drag, latest: Any, step: float) -> Vec3 | None:
+    """The handle's position (m) for a pointer at `latest`; None if that is no position.
+
+    A coordinate that has moved by less than half a `step` (m) keeps all its digits; any other is rounded to `step`.
+    """
+    start = drag.origin if drag.start is None else drag.start
+    if not (is_position(start) and is_position(latest)):
         return None
     moved = [
         a if abs(c - b) < step / 2 else round(a + c - b, round(-math.log10(step)))
-        for a, b, c in zip(grip.home, start, latest, strict=True)
+        for a, b, c in zip(drag.origin, start, latest, strict=True)
     ]
-    return (moved[0], moved[1], moved[2]) if is_place(moved) else None
+    return (moved[0], moved[1], moved[2]) if is_position(moved) else None
 
 
-def is_place(sent: Any) -> bool:
-    """Whether this is three finite numbers within reach."""
+def is_position(sent: Any) -> bool:
+    """Whether a value from the browser is three finite numbers within reach."""
     return (
         isinstance(sent, tuple | list)
         and len(sent) == 3

@@ -1,6 +1,7 @@
-"""Where the path asks too much of the vehicle: a thick line over it, and at each worst place a marker with a word.
+"""Where the path asks more than the vehicle's limits allow: a thick line over that part, and markers with a label.
 
-The line is told from the others by its width as well as its colour, and from the estimate's dashes by having none.
+Each marker stands where one limit is exceeded most. The line is recognised without its colour: it is wider than the
+other lines, and the estimate's path is dashed.
 """
 
 import math
@@ -11,41 +12,42 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 from viser import SceneApi
 
-from explorer.scene.bounds import NO_LINE, UNSEEN, SceneBounds, chords
-from explorer.scene.colors import VERMILLION
+from explorer.model import palette
+from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, chord_samples
 from rangenav.motion import Motion
+from rangenav.number_format import quantity, significant
 from rangenav.vehicle import WORDS, Break
 
 THICKNESS = 8.0
 """px; the path itself has 3."""
-MAX_MARKED = 3
-ANCHORS = ("bottom-left", "top-left", "bottom-right")
-"""Of the words, which lie around their markers: two limits are often broken worst at the same place."""
+LABEL_ANCHORS = ("bottom-left", "top-left", "bottom-right")
+"""On which side of its marker each label lies: two limits are often exceeded most at the same position."""
 MARKER_SHARE = 0.12
-"""Radius of a marker, in units of the stage."""
+"""Radius of a marker, in units of the scene."""
 
 
 class LimitMarks:
     """The nodes under /path/broken."""
 
     def __init__(self, scene: SceneApi) -> None:
+        color = palette.rgb(palette.LIMIT_EXCEEDED)
         self._line = scene.add_line_segments(
-            "/path/broken", NO_LINE, VERMILLION, thickness=THICKNESS, thickness_units="screen", visible=False
+            "/path/broken", EMPTY_LINE, color, thickness=THICKNESS, thickness_units="screen", visible=False
         )
         markers, labels = [], []
-        for k, anchor in enumerate(ANCHORS):
+        for k, anchor in enumerate(LABEL_ANCHORS):
             name = f"/path/broken{k + 1}"
             markers.append(
                 scene.add_icosphere(
-                    name, 1.0, VERMILLION, subdivisions=0, flat_shading=True, scale=UNSEEN, visible=False
+                    name, 1.0, color, subdivisions=0, flat_shading=True, scale=INVISIBLE_SIZE, visible=False
                 )
             )
             labels.append(scene.add_label(f"{name}/label", "", anchor=anchor, font_screen_scale=0.9))
         self._markers, self._labels = markers, labels
 
-    def draw(self, motion: Motion, breaks: tuple[Break, ...], on: SceneBounds) -> None:
-        """Show where the limits are broken, and say of the three broken for longest where they are broken worst."""
-        lines = segments(motion, broken(breaks, len(motion.time)), on)
+    def draw(self, motion: Motion, breaks: tuple[Break, ...], bounds: SceneBounds) -> None:
+        """Show where limits are exceeded. At most three get a marker: those that are exceeded for longest."""
+        lines = exceeding_segments(motion, exceeding_samples(breaks, len(motion.time)), bounds)
         self._line.visible = len(lines) > 0
         if len(lines):
             self._line.points = lines.astype(np.float32)
@@ -53,29 +55,29 @@ class LimitMarks:
             marker.visible = k < len(breaks)
             if k < len(breaks):
                 at = int(np.argmin(np.abs(motion.time - breaks[k].at)))
-                marker.position, marker.scale = motion.position[at], MARKER_SHARE * on.unit
-                label.text = word(breaks[k])
+                marker.position, marker.scale = motion.position[at], MARKER_SHARE * bounds.unit
+                label.text = marker_label(breaks[k])
 
 
-def broken(breaks: tuple[Break, ...], count: int) -> Bool[Array, "n"]:
-    """The samples on which any limit is broken."""
+def exceeding_samples(breaks: tuple[Break, ...], count: int) -> Bool[Array, "n"]:
+    """The samples at which any limit is exceeded."""
     return np.logical_or.reduce([one.where for one in breaks]) if breaks else np.zeros(count, dtype=bool)
 
 
-def segments(motion: Motion, where: Bool[Array, "n"], on: SceneBounds) -> Float[Array, "m 2 3"]:
-    """Those chords of the drawn path on which a sample is broken, be it one alone."""
-    ends = chords(motion, on)
+def exceeding_segments(motion: Motion, where: Bool[Array, "n"], bounds: SceneBounds) -> Float[Array, "m 2 3"]:
+    """The chords of the drawn path that hold at least one of the samples `where`."""
+    ends = chord_samples(motion, bounds)
     hit = np.array([where[first : last + 1].any() for first, last in pairwise(ends)])
     return np.stack([motion.position[ends[:-1][hit]], motion.position[ends[1:][hit]]], axis=1)
 
 
-def word(one: Break) -> str:
-    """What is broken, how far, and when."""
+def marker_label(one: Break) -> str:
+    """Which limit is exceeded, the value that is reached, and when."""
     name, unit = WORDS[one.limit]
     if one.limit == "thrust_to_weight":
-        reached = f"{one.reached:.3g} × weight"
+        reached = f"{significant(one.reached)} × weight"
     elif one.limit == "tilt":
-        reached = f"{math.degrees(one.reached):.3g}°"
+        reached = quantity(math.degrees(one.reached), "°")
     else:
-        reached = f"{one.reached:.3g} {unit}"
+        reached = quantity(one.reached, unit)
     return f"✕ {name} {reached} at {one.at:.1f} s"

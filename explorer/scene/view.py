@@ -1,10 +1,16 @@
-"""Where the camera stands: set anew when the path is somewhere else, and never while someone moves it.
+"""The camera frames the path anew when the path is somewhere else, but never while the visitor moves the camera.
 
-While a handle is dragged it stands still. It stays after the drag, too, unless the path was in view and has left it.
+viser's thread   the browser has reported its camera: wake() if `follow_up` has work to do      nothing else
+session's loop   view.frame(bounds, path)     after each drawing
+                 view.follow_up()             in each round of the loop
+
+While a handle is dragged the camera stands still. It stays after the drag, too, unless the path was in view and has
+left it.
 """
 
 import math
 import time as clock
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -15,123 +21,145 @@ from viser.transforms import SO3
 
 from explorer.scene.bounds import SceneBounds
 
-RESTING = 0.5
-"""s without camera movement, after which the camera may be set anew."""
-REFRAME, SHIFT = 1.6, 0.5
-"""Factor by which the stage must grow or shrink, or radii by which it must shift, before the camera is set anew."""
+IDLE_TIME = 0.5
+"""s without camera movement, after which the path may be framed anew."""
+MAX_ZOOM, MAX_SHIFT = 1.6, 0.5
+"""Factor by which the scene must grow or shrink, or radii by which it must shift, to be framed anew."""
 SIDE = np.array([0.5, 1.0, 0.25])
-"""Whence the camera looks, before the part along up is taken away: across x, along which most paths are longest."""
+"""From where the camera looks, before its part along up is removed: across x, along which most paths are longest."""
 HEIGHT = 0.55
-"""Of the camera's direction, against its horizontal distance."""
+"""The camera's height by its horizontal distance."""
 MARGIN = 1.2
 FAR, FAR_DISTANCES = 1000.0, 60.0
-"""m, and distances of the camera, up to which things are drawn."""
-TRIES = 3
-IN_VIEW = 0.5
-"""Share of a path that must be seen for the path to be in view."""
-ARRIVED = 0.02
-"""Of the distance: a camera this near to where it was sent has arrived."""
-RESHAPED = 0.05
-"""Share by which the narrower side of the picture must change, as when docks open, before it is framed anew."""
+"""m, and distances of the camera, up to which nodes are drawn."""
+MAX_RETRIES = 3
+MIN_VISIBLE_SHARE = 0.5
+"""Share of a path that must be visible for the path to be in view."""
+POSE_TOLERANCE = 0.02
+"""Share of the distance within which a camera is where it was sent."""
+MIN_RESHAPE = 0.05
+"""Share by which the narrower side of the picture must change, as when docks open, to be framed anew."""
 
 
-class Aim(NamedTuple):
-    """Where the camera was sent, and how often that may still be said again."""
+class CameraPose(NamedTuple):
+    """Where the camera was sent."""
 
     position: Float[Array, "3"]
     target: Float[Array, "3"]
-    tries: int
 
 
 class View:
     """The camera of one visitor."""
 
-    def __init__(self, camera: CameraHandle) -> None:
-        self._camera = camera
+    def __init__(self, camera: CameraHandle, wake: Callable[[], None]) -> None:
+        """`wake` is called from viser's threads when `follow_up` has work to do."""
+        self._camera, self._wake = camera, wake
         self._framed: SceneBounds | None = None
-        self._aim: Aim | None = None
-        self._sent: Aim | None = None
+        self._sent: CameraPose | None = None
+        self._retries = 0
+        """How often the pose may still be sent again; 0 once the browser has reported that the camera is there."""
+        self._reported = False
+        """Whether the browser has reported its camera since the last `follow_up`."""
         self._narrowest = 1.0
         """Width by height of the picture that was framed, at most 1."""
-        self._dragged = self._seen = False
-        camera.on_update(self._confirm)
+        self._dragging = self._was_in_view = False
+        camera.on_update(self._camera_reported)
 
-    def frame(self, on: SceneBounds, path: Float[Array, "n 3"], *, dragging: bool = False) -> None:
-        """Look at path and anchor from above, if they are not where the camera was set last."""
+    def frame(self, bounds: SceneBounds, path: Float[Array, "n 3"], *, dragging: bool = False) -> None:
+        """Look at path and anchor from above, unless the camera was last sent to about the same view."""
         if dragging:
-            if not self._dragged:
-                self._dragged, self._seen = True, self._sees(path)
+            if not self._dragging:
+                self._dragging, self._was_in_view = True, self._in_view(path)
             return
-        dragged, self._dragged = self._dragged, False
-        left = dragged and self._seen and not self._sees(path)
-        if dragged and not left:
-            self._framed = on  # as the visitor likes to look at it: only what comes after counts
+        ended, self._dragging = self._dragging, False
+        left = ended and self._was_in_view and not self._in_view(path)
+        if ended and not left:
+            self._framed = bounds  # the visitor chose this view: only a later change of the path counts
             return
         before = self._framed
         if before is not None:
-            moving = clock.time() - self._camera.update_timestamp < RESTING
-            if moving or (alike(before, on) and not left):
+            moving = clock.time() - self._camera.update_timestamp < IDLE_TIME
+            if moving or (same_framing(before, bounds) and not left):
                 return
-        self._framed = on
-        self._look(on)
+        self._framed = bounds
+        self._look(bounds)
 
-    def _look(self, on: SceneBounds) -> None:
-        self._narrowest = narrowest(self._camera)
+    def follow_up(self) -> None:
+        """React to the camera that the browser has reported.
+
+        The browser takes over a new up direction only after the camera pose that was sent with it, and the camera is
+        then elsewhere: the pose is sent again, at most three times. Docks that have opened since leave a narrower
+        picture: the path is framed anew, unless the visitor has moved the camera.
+        """
+        if not self._reported or self._sent is None or self._framed is None:
+            return
+        self._reported = False
+        retries, self._retries = self._retries, 0
+        if not self._at(self._sent):
+            if retries > 0:
+                self._send(self._sent, retries - 1)
+        elif self._reshaped():
+            self._look(self._framed)
+
+    def _camera_reported(self, _: CameraHandle) -> None:
+        self._reported = True
+        if self._retries > 0 or self._reshaped():
+            self._wake()
+
+    def _look(self, bounds: SceneBounds) -> None:
+        self._narrowest = width_by_height(self._camera)
         half = math.atan(math.tan(self._camera.fov / 2) * self._narrowest)
-        distance = MARGIN * on.view_radius / math.sin(half)
+        distance = MARGIN * bounds.view_radius / math.sin(half)
         self._camera.far = max(FAR, FAR_DISTANCES * distance)
-        self._send(Aim(on.view_centre + distance * direction(on.up), on.view_centre, TRIES))
+        position = bounds.view_centre + distance * view_direction(bounds.up)
+        self._send(CameraPose(position, bounds.view_centre), MAX_RETRIES)
 
-    def _sees(self, path: Float[Array, "n 3"]) -> bool:
+    def _send(self, pose: CameraPose, retries: int) -> None:
+        self._sent, self._retries, self._reported = pose, retries, False
+        self._camera.position = pose.position
+        self._camera.look_at = pose.target
+
+    def _at(self, pose: CameraPose) -> bool:
+        off = float(np.linalg.norm(np.asarray(self._camera.position) - pose.position))
+        return off <= POSE_TOLERANCE * float(np.linalg.norm(pose.position - pose.target))
+
+    def _reshaped(self) -> bool:
+        return abs(width_by_height(self._camera) / self._narrowest - 1) > MIN_RESHAPE
+
+    def _in_view(self, path: Float[Array, "n 3"]) -> bool:
         camera = self._camera
         shape = camera.image_width / max(camera.image_height, 1)
-        return seen(path, np.asarray(camera.position), np.asarray(camera.wxyz), camera.fov, shape) >= IN_VIEW
-
-    def _send(self, aim: Aim) -> None:
-        self._aim = self._sent = aim
-        self._camera.position = aim.position
-        self._camera.look_at = aim.target
-
-    def _confirm(self, camera: CameraHandle) -> None:
-        """The page tells its camera. It takes up a new up direction only after the camera that came along with it,
-        and is then elsewhere: say it again. Docks that have opened since leave a narrower picture: frame it anew,
-        unless the visitor has moved the camera."""
-        aim, sent, on = self._aim, self._sent, self._framed
-        if sent is None or on is None:
-            return
-        off = float(np.linalg.norm(np.asarray(camera.position) - sent.position))
-        there = off <= ARRIVED * np.linalg.norm(sent.position - sent.target)
-        self._aim = None
-        if aim is not None and not there and aim.tries > 0:
-            self._send(aim._replace(tries=aim.tries - 1))
-        elif there and abs(narrowest(camera) / self._narrowest - 1) > RESHAPED:
-            self._look(on)
+        share = visible_share(path, np.asarray(camera.position), np.asarray(camera.wxyz), camera.fov, shape)
+        return share >= MIN_VISIBLE_SHARE
 
 
-def narrowest(camera: CameraHandle) -> float:
+def width_by_height(camera: CameraHandle) -> float:
     """The width of the picture by its height, at most 1."""
     return max(1, min(camera.image_width, camera.image_height)) / max(camera.image_height, 1)
 
 
-def seen(
+def visible_share(
     path: Float[Array, "n 3"], position: Float[Array, "3"], wxyz: Float[Array, "4"], fov: float, shape: float
 ) -> float:
-    """The share of a path that a camera sees: at its place, turned by a quaternion that takes (right, down, ahead) to
-    the inertial axes, with a vertical field of view (rad) and a picture `shape` times as wide as high."""
+    """The share of a path's points that a camera sees.
+
+    The camera stands at `position`. The quaternion takes (right, down, ahead) to the inertial axes, `fov` is the
+    vertical field of view (rad), and `shape` is the picture's width by its height.
+    """
     right, down, ahead = (SO3(wxyz).inverse().as_matrix() @ (path - position).T).astype(float)
     top = math.tan(fov / 2)
     return float(np.mean((ahead > 0) & (np.abs(down) <= top * ahead) & (np.abs(right) <= shape * top * ahead)))
 
 
-def alike(before: SceneBounds, on: SceneBounds) -> bool:
-    """Whether a camera set for one stage does for the other."""
-    ratio = on.view_radius / before.view_radius
-    shift = float(np.linalg.norm(on.view_centre - before.view_centre)) / before.view_radius
-    return 1 / REFRAME < ratio < REFRAME and shift < SHIFT and np.allclose(on.up, before.up)
+def same_framing(before: SceneBounds, bounds: SceneBounds) -> bool:
+    """Whether a camera that frames one scene also frames the other."""
+    ratio = bounds.view_radius / before.view_radius
+    shift = float(np.linalg.norm(bounds.view_centre - before.view_centre)) / before.view_radius
+    return 1 / MAX_ZOOM < ratio < MAX_ZOOM and shift < MAX_SHIFT and np.allclose(bounds.up, before.up)
 
 
-def direction(up: Float[Array, "3"]) -> Float[Array, "3"]:
-    """The unit vector from the stage to the camera."""
+def view_direction(up: Float[Array, "3"]) -> Float[Array, "3"]:
+    """The unit vector from the scene to the camera."""
     level = SIDE - SIDE @ up * up
     raised = level / np.linalg.norm(level) + HEIGHT * up
     return raised / np.linalg.norm(raised)

@@ -20,6 +20,8 @@ from viser import _messages
 from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
+from explorer.model import palette
+
 CHECKED_AGAINST = "1.1.1"
 NAMES = ("127.0.0.1", "localhost")
 ADDRESS = "127.0.0.1"
@@ -75,7 +77,9 @@ def accept_values_only(client: viser.ClientHandle) -> None:
             await update(client_id, message)  # type: ignore[misc]
         except (ValueError, TypeError, AssertionError, OverflowError) as error:
             log.warning("client %s sent what is no value: %s", client_id, error)
-            client.add_notification("⚠ Not a value", "That control takes another kind of value.", color="red")
+            client.add_notification(
+                "⚠ Not a value", "That control takes another kind of value.", color=palette.NOTIFY_ERROR
+            )
 
     connection.unregister_handler(_messages.GuiUpdateMessage)
     connection.register_handler(_messages.GuiUpdateMessage, checked)  # type: ignore[arg-type]

@@ -15,16 +15,17 @@ from typing import Any, Protocol
 import viser
 from viser._messages import HotkeyKey, KeyModifier
 
+from explorer.model import palette
+
 Wake = Callable[[], None]
 """Called from viser's threads: it may set an event and nothing else."""
 Action = Callable[[], None]
 """What a button asks for, carried out by the session's loop."""
 MAX_ACTIONS = 64
 """Presses remembered while the session is busy; of more, the oldest are dropped."""
-RED = "light-dark(#b3261e, #ff8f86)"
-"""On white, on black."""
-ALERT = f"color:{RED};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em;overflow-wrap:anywhere"
-QUIET = (92, 117, 150)
+ALERT = f"color:{palette.ERROR};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em"
+ALERT += ";overflow-wrap:anywhere"
+QUIET = palette.rgb(palette.QUIET_BUTTON)
 COMPLAINTS, RESETS = 1e6, 2e6
 """viser's order of things in a folder: below all controls, whenever these were added."""
 COLUMN = re.compile(r"\(column (\d+)\)$")

@@ -49,7 +49,7 @@ class Room:
         client.camera.position, client.camera.look_at = (1.0, 6.0, -3.0), (0.0, 0.0, 0.0)
         self._wake, self._places = threading.Event(), dict(PLACES)
         self.handles = DragHandles(client.scene, self._wake.set)
-        client.gui.add_command("Put the gizmo away", hotkey="escape").on_trigger(lambda _: self.handles.let_go())
+        client.gui.add_command("Put the gizmo away", hotkey="escape").on_trigger(lambda _: self.handles.deselect())
         self._draw()
         client.gui.add_markdown(READY_WORD)
         threading.Thread(target=self._serve, daemon=True).start()
@@ -58,8 +58,8 @@ class Room:
         while True:
             self._wake.wait()
             self._wake.clear()
-            for grab in self.handles.take():
-                self._places["anchor" if grab.kind == "anchor" else f"waypoint{grab.index + 1}"] = grab.position
+            for move in self.handles.take_moves():
+                self._places["anchor" if move.kind == "anchor" else f"waypoint{move.index + 1}"] = move.position
             self._draw()
 
     def _draw(self) -> None:

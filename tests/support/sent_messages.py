@@ -9,10 +9,12 @@ import viser
 from viser.infra import Message
 from viser.transforms import SO3
 
+from explorer.charts import markup
+
 
 @dataclass
 class Camera:
-    """What the page would tell of its camera."""
+    """What the page would report of its camera."""
 
     position: Any = (3.0, 3.0, 3.0)
     look_at: Any = (0.0, 0.0, 0.0)
@@ -36,8 +38,8 @@ class Camera:
     def on_update(self, callback: Callable[["Camera"], None]) -> None:
         self.callbacks.append(callback)
 
-    def tell(self, position: Any) -> None:
-        """The page says where its camera is."""
+    def report(self, position: Any) -> None:
+        """The page reports where its camera is."""
         self.position = position
         for callback in self.callbacks:
             callback(self)
@@ -72,6 +74,21 @@ class Page:
     @property
     def client(self) -> viser.ClientHandle:
         return cast(viser.ClientHandle, self)
+
+    def node(self, name: str) -> viser.SceneNodeHandle:
+        """A node of the 3-D picture."""
+        handle = self.scene.get_handle_by_name(name)
+        assert handle is not None, name
+        return handle
+
+    def updates(self, prop: str) -> list[Any]:
+        """All values of a property of controls that were sent since the messages were last cleared."""
+        sent = [vars(message)["updates"] for message in self.messages if type(message).__name__ == "GuiUpdateMessage"]
+        return [update[prop] for update in sent if prop in update]
+
+    def live_style(self) -> str:
+        """The elements that change as time moves: places of the cursors, and values in the legends."""
+        return "".join(content for content in self.updates("content") if f"{markup.FRACTION}:" in content)
 
     def kinds(self) -> set[str]:
         """Names of the types of the messages so far."""

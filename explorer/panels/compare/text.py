@@ -4,13 +4,13 @@ import html
 import math
 from collections.abc import Iterable
 
-from explorer.model.comparison import COLORS, PINNED_COLOR, Baseline
+from explorer.model import palette
+from explorer.model.comparison import Baseline
 from explorer.model.compute import Picture
 from explorer.model.consistency import RunConsistency
 from rangenav.ensemble import Ensemble, spread
 from rangenav.record import Summary
 
-VERMILLION = "#D55E00"
 """The run on view."""
 BOX = (
     '<div style="padding:0.2em 0.9em 0.5em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">{}</div>'
@@ -29,8 +29,8 @@ def nothing_pinned() -> str:
 def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) -> str:
     """From A to B."""
     head = (
-        f'<b style="color:{PINNED_COLOR}">A</b> {_run(a)} <span style="opacity:.7">(pinned)</span><br>'
-        f'<b style="color:{VERMILLION}">B</b> {_run(b)} <span style="opacity:.7">(what you change)</span>'
+        f'<b style="color:{palette.PINNED}">A</b> {_run(a)} <span style="opacity:.7">(pinned)</span><br>'
+        f'<b style="color:{palette.ESTIMATE}">B</b> {_run(b)} <span style="opacity:.7">(what you change)</span>'
     )
     if not choices:
         return BOX.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
@@ -66,10 +66,12 @@ def baselines(picture: Picture, found: Iterable[Baseline], refusals: list[str]) 
         return BOX.format(GREY.format("Switch one on: it runs on the same record, and is drawn beside the cascade."))
     steps = len(picture.motion.time) - 1
     cost = _milliseconds(picture.summary, steps)
-    lines = _head(["", "settled", "steady", "time"]) + _contender("cascade", VERMILLION, picture.summary, steps, cost)
+    lines = _head(["", "settled", "steady", "time"]) + _contender(
+        "cascade", palette.ESTIMATE, picture.summary, steps, cost
+    )
     told = []
     for name, candidate in found:
-        color = COLORS[name]
+        color = palette.ESTIMATORS[name]
         if candidate is None:
             lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
         else:

@@ -11,7 +11,7 @@ import math
 import msgspec
 import numpy as np
 
-from explorer.model import basin
+from explorer.model import basin, palette
 from explorer.model.basin import Setup
 from explorer.model.compute import Picture
 from explorer.model.jobs import Cancelled, Jobs, Progress
@@ -39,7 +39,7 @@ SCALE = (
     '<span role="img" aria-label="light is soon, dark is late" style="flex:1;height:0.8em;border-radius:3px;'
     'background:linear-gradient(to right,{stops})"></span>{last}</div>'
 )
-DIAMOND = '<b style="color:rgb{0}">◆</b>'
+DIAMOND = '<b style="color:{0}">◆</b>'
 
 
 class BasinPanel:
@@ -152,10 +152,10 @@ def legend(found: Basin) -> str:
     """The scale with its ends in seconds, and the sign of what never settles."""
     span, said = basin.ends(found), ""
     if span is not None:
-        stops = ",".join(f"rgb{stop}" for stop in basin.STOPS)
+        stops = ",".join(palette.SETTLING_SCALE)
         said = SCALE.format(first=f"{span[0]:.3g} s", last=f"{span[1]:.3g} s", stops=stops)
     if not np.isfinite(found.settle).all():
-        said += f"<div>{DIAMOND.format(basin.NEVER)} not settled in {found.time[-1]:.3g} s</div>"
+        said += f"<div>{DIAMOND.format(palette.NEVER_SETTLES)} not settled in {found.time[-1]:.3g} s</div>"
     return said
 
 

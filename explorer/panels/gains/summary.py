@@ -6,6 +6,7 @@ from itertools import zip_longest
 import numpy as np
 from msgspec.structs import replace
 
+from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.model.gain_units import context_of, with_page_labels
 from explorer.model.settings import GainUnits
@@ -25,7 +26,7 @@ MODE_WORDS = {
     ),
 }
 OTHERS: dict[GainUnits, str] = {"paper": "The same in physical words", "physical": "The same in the paper's letters"}
-STIFF = '<div style="color:light-dark(#9a5b00, #f0b35a);font-weight:600;margin-top:0.4em">▲ {}</div>'
+STIFF = f'<div style="color:{palette.WARNING};font-weight:600;margin-top:0.4em">▲ {{}}</div>'
 
 
 REMEDIES: dict[GainUnits, dict[str, str]] = {

@@ -8,13 +8,14 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from explorer.model import palette
 from rangenav import tradeoff
 from rangenav.tradeoff import Measure, Point
 
 WIDTH, HEIGHT = 340, 172
 """px of one plot in the dock; it shrinks with it."""
 LEFT, RIGHT, TOP, BOTTOM = 40, 12, 24, 32
-BLUE, VERMILLION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+BLUE, VERMILLION, PURPLE = palette.BLUE, palette.VERMILLION, palette.PURPLE
 NARROWEST = 2.0
 """Ratio of the ends of an axis, at least: figures that are all alike are not torn apart."""
 SPARE = 1.12

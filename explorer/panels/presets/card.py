@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from explorer.model import palette
 from explorer.storage.certifier import CertificateOrReason
 from rangenav.preset import Preset
 
@@ -15,27 +16,27 @@ SIDE, MARGIN, POINTS = 92, 7, 240
 DRAWN = 64
 """Drawings remembered."""
 BADGES = {
-    "observable": ("●", "light-dark(#00785a, #4fd1ad)", "CERTIFIED OBSERVABLE"),
-    "weak": ("▲", "light-dark(#9a5b00, #f0b35a)", "CERTIFIED WEAK"),
-    "unobservable": ("✕", "light-dark(#7a3e00, #e0a878)", "CERTIFIED UNOBSERVABLE"),
+    "observable": ("●", palette.GOOD, "CERTIFIED OBSERVABLE"),
+    "weak": ("▲", palette.WARNING, "CERTIFIED WEAK"),
+    "unobservable": ("✕", palette.UNOBSERVABLE, "CERTIFIED UNOBSERVABLE"),
 }
 """Shape, colour (on white, on black) and words of what a certificate confirms, by what the preset expects."""
-UNCERTIFIED = ("◌", "light-dark(#b3261e, #ff8f86)", "UNCERTIFIED")
-BEING_CERTIFIED = ("◌", "light-dark(#555555, #bbbbbb)", "BEING CERTIFIED …")
+UNCERTIFIED = ("◌", palette.ERROR, "UNCERTIFIED")
+BEING_CERTIFIED = ("◌", palette.NEUTRAL, "BEING CERTIFIED …")
 EXPECTED = {
     "observable": "● expected observable",
     "weak": "▲ expected weak",
     "unobservable": "✕ expected unobservable",
 }
-DIMMED = "color:light-dark(#5c5c5c, #b0b0b0)"
-BLUE = "light-dark(#0072b2, #56b4e9)"
-LINE = f'<polyline points="{{}}" fill="none" stroke="{BLUE}" stroke-width="1.5" stroke-linejoin="round"/>'
-START = f'<circle cx="{{:.1f}}" cy="{{:.1f}}" r="2.5" fill="{BLUE}"/>'
-ANCHOR = '<path d="M{x:.1f} {y:.1f}m0-4l4 7h-8z" fill="#d55e00"/>'
+DIMMED = f"color:{palette.CAPTION_TEXT}"
+LINE = f'<polyline points="{{}}" fill="none" stroke="{palette.THUMBNAIL_LINE}" stroke-width="1.5"'
+LINE += ' stroke-linejoin="round"/>'
+START = f'<circle cx="{{:.1f}}" cy="{{:.1f}}" r="2.5" fill="{palette.THUMBNAIL_LINE}"/>'
+ANCHOR = f'<path d="M{{x:.1f}} {{y:.1f}}m0-4l4 7h-8z" fill="{palette.THUMBNAIL_ANCHOR}"/>'
 STYLE = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em;overflow-wrap:anywhere"
 CAPTION = f'<figcaption style="{DIMMED};font-size:0.8em">{{}}</figcaption>'
 FIGURE = f'<figure style="margin:0;text-align:center">{{}}{CAPTION}</figure>'
-FRAME = "border:1px solid light-dark(#ccc, #555);border-radius:4px"
+FRAME = f"border:1px solid {palette.THUMBNAIL_FRAME};border-radius:4px"
 BOX = f'<svg width="{{0}}" height="{{0}}" style="{FRAME}" role="img" aria-label="{{1}}">'
 UPRIGHT = np.eye(3)
 

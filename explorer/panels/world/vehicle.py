@@ -1,5 +1,6 @@
 """Whose limits the motion is held against, and how much of each it takes: live, with the moment of the worst."""
 
+from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
@@ -12,12 +13,11 @@ HINT = (
 )
 CELL = "padding:0.1em 0.5em 0.1em 0;white-space:nowrap"
 BAR = (
-    '<div style="width:2.2em;height:0.55em;background:#8883;display:inline-block;vertical-align:middle">'
+    '<div style="width:2.2em;height:0.55em;background:{};display:inline-block;vertical-align:middle">'
     '<div style="width:{:.0f}%;height:100%;background:{}"></div></div>'
 )
 SHORT = {"times the weight": "× weight"}
 NAMES = {"least distance to the anchor": "to the anchor"}
-GOOD, BAD = "light-dark(#00785a, #4fd1ad)", "light-dark(#b3261e, #ff8f86)"
 
 
 class VehiclePanel:
@@ -67,9 +67,9 @@ def _row(use: vehicle.Use) -> str:
     name = NAMES.get(use.name, use.name)
     if use.allowed is None:
         return _cells(name, worst, "", when)
-    mark, colour = ("✕", BAD) if use.broken else ("✓", GOOD)
+    mark, colour = ("✕", palette.ERROR) if use.broken else ("✓", palette.GOOD)
     share = 100 * min(use.share, 1.0)
-    allowed = f"{BAR.format(share, colour)} {'≥' if use.least else '≤'} {use.allowed:.3g}"
+    allowed = f"{BAR.format(palette.BAR_TRACK, share, colour)} {'≥' if use.least else '≤'} {use.allowed:.3g}"
     return _cells(f'<span style="color:{colour}">{mark}</span> {name}', worst, allowed, when)
 
 

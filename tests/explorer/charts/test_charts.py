@@ -2,26 +2,24 @@
 
 import dataclasses
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import msgspec
 import numpy as np
 import pytest
-import viser
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from explorer.charts import Charts, curves, markup, plot_list, plots
-from explorer.charts.plots import Drawing, Plot
+from explorer.charts.plots import Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
 from rangenav import preset
 from rangenav.sensors import Effects, Sensors
 from rangenav.signals import Multisine, Tone
 from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Vehicle
-from tests.explorer.scene.test_scene import astronomic, picture
+from tests.support.pictures import astronomic, check_drawable, picture
 from tests.support.sent_messages import Page
 
 ALL = [plot for group in plot_list.GROUPS for plot in group.plots]
@@ -39,24 +37,6 @@ def named(name: str) -> Plot:
 @pytest.fixture(scope="module")
 def slow() -> Picture:
     return picture("paper-slow")
-
-
-@pytest.fixture
-def page() -> Iterator[Page]:
-    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield Page(server)
-    server.stop()
-
-
-def sent(page: Page, prop: str) -> list:
-    """All new values of a property since the messages were last cleared."""
-    updates = [vars(message)["updates"] for message in page.messages if type(message).__name__ == "GuiUpdateMessage"]
-    return [update[prop] for update in updates if prop in update]
-
-
-def live(page: Page) -> str:
-    """The elements that change as time moves."""
-    return "".join(content for content in sent(page, "content") if markup.FRACTION + ":" in content)
 
 
 @given(st.integers(2, 3000), st.integers(0, 2**32))
@@ -105,33 +85,17 @@ def test_labels_of_decades_and_numbers() -> None:
 def test_every_plot_of_every_preset_is_drawable(name: str) -> None:
     seen = picture(name)
     for plot in ALL:
-        drawable(plot, plot.draw(seen))
+        check_drawable(plot, plot.draw(seen))
 
 
 @pytest.mark.parametrize("name", ["hover", "paper-slow"])
 def test_plots_of_an_astronomic_estimate_are_drawable(name: str) -> None:
     seen = astronomic(name)
     for plot in ALL:
-        drawable(plot, plot.draw(seen))
+        check_drawable(plot, plot.draw(seen))
     position = named("position").draw(seen)
     assert np.nanmax(position.read[:, 0]) > 1e15  # the number is told as it is
     assert np.isnan(position.drawn[-1]).all()  # and the curve ends where it is none
-
-
-def drawable(plot: Plot, drawing: Drawing) -> None:
-    """Finite, or NaN to the end; positive on a log axis; one column for each curve."""
-    low, high = drawing.axis
-    assert drawing.drawn.shape == drawing.read.shape == (len(drawing.time), len(plot.curves))
-    assert np.isfinite([low, high]).all()
-    assert low < high
-    gone = np.isnan(drawing.drawn)
-    assert np.array_equal(gone, np.maximum.accumulate(gone, axis=0)), f"{plot.name}: a hole would be bridged by a line"
-    kept = drawing.drawn[~gone]
-    assert np.isfinite(kept).all()
-    if plot.log:
-        assert (kept > 0).all()
-        assert low > 0
-    assert (np.diff(drawing.time) > 0).all()
 
 
 def test_eigenvalues_below_the_floor_are_told_so_and_run_along_it() -> None:
@@ -186,12 +150,12 @@ def test_the_true_range_is_the_antennas() -> None:
 def test_plots_of_a_flight_without_any_range_are_drawable_and_their_values_are_dashes(page: Page) -> None:
     seen = sensed(burst_length=100.0)
     for plot in ALL:
-        drawable(plot, plot.draw(seen))
+        check_drawable(plot, plot.draw(seen))
     charts = Charts(page.client, narrow=False)
     charts.draw(seen)
     page.messages.clear()
     charts.cursor(seen, 5.0)
-    assert '--distance-0:"–"' in live(page)
+    assert '--distance-0:"–"' in page.live_style()
 
 
 def test_printed_signal_is_shown_only_when_switched_on() -> None:
@@ -228,9 +192,9 @@ def test_a_limit_that_is_near_is_in_the_plot_and_one_far_away_does_not_flatten_t
     assert drawing.axis[1] >= greatest
     assert (drawing.axis[1] >= speed) or speed >= plots.NEAR * greatest
     assert greatest >= drawing.axis[1] / (2 * plots.NEAR)
-    drawable(named("speed"), drawing)
+    check_drawable(named("speed"), drawing)
     both = Vehicle(name="b", thrust_to_weight=speed, body_rate=rate)
-    drawable(named("effort"), plots.effort(dataclasses.replace(seen, preset=replace(seen.preset, vehicle=both))))
+    check_drawable(named("effort"), plots.effort(dataclasses.replace(seen, preset=replace(seen.preset, vehicle=both))))
 
 
 def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> None:
@@ -253,17 +217,17 @@ def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page
     charts, seen = Charts(page.client, narrow=False), picture("paper")
     page.messages.clear()
     charts.draw(seen)
-    assert len(sent(page, "data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.later)
+    assert len(page.updates("data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.later)
     charts.draw_later(seen)
-    data = sent(page, "data")
+    data = page.updates("data")
     assert len(data) == len(ALL)
     for arrays in data:
         assert len({len(array) for array in arrays}) == 1
         assert len(arrays[0]) <= MOST_POINTS
         assert arrays[0][0] >= 0
         assert arrays[0][-1] <= seen.preset.duration
-    assert [scales["x"]["range"] for scales in sent(page, "scales")] == [(0.0, seen.preset.duration)] * len(ALL)
-    assert all(scales["x"]["time"] is False for scales in sent(page, "scales"))
+    assert [scales["x"]["range"] for scales in page.updates("scales")] == [(0.0, seen.preset.duration)] * len(ALL)
+    assert all(scales["x"]["time"] is False for scales in page.updates("scales"))
 
 
 def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None:
@@ -271,7 +235,7 @@ def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None
     charts.draw(seen)
     page.messages.clear()
     charts.draw(dataclasses.replace(seen))
-    assert sent(page, "scales") == sent(page, "axes") == sent(page, "series") == []
+    assert page.updates("scales") == page.updates("axes") == page.updates("series") == []
     assert page.kinds() == {"GuiUpdateMessage"}
 
 
@@ -281,7 +245,7 @@ def test_cursor_is_one_small_message_for_each_column_and_tells_the_values_there(
     page.messages.clear()
     charts.cursor(seen, 5.0)
     assert len(page.messages) == 2
-    text = live(page)
+    text = page.live_style()
     assert len(text) < 2500
     fraction = re.findall(r"--tcur:([\d.]+)", text)
     assert [float(f) for f in fraction] == pytest.approx([5.0 / seen.preset.duration] * 2)
@@ -298,12 +262,12 @@ def test_a_window_is_read_only_while_it_can_start(page: Page) -> None:
     charts.draw(seen)
     page.messages.clear()
     charts.cursor(seen, 1.0)
-    assert '--gramian-0:"< floor"' in live(page)
-    assert '--predicted-0:"blind"' in live(page)
+    assert '--gramian-0:"< floor"' in page.live_style()
+    assert '--predicted-0:"blind"' in page.live_style()
     page.messages.clear()
     charts.cursor(seen, seen.preset.duration)
-    assert '--gramian-0:"–"' in live(page)
-    assert '--position-0:"–"' not in live(page)
+    assert '--gramian-0:"–"' in page.live_style()
+    assert '--position-0:"–"' not in page.live_style()
 
 
 def test_cursor_variables_of_the_legend_are_those_that_are_assigned() -> None:
@@ -327,4 +291,4 @@ def test_paper_figures_in_the_narrow_page_keep_one_tab_and_fill_the_new_ones(pag
     charts.show_paper_figures()
     made = [message for message in page.messages if type(message).__name__ == "GuiUplotMessage"]
     assert len(made) == len(ALL) - len(plot_list.ERRORS.plots)
-    assert len(sent(page, "data")) == len(ALL)
+    assert len(page.updates("data")) == len(ALL)

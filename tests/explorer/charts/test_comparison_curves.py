@@ -1,11 +1,9 @@
 """What stands beside a picture: drawn in every plot on the picture's own times, told in words, and gone without it."""
 
 import dataclasses
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
-import viser
 from msgspec.structs import replace
 
 from explorer.charts import Charts, comparison_curves, plot_list, plots
@@ -19,8 +17,7 @@ from rangenav import comparison as estimators
 from rangenav import ensemble, record
 from rangenav.gains import Gains
 from rangenav.provenance import Source, fingerprint
-from tests.explorer.charts.test_charts import drawable, sent
-from tests.explorer.scene.test_scene import astronomic, picture
+from tests.support.pictures import astronomic, check_drawable, picture
 from tests.support.sent_messages import Page
 
 ALL = [plot for group in plot_list.GROUPS for plot in group.plots]
@@ -43,13 +40,6 @@ def crowd(slow: Picture) -> Comparison:
     return Comparison(pinned=picture("paper"), baselines=baselines, seeds=ensemble.seeds(slow.preset, 12))
 
 
-@pytest.fixture
-def page() -> Iterator[Page]:
-    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield Page(server)
-    server.stop()
-
-
 def over(plot: plots.Plot, seen: Picture, shown: Comparison) -> tuple[plots.Plot, plots.Drawing]:
     return comparison_curves.over(plot, seen, shown, comparison_curves.pinned(plot, shown.pinned, None))
 
@@ -67,7 +57,7 @@ def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, s
     for seen, a in ((slow, other), (other, slow), (astronomic("hover"), other), (slow, astronomic("hover"))):
         for plot in ALL:
             more, drawing = over(plot, seen, Comparison(pinned=a))
-            drawable(more, drawing)
+            check_drawable(more, drawing)
             labels = [curve.label for curve in more.curves[len(plot.curves) :]]
             assert len(labels) == len(plot.again)
             assert all(label.startswith("A") for label in labels)
@@ -108,7 +98,7 @@ def test_pinned_curves_are_computed_once(slow: Picture) -> None:
 def test_band_and_estimators_stand_in_the_error_plots_alone(slow: Picture, crowd: Comparison) -> None:
     for plot in ALL:
         more, drawing = over(plot, slow, crowd)
-        drawable(more, drawing)
+        check_drawable(more, drawing)
         labels = {curve.label for curve in more.curves}
         assert ({"12 seeds", "EKF", "refined"} <= labels) == (plot in ERRORS)
         assert len(more.bands) == (plot in ERRORS)
@@ -150,7 +140,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
         page.messages.clear()
         charts.draw(slow, shown)
         charts.draw_later(slow)
-        assert len(sent(page, "data")) >= len(ALL)
+        assert len(page.updates("data")) >= len(ALL)
         for handle in (chart.handle for column in charts._columns for chart in column.charts):
             assert len(handle.data) == len(handle.series)
             assert {len(array) for array in handle.data} == {len(handle.data[0])}
@@ -159,7 +149,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
     page.messages.clear()
     charts.draw(slow)
     charts.draw_later(slow)
-    assert sent(page, "series") == sent(page, "bands") == sent(page, "axes") == []
+    assert page.updates("series") == page.updates("bands") == page.updates("axes") == []
 
 
 def test_a_is_in_the_scene_only_while_it_is_pinned(page: Page, slow: Picture, crowd: Comparison) -> None:

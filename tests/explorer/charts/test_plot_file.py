@@ -27,7 +27,7 @@ from explorer.shared import Compilation
 from explorer.storage import preset_file
 from explorer.web.security import open_server
 from rangenav import preset
-from tests.explorer.scene.test_scene import picture
+from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 from tests.support.shared_server import shared
 from tests.support.wire import Wire

@@ -3,12 +3,10 @@
 import dataclasses
 import re
 import time
-from collections.abc import Iterator
 
 import msgspec
 import numpy as np
 import pytest
-import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +14,7 @@ from explorer.charts import Charts, curves, markup, plot_list, plots, pointer
 from explorer.charts.pointer import Pointer
 from explorer.interaction import BRUSH_STEP, drawn_window
 from rangenav import preset
-from tests.explorer.scene.test_scene import picture
+from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 
 POSITION = plot_list.ERRORS.plots[0]
@@ -53,13 +51,6 @@ class Told:
     def live(self) -> str:
         """What changes as time moves."""
         return "".join(text for text in self.sent("content") if markup.FRACTION + ":" in text)
-
-
-@pytest.fixture
-def page() -> Iterator[Page]:
-    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield Page(server)
-    server.stop()
 
 
 @given(st.text())

@@ -12,20 +12,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from explorer.model import basin
+from explorer.model import basin, palette
 from explorer.model.comparison import Comparison
 from explorer.panels.gains import basin as panel
 from explorer.scene import Scene, view
-from explorer.scene.basin import CORE, SIZE, TITLE, place
-from explorer.scene.bounds import stage
-from explorer.scene.view import direction
+from explorer.scene.basin import CORE, SIZE, TITLE, globe_centre
+from explorer.scene.bounds import scene_bounds
+from explorer.scene.view import view_direction
 from rangenav import ensemble, preset
 from rangenav.ensemble import Basin
-from tests.explorer.scene.test_scene import node, page, picture
+from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 from tests.support.waiting_visitor import Editing
-
-__all__ = ["page"]  # the fixture
 
 
 def made(settle: list[float], *, angle: float = 3.0, final: list[float] | None = None) -> Basin:
@@ -51,7 +49,7 @@ def test_colours_are_those_of_viridis_at_the_share_of_each_settling_time(settle:
     finite = [value for value in settle if math.isfinite(value)]
     for value, color in zip(settle, colors, strict=True):
         if not math.isfinite(value):
-            assert tuple(color) == basin.NEVER
+            assert tuple(color) == palette.rgb(palette.NEVER_SETTLES)
             continue
         span = max(finite) - min(finite)
         share = (value - min(finite)) / span if span > 0 else 0.0
@@ -67,7 +65,7 @@ def test_the_scale_darkens_evenly_and_the_sign_of_never_is_far_from_all_of_it():
     assert (np.diff(lightness[::10]) < 0).all()
     assert steps.mean() == pytest.approx((lightness[0] - lightness[-1]) / 199)
     assert lightness[0] - lightness[-1] > 70
-    assert np.linalg.norm(colors - np.array(basin.NEVER), axis=1).min() > 80
+    assert np.linalg.norm(colors - np.array(palette.rgb(palette.NEVER_SETTLES)), axis=1).min() > 80
 
 
 def test_the_slowest_start_never_settles_if_there_is_one_such_and_then_ends_farthest_away():
@@ -101,7 +99,7 @@ def globe(page: Page, found: Basin | None, name: str = "soft") -> Scene:
 
 
 def cloud(page: Page, name: str) -> viser.PointCloudHandle:
-    handle = node(page, name)
+    handle = page.node(name)
     assert isinstance(handle, viser.PointCloudHandle)
     return handle
 
@@ -116,7 +114,7 @@ def test_each_start_is_a_dot_along_its_axis_and_what_never_settles_is_larger_and
         assert (handle.colors == basin.colors(found)[chosen]).all()
     assert never.point_size > 1.5 * settling.point_size
     assert never.point_shape != settling.point_shape
-    core = node(page, "/basin/core")
+    core = page.node("/basin/core")
     assert isinstance(core, viser.IcosphereHandle)
     assert float(np.linalg.norm(settling.points, axis=1).min()) > CORE * float(np.max(core.scale))
 
@@ -125,30 +123,33 @@ def test_each_start_is_a_dot_along_its_axis_and_what_never_settles_is_larger_and
 def test_the_globe_hides_nothing_of_a_path_and_is_in_view_as_the_camera_is_first_set(name: str):
     """Along the camera's direction, so that it is true of what is seen."""
     shown = picture(name)
-    on, anchor = stage(shown), np.array(shown.preset.world.anchor)
-    centre, towards = place(shown.motion.position, anchor, on), direction(on.up)
+    bounds, anchor = scene_bounds(shown), np.array(shown.preset.world.anchor)
+    centre, towards = globe_centre(shown.motion.position, anchor, bounds), view_direction(bounds.up)
     offset = np.vstack([shown.motion.position, anchor]) - centre
     across = offset - np.outer(offset @ towards, towards)
-    assert np.linalg.norm(across, axis=1).min() > 1.2 * SIZE * on.view_radius
-    assert np.linalg.norm(centre - on.view_centre) + TITLE * SIZE * on.view_radius < view.MARGIN * on.view_radius
+    assert np.linalg.norm(across, axis=1).min() > 1.2 * SIZE * bounds.view_radius
+    assert (
+        np.linalg.norm(centre - bounds.view_centre) + TITLE * SIZE * bounds.view_radius
+        < view.MARGIN * bounds.view_radius
+    )
 
 
 def test_it_is_hidden_before_and_after_and_nodes_are_made_once(page: Page):
     scene = globe(page, None)
-    assert not node(page, "/basin").visible
+    assert not page.node("/basin").visible
     before = len(page.messages)
     for found in (made([1.0, 2.0]), made([3.0] * 50), made([math.inf] * 3)):
         scene.draw(picture("soft"), Comparison(basin=found))
-        assert node(page, "/basin").visible
+        assert page.node("/basin").visible
     scene.draw(picture("soft"))
-    assert not node(page, "/basin").visible
+    assert not page.node("/basin").visible
     assert [message for message in page.messages[before:] if hasattr(message, "props")] == []
     assert np.isfinite(np.array(list(page.numbers()))).all()
 
 
 def test_equilibria_are_named_at_both_ends(page: Page):
     globe(page, made([1.0, 2.0]))
-    names = [node(page, f"/basin/u{k}") for k in range(6)]
+    names = [page.node(f"/basin/u{k}") for k in range(6)]
     assert all(isinstance(label, viser.LabelHandle) for label in names)
     assert {label.text for label in names} == {f"{sign}u{digit}" for sign in "+−" for digit in "₁₂₃"}  # type: ignore[attr-defined]
     for plus, minus in zip(names[::2], names[1::2], strict=True):

@@ -17,7 +17,7 @@ from explorer.charts.cursor_values import window_at
 from explorer.charts.plot_tabs import FOLLOWS
 from explorer.model import details
 from explorer.panels.world.twin import TwinPanel
-from explorer.scene import bounds
+from explorer.scene.bounds import scene_bounds
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
 from explorer.scene.twin import TwinGhost
 from explorer.widgets.form import Form, InvalidInputError
@@ -25,11 +25,9 @@ from rangenav import preset, twin
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Tone
 from rangenav.twin import Twin
-from tests.explorer.charts.test_charts import live, sent
-from tests.explorer.scene.test_scene import node, page, picture
+from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 
-__all__ = ["page"]  # the fixture
 SLOW = preset.load("paper-slow")
 
 
@@ -152,16 +150,16 @@ def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow
     charts.draw(seen)
     wanted = markup.sentences(drawings.say_twin(seen))
     assert html.escape("the mirror image in the plane through the anchor with normal z") in wanted
-    assert markup.sentences((FOLLOWS,)) in sent(page, "content")
-    assert wanted not in sent(page, "content")
+    assert markup.sentences((FOLLOWS,)) in page.updates("content")
+    assert wanted not in page.updates("content")
     charts.draw_later(seen)
-    assert wanted in sent(page, "content")
+    assert wanted in page.updates("content")
     page.messages.clear()
     charts.draw_later(seen)
-    assert wanted not in sent(page, "content")
+    assert wanted not in page.updates("content")
     charts.draw(picture("hover"))
     charts.draw_later(picture("hover"))
-    assert markup.sentences(drawings.say_twin(picture("hover"))) in sent(page, "content")
+    assert markup.sentences(drawings.say_twin(picture("hover"))) in page.updates("content")
 
 
 def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
@@ -169,7 +167,7 @@ def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
     charts.draw(seen)
     page.messages.clear()
     charts.show_paper_figures()
-    assert markup.sentences(drawings.say_depth(seen)) in sent(page, "content")
+    assert markup.sentences(drawings.say_depth(seen)) in page.updates("content")
 
 
 def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> None:
@@ -177,7 +175,7 @@ def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> N
     charts.draw(seen)
     page.messages.clear()
     charts.cursor(seen, 5.0)
-    assert f"{markup.WINDOW_FROM}:0.25000;{markup.WINDOW_SPAN}:0.30000;" in live(page)
+    assert f"{markup.WINDOW_FROM}:0.25000;{markup.WINDOW_SPAN}:0.30000;" in page.live_style()
     assert window_at(seen, 19.0) == pytest.approx((0.7, 0.3))  # the last window there is
     for group in plot_list.GROUPS:
         for plot in group.plots:
@@ -192,17 +190,17 @@ def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> N
 def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(page: Page) -> None:
     seen = picture("circle")
     ghost, found = TwinGhost(page.scene, lambda: None), details.of(seen.preset).twin
-    ghost.draw(seen, found, bounds.stage(seen))
+    ghost.draw(seen, found, scene_bounds(seen))
     ghost.move(seen, 3.2149)
     k = int(np.argmin(np.abs(seen.motion.time - 3.2149)))
-    place = np.asarray(node(page, "/twin").position)
+    place = np.asarray(page.node("/twin").position)
     anchor = np.asarray(seen.preset.world.anchor)
     assert np.linalg.norm(place - anchor) == pytest.approx(np.linalg.norm(seen.motion.position[k] - anchor))
     assert np.linalg.norm(place - seen.motion.position[k]) == pytest.approx(3.0)
-    assert SO3(node(page, "/twin").wxyz).as_matrix() == pytest.approx(seen.motion.rotation[k])
-    assert node(page, "/twin").visible
-    assert node(page, "/twin_path").visible
-    ends = node(page, "/twin_ranges").points  # type: ignore[attr-defined]
+    assert SO3(page.node("/twin").wxyz).as_matrix() == pytest.approx(seen.motion.rotation[k])
+    assert page.node("/twin").visible
+    assert page.node("/twin_path").visible
+    ends = page.node("/twin_ranges").points  # type: ignore[attr-defined]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=-1)
     assert lengths[0] == pytest.approx(lengths[1], rel=1e-6)
 
@@ -211,38 +209,38 @@ def test_without_a_twin_nothing_of_it_is_shown(page: Page) -> None:
     ghost = TwinGhost(page.scene, lambda: None)
     for name in ("circle", "paper-slow"):
         seen = picture(name)
-        ghost.draw(seen, details.of(seen.preset).twin, bounds.stage(seen))
+        ghost.draw(seen, details.of(seen.preset).twin, scene_bounds(seen))
         ghost.move(seen, 1.0)
-    assert [node(page, name).visible for name in ("/twin", "/twin_path", "/twin_ranges")] == [False] * 3
+    assert [page.node(name).visible for name in ("/twin", "/twin_path", "/twin_ranges")] == [False] * 3
 
 
 def test_a_twin_off_the_stage_is_not_drawn_and_no_error(page: Page) -> None:
     seen = picture("circle")
     p = replace(seen.preset, world=replace(seen.preset.world, anchor=(0.0, 0.0, 50.0)))
     ghost = TwinGhost(page.scene, lambda: None)
-    ghost.draw(seen, twin.twin(p), bounds.stage(seen))
+    ghost.draw(seen, twin.twin(p), scene_bounds(seen))
     ghost.move(seen, 1.0)
-    assert not node(page, "/twin").visible
-    assert not node(page, "/twin_path").visible
+    assert not page.node("/twin").visible
+    assert not page.node("/twin_path").visible
 
 
 def drag(ghost: TwinGhost, position: tuple) -> None:
     """As viser's loop tells it."""
-    asyncio.run(ghost._drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
+    asyncio.run(ghost._record_drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
 
 
 def test_a_drag_is_kept_until_it_is_asked_for_and_only_if_it_is_a_place(page: Page) -> None:
     notes: list[None] = []
     ghost = TwinGhost(page.scene, lambda: notes.append(None))
-    assert ghost.dragged() is None
+    assert ghost.take_drag() is None
     for hostile in ((float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (1e30, 0.0, 0.0)):
         drag(ghost, hostile)
-    assert ghost.dragged() is None
+    assert ghost.take_drag() is None
     assert not notes
     drag(ghost, (1.0, 2.0, 3.0))
     drag(ghost, (3.0, 2.0, 1.0))
-    assert ghost.dragged() == (3.0, 2.0, 1.0)
-    assert ghost.dragged() is None
+    assert ghost.take_drag() == (3.0, 2.0, 1.0)
+    assert ghost.take_drag() is None
     assert len(notes) == 2
 
 
@@ -250,8 +248,8 @@ def test_a_twin_says_whether_it_may_be_dragged(page: Page) -> None:
     ghost, label = TwinGhost(page.scene, lambda: None), "/twin/label"
     for name, text in (("hover", "evil twin, drag it"), ("circle", "evil twin")):
         seen = picture(name)
-        ghost.draw(seen, details.of(seen.preset).twin, bounds.stage(seen))
-        assert node(page, label).text == text  # type: ignore[attr-defined]
+        ghost.draw(seen, details.of(seen.preset).twin, scene_bounds(seen))
+        assert page.node(label).text == text  # type: ignore[attr-defined]
 
 
 def _nothing() -> None:
@@ -327,40 +325,41 @@ def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: Twi
 
 def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_weakest_axis(page: Page) -> None:
     seen = picture("lissajous")
-    shown, on, found = ExcitationEllipsoid(page.scene), bounds.stage(seen), details.excitation_at(seen.preset, 2.0)
-    shown.draw(seen, found, on)
-    handle = node(page, "/excitation")
+    shown, bounds, found = ExcitationEllipsoid(page.scene), scene_bounds(seen), details.excitation_at(seen.preset, 2.0)
+    shown.draw(seen, found, bounds)
+    handle = page.node("/excitation")
     scale = np.array(handle.scale)  # type: ignore[attr-defined]
-    assert scale[2] == pytest.approx(LONGEST * on.radius)
+    assert scale[2] == pytest.approx(LONGEST * bounds.radius)
     np.testing.assert_allclose(scale / scale[2], found.semi_axes / found.semi_axes[2], rtol=1e-9)
     assert SO3(handle.wxyz).as_matrix() == pytest.approx(found.axes)
-    arrow = SO3(node(page, "/weakest").wxyz).as_matrix()[:, 0]
+    arrow = SO3(page.node("/weakest").wxyz).as_matrix()[:, 0]
     assert abs(arrow @ found.weakest) == pytest.approx(1.0)
     label = page.scene.get_handle_by_name("/weakest/label")
     assert isinstance(label, viser.LabelHandle)
     assert label.text == weakest_label(found) == f"weakest: x, μ = {found.eigenvalues[0]:.3g}"
-    assert bounds.stage(seen).holds(np.asarray(handle.position))
+    assert scene_bounds(seen).contains(np.asarray(handle.position))
 
 
 def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> None:
     seen, still = picture("circle"), picture("hover")
-    shown, on = ExcitationEllipsoid(page.scene), bounds.stage(seen)
-    shown.draw(seen, details.excitation_at(seen.preset, 0.0), on)
-    scale = np.array(node(page, "/excitation").scale)  # type: ignore[attr-defined]
+    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(seen)
+    shown.draw(seen, details.excitation_at(seen.preset, 0.0), bounds)
+    scale = np.array(page.node("/excitation").scale)  # type: ignore[attr-defined]
     assert scale[0] == pytest.approx(THINNEST * scale[2])
     assert weakest_label(details.excitation_at(seen.preset, 0.0)) == "no snap along z"
-    shown.draw(still, details.excitation_at(still.preset, 0.0), bounds.stage(still))
-    assert not node(page, "/excitation").visible
-    assert not node(page, "/weakest").visible
-    shown.show(False)
-    shown.draw(seen, details.excitation_at(seen.preset, 0.0), on)
-    assert not node(page, "/excitation").visible
+    shown.draw(still, details.excitation_at(still.preset, 0.0), scene_bounds(still))
+    assert not page.node("/excitation").visible
+    assert not page.node("/weakest").visible
+    shown.draw(seen, details.excitation_at(seen.preset, 0.0), bounds)
+    assert page.node("/excitation").visible
+    shown.hide()
+    assert not page.node("/excitation").visible
 
 
 def test_a_still_ellipsoid_sends_nothing(page: Page) -> None:
     seen = picture("lissajous")
-    shown, on = ExcitationEllipsoid(page.scene), bounds.stage(seen)
-    shown.draw(seen, details.excitation_at(seen.preset, 2.0), on)
+    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(seen)
+    shown.draw(seen, details.excitation_at(seen.preset, 2.0), bounds)
     page.messages.clear()
-    shown.draw(seen, details.excitation_at(seen.preset, 2.001), on)
+    shown.draw(seen, details.excitation_at(seen.preset, 2.001), bounds)
     assert page.messages == []

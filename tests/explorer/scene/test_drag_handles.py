@@ -12,7 +12,8 @@ import viser
 
 from explorer.scene import drag_handles
 from explorer.scene.bounds import SceneBounds
-from explorer.scene.drag_handles import DragHandles, Grab
+from explorer.scene.drag_handles import DragHandles
+from explorer.scene.handle_position import HandleMove
 from explorer.web import security
 from rangenav.inputs import Vec3
 from tests.support import wire
@@ -25,7 +26,7 @@ LAST = "/last"
 """A node of the tests' own: when it hears something, the handles have heard all that was sent before."""
 
 
-def stage(radius: float) -> SceneBounds:
+def bounds_of(radius: float) -> SceneBounds:
     zero, up = np.zeros(3), np.array([0.0, 0.0, -1.0])
     return SceneBounds(
         centre=zero,
@@ -45,16 +46,16 @@ class Tab:
 
     wire: Wire
     handles: DragHandles
-    noted: list[None]
-    asked: int = 0
+    woken: list[None]
+    requests: int = 0
     answered: list[None] = field(default_factory=list)
 
-    def take(self) -> list[Grab]:
+    def take(self) -> list[HandleMove]:
         """Take when everything sent so far has been heard: viser hears messages in their order."""
-        self.asked += 1
+        self.requests += 1
         self.wire.drag_message(LAST, "start", PLACES[0], PLACES[0])
-        self.wire.wait_for(lambda: len(self.answered) == self.asked, "the last message to be heard")
-        return self.handles.take()
+        self.wire.wait_for(lambda: len(self.answered) == self.requests, "the last message to be heard")
+        return self.handles.take_moves()
 
     def wait_for_place(self, name: str, place: Vec3) -> None:
         self.wire.wait_for(lambda: self.wire.nodes[name]["position"] == pytest.approx(place, abs=1e-9), f"{name} there")
@@ -75,15 +76,16 @@ def tab(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> Iterator[
     visitor.wait_for(lambda: set(server.get_clients()) - known, "the connection")
     client = server.get_clients()[max(server.get_clients())]
     security.accept_values_only(client)
-    noted: list[None] = []
-    found = Tab(visitor, DragHandles(client.scene, lambda: noted.append(None)), noted)
+    woken: list[None] = []
+    found = Tab(visitor, DragHandles(client.scene, lambda: woken.append(None)), woken)
 
     async def answer(_: object) -> None:
         found.answered.append(None)
 
     client.scene.add_icosphere(LAST).on_drag(answer)
-    found.handles.draw(ANCHOR, PLACES, stage(2.0))
+    found.handles.draw(ANCHOR, PLACES, bounds_of(2.0))
     visitor.wait_for(lambda: visitor.nodes.get("/handles/waypoint3", {}).get("bindings"), "the handles")
+    found.wait_for_place("/handles/waypoint3", PLACES[2])  # the last that draw() sends
     yield found
     visitor.close()
 
@@ -93,34 +95,34 @@ def test_handles_stand_where_the_settings_say(tab: Tab):
         tab.wait_for_place(name, place)
     assert tab.wire.nodes[f"{SECOND}/label"]["text"] == "2"
     assert not tab.handles.dragging
-    assert tab.handles.take() == []
+    assert tab.handles.take_moves() == []
 
 
-def test_a_drag_is_told_once_at_its_latest_place_and_the_handle_is_there_at_once(tab: Tab):
+def test_a_drag_is_taken_once_at_its_latest_place_and_the_handle_is_there_at_once(tab: Tab):
     tab.wire.drag(FIRST, (1.5, 2.0, 2.5), steps=7, done=False)
-    tab.wire.wait_for(lambda: len(tab.noted) == 8, "a note of the press and of each step")
-    assert tab.take() == [Grab(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=False)]
+    tab.wire.wait_for(lambda: len(tab.woken) == 8, "a wake-up for the press and for each step")
+    assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=False)]
     tab.wait_for_place(FIRST, (1.5, 2.0, 2.5))
     assert tab.handles.dragging
-    assert tab.handles.take() == []
+    assert tab.handles.take_moves() == []
     tab.wire.drag_message(FIRST, "end", PLACES[0], (0.5, 2.0, 2.5))
-    assert tab.take() == [Grab(kind="waypoint", index=0, position=(0.5, 2.0, 2.5), done=True)]
+    assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(0.5, 2.0, 2.5), done=True)]
     assert not tab.handles.dragging
     tab.wire.drag(ANCHOR_HANDLE, (0.0, 0.0, 0.0))
-    assert tab.take() == [Grab(kind="anchor", index=0, position=(0.0, 0.0, 0.0), done=True)]
+    assert tab.take() == [HandleMove(kind="anchor", index=0, position=(0.0, 0.0, 0.0), done=True)]
 
 
-def test_where_on_the_sphere_it_was_taken_hold_of_makes_no_difference(tab: Tab):
-    grip = (1.05, 2.0, 3.03)
-    tab.wire.drag_message(FIRST, "start", grip, grip)
-    tab.wire.drag_message(FIRST, "end", grip, (2.05, 2.0, 4.03))
+def test_where_on_the_sphere_it_was_pressed_makes_no_difference(tab: Tab):
+    pressed = (1.05, 2.0, 3.03)
+    tab.wire.drag_message(FIRST, "start", pressed, pressed)
+    tab.wire.drag_message(FIRST, "end", pressed, (2.05, 2.0, 4.03))
     assert tab.take()[0].position == (2.0, 2.0, 4.0)
 
 
 def test_a_coordinate_that_was_not_moved_stays_to_the_last_digit_and_a_moved_one_is_readable(tab: Tab):
     tab.wire.drag(SECOND, (PLACES[1][0] + 1e-5, 0.1234567, -1.0))
     assert tab.take()[0].position == (1 / 3, 0.123, -1.0)
-    tab.handles.draw(ANCHOR, PLACES, stage(2000.0))
+    tab.handles.draw(ANCHOR, PLACES, bounds_of(2000.0))
     tab.wait_for_place(SECOND, PLACES[1])
     tab.wire.drag(SECOND, (1234.567, 0.0, -1.0))
     assert tab.take()[0].position == (1235.0, 0.0, -1.0)
@@ -130,13 +132,13 @@ def test_drawing_moves_all_but_what_is_held(tab: Tab):
     tab.wire.drag(FIRST, (0.0, 2.0, 3.0), done=False)
     tab.take()
     elsewhere = ((9.0, 9.0, 9.0), (0.0, 0.0, 9.0), PLACES[2])
-    tab.handles.draw((3.0, 3.0, 3.0), elsewhere, stage(2.0))
+    tab.handles.draw((3.0, 3.0, 3.0), elsewhere, bounds_of(2.0))
     tab.wait_for_place(ANCHOR_HANDLE, (3.0, 3.0, 3.0))
     tab.wait_for_place(SECOND, elsewhere[1])
     assert tab.wire.nodes[FIRST]["position"] == pytest.approx((0.0, 2.0, 3.0))
     tab.wire.drag_message(FIRST, "end", PLACES[0], (0.0, 2.0, 3.0))
     tab.take()
-    tab.handles.draw(ANCHOR, elsewhere, stage(2.0))
+    tab.handles.draw(ANCHOR, elsewhere, bounds_of(2.0))
     tab.wait_for_place(FIRST, elsewhere[0])
 
 
@@ -150,13 +152,13 @@ NONSENSE = [
 
 
 @pytest.mark.parametrize("place", NONSENSE)
-def test_what_is_no_place_is_dropped_and_the_end_is_told_all_the_same(tab: Tab, place: Vec3):
+def test_what_is_no_place_is_dropped_and_the_release_counts_all_the_same(tab: Tab, place: Vec3):
     tab.wire.drag(FIRST, (1.5, 2.0, 2.5), done=False)
     tab.take()
     tab.wire.drag_message(FIRST, "update", PLACES[0], place)
-    assert tab.take() == [Grab(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=False)]
+    assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=False)]
     tab.wire.drag_message(FIRST, "end", PLACES[0], place)
-    assert tab.take() == [Grab(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=True)]
+    assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=True)]
     tab.wire.drag_message(SECOND, "start", place, place)
     tab.wire.drag_message(SECOND, "end", place, (0.0, 0.0, 0.0))
     assert tab.take() == []
@@ -181,13 +183,13 @@ def test_a_drag_that_never_began_is_none_and_a_second_beginning_replaces_the_fir
     tab.wire.drag_message(FIRST, "update", PLACES[0], (0.0, 0.0, 0.0))
     tab.wire.drag_message(FIRST, "start", PLACES[0], PLACES[0])
     tab.wire.drag_message(FIRST, "end", PLACES[0], (1.0, 2.0, 4.0))
-    assert [grab.position for grab in tab.take()] == [(1.0, 2.0, 4.0)]
+    assert [move.position for move in tab.take()] == [(1.0, 2.0, 4.0)]
 
 
 def test_the_handle_touched_last_has_the_gizmo_until_a_click_elsewhere_or_escape(
     tab: Tab, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(drag_handles, "ONE_CLICK", 0.1)
+    monkeypatch.setattr(drag_handles, "SAME_CLICK", 0.1)
     gizmo = tab.wire.nodes[GIZMO]
     assert not gizmo["visible"]
     tab.wire.click(SECOND)  # which also is a click on the scene
@@ -197,7 +199,7 @@ def test_the_handle_touched_last_has_the_gizmo_until_a_click_elsewhere_or_escape
     tab.wire.click(FIRST)
     tab.take()
     tab.wait_for_place(GIZMO, PLACES[0])
-    time.sleep(2 * drag_handles.ONE_CLICK)
+    time.sleep(2 * drag_handles.SAME_CLICK)
     assert tab.take() == []
     tab.wire.wait_for(lambda: gizmo["visible"], "the gizmo to stay")
     ray: dict[str, Any] = {"ray_origin": (0.0, 0.0, 9.0), "ray_direction": (0.0, 0.0, -1.0), "modifier": None}
@@ -207,7 +209,7 @@ def test_the_handle_touched_last_has_the_gizmo_until_a_click_elsewhere_or_escape
     tab.take()
     tab.wait_for_place(GIZMO, (0.0, 0.0, 0.0))
     tab.wire.wait_for(lambda: gizmo["visible"], "the gizmo")
-    tab.handles.let_go()
+    tab.handles.deselect()
     tab.wire.wait_for(lambda: not gizmo["visible"], "the gizmo to go")
 
 
@@ -217,13 +219,13 @@ def test_the_gizmo_moves_its_handle_and_is_not_moved_itself_meanwhile(tab: Tab):
     tab.wait_for_place(GIZMO, PLACES[1])
     moves = tab.wire.counts["SetPositionMessage"]
     tab.wire.move_gizmo(GIZMO, (PLACES[1][0], 0.5, -1.0), done=False)
-    assert tab.take() == [Grab(kind="waypoint", index=1, position=(1 / 3, 0.5, -1.0), done=False)]
+    assert tab.take() == [HandleMove(kind="waypoint", index=1, position=(1 / 3, 0.5, -1.0), done=False)]
     assert tab.handles.dragging
-    tab.handles.draw(ANCHOR, PLACES, stage(2.0))
+    tab.handles.draw(ANCHOR, PLACES, bounds_of(2.0))
     tab.wait_for_place(SECOND, (1 / 3, 0.5, -1.0))
     assert tab.wire.counts["SetPositionMessage"] == moves + 1  # the sphere's
     tab.wire.move_gizmo(GIZMO, (PLACES[1][0], 0.75, -1.0))
-    assert tab.take() == [Grab(kind="waypoint", index=1, position=(1 / 3, 0.75, -1.0), done=True)]
+    assert tab.take() == [HandleMove(kind="waypoint", index=1, position=(1 / 3, 0.75, -1.0), done=True)]
     assert not tab.handles.dragging
 
 
@@ -232,8 +234,8 @@ def test_a_handle_is_not_held_for_ever_when_its_gizmo_is_put_away(tab: Tab):
     tab.take()
     tab.wire.move_gizmo(GIZMO, (0.0, 0.5, -1.0), done=False)
     tab.take()
-    tab.handles.let_go()
-    assert [grab.done for grab in tab.handles.take()] == [True]
+    tab.handles.deselect()
+    assert [move.done for move in tab.handles.take_moves()] == [True]
     assert not tab.handles.dragging
 
 
@@ -244,7 +246,7 @@ def test_a_gizmo_is_not_moved_to_what_is_no_place_and_still_moves(tab: Tab, plac
     tab.take()
     tab.wire.move_gizmo(GIZMO, place, done=False)
     tab.wire.move_gizmo(GIZMO, (PLACES[1][0], 0.5, -1.0))
-    assert tab.take() == [Grab(kind="waypoint", index=1, position=(1 / 3, 0.5, -1.0), done=True)]
+    assert tab.take() == [HandleMove(kind="waypoint", index=1, position=(1 / 3, 0.5, -1.0), done=True)]
     tab.wire.click(FIRST)
     tab.take()
     tab.wait_for_place(GIZMO, PLACES[0])
@@ -252,24 +254,24 @@ def test_a_gizmo_is_not_moved_to_what_is_no_place_and_still_moves(tab: Tab, plac
 
 def test_of_very_many_waypoints_the_first_sixty_are_drawn_and_the_last_of_them_says_so(tab: Tab):
     many = tuple((0.1 * k, 0.0, 0.0) for k in range(100))
-    tab.handles.draw(ANCHOR, many, stage(2.0))
+    tab.handles.draw(ANCHOR, many, bounds_of(2.0))
     tab.wire.wait_for(lambda: "/handles/waypoint60/label" in tab.wire.nodes, "the last")
     assert "/handles/waypoint61" not in tab.wire.nodes
     label = tab.wire.nodes["/handles/waypoint60/label"]
-    tab.wire.wait_for(lambda: label["text"] == "60 (drag the first 60, the others by numbers)", "the word")
-    tab.handles.draw(ANCHOR, many[:60], stage(2.0))
-    tab.wire.wait_for(lambda: label["text"] == "60", "no word")
+    tab.wire.wait_for(lambda: label["text"] == "60 (drag the first 60, the others by numbers)", "the label")
+    tab.handles.draw(ANCHOR, many[:60], bounds_of(2.0))
+    tab.wire.wait_for(lambda: label["text"] == "60", "the usual label")
 
 
 def test_nodes_are_made_once_and_those_too_many_are_hidden_and_let_go(tab: Tab):
     made = tab.wire.counts["IcosphereMessage"]
     tab.wire.drag("/handles/waypoint3", (0.0, 0.0, 0.0), done=False)
     tab.take()
-    tab.handles.draw(ANCHOR, PLACES[:1], stage(2.0))
+    tab.handles.draw(ANCHOR, PLACES[:1], bounds_of(2.0))
     assert not tab.handles.dragging
     tab.wire.wait_for(lambda: not tab.wire.nodes["/handles/waypoint3"]["visible"], "it to be hidden")
     tab.wire.wait_for(lambda: not tab.wire.nodes[GIZMO]["visible"], "its gizmo to be hidden")
-    tab.handles.draw(ANCHOR, PLACES, stage(2.0))
+    tab.handles.draw(ANCHOR, PLACES, bounds_of(2.0))
     tab.wait_for_place("/handles/waypoint3", PLACES[2])
     assert tab.wire.nodes["/handles/waypoint3"]["visible"]
     assert tab.wire.counts["IcosphereMessage"] == made

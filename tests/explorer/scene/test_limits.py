@@ -1,6 +1,5 @@
 """Where a limit breaks, the path says so: by width and words as well as by colour."""
 
-from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
@@ -10,7 +9,8 @@ from msgspec.structs import replace
 
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Settings
-from explorer.scene import Scene, bounds, limits
+from explorer.scene import Scene, limits
+from explorer.scene.bounds import chord_samples, scene_bounds
 from rangenav import preset, vehicle
 from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Break, Vehicle
 from tests.support.sent_messages import Page
@@ -18,13 +18,6 @@ from tests.support.sent_messages import Page
 
 def picture(name: str, by: Vehicle) -> Picture:
     return compute(Settings(preset=replace(preset.load(name), vehicle=by)))
-
-
-@pytest.fixture
-def page() -> Iterator[Page]:
-    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    yield Page(server)
-    server.stop()
 
 
 def line(page: Page) -> viser.LineSegmentsHandle:
@@ -47,10 +40,10 @@ def words(page: Page) -> list[str]:
 @pytest.mark.parametrize("name", ["paper", "paper-slow", "circle"])
 def test_drawn_as_broken_are_the_chords_on_which_a_limit_is_broken_and_no_others(name: str) -> None:
     seen = picture(name, CRAZYFLIE)
-    on = bounds.stage(seen)
-    where = limits.broken(seen.breaks, len(seen.motion.time))
-    ends = bounds.chords(seen.motion, on)
-    drawn = {tuple(map(tuple, segment)) for segment in limits.segments(seen.motion, where, on)}
+    bounds = scene_bounds(seen)
+    where = limits.exceeding_samples(seen.breaks, len(seen.motion.time))
+    ends = chord_samples(seen.motion, bounds)
+    drawn = {tuple(map(tuple, segment)) for segment in limits.exceeding_segments(seen.motion, where, bounds)}
     for first, last in pairwise(ends):
         chord = (tuple(seen.motion.position[first]), tuple(seen.motion.position[last]))
         assert (chord in drawn) == any(where[first : last + 1])
@@ -58,13 +51,13 @@ def test_drawn_as_broken_are_the_chords_on_which_a_limit_is_broken_and_no_others
 
 def test_a_break_of_a_single_sample_is_drawn() -> None:
     seen = picture("paper", FREE)
-    on = bounds.stage(seen)
+    bounds = scene_bounds(seen)
     nowhere = np.zeros(len(seen.motion.time), dtype=bool)
-    assert len(limits.segments(seen.motion, nowhere, on)) == 0
+    assert len(limits.exceeding_segments(seen.motion, nowhere, bounds)) == 0
     for k in (0, 1, 1234, len(nowhere) - 1):
         once = nowhere.copy()
         once[k] = True
-        drawn = limits.segments(seen.motion, once, on)
+        drawn = limits.exceeding_segments(seen.motion, once, bounds)
         assert 1 <= len(drawn) <= 2
         lengths = np.linalg.norm(drawn[:, 1] - drawn[:, 0], axis=1)
         nearest = np.linalg.norm(drawn - seen.motion.position[k], axis=-1).min()
@@ -108,7 +101,7 @@ def test_of_many_broken_limits_three_are_said_and_all_are_drawn(page: Page) -> N
     scene, seen = Scene(page.client, lambda: None), picture("paper", weak)
     scene.draw(seen)
     assert len(seen.breaks) == 5
-    assert len(words(page)) == limits.MAX_MARKED
+    assert len(words(page)) == len(limits.LABEL_ANCHORS)
     path = page.scene.get_handle_by_name("/path")
     assert isinstance(path, viser.LineSegmentsHandle)
     assert len(line(page).points) == len(path.points)
@@ -117,6 +110,6 @@ def test_of_many_broken_limits_three_are_said_and_all_are_drawn(page: Page) -> N
 @pytest.mark.parametrize("limit", list(vehicle.WORDS))
 def test_every_limit_has_a_short_word(limit: str) -> None:
     one = Break(limit=limit, allowed=1.0, reached=2.0, at=4.06, where=np.ones(3, dtype=bool), words="")
-    assert limits.word(one).startswith("✕ ")
-    assert limits.word(one).endswith(" at 4.1 s")
-    assert len(limits.word(one)) < 50
+    assert limits.marker_label(one).startswith("✕ ")
+    assert limits.marker_label(one).endswith(" at 4.1 s")
+    assert len(limits.marker_label(one)) < 50

@@ -3,6 +3,7 @@
 import html
 from typing import Literal
 
+from explorer.model import palette
 from explorer.panels.motion.families import SignalSlot, table
 from explorer.widgets.controls import Choice, Text
 from explorer.widgets.form import Form, Section
@@ -54,7 +55,8 @@ class PolynomialsEditor:
         more = len(complaints) - MAX_COMPLAINTS
         said = [f"▲ {html.escape(line)}" for line in complaints[:MAX_COMPLAINTS]]
         said += [f"… and {more} more"] if more > 0 else []
-        content = f'<div style="font-size:0.85em;padding:0.1em 0.9em 0.6em;color:#8a5300">{"<br>".join(said)}</div>'
+        style = f"font-size:0.85em;padding:0.1em 0.9em 0.6em;color:{palette.JUMP_NOTICE}"
+        content = f'<div style="{style}">{"<br>".join(said)}</div>'
         if content != self._jumps.content:
             self._jumps.content = content
         self._jumps.visible = bool(said)

@@ -1,0 +1,94 @@
+"""Every colour of the page and what it stands for. No other module spells a colour; a test looks for those that do.
+
+    data      Okabe–Ito: told apart by readers with any colour vision, on white and on black
+    text      pairs light-dark(on white, on black), each with enough contrast to be read
+    scale     viridis: its lightness alone tells the order
+A role names what is drawn ("estimate"); a hue is used where a plot needs several curves that have no role of their own.
+The module stands in `model`, the lowest room, because model, charts, scene and panels all import it.
+"""
+
+from typing import Literal
+
+Color = str
+"""#RRGGBB"""
+Rgb = tuple[int, int, int]
+"""Red, green and blue from 0 to 255, as viser takes them."""
+
+BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
+ORANGE, SKY, GREY = "#E69F00", "#56B4E9", "#888888"
+OLIVE = "#999933"
+"""Of Tol's muted scheme: a hue that Okabe–Ito leaves free."""
+LIGHT_GREEN, LIGHT_PURPLE = "#78CDAF", "#E4B2CE"
+
+# Runs: the same in plots, in the 3-D picture and in text
+TRUTH, ESTIMATE = BLUE, VERMILLION
+PINNED, TWIN = PURPLE, OLIVE
+ESTIMATORS: dict[Literal["EKF", "refined"], Color] = {"EKF": ORANGE, "refined": GREEN}
+"""The estimators that are compared with the cascade."""
+SEEDS, SEEDS_EDGE = GREY, VERMILLION
+"""The median of many seeds, and the edges of the band around it."""
+
+# Plots
+CLAIMED_SIGMA, REQUIRED, NOISE_FLOOR = BLUE, GREY, GREY
+X_AXIS, Y_AXIS, Z_AXIS, NORM = VERMILLION, GREEN, BLUE, GREY
+LEAST, MIDDLE, GREATEST = VERMILLION, SKY, BLUE
+"""Eigenvalues of a spectrum; those between the least and the greatest share a colour."""
+EXCITATION_EIGENVALUES = (VERMILLION, PURPLE, SKY)
+"""Least first."""
+DERIVED, PRINTED = BLUE, ORANGE
+"""A formula as derived, and as the paper prints it."""
+MEASURED = SKY
+TURN_RATE = ORANGE
+PLOT_GRID = "#DDDDDD"
+"""Of an exported picture."""
+TRANSLUCENT, FILL = "B0", "38"
+"""Opacities (hexadecimal, 0 to FF), put behind a colour: curves that show through, and what is tinted below a curve."""
+
+# The 3-D picture
+ANCHOR, RANGE_SPHERE, WAYPOINT = ORANGE, SKY, BLUE
+GRAVITY, GRAVITY_ESTIMATE = GREEN, LIGHT_GREEN
+MAGNETIC, MAGNETIC_ESTIMATE = PURPLE, LIGHT_PURPLE
+"""The estimate of a vector has the lighter tint of the true one."""
+BLIND_DIRECTION, LIMIT_EXCEEDED = ORANGE, VERMILLION
+EXCITATION, WEAKEST_AXIS = GREEN, ORANGE
+EQUILIBRIUM = PURPLE
+TRAIL_START = "#CDC3BE"
+"""Where an estimated path begins; it ends in the colour of its estimator."""
+GLOBE, GLOBE_INK = "#D6D6D6", "#141414"
+SETTLING_SCALE: tuple[Color, ...] = (
+    "#FDE725", "#ADDC30", "#5EC962", "#28AE80", "#21918C", "#2C728E", "#3B528B", "#472C7A", "#440154",
+)  # fmt: skip
+"""From the soonest (light) to the latest (dark)."""
+NEVER_SETTLES = VERMILLION
+"""Not on the scale; what never settles is also larger and of another shape."""
+
+# Text and controls
+GOOD, WARNING, ERROR = "light-dark(#00785A, #4FD1AD)", "light-dark(#9A5B00, #F0B35A)", "light-dark(#B3261E, #FF8F86)"
+UNOBSERVABLE = "light-dark(#7A3E00, #E0A878)"
+"""Certified as such: neither good nor an error."""
+NEUTRAL = "light-dark(#555555, #BBBBBB)"
+SECONDARY_TEXT, CAPTION_TEXT = "light-dark(#666666, #A8A8A8)", "light-dark(#5C5C5C, #B0B0B0)"
+PRINTED_FORMULA = "light-dark(#8A3D7A, #D99AC9)"
+"""Of the label that says which printed formulas are switched on."""
+JUMP_NOTICE = "#8A5300"
+"""Of the sentences on jumps of a piecewise path."""
+THUMBNAIL_LINE, THUMBNAIL_ANCHOR, THUMBNAIL_FRAME = "light-dark(#0072B2, #56B4E9)", VERMILLION, "light-dark(#CCC, #555)"
+BAR_TRACK = "#8883"
+QUIET_BUTTON = "#5C7596"
+TOOLTIP, TOOLTIP_TEXT = "#333333", "#FFFFFF"
+FOCUS, DEFINITION_EDGE, DEFINITION_FILL = SKY, SKY, "rgba(128,128,128,.09)"
+WINDOW, BRUSH = SKY, ORANGE
+"""The window that is shown over every plot, and the next one while it is drawn with the mouse."""
+NOTIFY_WARNING, NOTIFY_ERROR = "orange", "red"
+"""Names in the browser's own theme."""
+
+
+def rgb(color: Color) -> Rgb:
+    """The three numbers of #RRGGBB."""
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+def linear(color: Color) -> Rgb:
+    """The three numbers to send where the browser takes a colour for linear light: arrows, lines of many colours."""
+    r, g, b = (round(255 * (channel / 255) ** 2.2) for channel in rgb(color))
+    return r, g, b

@@ -1,0 +1,121 @@
+"""The world in the 3-D picture: ground grid, anchor with its mast and range sphere, gravity, the magnetic vector, and
+the directions along which the range is blind."""
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+from viser import SceneApi
+from viser.transforms import SO3
+
+from explorer.model import palette
+from explorer.model.compute import Picture
+from explorer.scene.arrows import Arrow
+from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, rotation_from_x
+from rangenav.motion import World
+from rangenav.observability import blindness
+from rangenav.observability.blindness import Direction
+
+USUAL_UP = (0.0, 0.0, -1.0)
+"""The paper's z axis points down."""
+GRID_RADII, FADE_RADII, CELLS_PER_SECTION = 16, 14, 5
+BEACON_SHARE, LABEL_SHARE = 0.22, 0.4
+"""Radius of the beacon, and height of the anchor's label above it, clear of the drag handle; in units of the scene."""
+MIN_MAST = 0.01
+"""Radii; a shorter mast is hidden."""
+MIN_RANGE = 1e-6
+"""m: the least radius of the range sphere, as the browser takes no scale of 0."""
+MAX_BLIND = 6
+"""Blind directions that are drawn."""
+
+
+class WorldNodes:
+    """The grid, and the nodes under /anchor and /compass that show the true world."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene, self._up = scene, np.array(USUAL_UP)
+        scene.set_up_direction(USUAL_UP)
+        self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
+        color = palette.rgb(palette.ANCHOR)
+        self._anchor = scene.add_frame("/anchor", show_axes=False)
+        self._beacon = scene.add_icosphere(
+            "/anchor/beacon", 1.0, color, subdivisions=1, flat_shading=True, scale=INVISIBLE_SIZE
+        )
+        self._mast = scene.add_line_segments("/anchor/mast", EMPTY_LINE, color, thickness=3.0, thickness_units="screen")
+        self._label = scene.add_label("/anchor/label", "anchor", anchor="bottom-center", font_screen_scale=0.9)
+        self._sphere = scene.add_icosphere(
+            "/anchor/range",
+            1.0,
+            palette.rgb(palette.RANGE_SPHERE),
+            subdivisions=14,
+            opacity=0.1,
+            scale=INVISIBLE_SIZE,
+            material="toon3",  # without a graphics card: 33 frames a second; standard material on both sides gives 2
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        self._compass = scene.add_frame("/compass", show_axes=False)
+        self._gravity = Arrow(scene, "/compass/gravity", "g", palette.GRAVITY)
+        self._magnetic = Arrow(scene, "/compass/magnetic", "m", palette.MAGNETIC)
+        self._anchor_position = np.zeros(3)
+
+    def fit(self, world: World, bounds: SceneBounds) -> None:
+        """Take the sizes of a scene and the vectors of a world; values that have not changed are not sent again."""
+        self._fit_grid(bounds)
+        unit, up = bounds.unit, bounds.up
+        self._anchor_position = np.asarray(world.anchor)
+        self._anchor.position = self._anchor_position
+        self._beacon.scale = BEACON_SHARE * unit
+        self._label.position = LABEL_SHARE * unit * up
+        height = float((self._anchor_position - bounds.ground) @ up)
+        self._mast.points = np.array([[[0.0, 0.0, 0.0], -height * up]])
+        self._mast.visible = height > MIN_MAST * bounds.radius
+        self._gravity.fit(length=1.7 * unit, radius=0.035 * unit)
+        self._magnetic.fit(length=1.5 * unit, radius=0.035 * unit)
+        self._gravity.point(np.asarray(world.gravity))
+        self._magnetic.point(np.asarray(world.magnetic))
+
+    def move(self, position: Float[Array, "3"]) -> None:
+        """Put the vectors at the vehicle's position (m), and let the range sphere pass through it."""
+        self._compass.position = position
+        self._sphere.scale = max(float(np.linalg.norm(position - self._anchor_position)), MIN_RANGE)
+
+    def _fit_grid(self, bounds: SceneBounds) -> None:
+        if not np.allclose(self._up, bounds.up):
+            self._up = bounds.up
+            self._scene.set_up_direction(bounds.up)
+        cell = bounds.cell
+        self._grid.width = self._grid.height = round(GRID_RADII * bounds.radius / cell) * cell
+        self._grid.cell_size, self._grid.section_size = cell, CELLS_PER_SECTION * cell
+        self._grid.fade_distance = FADE_RADII * bounds.radius
+        self._grid.position = bounds.ground
+        self._grid.wxyz = (SO3(np.array(rotation_from_x(bounds.up))) @ SO3.from_y_radians(np.pi / 2)).wxyz
+
+
+class BlindDirections:
+    """Arrows along the blind directions, on the path in the middle of the window of least rank."""
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._arrows = [
+            Arrow(scene, f"/blind{i}", "", palette.BLIND_DIRECTION, both_ways=True) for i in range(MAX_BLIND)
+        ]
+
+    def draw(self, picture: Picture, bounds: SceneBounds) -> None:
+        """Show the blind directions of a picture."""
+        directions: tuple[Direction, ...] = picture.analysis.directions
+        middle = picture.analysis.gramian_at + picture.preset.requirement.window / 2
+        position = picture.preset.path(np.array([middle]))[0]
+        for i, arrow in enumerate(self._arrows):
+            if i >= len(directions):
+                arrow.hide()
+                continue
+            arrow.fit(length=0.7 * bounds.radius, radius=0.006 * bounds.radius)
+            arrow.place(position)
+            arrow.set_label(blind_label(directions[i]))
+            arrow.point(directions[i].vector)
+
+
+def blind_label(direction: Direction) -> str:
+    """Which quantities cannot be determined along a blind direction."""
+    along = blindness.name(direction.vector)
+    kinds = [kind for kind in direction.kinds if kind != "snap"]
+    return f"blind along {along}: {', '.join(kinds)}" if kinds else f"no snap along {along}"
