@@ -153,23 +153,23 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
 
 
 def test_a_is_in_the_scene_only_while_it_is_pinned(page: Page, slow: Picture, crowd: Comparison) -> None:
+    def visible(*names: str) -> list[bool]:
+        return [page.node(name).visible for name in names]
+
+    pinned = crowd.pinned
+    assert pinned is not None
     scene = Scene(page.client, lambda: None)
-    nodes = scene._companions
     scene.draw(slow)
-    assert not nodes._trail.visible
+    assert not any(visible("/pinned", "/pinned_path", "/pinned_trail", "/ekf_trail", "/refined_trail"))
     scene.draw(slow, crowd)
     scene.move(slow, 10.0)
-    assert nodes._trail.visible
-    assert nodes._path.visible  # another motion
-    assert all(line.visible for line in nodes._rivals.values())
-    k = int(np.argmin(np.abs(crowd.pinned.motion.time - 10.0)))  # pyright: ignore[reportOptionalMemberAccess]
-    assert nodes._ghost._root.position == pytest.approx(crowd.pinned.position_estimate[k])  # pyright: ignore[reportOptionalMemberAccess]
+    assert all(visible("/pinned", "/pinned_path", "/pinned_trail", "/ekf_trail", "/refined_trail"))
+    k = int(np.argmin(np.abs(pinned.motion.time - 10.0)))
+    assert page.node("/pinned").position == pytest.approx(pinned.position_estimate[k])
     scene.draw(slow, Comparison(pinned=slow))
-    assert not nodes._path.visible
-    assert not any(line.visible for line in nodes._rivals.values())
+    assert not any(visible("/pinned_path", "/ekf_trail", "/refined_trail"))  # the same motion needs no second path
     scene.draw(slow)
-    assert not nodes._trail.visible
-    assert not nodes._ghost._root.visible
+    assert not any(visible("/pinned", "/pinned_trail"))
     assert np.isfinite(list(page.numbers())).all()
 
 
