@@ -1,6 +1,5 @@
 """What a preset's motion lets one range tell: sliding windows, the worst of them, blind directions, a verdict."""
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import msgspec
@@ -17,6 +16,7 @@ from rangenav.observability.horizon import Horizon
 from rangenav.observability.rows import Visit
 from rangenav.preset import Preset, Requirement
 from rangenav.provenance import Source
+from rangenav.results import result
 from rangenav.sensors import Sensors, effects
 from rangenav.signals import Signal
 from rangenav.verdict import Verdict, judge, restriction
@@ -29,7 +29,7 @@ CACHED, VISITED = 8, 2
 """Results kept for each stage: enough for undo and A/B, small enough for many visitors; places take more memory."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Windows:
     """Observability over sliding windows [start, start + window]."""
 
@@ -54,7 +54,7 @@ class Windows:
     sigma_nonlinear: Float[Array, "w"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Analysis:
     """The answer for one preset, always about its worst windows."""
 
@@ -92,7 +92,7 @@ class Analysis:
     verdict: Verdict
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class MotionAnalysis:
     """The stage that knows neither anchor nor sensors."""
 

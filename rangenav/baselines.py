@@ -1,10 +1,11 @@
-"""The baseline every navigator knows: an extended Kalman filter on nine states and the nonlinear range.
+"""The baseline of the field: an extended Kalman filter on nine states and the nonlinear range.
 
     predict x̂⁺ = f(x̂), P⁺ = Φ P Φᵀ + Q;   correct with ν = d − |p̂ − p_anchor| and R̂ m_y − m, both linearised at x̂⁺
-Same measurements, same noise and the same initial covariance as the noise-matched cascade. Near the truth it is the
-better estimator: no state is spent on the lift. But it has no claim beyond: started cold it may go into another
-minimum with a small covariance, or to infinity, and it says neither. At the anchor itself a range has no gradient;
-there a range is left out, where other filters return NaN.
+
+It has the same measurements, the same noise and the same initial covariance as the noise-matched cascade. Near the
+truth it is the better estimator, because it spends no state on the lift. Far from the truth nothing is proven of it: it
+may converge to another minimum with a small covariance, or diverge, and it reports neither. At the anchor the range has
+no gradient; a range there corrects nothing.
 """
 
 from types import ModuleType
@@ -12,7 +13,8 @@ from types import ModuleType
 import numpy as np
 
 from rangenav import strapdown
-from rangenav.cascade import ObserverConfig, Start
+from rangenav.arguments import finite_array
+from rangenav.cascade import ObserverConfig, Start, checked_start
 from rangenav.model import POSITION, VELOCITY
 from rangenav.sensors import Measurements
 from rangenav.strapdown import STATES, Track
@@ -21,9 +23,11 @@ from rangenav.strapdown import STATES, Track
 def ekf(measurements: Measurements, start: Start, setting: ObserverConfig) -> Track:
     """Filter a record. Of the start, position, velocity and R̂ are used; gravity is known here.
 
-    P(0) is diagonal: the Riccati gains' p0 of position and velocity, and for the attitude (σ_gravity/|g|)² rad², as far
-    as such a gravity error would tilt. What is not finite in the result is what the filter came to.
+    P(0) is diagonal: the Riccati gains' p0 for position and velocity, and (σ_gravity/|g|)² rad² for the attitude, the
+    tilt that such an error of gravity stands for. Where the filter diverges the result is not finite.
+    Raises ValueError for arrays of the wrong shape or type, stamps out of order, or numbers that are not finite.
     """
+    start = checked_start(start)
     p0 = setting.gains.riccati.p0
     tilt = p0.gravity / float(np.sum(np.square(setting.world.gravity)))
     covariance = np.diag(np.repeat([p0.position, p0.velocity, tilt], 3))
@@ -38,9 +42,14 @@ def filtered(
     covariance: np.ndarray,
     setting: ObserverConfig,
 ) -> Track:
-    """The same from a position, velocity and rotation in inertial axes and any covariance of theirs."""
-    strapdown.check(measurements)
-    z, count, anchor = measurements, len(measurements.time), np.asarray(setting.world.anchor, dtype=float)
+    """The same from a position (m), velocity (m/s) and rotation in inertial axes, and the covariance of their errors.
+
+    The covariance is 9 × 9, in the order position, velocity, attitude (rad).
+    Raises ValueError as `ekf` does.
+    """
+    z = strapdown.check(measurements)
+    count, anchor = len(z.time), np.asarray(setting.world.anchor, dtype=float)
+    position, velocity, rotation = start
     attached = strapdown.attach(z)
     track = Track(
         time=z.time,
@@ -50,8 +59,10 @@ def filtered(
         covariance=np.empty((count, STATES, STATES)),
         innovation=np.full((len(z.range), 2), np.nan),
     )
-    track.position[0], track.velocity[0], track.rotation[0] = start[0] - anchor, start[1], start[2]
-    track.covariance[0] = covariance
+    track.position[0] = finite_array("start position", position, (3,)) - anchor
+    track.velocity[0] = finite_array("start velocity", velocity, (3,))
+    track.rotation[0] = finite_array("start rotation", rotation, (3, 3))
+    track.covariance[0] = finite_array("covariance", covariance, (STATES, STATES))
     _kernel().run(
         z.time, z.gyro, z.accel, z.mag, z.range[attached.kept], attached.sample, attached.back, track.position,
         track.velocity, track.rotation, track.covariance.reshape(count, -1), track.innovation[attached.kept],

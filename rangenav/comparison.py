@@ -6,7 +6,6 @@ but which shows how good it is where it works. Errors are `rangenav.errors.Error
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.errors import Errors
 from rangenav.model import POSITION
 from rangenav.record import Record, Summary
+from rangenav.results import result
 from rangenav.strapdown import STATES, Track
 
 CASCADE, REFINEMENT = "cascade", "refinement of the whole record"
@@ -25,7 +25,7 @@ WRONG_PLACE = 5.0
 """A final error of so many of its own σ belongs to another minimum."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Candidate:
     """What one estimator made of the record."""
 

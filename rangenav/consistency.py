@@ -7,12 +7,12 @@ band the observer is too sure of itself, below it too cautious. With constant ga
 and not from the noise (paper, eq. 8): only noise-matched gains claim to be inside.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 from scipy.special import gammaincinv
+
+from rangenav.results import result
 
 SHARE = 0.95
 """Of the values of a consistent observer lie inside the band."""
@@ -20,7 +20,7 @@ WINDOWS = 500
 """As many as a plot can show."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Consistency:
     """A mean of normalised squares over time, between its bounds."""
 

@@ -6,7 +6,7 @@ are those of `observability.rows`. Noise fills up every rank, so a singular valu
 record is disturbed anew, some times stronger than it is noisy, and what rises with that is the noise's own.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -23,6 +23,7 @@ from rangenav.gains import Gains
 from rangenav.inputs import require
 from rangenav.motion import World
 from rangenav.observability import quadrature, spectrum
+from rangenav.results import result
 from rangenav.sensors import Noise, Sensors
 
 WINDOWS = 51
@@ -47,7 +48,7 @@ RecordVerdict = WindowVerdict | Literal["partly"]
 """On a whole record; "partly" where its windows differ."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Informative:
     """What windows of a record could tell from one range; from the IMU alone but for `sigma`."""
 
@@ -89,7 +90,7 @@ class Informative:
         return "; ".join(parts)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Observed:
     """The observers on a record, with errors where the file has a truth."""
 

@@ -6,7 +6,6 @@ The apparent acceleration (specific force) is what an accelerometer feels: a = R
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +14,7 @@ from numpy import ndarray as Array
 
 from rangenav import so3
 from rangenav.inputs import Input, Vec3, require
+from rangenav.results import result
 from rangenav.signals import Flown, Signal, Turning, jet, multirotor
 from rangenav.signals.multirotor import Attitude
 
@@ -50,7 +50,7 @@ class World(Input, frozen=True, kw_only=True):
         require(math.hypot(*self.anchor) < 1e5, "anchor must lie within 100 km of the origin")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Motion:
     """The truth, time first; inertial frame unless it says body."""
 
@@ -69,7 +69,7 @@ class Motion:
     """m/s², body: Rᵀ(p̈ − g)."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Limits:
     """The largest of each over a motion, and how near it comes to the anchor. SI; thrust_to_weight has no unit."""
 

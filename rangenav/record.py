@@ -18,6 +18,7 @@ from rangenav.inputs import Input, Vec3
 from rangenav.motion import Motion, World
 from rangenav.observability import excitation
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.sensors import Measurements, Sensors, measure
 from rangenav.signals import Signal, Turning
 
@@ -43,7 +44,7 @@ class TruthInputs(Input, frozen=True, kw_only=True):
     """Hz, the IMU's."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Truth:
     """A motion with its true 13-state."""
 
@@ -74,7 +75,7 @@ class Summary:
     microseconds_per_step: float
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Outcome:
     """What the observers made of one record."""
 
@@ -83,7 +84,7 @@ class Outcome:
     summary: Summary
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Record:
     """Everything one run produced."""
 

@@ -1,7 +1,8 @@
-"""The cascaded observer again, in plain numpy and body axes: slow, readable, and a witness for the compiled one.
+"""The reference implementation of the cascaded observer, in numpy and body axes: slow, readable, and a second witness.
 
-Same splitting, other coordinates: here the transition is 𝒜's exponential turned by exp(−ω h), P lives in body axes and
-the input matrices of the noise are written out; the kernel works in the gyro-integrated frame and never turns P.
+The splitting is the kernel's, the coordinates are others. Here the transition is 𝒜's exponential turned by exp(−ω h), P
+is in body axes, and the input matrices of the noise are written out; the kernel works in the gyro-integrated frame and
+never turns P.
 """
 
 import numpy as np
@@ -9,15 +10,15 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import attitude, riccati, so3
-from rangenav.cascade import Estimate, ObserverConfig, Start, ranges_at_imu_rate
+from rangenav.cascade import Estimate, ObserverConfig, Start, checked_start, ranges_at_imu_rate
 from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI, ModelForm
 from rangenav.sensors import Measurements, check
 
 
 def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -> Estimate:
-    """Run both observers over a record; same arguments and result as `cascade.observe`."""
-    check(measurements)
-    z, observer = measurements, _Observer(setting, symmetric=ranges_at_imu_rate(measurements, setting.sensors))
+    """Run both observers over a record; same arguments, result and errors as `cascade.observe`."""
+    z, start = check(measurements), checked_start(start)
+    observer = _Observer(setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
     x, P, R = start.state.copy(), np.diag(setting.gains.riccati.p0.diagonal()), start.rotation.copy()
     mag = np.where(np.isnan(z.mag[0]), R.T @ np.asarray(setting.world.magnetic), z.mag[0])
     pending = _due_at_start(z, x, observer)
@@ -57,7 +58,7 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
 
 
 class _Observer:
-    """The setting unpacked once; its methods are functions of their arguments only."""
+    """The configuration unpacked once; the methods depend on it and on their arguments only."""
 
     def __init__(self, setting: ObserverConfig, *, symmetric: bool) -> None:
         gains, sensors = setting.gains, setting.sensors

@@ -28,6 +28,7 @@ from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Strapdown
 from rangenav.model import POSITION, VELOCITY
 from rangenav.motion import to_inertial
+from rangenav.results import result
 from rangenav.sensors import Measurements
 from rangenav.strapdown import STATES, Attached, Track
 
@@ -64,7 +65,7 @@ class Pass:
     """rad: the same of the attitude."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Refinement:
     """A smoothed record, and how the passes went."""
 
@@ -109,17 +110,15 @@ def started(measurements: Measurements, estimate: Estimate, setting: ObserverCon
     rotation = estimate.rotation[-1]
     position = np.asarray(setting.world.anchor) + to_inertial(rotation, estimate.state[-1, POSITION])
     velocity = to_inertial(rotation, estimate.state[-1, VELOCITY])
-    strapdown.check(measurements)
-    backwards = strapdown.reversed_record(measurements)
+    backwards = strapdown.reversed_record(strapdown.check(measurements))
     return strapdown.reversed_track(filtered(backwards, (position, -velocity, rotation), covariance, setting))
 
 
 def smooth(measurements: Measurements, nominal: Track, setting: ObserverConfig) -> Refinement:
     """Gauss–Newton passes from any trajectory on the record's IMU samples."""
-    strapdown.check(measurements)
-    rows, samples = len(nominal.time), len(measurements.time)
-    require(rows == samples, f"the trajectory must have one row for each of the {samples} IMU samples, got {rows}")
-    z, p, attached = measurements, strapdown.parameters(setting), strapdown.attach(measurements)
+    z = strapdown.check(measurements)
+    nominal = strapdown.check_track(nominal, len(z.time))
+    p, attached = strapdown.parameters(setting), strapdown.attach(z)
     require(len(attached.sample) > 0, "a refinement needs ranges, and the record has none")
     anchor = np.asarray(setting.world.anchor, dtype=float)
     reached = _Trajectory(nominal.position - anchor, nominal.velocity.copy(), nominal.rotation.copy())

@@ -4,8 +4,6 @@ At rest the accelerometer reads −Rᵀg and the magnetometer Rᵀm. With a true
 one the world is laid by them: z along gravity, x towards magnetic north, which is all a range to an anchor leaves open.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -14,6 +12,7 @@ from rangenav.formats.import_result import Question
 from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World, to_inertial
+from rangenav.results import result
 
 TURNING = 0.05
 """rad/s; a body on a table reads its gyro's bias and noise, a hand ten times more."""
@@ -27,7 +26,7 @@ USUAL_GRAVITY = (9.7, 9.9)
 """m/s²; anywhere on earth, with 0.1 for the accelerometer's own scale."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Still:
     """A rest at the start of a record."""
 

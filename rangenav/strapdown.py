@@ -1,12 +1,14 @@
-"""The nine-state problem that peers solve: p, v and R in inertial axes, gravity known, the range itself as output.
+"""The nine-state problem of other estimators: p, v and R in inertial axes, gravity known, the range as output.
 
     ṗ = v,  v̇ = g + R a,  Ṙ = R [ω]x,  d = |p − p_anchor|,  m_y = Rᵀm;   R = exp([φ]x) R̂ defines the attitude error φ
-It is the paper's system (1)–(3) before the lift: nine states, no excitation paid for the lift, but a range that bends,
-so what is built on it converges from near by only. The acceleration is the mean of both ends of an interval, each
-turned by the gyro-integrated rotation; a range between two samples is carried to the later one by the known motion.
+
+This is the paper's system (1)–(3) before the lift. It needs less excitation than the lifted one, but its output is
+nonlinear, so an estimator that linearises it converges only from near the truth. The acceleration of an interval is the
+mean of both ends, each turned by the gyro-integrated rotation. A range between two samples is carried to the later one
+by the known motion.
 """
 
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +16,12 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav import model, sensors, so3
+from rangenav.arguments import finite_array, instance
 from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Strapdown
 from rangenav.motion import World, to_body
+from rangenav.results import result
 from rangenav.sensors import Measurements
 
 POSITION, VELOCITY, ATTITUDE = slice(0, 3), slice(3, 6), slice(6, 9)
@@ -30,7 +34,7 @@ LEAST_SIGMA = {"gyro": 1e-5, "accel": 1e-3, "mag": 1e-3, "range": 1e-3}
 zero variances leave nothing to weigh."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Track:
     """A nine-state estimate of a record, time first, inertial axes."""
 
@@ -63,12 +67,28 @@ class Attached(NamedTuple):
     """s: from the range to that sample."""
 
 
-def check(measurements: Measurements) -> None:
-    """Raise ValueError for a record out of order, not finite, or too long to keep a covariance of each sample."""
-    sensors.check(measurements)
-    samples, ranges = len(measurements.time), len(measurements.range)
+def check(measurements: Measurements) -> Measurements:
+    """The record as float64 arrays. Raises ValueError as `sensors.check` does, and for a record that is too long to
+    keep a covariance of each sample."""
+    z = sensors.check(measurements)
+    samples, ranges = len(z.time), len(z.range)
     require(samples <= MAX_SAMPLES, f"a record may have at most {MAX_SAMPLES} IMU samples here, got {samples}")
     require(ranges <= MAX_RANGES, f"a record may have at most {MAX_RANGES} ranges here, got {ranges}")
+    return z
+
+
+def check_track(track: Track, samples: int) -> Track:
+    """The track as float64 arrays with one row for each of so many IMU samples; its covariance and innovations as they
+    are. Raises ValueError for another number of rows, a wrong shape or type, or numbers that are not finite."""
+    instance("nominal", track, Track, called="strapdown.Track")
+    rows = len(track.time)
+    require(rows == samples, f"the trajectory must have one row for each of the {samples} IMU samples, got {rows}")
+    return replace(
+        track,
+        position=finite_array("position", track.position, (samples, 3)),
+        velocity=finite_array("velocity", track.velocity, (samples, 3)),
+        rotation=finite_array("rotation", track.rotation, (samples, 3, 3)),
+    )
 
 
 def attach(measurements: Measurements) -> Attached:

@@ -10,7 +10,6 @@ training seeds J never rises.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 
 import msgspec
@@ -23,6 +22,7 @@ from rangenav.ensemble import Cancelled, Progress
 from rangenav.gains import Gains
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks
 from rangenav.tradeoff import Point
 
@@ -64,7 +64,7 @@ SCHEDULE: dict[Where, tuple[float, float]] = {
 }
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Tuned:
     """What a search found, and what that is worth on seeds it has not seen."""
 

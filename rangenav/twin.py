@@ -10,7 +10,7 @@ need n·(p̈ − g) ≡ 0, a motion that falls freely along n.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from typing import Literal
 
@@ -23,6 +23,7 @@ from rangenav.inputs import Vec3, refuse_nonfinite, require_within
 from rangenav.motion import World, time_grid
 from rangenav.observability import ambiguity, blindness, symmetry
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.signals import Signal, started_at
 
 TOLERANCE, APART = 0.02, 1.0
@@ -54,7 +55,7 @@ TwinKind = Literal["turned", "mirrored", "nearby"]
 NONE: Vec3 = (0.0, 0.0, 0.0)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Twin:
     """Another motion that range and IMU cannot tell from the true one; its attitude is the true one's."""
 
@@ -88,7 +89,7 @@ class Twin:
         return self.kind == "turned"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Refusal:
     """Why there is no twin."""
 
@@ -100,7 +101,7 @@ class Refusal:
     """m: by how much the best lookalike at the distance asked for is off, at its worst moment."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class _Flight:
     """One motion, and the moments at which its range is compared."""
 

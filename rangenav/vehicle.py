@@ -13,6 +13,7 @@ from numpy import ndarray as Array
 
 from rangenav.inputs import Input, require
 from rangenav.motion import Motion, World
+from rangenav.results import result
 
 THRUST_MARGIN = 0.35
 """A vehicle must be able to push this share more than the motion asks for."""
@@ -98,7 +99,7 @@ WORDS = {
 """Each limit's quantity and unit for reading; tilt is said in degrees."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Demands:
     """What a motion asks for over time."""
 
@@ -115,7 +116,7 @@ class Demands:
     anchor_distance: Float[Array, "n"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Break:
     """One limit that a motion breaks."""
 

@@ -23,6 +23,7 @@ from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.eigenvalue_drop import Enclosure, Narrow, along, enclosed, fall, rise
 from rangenav.certificate.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
 from rangenav.observability.excitation import lowest_between
+from rangenav.results import result
 from rangenav.signals import Signal, knots
 
 ROUNDS = 8
@@ -45,7 +46,7 @@ MOST_FINER = 1 / 8
 """and at most so much smaller in one round."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Bounds:
     """What is proven of λ_min over all starts t in [0, end], and the window where it is least. All in m²/s⁷ and s."""
 

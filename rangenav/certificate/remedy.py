@@ -6,7 +6,6 @@ directions take two frequencies, three take three: tones of one frequency on all
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import msgspec
@@ -21,6 +20,7 @@ from rangenav.certificate.excitation_bound import oriented
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
 from rangenav.observability import blindness, excitation
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.signals import Multisine, Signal, Sum, Tone
 
 LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
@@ -44,7 +44,7 @@ SLOWEST = 16.0
 STANDARD_GRAVITY = 9.81
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Added:
     """Tones along directions, the preset that has them, and what it reaches."""
 

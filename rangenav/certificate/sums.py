@@ -5,7 +5,6 @@ a window starts or ends and at every knot, so that none holds a jump.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -13,6 +12,7 @@ from numpy import ndarray as Array
 
 from rangenav.certificate import derivative_bounds
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
+from rangenav.results import result
 from rangenav.signals import Signal, knots, operations
 
 GAUSS = 4
@@ -28,7 +28,7 @@ NEAR = 1e-14
 """Edges nearer than this share of the whole time are one: rounding of knot less δ plus δ."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Sums:
     """W on each window, and the cells that it is summed over."""
 

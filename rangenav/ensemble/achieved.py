@@ -4,17 +4,16 @@ The predictions (analysis) know one window of ranges and no IMU noise; the obser
 IMU noise: it may do better or worse than the Cramér–Rao bound of the window.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.analysis import Analysis
 from rangenav.ensemble.runs import Ensemble
+from rangenav.results import result
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Achieved:
     """1-σ position errors as sqrt(trace), m, at the ends of the analysis's windows."""
 

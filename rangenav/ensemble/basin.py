@@ -5,8 +5,6 @@ eigenvectors of M = ρ1 mmᵀ + ρ2 ggᵀ; here one sees where they are and how 
 for each axis.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -16,13 +14,14 @@ from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
 from rangenav.ensemble.runs import attitude_errors, batch, grid
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
+from rangenav.results import result
 
 MAX_AXES = 2000
 GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 """rad, between one axis and the next as seen from the pole: no two of them ever line up."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Basin:
     """What became of each start, a row for each axis."""
 

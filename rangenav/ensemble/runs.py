@@ -4,7 +4,6 @@ Curves are kept on a grid of 401 times; every figure (settling, steady errors) c
 """
 
 import math
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from rangenav.errors import angles
 from rangenav.gains import Guess
 from rangenav.preset import Preset
 from rangenav.record import Outcome, Truth
+from rangenav.results import result
 from rangenav.sensors import Measurements
 
 GRID = 401
@@ -45,7 +45,7 @@ class Spread(NamedTuple):
     """A tenth of the runs lie above."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Band:
     """The middle of many curves."""
 
@@ -56,7 +56,7 @@ class Band:
     """A tenth of the runs lie above."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Ensemble:
     """What became of each run, a row for each; errors as in `record`: norms in body axes, SI, attitude in rad."""
 

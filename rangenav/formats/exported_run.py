@@ -1,6 +1,6 @@
 """One run of a preset as loggers and robots would have it: truth and measurements, in the preset's frame or z-up."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -11,12 +11,13 @@ from rangenav.formats import frames
 from rangenav.formats.recorded_flight import Frame
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
+from rangenav.results import result
 
 INERTIAL = ("position", "velocity", "acceleration", "jerk", "snap")
 BODY = ("angular_velocity", "gyro", "accel", "mag")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class ExportedRun:
     """Truth and measurements, time first; inertial frame unless it says body."""
 

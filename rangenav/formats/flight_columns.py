@@ -1,7 +1,7 @@
 """A recorded flight from raw columns: every unit, frame, missing number and repeated stamp stated, or asked about."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,6 +12,7 @@ from rangenav.formats.import_result import ImportResult, Question, answer, lines
 from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
+from rangenav.results import result
 
 FRAMES = ("z-up", "z-down")
 DROP = ("drop",)
@@ -24,7 +25,7 @@ REST = 3.0
 """s from the start, in which a vehicle usually stands still: what the accelerometer reads there tells which way up."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class FlightColumns:
     """Columns as the file has them; `stated` holds the units that it names."""
 

@@ -6,14 +6,13 @@ the path itself does not visit. A ramp of r seconds covers the path's first r/2:
 and between its ramps lie the path's own seconds from r/2 to T − r/2. Only there the excitation is the path's.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.formats import hermite
 from rangenav.inputs import Vec3, require
+from rangenav.results import result
 from rangenav.signals import Flown, Polynomials, Signal, formula, multirotor
 from rangenav.signals.multirotor import Attitude
 
@@ -28,7 +27,7 @@ RAMP_STEP = 0.05
 """s of the pieces of degree 7 on which the attitude on a ramp is found."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class HoverRamps:
     """A path from 0 to `duration`, entered and left from hover; callable like a signal, up to snap."""
 

@@ -15,6 +15,7 @@ from numpy import ndarray as Array
 from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
+from rangenav.results import result
 from rangenav.signals import Signal
 
 GRAVITY = 9.81
@@ -44,7 +45,7 @@ class Question:
         return f"{self.asks}? {self.evidence}: {answer}"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class ImportResult:
     """A file as it was understood."""
 

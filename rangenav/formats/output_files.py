@@ -2,14 +2,15 @@
 
 import os
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from rangenav.inputs import require
+from rangenav.results import result
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class OutputFile:
     """One export."""
 

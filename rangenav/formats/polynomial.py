@@ -5,7 +5,6 @@ jerk of the ramped path, at most 31 (the firmware's memory), cut short after one
 it; the distance from the path and what the excitation has changed by are measured on the printed numbers.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +19,7 @@ from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.inputs import require
 from rangenav.observability import excitation
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.signals import Piece, Polynomials, Signal, bandwidth_until, polynomials
 from rangenav.signals.waypoints import MinimumSnap
 
@@ -72,7 +72,7 @@ def parse(data: bytes, *, source: str) -> ImportResult:
     )
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class PolynomialFit:
     """What the pieces keep of the path."""
 

@@ -1,6 +1,6 @@
 """A recorded flight: what a logger leaves behind, in SI; its part between two times, and synthetic ranges for it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3, require
+from rangenav.results import result
 from rangenav.sensors import Measurements
 
 Frame = Literal["z-up", "z-down"]
@@ -15,7 +16,7 @@ SYNTHETIC_RATE = 50.0
 """Hz; what a radio manages."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Flight:
     """A recorded flight in SI units, as a logger left it; what it lacks is None."""
 

@@ -7,7 +7,6 @@ that agree best with the snap columns. Columns of nothing but zeros are taken as
 there is no excitation to be judged. Motor thrusts (u_*) need a mass that no preset has, and are not written.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -23,6 +22,7 @@ from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.signals import Flown, Polynomials
 from rangenav.signals.polynomials import MAX_PIECES
 
@@ -49,7 +49,7 @@ LARGEST = 1e6
 Attitudes = Literal["flown", "preset"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class ReferenceFit:
     """Pieces and how far they are from what the file says."""
 

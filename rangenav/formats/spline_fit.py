@@ -5,13 +5,12 @@ becomes up to 16 ε/h⁴ = 160 000 m/s⁴), so the snap of such a path is the kn
 never judged from it. What it is good for is its shape, with the largest distance from the file's positions said.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import require, require_within
+from rangenav.results import result
 from rangenav.signals import Waypoint, Waypoints
 from rangenav.signals.waypoints import MAX_POINTS
 
@@ -25,7 +24,7 @@ SNAP_OF_NOISE = 16.0
 """Fourth differences weigh five samples by 1, 4, 6, 4, 1."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class SplineFit:
     """A curve near the samples."""
 

@@ -5,7 +5,6 @@ its line and column; an empty field is a missing number (NaN), which whoever rea
 """
 
 from array import array
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +12,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import require
+from rangenav.results import result
 
 MAX_BYTES = 64_000_000
 """An hour of ten columns at 100 Hz; parsing takes some 0.1 s per million bytes."""
@@ -26,7 +26,7 @@ SHOWN = 24
 """Characters of a wrong entry that a message repeats."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Table:
     """Numbers in named columns."""
 

@@ -9,11 +9,20 @@ import numpy as np
 from rangenav.kernels import attitude, riccati
 from rangenav.kernels import rotation as rot
 from rangenav.kernels.jit import kernel
+from rangenav.kernels.layout import (
+    ACCEL_FAULT,
+    GYRO_FAULT,
+    MAG_FAULT,
+    NO_FAULT,
+    RANGE_FAULT,
+    RANGE_TIME_FAULT,
+    TIME_FAULT,
+)
 
 
 @kernel
 def range_variance(x, p):
-    """Variance (m⁴) of one y: constant, or d̂²σ² + ½σ⁴ with the predicted d̂² (the measured one would bias the gain)."""
+    """Variance (m⁴) of one y: constant, or d̂²σ² + ½σ⁴ with the predicted d̂² (the measured d² would bias the gain)."""
     if not p.matched:
         return p.variance
     square, s2 = max(2 * x[0], 0.0), p.range_sigma * p.range_sigma
@@ -65,7 +74,7 @@ def _add_noise(x, P, h, p):
 
 @kernel
 def begin(s, distance, p):
-    """Note a range that came with the very first IMU sample: it is due when the first interval starts."""
+    """Keep the correction by a range at the very first IMU sample: it is applied when the first interval starts."""
     s.pending[0] = measured_y(distance, p)
     s.pending[1] = range_variance(s.x, p) * (2 if p.symmetric else 1)
 
@@ -112,6 +121,37 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
     rot.store(rotation, s.rotation)
     for i in range(3):
         s.gyro[i], s.accel[i], s.mag[i] = gyro1[i], accel1[i], new_mag[i]
+
+
+@kernel
+def fault(t0, t1, gyro, accel, mag, range_time, distance):
+    """The first thing that is wrong with a sample: stamps out of order, or a number that is not finite."""
+    if not t1 > t0:
+        return TIME_FAULT
+    for i in range(3):
+        if not np.isfinite(gyro[i]):
+            return GYRO_FAULT
+        if not np.isfinite(accel[i]):
+            return ACCEL_FAULT
+        if np.isinf(mag[i]):
+            return MAG_FAULT
+    last = t0
+    for j in range(len(distance)):
+        if not np.isfinite(distance[j]):
+            return RANGE_FAULT
+        if not last < range_time[j] <= t1:
+            return RANGE_TIME_FAULT
+        last = range_time[j]
+    return NO_FAULT
+
+
+@kernel
+def step(s, t0, t1, gyro1, accel1, mag1, range_time, distance, innovation, p):
+    """`advance` with all the ranges of a sample, unless the sample has a fault; returns the fault."""
+    found = fault(t0, t1, gyro1, accel1, mag1, range_time, distance)
+    if found == NO_FAULT:
+        advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, 0, len(distance), innovation, p)
+    return found
 
 
 @kernel
@@ -169,9 +209,9 @@ def due(range_time, first, time):
 
 @kernel
 def run_attitudes(s, time, gyro, accel, mag, range_time, distance, rotations, innovation, first, p):
-    """Run a whole record once for x̂ and, beside it, one attitude filter from each R̂(0) in rotations[:, 0].
+    """Run a whole record once for x̂, and one attitude filter from each R̂(0) in rotations[:, 0].
 
-    rotations[j, k] ← R̂ of filter j at sample k. The cascade makes it possible: nothing flows back from R̂ into x̂.
+    rotations[j, k] ← R̂ of filter j at sample k. All filters share one x̂, because in the cascade x̂ does not depend on R̂.
     """
     misaligned = np.full(len(rotations), s.misaligned[0])
     for k in range(1, len(time)):

@@ -1,18 +1,24 @@
-"""The plain types that cross from Python into the kernels. No numba here, so that importing them costs nothing."""
+"""The types that cross from Python into the kernels. This module does not import numba, so importing it is cheap."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 ROUNDING = 1e-14
-"""Each prediction adds this share of every variance to it: as much as its own rounding may have taken. Without it an
-unobservable motion with q = 1e5, v = 1e-6, p0 = 1e4 goes indefinite (-5e-8) within 10⁶ steps, while P grows to 1e19."""
+"""Each prediction increases every variance by this share, as much as rounding may have taken from it. Without it, P of
+an unobservable motion with q = 1e5, v = 1e-6, p0 = 1e4 becomes indefinite (an eigenvalue of -5e-8) within 10⁶ steps,
+while P grows to 1e19."""
 
 CONSISTENCY_TIME = 10.0
-"""s. The noise-matched observer is reminded of ξ1 = ½|p|², which the lift forgets, with a variance that covers the
-linearisation's error ½|e|² as if that stayed the same for so long. Steady position error on paper, paper-slow and soft,
-ranges at 200 Hz, median (worst) of 30 seeds in m: without .043 (.072), .073 (.117), .21 (.40); 100 s .038 (.066),
-.068 (.108), .20 (.34); 10 s .035 (.054), .056 (.075), .16 (.23); 1 s .036 (.051), .048 (.59), .13 (.29)."""
+"""s. The noise-matched observer is corrected with the constraint ξ1 = ½|p|², which the lift forgets. The variance of
+this correction covers the linearisation's error ½|e|² as if the error e stayed the same for so long.
+Steady position error on paper, paper-slow and soft, ranges at 200 Hz, median (worst) of 30 seeds in m:
+without the correction .043 (.072), .073 (.117), .21 (.40); with 100 s .038 (.066), .068 (.108), .20 (.34);
+with 10 s .035 (.054), .056 (.075), .16 (.23); with 1 s .036 (.051), .048 (.59), .13 (.29)."""
+
+
+NO_FAULT, TIME_FAULT, GYRO_FAULT, ACCEL_FAULT, MAG_FAULT, RANGE_FAULT, RANGE_TIME_FAULT = range(7)
+"""What the kernel `cascade.step` returns: the first thing that is wrong with a sample."""
 
 
 class Parameters(NamedTuple):
@@ -25,12 +31,13 @@ class Parameters(NamedTuple):
     variance: float
     """Of one correction with y (m⁴), used unless matched."""
     v: tuple[float, float, float, float]
-    """Process-noise density of the four blocks."""
+    """Process-noise density of the four blocks ξ, position, velocity, gravity."""
     k1: float
     rho1: float
     rho2: float
     scheduled: bool
-    """k1 falls from `k1` to `k1_steady` as the vectors agree; else it stays and the next three are not asked."""
+    """Whether k1 falls from `k1` to `k1_steady` as the vectors agree; else it is constant, and the next three numbers
+    are not used."""
     k1_steady: float
     halfway: float
     memory: float
@@ -44,7 +51,7 @@ class Parameters(NamedTuple):
 
 
 class Arrays(NamedTuple):
-    """Everything that changes, written in place by the kernels; `cascade.State` is its public face."""
+    """Everything that changes, written in place by the kernels; `cascade.State` reads it for a caller."""
 
     x: np.ndarray
     """13, turned axes."""
@@ -57,9 +64,9 @@ class Arrays(NamedTuple):
     gyro: np.ndarray
     accel: np.ndarray
     mag: np.ndarray
-    """The last one measured, carried along by the gyro between samples."""
+    """The last vector measured, turned by the gyro between two samples of the magnetometer."""
     misaligned: np.ndarray
-    """1: what the schedule of k1 goes by."""
+    """1 number: the low-passed misalignment s that the schedule of k1 depends on."""
     pending: np.ndarray
     """(y, variance) of a correction due at the start of the next interval; NaN if none."""
 

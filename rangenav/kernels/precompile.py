@@ -49,6 +49,7 @@ def _stages() -> list[tuple[str, Stage]]:
         ("Riccati correction", lambda: riccati.correct(s.x, s.P, 1.0, 1.0)),
         ("first sample", lambda: cascade.begin(s, 1.0, p)),
         ("one step", lambda: cascade.advance(s, 0.0, 1e-3, vector, vector, vector, time, ranges, 1, 2, pairs, p)),
+        ("one sample", lambda: cascade.step(s, 0.0, 1e-3, vector, vector, vector, time[1:], ranges[1:], pairs, p)),
         ("reading the estimate", lambda: (cascade.read(s, np.empty(13), np.empty((3, 3, 3))), cascade.k1(s, p))),
         (
             "whole record",

@@ -9,13 +9,13 @@ Differences are measured by their RMS over the flight, in the orthonormal basis 
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.observability import symmetry
+from rangenav.results import result
 
 COARSE, FINE, KEPT = 12, 30, 6
 """Damped Gauss–Newton steps of all starts, then of the best few: within 3% of the best of 400 random starts."""
@@ -32,7 +32,7 @@ EVERYWHERE = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat
 """The 26 ways from a cube's centre to its corners, edges and faces."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Ambiguities:
     """Differences that the search ended at, the least changed range first."""
 
@@ -44,7 +44,7 @@ class Ambiguities:
     """m: the RMS of e over the moments searched."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Sensitivity:
     """What the range feels of straight-line differences, to first order."""
 

@@ -1,13 +1,12 @@
 """Blind directions in words: what no range in a window can tell, from the null spaces of Gramian and snap."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.model import GRAVITY, POSITION, VELOCITY
+from rangenav.results import result
 from rangenav.signals import AXES
 
 SHARE = 1e-6
@@ -19,7 +18,7 @@ UNEXCITED = 1e-12
 BLOCKS = {"position": POSITION, "velocity": VELOCITY, "gravity": GRAVITY}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Direction:
     """One inertial direction and what cannot be told along it."""
 

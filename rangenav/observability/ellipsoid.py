@@ -4,17 +4,16 @@ Its semi-axes are √λᵢ (m/s^3.5): how strongly the window shakes each direct
 estimate, and μ is the square of its least semi-axis.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.observability import blindness, excitation
+from rangenav.results import result
 from rangenav.signals import Signal
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Ellipsoid:
     """The excitation of the window that starts at `start` (s)."""
 

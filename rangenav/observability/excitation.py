@@ -9,7 +9,6 @@ are looked at besides the grid's.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -17,6 +16,7 @@ from numpy import ndarray as Array
 
 from rangenav.motion import Motion, to_body, to_inertial
 from rangenav.observability import quadrature
+from rangenav.results import result
 from rangenav.signals import Signal, knots
 
 MIN_GRID, MAX_GRID, MAX_EVALUATIONS = 64, 4000, 150_000
@@ -177,7 +177,7 @@ def _events(path: Signal, first: float, last: float, window: float) -> Array | N
     return np.union1d(knots.knots(path, first, last), knots.knots(path, first + window, last + window) - window)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class _Sums:
     """∫p⁗p⁗ᵀ from the first edge to each, over cells between them that a few nodes integrate."""
 

@@ -5,14 +5,13 @@ a = 0. Never 13: only variation makes the pair observable. And never what the wi
 looks like 11, because a frozen 𝒜 takes its own axes' turning for a force that turns, and has 5.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model
 from rangenav.motion import Motion, to_inertial
+from rangenav.results import result
 
 RANK_TOLERANCE = 1e-9
 """Of the observability matrix in the motion's own units, whose last singular value that counts is above 1e-5 of the
@@ -21,7 +20,7 @@ SLOWEST, WEAKEST = 1e-9, 1e-9
 """rad/s and m/s²: less than this is not turning and no specific force."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Frozen:
     """Ranks at one moment."""
 

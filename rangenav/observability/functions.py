@@ -4,14 +4,13 @@ A window is observable exactly when they are linearly independent on it. Where t
 a change of the state that no range of the window can tell.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
 from rangenav.observability import rows, spectrum
+from rangenav.results import result
 from rangenav.signals import Signal
 
 NAMES = (
@@ -34,7 +33,7 @@ HOLDS = 2e-3
 """A relation as it is written holds to this share of the largest value of its function."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Functions:
     """The 13 functions on [start, start + window] (s)."""
 

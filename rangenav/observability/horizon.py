@@ -8,7 +8,6 @@ requirement what can be told with this one.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +19,7 @@ from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import accuracy, quadrature, rows, spectrum
 from rangenav.observability.rows import Visit
+from rangenav.results import result
 from rangenav.signals import Signal
 
 SHORT, LONG = 14, 12
@@ -37,7 +37,7 @@ Lack = Callable[[Array, float], Array]
 """(starts, length) -> what each window lacks: 0 is perfect, and the worst is the largest."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Horizon:
     """Windows of growing length; first column from the chosen start, second the worst of all looked at."""
 

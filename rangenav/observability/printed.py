@@ -4,8 +4,6 @@ derived   φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗,   ∫(Rφ)(Rφ)�
 printed   φ = ä − ω×ȧ − 2ω×(ω×a),                  ∫φφᵀ ≥ μ I₃         (body axes)
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -13,9 +11,10 @@ from numpy import ndarray as Array
 from rangenav.model import STATES
 from rangenav.motion import Motion, to_inertial
 from rangenav.observability import excitation
+from rangenav.results import result
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class PrintedAndDerived:
     """Both conditions on the same motion, at their worst windows."""
 

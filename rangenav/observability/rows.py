@@ -10,7 +10,7 @@ All rows of one window come from the same places: a Visit keeps them, so that th
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -19,6 +19,7 @@ from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
 from rangenav.observability import quadrature
+from rangenav.results import result
 from rangenav.signals import Signal, bent
 
 CHUNK = 4096
@@ -31,7 +32,7 @@ TALLEST = 512
 Moment = Literal["start", "end"]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Visit:
     """Where a path is during w windows, k times in each: at quadrature nodes, or where ranges were taken."""
 

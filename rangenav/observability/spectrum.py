@@ -4,8 +4,6 @@ W = (1/δ)∫ hᵀh ds = HᵀH with H the quadrature-weighted rows, so λ = σ(H
 eigenvalue below 1e-17 λ_max and returns negative ones; λ_min on the paper's own path is 5e-26 for δ = 0.25 s.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
@@ -13,6 +11,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.observability import rows
 from rangenav.observability.rows import Visit
+from rangenav.results import result
 from rangenav.signals import Signal
 
 RANK_TOLERANCE = 1e-13
@@ -22,7 +21,7 @@ NONLINEAR_TIME_POWERS = np.repeat([0, 1, 2], 3)
 """Units of the columns in powers of time; the length unit is 1 m. Fixed units, never a column's own norm."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Spectrum:
     """Singular-value results of w windows with n columns."""
 

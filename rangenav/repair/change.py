@@ -1,7 +1,6 @@
 """One kind of change a motion can be repaired by: a map θ → preset with a size, from no change at θ = 0."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import msgspec
@@ -10,13 +9,14 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.preset import Preset
+from rangenav.results import result
 from rangenav.signals import Signal
 
 ChangeKind = Literal["tones", "amplitude", "frequency", "timescale", "waypoints"]
 KINDS: tuple[ChangeKind, ...] = ("tones", "amplitude", "frequency", "timescale", "waypoints")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Change:
     """One way of changing a preset. θ = 0 changes nothing."""
 

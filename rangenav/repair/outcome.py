@@ -1,6 +1,5 @@
 """What a repair ends with: the changed preset, certified from its written bytes, or why there is none."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import msgspec
@@ -15,6 +14,7 @@ from rangenav.certificate.figures import BLIND_MU, Figures, figures
 from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
 from rangenav.repair.change import Change, ChangeKind
 from rangenav.repair.search import Budget, Look
+from rangenav.results import result
 from rangenav.vehicle import WORDS
 
 NOWHERE = Look(figures=None, violation=np.inf)
@@ -24,7 +24,7 @@ class CannotRepairError(ValueError):
     """This kind of change does not do it; the sentence says why."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Repair:
     """A preset, what was changed about it, and what that achieves."""
 

@@ -16,6 +16,7 @@ from scipy.optimize import differential_evolution, minimize
 from rangenav.certificate.figures import Figures, figures, shortfall
 from rangenav.preset import Preset
 from rangenav.repair.path_changes import Change
+from rangenav.results import result
 
 RAY = (1 / 512, 1 / 256, 1 / 128, 1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 3 / 4, 1.0)
 """Shares of a ray that are looked at, outwards."""
@@ -62,7 +63,7 @@ class Budget:
         return max(0, self.most - self.used)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Look:
     """What one θ gives."""
 

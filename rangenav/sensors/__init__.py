@@ -3,7 +3,7 @@
 from rangenav.sensors import effects
 from rangenav.sensors.antenna import distance
 from rangenav.sensors.effects import MODELLED, Effect, Effects
-from rangenav.sensors.measuring import Measurements, check, measure
+from rangenav.sensors.measuring import NO_SAMPLE, Measurements, check, measure
 from rangenav.sensors.noise import (
     MAX_RATE,
     MAX_SIGMA,
@@ -26,6 +26,7 @@ __all__ = [
     "MIN_SIGMA",
     "MODELLED",
     "Effect",
+    "NO_SAMPLE",
     "Effects",
     "Measurements",
     "Noise",

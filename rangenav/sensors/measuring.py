@@ -5,21 +5,24 @@ between are NaN. Ranges carry their own time stamps, so they may come at any rat
 Biases, outliers, drop-outs and a lever arm are added where `Effects` asks for them.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
+from rangenav.arguments import array, instance
 from rangenav.inputs import require
 from rangenav.motion import Motion, World, to_body
+from rangenav.results import result
 from rangenav.sensors import antenna
 from rangenav.sensors.effects import Effects
 from rangenav.sensors.suite import Sensors
 from rangenav.signals import Signal
 
+NO_SAMPLE = ": where the magnetometer gave no sample, write NaN in all three columns"
+"""What a refusal of mag = None adds."""
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+
+@result
 class Measurements:
     """One record, as a logger would have it; body frame."""
 
@@ -59,9 +62,14 @@ def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng
     )
 
 
-def check(measurements: Measurements) -> None:
-    """Raise ValueError at the first sample whose stamp does not increase or that is not finite (mag may be NaN)."""
-    z = measurements
+def check(measurements: Measurements) -> Measurements:
+    """The record as float64 arrays, safe for every kernel; lists and other dtypes are converted.
+
+    Raises ValueError in one sentence for an array of the wrong shape or type, and for the first sample whose stamp does
+    not increase or that is not finite. Only mag may be NaN, where the magnetometer gave no sample.
+    """
+    instance("measurements", measurements, Measurements, called="sensors.Measurements")
+    z = _in_shape(measurements)
     require(len(z.time) >= 2, f"a record needs at least two IMU samples, got {len(z.time)}")
     for name, stamps in (("time", z.time), ("range_time", z.range_time)):
         _refuse_first(np.asarray(~(np.diff(stamps) > 0)), f"{name} must increase", offset=1)
@@ -69,6 +77,21 @@ def check(measurements: Measurements) -> None:
         finite = np.asarray(np.isfinite(getattr(z, name)))
         _refuse_first(np.asarray(~finite.all(axis=tuple(range(1, finite.ndim)))), f"{name} must be finite")
     _refuse_first(np.asarray(np.isinf(z.mag).any(axis=-1)), "mag must be finite, or NaN where there is none")
+    return z
+
+
+def _in_shape(z: Measurements) -> Measurements:
+    """One row of gyro, accel and mag for each IMU stamp, one range for each range stamp."""
+    time, range_time = array("time", z.time, ("n",)), array("range_time", z.range_time, ("m",))
+    rows = (len(time), 3)
+    return Measurements(
+        time=time,
+        gyro=array("gyro", z.gyro, rows),
+        accel=array("accel", z.accel, rows),
+        mag=array("mag", z.mag, rows, none=NO_SAMPLE),
+        range_time=range_time,
+        range=array("range", z.range, range_time.shape),
+    )
 
 
 def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:

@@ -6,13 +6,12 @@ in power series of order two, so ω uses the path's jerk and ω̇ its snap and n
 answer: a free fall (f = 0: no thrust, no axis) and thrust straight down (yaw about it is a pole of every such rule).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Input, Vec3
+from rangenav.results import result
 from rangenav.signals import expressions, formula, series
 from rangenav.signals.families import Signal
 from rangenav.signals.series import Series
@@ -38,7 +37,7 @@ class Flown(Input, frozen=True, kw_only=True, tag="flown", tag_field="kind"):
             raise ValueError(f"yaw: {error}") from None
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Attitude:
     """What the body does, time first."""
 

@@ -5,13 +5,14 @@ inside the hull of its Bernstein coefficients, so their largest norm bounds it a
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 from scipy.special import comb
+
+from rangenav.results import result
 
 JUMP_ORDERS = range(5)
 """C⁰ to C⁴: position to snap."""
@@ -21,7 +22,7 @@ CHUNK = 4096
 """Times developed at once: all coefficients of so many pieces, a megabyte, stay in the cache."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Pieces:
     """m polynomials Σ c_j (t − knot)ʲ, one after the other."""
 

@@ -5,7 +5,6 @@ derivative jumps, `jumps` tells by how much, and `complaints` names the jumps th
 """
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal
 
@@ -14,6 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Input, require, require_within
+from rangenav.results import result
 from rangenav.signals import piecewise, waypoints
 from rangenav.signals.piecewise import Pieces
 from rangenav.signals.waypoints import MinimumSnap
@@ -86,7 +86,7 @@ class Polynomials(Input, frozen=True, kw_only=True, tag="polynomials", tag_field
         return _pieces(self).duration if self.ends == "repeat" else None
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@result
 class Jumps:
     """How far the derivatives jump at each knot, the first and the last included."""
 
