@@ -97,7 +97,7 @@ def _converted(name: str, value: Any, shape: Shape, none: str) -> Array:
     if not _fits(given.shape, shape):
         raise ValueError(f"{name} must have shape {_written(shape)}, got {given.shape}")
     with np.errstate(over="ignore"):  # a longdouble beyond float64 becomes infinite, and is refused as such
-        return np.require(given, dtype=DOUBLE, requirements="CAWE")
+        return np.require(given, dtype=DOUBLE, requirements=("C", "A", "W", "E"))
 
 
 def _as_float(value: Any) -> float:

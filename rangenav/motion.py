@@ -55,12 +55,19 @@ class Motion:
     """The truth, time first; inertial frame unless it says body."""
 
     time: Float[Array, "n"]
+    """s"""
     position: Float[Array, "n 3"]
+    """m"""
     velocity: Float[Array, "n 3"]
+    """m/s"""
     acceleration: Float[Array, "n 3"]
+    """m/s²"""
     jerk: Float[Array, "n 3"]
+    """m/s³"""
     snap: Float[Array, "n 3"]
+    """m/s⁴"""
     rotation: Float[Array, "n 3 3"]
+    """R, from body to inertial axes."""
     angular_velocity: Float[Array, "n 3"]
     """rad/s, body."""
     angular_acceleration: Float[Array, "n 3"]

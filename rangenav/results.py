@@ -1,10 +1,11 @@
 """Everything that is computed is a frozen dataclass, time first, compared by identity, which prints as a few lines.
 
     >>> record.run(preset.load("paper")).estimate
-    Estimate(time (4001) 0 … 20 s, state (4001, 13) -9.66 … 96.2, covariance (4001, 3, 3, 3) -43.1 … 100,
-        …)
+    Estimate(time (4001) 0 … 20 s, state (4001, 13) -245 … 254, covariance (4001, 3, 3, 3) -43.3 … 100,
+        xi_variance (4001, 4) 0.00191 … 2.51e+05, rotation (4001, 3, 3) -0.998 … 1,
+        innovation (4001, 2) -0.357 … 0.393 (2 not finite), k1 (4001) 4 1/s)
 
-An array is told by its shape, its least and its largest finite number, and its unit where all of it has one.
+An array is shown as its shape, its least and its largest finite number, and its unit where all of it has one.
 """
 
 import ast
@@ -30,7 +31,7 @@ UNIT = re.compile(r"(?:1/s|Hz|(?:m|s|rad|\(rad/s\)|\(m/s²\))[²³⁴⁷]?(?:/(?
 def result(kind: type[T]) -> type[T]:
     """The decorator of every class of results: a frozen, keyword-only dataclass without equality, of a short `repr`."""
     made = dataclasses.dataclass(frozen=True, eq=False, kw_only=True, repr=False)(kind)
-    made.__repr__ = summary
+    made.__repr__ = summary  # pyright: ignore[reportAttributeAccessIssue]
     return made
 
 
@@ -38,7 +39,7 @@ def summary(found: Any) -> str:
     """The fields of a result in a few lines: shapes and spans instead of numbers."""
     units = _units(type(found))
     parts = [
-        f"{field.name} {_told(getattr(found, field.name))}{units.get(field.name, '')}"
+        f"{field.name} {_shown(getattr(found, field.name))}{units.get(field.name, '')}"
         for field in dataclasses.fields(found)
     ]
     lines = [f"{type(found).__name__}("]
@@ -50,7 +51,7 @@ def summary(found: Any) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _told(value: Any) -> str:
+def _shown(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return _array(value)
     if isinstance(value, float | np.floating):
@@ -67,7 +68,7 @@ def _told(value: Any) -> str:
 
 def _several(values: Any) -> str:
     if len(values) <= 3 and all(value is None or isinstance(value, str | float | int) for value in values):
-        return f"({', '.join(_told(value) for value in values)})"
+        return f"({', '.join(_shown(value) for value in values)})"
     kinds = sorted({type(value).__name__ for value in values})
     return f"{len(values)} × {' or '.join(kinds)}" if len(values) else "none"
 

@@ -11,8 +11,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.arguments import number
+from rangenav.inputs import require
 from rangenav.motion import World
-from rangenav.observability import rows
+from rangenav.observability import rows, windows
 from rangenav.observability.rows import Moment, Visit
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
 from rangenav.signals import Signal
@@ -58,9 +60,12 @@ def predict(
 
 
 def ranged(path: Signal, start: float, window: float, rate: float) -> Visit:
-    """One window (s) at all its ranges, which come at `rate` (Hz)."""
+    """One window (s) at all its ranges, which come at `rate` (Hz). Raises ValueError as `windows.checked_one` does."""
+    starts, window = windows.checked_one(path, start, window)
+    rate = number("rate", rate)
+    require(rate > 0, f"rate must be positive, got {rate:g} Hz")
     tau = np.arange(int(window * rate + 1e-9) + 1)[None] / rate
-    return rows.visit_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+    return rows.visit_at(path, starts, window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
 
 def told(seen: Visit, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0) -> Accuracy:

@@ -14,6 +14,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.arguments import finite_array, increasing_array, number
+from rangenav.inputs import require
 from rangenav.observability import symmetry
 from rangenav.results import result
 
@@ -57,7 +59,11 @@ class Sensitivity:
 
 
 def sensitivity(position: Float[Array, "k 3"], time: Float[Array, "k"], duration: float) -> Sensitivity:
-    """The linearised range over a flight; position (m) is relative to the anchor."""
+    """The linearised range over a flight; position (m, inertial axes) is relative to the anchor, time in s.
+
+    Raises ValueError for arrays of other shapes, stamps that do not increase, or numbers that are not finite.
+    """
+    time, position, duration = _flight(time, position, duration)
     singular, right = _linearised(position, _basis(time, duration))
     least = right[singular <= max(float(singular[-1]), BLIND)]
     steadiest = np.linalg.svd(least[:, :3])[0][:, 0] @ least  # of several that are not felt, what drifts least
@@ -78,6 +84,10 @@ def search(
     It starts at mirrors and half turns about the axes of position and acceleration, at the directions that the range
     feels, both ways, and at steps of `apart` every way.
     """
+    time, position, duration = _flight(time, position, duration)
+    acceleration = finite_array("acceleration", acceleration, position.shape)
+    apart = number("apart", apart)
+    require(apart > 0, f"apart must be positive, got {apart:g} m")
     basis = _basis(time, duration)
     axes = np.concatenate([np.linalg.svd(v, full_matrices=False)[2] for v in (acceleration, position)])
     mirrors = np.array([symmetry.mirror(axis) for axis in axes])
@@ -97,6 +107,12 @@ def rms(shift: Float[Array, "3"], drift: Float[Array, "3"], duration: float) -> 
     """m: how far off a straight-line difference is, RMS over the flight."""
     middle, change = shift + drift * (duration / 2), drift * duration
     return math.sqrt(float(middle @ middle + change @ change / 12))
+
+
+def _flight(time: Array, position: Array, duration: float) -> tuple[Array, Array, float]:
+    time, duration = increasing_array("time", time, ("k",)), number("duration", duration)
+    require(len(time) > 0 and duration > 0, f"a flight must have samples and last longer than 0 s, got {duration:g} s")
+    return time, finite_array("position", position, (len(time), 3)), duration
 
 
 def _basis(time: Array, duration: float) -> Float[Array, "k 2"]:

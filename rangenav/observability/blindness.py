@@ -5,7 +5,8 @@ import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.model import GRAVITY, POSITION, VELOCITY
+from rangenav.arguments import finite_array
+from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY
 from rangenav.results import result
 from rangenav.signals import AXES
 
@@ -31,7 +32,13 @@ class Direction:
 def directions(
     null_basis: Float[Array, "13 k"], excitation: Float[Array, "3"], axes: Float[Array, "3 3"]
 ) -> tuple[Direction, ...]:
-    """Directions unseen by a window: null_basis of its Gramian, excitation eigenvalues (ascending), axes (columns)."""
+    """Directions that a window does not see, from its Gramian's null_basis and its excitation.
+
+    The excitation is given by its eigenvalues (m²/s⁷, ascending) and its axes (unit vectors in columns, inertial).
+    Raises ValueError for arrays of other shapes, or numbers that are not finite.
+    """
+    null_basis = finite_array("null_basis", null_basis, (STATES, "k"))
+    excitation, axes = finite_array("excitation", excitation, (3,)), finite_array("axes", axes, (3, 3))
     spans = {"snap": axes[:, excitation <= UNEXCITED * max(excitation[-1], np.finfo(float).tiny)]}
     for name, block in BLOCKS.items():
         left, size, _ = np.linalg.svd(null_basis[block])

@@ -14,8 +14,10 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.arguments import finite_array, increasing_array, number
+from rangenav.inputs import require
 from rangenav.motion import Motion, to_body, to_inertial
-from rangenav.observability import quadrature
+from rangenav.observability import quadrature, windows
 from rangenav.results import result
 from rangenav.signals import Signal, knots
 
@@ -53,13 +55,20 @@ def apparent_derivatives(motion: Motion) -> tuple[Float[Array, "n 3"], Float[Arr
 
 
 def eigenvalues(path: Signal, start: Float[Array, "w"], window: float) -> Float[Array, "w 3"]:
-    """Eigenvalues (m²/s⁷, ascending) of ∫p⁗p⁗ᵀ over [t, t + δ], from singular values of the weighted snap."""
+    """Eigenvalues (m²/s⁷, ascending) of ∫p⁗p⁗ᵀ over [t, t + δ], from singular values of the weighted snap.
+
+    Raises ValueError for what `windows.checked` refuses, and for windows with too many nodes.
+    """
+    start, window = windows.checked(path, start, window)
     return np.linalg.svd(_triangles(path, start, window), compute_uv=False)[:, ::-1] ** 2
 
 
 def directions(path: Signal, start: float, window: float) -> tuple[Float[Array, "3"], Float[Array, "3 3"]]:
-    """Eigenvalues (ascending) and eigenvectors (columns) of the excitation of one window."""
-    _, singular, right = np.linalg.svd(_triangles(path, np.array([start]), window)[0])
+    """Eigenvalues (m²/s⁷, ascending) and eigenvectors (columns, inertial axes) of the excitation of one window.
+
+    Raises ValueError as `eigenvalues` does.
+    """
+    _, singular, right = np.linalg.svd(_triangles(path, *windows.checked_one(path, start, window))[0])
     return singular[::-1] ** 2, right[::-1].T
 
 
@@ -77,8 +86,10 @@ def floor(values: Float[Array, "w 3"]) -> float:
 def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "3"], float]:
     """The eigenvalues (ascending, the first is μ) of the least excited window, and when it starts (s).
 
-    Besides the windows given, those between the first and the last of them that start or end at a knot of the path.
+    Besides these windows, it looks at those between the first and the last that start or end at a knot of the path.
+    Raises ValueError as `eigenvalues` does.
     """
+    start, window = windows.checked(path, start, window)
     if knots.has_pieces(path):
         first, last = float(start.min()), float(start.max())
         sums = _running(path, first, last + window)
@@ -102,6 +113,7 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     does so at a knot. Such windows are points of the grid, so between neighbours Δ apart λ_min stays above
     min(λᵢ, λᵢ₊₁) − (Δ²/8) sup|Ẅ|. The snap itself may jump at knots; what it comes from must not.
     """
+    _, window = windows.checked_one(path, 0.0, window)
     period = path.period
     if period is None:
         return None
@@ -222,7 +234,16 @@ def _cell(path: Signal, first: Array, last: Array, count: int) -> Array:
 def sampled_eigenvalues(
     signal: Float[Array, "n 3"], time: Float[Array, "n"], start: Float[Array, "w"], window: float
 ) -> Float[Array, "w 3"]:
-    """Eigenvalues of ∫ signal signalᵀ for any sampled signal (trapezoid); the printed forms, which need R, use it."""
+    """Eigenvalues of ∫ signal signalᵀ of any evenly sampled signal (trapezoid), as the printed forms of φ need it.
+
+    Raises ValueError for arrays of other shapes, stamps that do not increase, and windows outside the samples.
+    """
+    time = increasing_array("time", time, ("n",))
+    signal = finite_array("signal", signal, (len(time), 3))
+    start, window = finite_array("start", start, ("w",)), number("window", window)
+    require(len(time) >= 2, f"a sampled signal needs at least two samples, got {len(time)}")
+    fits = len(start) > 0 and time[0] <= start.min() and start.max() <= time[-1] and window > 0
+    require(bool(fits), f"windows must start within the samples, {time[0]:g} to {time[-1]:g} s, and be longer than 0 s")
     h = time[1] - time[0]
     first = np.rint((start - time[0]) / h).astype(int)
     last = np.minimum(first + round(window / h), len(time) - 1)

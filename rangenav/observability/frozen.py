@@ -10,6 +10,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import model
+from rangenav.arguments import finite_array
 from rangenav.motion import Motion, to_inertial
 from rangenav.results import result
 
@@ -40,6 +41,7 @@ def rank(gyro: Float[Array, "3"], accel: Float[Array, "3"]) -> int:
     """
     import control
 
+    gyro, accel = finite_array("gyro", gyro, (3,)), finite_array("accel", accel, (3,))
     turning, force = float(np.linalg.norm(gyro)), float(np.linalg.norm(accel))
     gyro = gyro / turning if turning > SLOWEST else np.zeros(3)
     accel = accel / force if force > WEAKEST else np.zeros(3)

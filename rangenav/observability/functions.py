@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.observability import rows, spectrum
+from rangenav.observability import rows, spectrum, windows
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -53,18 +53,19 @@ class Functions:
 
 
 def functions(path: Signal, gravity: Vec3, start: float, window: float, *, points: int = POINTS) -> Functions:
-    """The 13 functions of one window, and what ties them."""
+    """The 13 functions of one window, and the relations among them. Raises ValueError as `windows.checked_one` does."""
+    starts, window = windows.checked_one(path, start, window)
     if not 2 <= points <= MAX_POINTS:
         raise ValueError(f"points must lie between 2 and {MAX_POINTS}, got {points}")
     tau = np.linspace(0.0, window, points)
-    values = rows.lifted(path, gravity, np.array([start]), tau)[0]
-    found = spectrum.window_spectra(path, gravity, np.array([start]), window)
-    null, own = _echelon(spectrum.null_basis(found, 0), window)
+    values = rows.lifted(path, gravity, starts, tau)[0]
+    gramian = spectrum.window_spectra(path, gravity, starts, window)
+    null, own = _echelon(spectrum.null_basis(gramian, 0), window)
     return Functions(
-        start=start,
+        start=float(starts[0]),
         tau=tau,
         values=values,
-        rank=int(found.rank[0]),
+        rank=int(gramian.rank[0]),
         null=null,
         relations=tuple(_relation(*tied, values) for tied in zip(null, own, strict=True)),
         unseen=tuple(_unseen(*tied, values) for tied in zip(null, own, strict=True)),

@@ -10,15 +10,19 @@ from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
 from rangenav.motion import Motion, to_inertial
-from rangenav.observability import excitation, quadrature, rows
+from rangenav.observability import excitation, quadrature, rows, windows
 from rangenav.observability.spectrum import RANK_TOLERANCE
 from rangenav.signals import Signal
 
 
 def least_eigenvalue(path: Signal, gravity: Vec3, start: float, window: float) -> tuple[float, float]:
-    """The least eigenvalue of the reduced pair's Gramian (1/δ)∫ over one window, SI, and the floor of rounding."""
-    tau, weight = quadrature.nodes(path, np.array([start]), window)
-    matrix = rows.reduced(path, gravity, np.array([start]), tau)[0] * np.sqrt(weight[0])[:, None]
+    """The least eigenvalue of the reduced pair's Gramian (1/δ)∫ over one window, SI, and the floor of rounding.
+
+    Raises ValueError for what `windows.checked` refuses, and for a window with too many nodes.
+    """
+    starts, window = windows.checked_one(path, start, window)
+    tau, weight = quadrature.nodes(path, starts, window)
+    matrix = rows.reduced(path, gravity, starts, tau)[0] * np.sqrt(weight[0])[:, None]
     singular = np.linalg.svd(matrix, compute_uv=False)
     return float(singular[-1] ** 2), float((RANK_TOLERANCE * singular[0]) ** 2)
 

@@ -17,8 +17,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.arguments import finite_array
 from rangenav.inputs import Vec3
-from rangenav.observability import quadrature
+from rangenav.observability import quadrature, windows
 from rangenav.results import result
 from rangenav.signals import Signal, bent
 
@@ -55,7 +56,11 @@ class Visit:
 
 
 def visit(path: Signal, start: Float[Array, "w"], window: float) -> Visit:
-    """The windows at their quadrature nodes, and at both ends with no weight."""
+    """The windows at their quadrature nodes, and at both ends with no weight.
+
+    Raises ValueError for what `windows.checked` refuses, and for windows with too many nodes.
+    """
+    start, window = windows.checked(path, start, window)
     tau, weight = quadrature.nodes(path, start, window)
     ends = np.zeros((len(tau), 1))
     return visit_at(
@@ -70,7 +75,13 @@ def visit(path: Signal, start: Float[Array, "w"], window: float) -> Visit:
 def visit_at(
     path: Signal, start: Float[Array, "w"], window: float, *, tau: Float[Array, "v k"], weight: Float[Array, "v k"]
 ) -> Visit:
-    """The windows at chosen times. The path is evaluated without its straight part, which is then added."""
+    """The windows at chosen times. The path is evaluated without its straight part, which is then added.
+
+    Raises ValueError for what `windows.checked` refuses, and for times or weights of other shapes.
+    """
+    start, window = windows.checked(path, start, window)
+    tau = windows.offsets("tau", tau, len(start))
+    weight = finite_array("weight", weight, ("v", tau.shape[-1]))
     curve, time, ends = bent(path), start[:, None] + tau, np.stack([start, start + window])
     places = _axes_first(curve(time))
     offset, drift = (path(start[:1], order) - curve(start[:1], order) for order in (0, 1))
@@ -157,6 +168,7 @@ def lifted(
     path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 13"]:
     """Rows 𝒞Φ(t + τ, t) for each reference time t (s); τ may be negative (what past ranges say about now)."""
+    reference, tau = _checked(path, reference, tau)
     curve = bent(path)
     places = _axes_first(curve(reference[:, None] + tau))
     return _lifted(_departure(places, curve(reference), curve(reference, 1), gravity, tau), tau)
@@ -166,6 +178,7 @@ def nonlinear(
     path: Signal, anchor: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 9"]:
     """Rows of ½d² with respect to (p, v, g) at each reference time, linearised at the true motion."""
+    reference, tau = _checked(path, reference, tau)
     return _nonlinear(_axes_first(path(reference[:, None] + tau) - np.asarray(anchor)), tau)
 
 
@@ -173,6 +186,7 @@ def reduced(
     path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 9"]:
     """Rows of the reduced pair, r_4 = [p⁗ᵀ, 4 p⃛ᵀ, 6 a_Iᵀ] in inertial axes, carried to the reference time."""
+    reference, tau = _checked(path, reference, tau)
     time = reference[:, None] + tau
     return carry(path(time, 4), 4 * path(time, 3), 6 * (path(time, 2) - np.asarray(gravity)), tau)
 
@@ -183,6 +197,12 @@ def carry(
     """Rows on (p, v, g) at the window's start from rows on (p, v, g) at τ: p + τv + ½τ²g, v + τg, g."""
     s = tau[..., None]
     return np.concatenate([first, s * first + second, s**2 / 2 * first + s * second + third], axis=-1)
+
+
+def _checked(path: Signal, reference: Array, tau: Array) -> tuple[Array, Array]:
+    windows.refuse_arrays(path)
+    reference = finite_array("reference", reference, ("w",))
+    return reference, windows.offsets("tau", tau, len(reference))
 
 
 def _since(seen: Visit, moment: Moment) -> Array:

@@ -8,8 +8,9 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
-from rangenav.inputs import Vec3
-from rangenav.observability import rows
+from rangenav.arguments import number
+from rangenav.inputs import Vec3, require
+from rangenav.observability import rows, windows
 from rangenav.observability.rows import Visit
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -50,6 +51,9 @@ def nonlinear_spectra(path: Signal, anchor: Vec3, start: Float[Array, "w"], wind
 
 def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float, *, rate: float) -> Spectrum:
     """As `window_spectra`, but with the sum over samples at `rate` (Hz) that a log has (trapezoidal weights)."""
+    start, window = windows.checked(path, start, window)
+    rate = number("rate", rate)
+    require(rate * window >= 1, f"rate must give at least one step in a window of {window:g} s, got {rate:g} Hz")
     count = round(window * rate)
     weight = np.full((1, count + 1), 1.0 / count)
     weight[:, [0, -1]] /= 2

@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.observability import windows
 from rangenav.signals import Signal
 
 NODES = 128
@@ -28,7 +29,11 @@ def moments(duration: float) -> Float[Array, "k"]:
 
 
 def still(path: Signal, duration: float) -> Float[Array, "m 3"]:
-    """An orthonormal basis of the directions along which nothing accelerates."""
+    """An orthonormal basis of the directions along which nothing accelerates, over a flight of `duration` (s).
+
+    Raises ValueError for a path that is no signal, or a duration that is not positive.
+    """
+    windows.checked_one(path, 0.0, duration)
     _, singular, right = np.linalg.svd(path(moments(duration), 2) / math.sqrt(NODES), full_matrices=False)
     rounding = max(STRAIGHT * 2 / duration**2, FLAT * float(singular[0]))
     return right[singular <= rounding]

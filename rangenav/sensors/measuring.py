@@ -29,9 +29,11 @@ class Measurements:
     time: Float[Array, "n"]
     """s, the IMU's clock."""
     gyro: Float[Array, "n 3"]
+    """rad/s"""
     accel: Float[Array, "n 3"]
+    """m/s²"""
     mag: Float[Array, "n 3"]
-    """NaN where the magnetometer gave no sample."""
+    """Unit vector and its noise; NaN where the magnetometer gave no sample."""
     range_time: Float[Array, "m"]
     """s, increasing."""
     range: Float[Array, "m"]
