@@ -13,7 +13,7 @@ from types import ModuleType
 import numpy as np
 
 from rangenav import strapdown
-from rangenav.arguments import finite_array
+from rangenav.arguments import array
 from rangenav.cascade import ObserverConfig, Start, checked_start
 from rangenav.model import POSITION, VELOCITY
 from rangenav.sensors import Measurements
@@ -45,7 +45,7 @@ def filtered(
     """The same from a position (m), velocity (m/s) and rotation in inertial axes, and the covariance of their errors.
 
     The covariance is 9 × 9, in the order position, velocity, attitude (rad).
-    Raises ValueError as `ekf` does.
+    Raises ValueError as `ekf` does, but for a start that is not finite: from there the filter diverges.
     """
     z = strapdown.check(measurements)
     count, anchor = len(z.time), np.asarray(setting.world.anchor, dtype=float)
@@ -59,10 +59,10 @@ def filtered(
         covariance=np.empty((count, STATES, STATES)),
         innovation=np.full((len(z.range), 2), np.nan),
     )
-    track.position[0] = finite_array("start position", position, (3,)) - anchor
-    track.velocity[0] = finite_array("start velocity", velocity, (3,))
-    track.rotation[0] = finite_array("start rotation", rotation, (3, 3))
-    track.covariance[0] = finite_array("covariance", covariance, (STATES, STATES))
+    track.position[0] = array("start position", position, (3,)) - anchor
+    track.velocity[0] = array("start velocity", velocity, (3,))
+    track.rotation[0] = array("start rotation", rotation, (3, 3))
+    track.covariance[0] = array("covariance", covariance, (STATES, STATES))
     _kernel().run(
         z.time, z.gyro, z.accel, z.mag, z.range[attached.kept], attached.sample, attached.back, track.position,
         track.velocity, track.rotation, track.covariance.reshape(count, -1), track.innovation[attached.kept],

@@ -16,7 +16,7 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav import model, sensors, so3
-from rangenav.arguments import finite_array, instance
+from rangenav.arguments import array, instance
 from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import Strapdown
@@ -79,15 +79,15 @@ def check(measurements: Measurements) -> Measurements:
 
 def check_track(track: Track, samples: int) -> Track:
     """The track as float64 arrays with one row for each of so many IMU samples; its covariance and innovations as they
-    are. Raises ValueError for another number of rows, a wrong shape or type, or numbers that are not finite."""
+    are. Raises ValueError for another number of rows, or a wrong shape or type; a diverged track holds NaN."""
     instance("nominal", track, Track, called="strapdown.Track")
     rows = len(track.time)
     require(rows == samples, f"the trajectory must have one row for each of the {samples} IMU samples, got {rows}")
     return replace(
         track,
-        position=finite_array("position", track.position, (samples, 3)),
-        velocity=finite_array("velocity", track.velocity, (samples, 3)),
-        rotation=finite_array("rotation", track.rotation, (samples, 3, 3)),
+        position=array("position", track.position, (samples, 3)),
+        velocity=array("velocity", track.velocity, (samples, 3)),
+        rotation=array("rotation", track.rotation, (samples, 3, 3)),
     )
 
 
