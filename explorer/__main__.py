@@ -51,7 +51,7 @@ def serve(arguments: Arguments) -> None:
     server = open_server(arguments.host, arguments.port)
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
-    from explorer.storage.files import WorkFiles
+    from explorer.storage.work_files import WorkFiles
     from explorer.web.identity import Slots, connected
 
     compilation, slots = Compilation(), Slots(lambda tab: connected(server, tab))

@@ -35,7 +35,7 @@ from explorer.shared import Shared
 from explorer.storage import preset_file
 from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
-from explorer.storage.files import StorageError
+from explorer.storage.work_files import StorageError
 from explorer.web import viewport
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
@@ -137,7 +137,7 @@ class Session:
         """Show what this tab's visitor had; another preset asked for on the command line comes first, and undo then
         brings the work back."""
         try:
-            kept = self._autosave.find(session_key(self._client, self._shared.slots))
+            kept = self._autosave.restore(session_key(self._client, self._shared.slots))
         except StorageError as reason:
             kept = self._notify(str(reason))
         if kept is None:

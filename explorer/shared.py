@@ -6,8 +6,8 @@ import time
 from dataclasses import dataclass, field
 
 from explorer.storage.certifier import Certifier
-from explorer.storage.files import WorkFiles
 from explorer.storage.library import Library
+from explorer.storage.work_files import WorkFiles
 from explorer.web.identity import Slots
 from rangenav.preset import Preset
 

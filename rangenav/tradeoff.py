@@ -16,9 +16,9 @@ from msgspec.structs import replace
 
 from rangenav import cascade, ensemble, errors, record
 from rangenav.cascade import ObserverConfig, Start
-from rangenav.ensemble import Cancelled
 from rangenav.gains import Gains
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled
 from rangenav.record import Truth
 from rangenav.sensors import Measurements
 
@@ -95,7 +95,7 @@ def runs(preset: Preset, first: int, count: int) -> list[TrainingRun]:
 
 
 def score(gains: Gains, runs: list[TrainingRun], *, preset: Preset, cancelled: Cancelled) -> Point:
-    """What gains reach on some runs of a preset. Raises ensemble.Stopped when it is cancelled."""
+    """What gains reach on some runs of a preset. Raises CancelledError when it is cancelled."""
     setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=gains)
     reached = ensemble.each(
         partial(_reached, setting),

@@ -18,10 +18,10 @@ from msgspec.structs import replace
 
 from rangenav import ensemble, tradeoff
 from rangenav.attitude import HALFWAY_RANGE, K1_RANGE, MEMORY_RANGE
-from rangenav.ensemble import Cancelled, Progress
 from rangenav.gains import Gains
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.results import result
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks
 from rangenav.tradeoff import Point
@@ -89,13 +89,13 @@ def tune(
     runs: int = 8,
     evaluations: int = 300,
     steadiness: float = 0.5,
-    progress: Progress = lambda _: None,
-    cancelled: Cancelled = lambda: False,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Tuned:
     """Search for gains on `runs` training seeds with so many evaluations in all, and judge them on as many others.
 
     The mode stays as it is (noise-matched gains have no q and v), and a schedule of k1 is searched if there is one.
-    Raises ValueError for too much work, and ensemble.Stopped when it is cancelled.
+    Raises ValueError for too much work, and CancelledError when it is cancelled.
     """
     require_within("steadiness", steadiness, 0.0, 1.0)
     rule = f"the number of evaluations must lie between 1 and {MAX_EVALUATIONS}, got {evaluations}"

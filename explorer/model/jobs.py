@@ -1,8 +1,10 @@
-"""Long work of one visitor: one job at a time in a thread of its own, with progress, a way to stop, and a result that
-the session's loop takes over. The rest of the page stays usable.
+"""Long work of one visitor: one job at a time, in a thread of its own. The page stays usable while the job runs.
 
-    jobs.start("100 seeds", work, done)         work(progress, cancelled) -> result, in the job's thread
-    jobs.deliver()                              done(result) in the session's loop; None if nothing is finished
+    jobs.start("100 seeds", work, done, failed)     work(progress, cancelled) -> result, in the job's thread
+    jobs.deliver()                                  done(result) or failed(sentence), in the session's loop
+
+This is the only way from a thread to the page: a job never writes to the page, and `deliver` drops the result of a job
+that was cancelled or replaced.
 """
 
 import threading
@@ -11,15 +13,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from rangenav.ensemble import Stopped
+from rangenav.progress import Cancelled, CancelledError, Progress
 
 T = TypeVar("T")
-Progress = Callable[[float], None]
-"""Told how much is done, 0 to 1."""
-Cancelled = Callable[[], bool]
 Work = Callable[[Progress, Cancelled], T]
-NEWS = 0.1
-"""s between two looks of the session at how far a job is."""
+REPORT_PERIOD = 0.1
+"""s: how often a running job wakes the session's loop to show its progress."""
 
 
 @dataclass(eq=False)
@@ -38,54 +37,55 @@ class Job:
 
 
 class Jobs:
-    """At most one job of one visitor; starting another cancels it."""
+    """At most one job; starting another cancels it."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
-        """`note` wakes the session's loop, from the job's thread."""
+        """`wake` wakes the session's loop; it is called from the job's thread."""
         self._wake = wake
         self._job: Job | None = None
-        self._told = float("-inf")
+        self._reported_at = float("-inf")
 
     @property
     def running(self) -> Job | None:
-        """The job at work, or whose result has not been taken over yet."""
+        """The job that is running, or whose result has not been delivered yet."""
         return self._job
 
     def start(self, name: str, work: Work[T], done: Callable[[T], None], failed: Callable[[str], None]) -> None:
-        """Begin. `done` gets the result, `failed` a sentence if the work raised ValueError; both in the session's loop.
-        A job that was cancelled reports to neither."""
+        """Start a job. `deliver` calls `done` with the result, or `failed` with a sentence if the work raised
+        ValueError. For a cancelled job it calls neither."""
         self.cancel()
         job = self._job = Job(name, work, done, failed)
         threading.Thread(target=self._run, args=(job,), name=f"job {name}", daemon=True).start()
 
     def cancel(self) -> None:
-        """Stop the job at work, as soon as it looks; its result is not wanted any more."""
+        """Ask the running job to stop, and drop its result."""
         if self._job is not None:
             self._job.cancelled = True
             self._job = None
             self._wake()
 
     def deliver(self) -> None:
-        """Hand over what is finished. Raises what the work raised, but for ValueError and Stopped."""
+        """Hand over the result of a finished job. Raises what the work raised, except ValueError and CancelledError."""
         job = self._job
         if job is None or not job.finished:
             return
         self._job = None
-        if isinstance(job.error, ValueError):
-            job.failed(str(job.error))
-        elif isinstance(job.error, Stopped):
-            return
-        elif job.error is not None:
-            raise job.error
-        else:
-            job.done(job.result)
+        match job.error:
+            case None:
+                job.done(job.result)
+            case ValueError() as error:
+                job.failed(str(error))
+            case CancelledError():
+                return
+            case error:
+                raise error
 
     def _run(self, job: Job) -> None:
         def progress(fraction: float) -> None:
             job.fraction = min(max(fraction, 0.0), 1.0)
             now = time.monotonic()
-            if now - self._told > NEWS:
-                self._told = now
+            if now - self._reported_at > REPORT_PERIOD:
+                self._reported_at = now
                 self._wake()
 
         try:

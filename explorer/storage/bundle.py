@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from explorer.model.jobs import Cancelled, Progress, Stopped
 from rangenav import formats
 from rangenav.certificate import certified_export
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, CancelledError, Progress
 
 OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
 MARK = ".uncertified"
@@ -51,7 +51,7 @@ def pack(
         for k, form in enumerate(("preset", *forms)):
             progress((k + 1) / (len(forms) + 2))
             if cancelled():
-                raise Stopped
+                raise CancelledError
             path = folder / (stem + formats.row(form).suffix)
             try:
                 notes += _write_format(shown, form, path, uncertified=uncertified)

@@ -18,7 +18,7 @@ import viser
 from viser import _messages
 from websockets.exceptions import ConnectionClosed
 
-from explorer.storage.files import StorageError, new_visitor
+from explorer.storage.work_files import StorageError, new_browser_id
 
 KEY, SLOT_KEY, PREFIX = "rangenav-visitor", "rangenav-slot", "viser-user:"
 """Our names in the browser's storages, and what viser puts before its own in localStorage."""
@@ -101,7 +101,7 @@ def visitor_of(client: viser.ClientHandle) -> str | None:
     try:
         found = storage.get_item(KEY, timeout=PATIENCE)
         if not _fits(BROWSER, found):
-            storage.set_item(KEY, new_visitor())
+            storage.set_item(KEY, new_browser_id())
             found = storage.get_item(KEY, timeout=PATIENCE)  # also when another tab was first
     except (RuntimeError, TimeoutError):
         return None

@@ -4,23 +4,21 @@
     starts(preset, count, rng)  what the start changes: x̂ = 0 and R̂(0) uniform on SO(3)
     basin(preset, angle)        how long the attitude takes from starts all around, at one angle
     each(work, items)           the pool of threads they share; the only one but for the kernels' warm-up
-All take `progress` and `cancelled`, give the same numbers whatever the threads do, and raise Stopped when cancelled.
+All take `progress` and `cancelled`, and give the same numbers however many threads there are. A cancelled computation
+raises CancelledError (`rangenav.progress`).
 """
 
 from rangenav.ensemble.achieved import Achieved, achieved
 from rangenav.ensemble.basin import Basin, basin, sphere
-from rangenav.ensemble.pool import Cancelled, Progress, Stopped, each, refuse_work
+from rangenav.ensemble.pool import each, refuse_work
 from rangenav.ensemble.runs import Band, Ensemble, Spread, seeds, spread, starts
 
 __all__ = [
     "Achieved",
     "Band",
     "Basin",
-    "Cancelled",
     "Ensemble",
-    "Progress",
     "Spread",
-    "Stopped",
     "achieved",
     "basin",
     "each",

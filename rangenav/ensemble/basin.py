@@ -10,10 +10,11 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import record, so3
-from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
+from rangenav.ensemble.pool import each, refuse_work
 from rangenav.ensemble.runs import attitude_errors, batch, grid
 from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.results import result
 
 MAX_AXES = 2000
@@ -44,12 +45,12 @@ def basin(
     angle: float,
     axes: int = 300,
     *,
-    progress: Progress = lambda _: None,
-    cancelled: Cancelled = lambda: False,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Basin:
     """Settling from starts at `angle` (rad, 0 to π) from the truth, about `axes` axes all around; x̂(0) is the preset's.
 
-    Raises ValueError if that is too much work, and ensemble.Stopped when it is cancelled.
+    Raises ValueError if that is too much work, and CancelledError when it is cancelled.
     """
     require_within("angle", angle, 0.0, np.pi + 1e-12, "rad")
     require(1 <= axes <= MAX_AXES, f"the number of axes must lie between 1 and {MAX_AXES}, got {axes}")

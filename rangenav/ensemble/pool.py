@@ -12,6 +12,7 @@ from typing import TypeVar
 
 from rangenav.inputs import require
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, CancelledError, Progress
 
 MAX_RUNS = 10_000
 MAX_STEPS = 200_000_000
@@ -20,16 +21,8 @@ MAX_AT_ONCE = 4_000_000
 """IMU samples in all runs that are worked on at once; each takes 0.4 kB while it is."""
 POLL = 0.1
 """s between two looks at `cancelled`."""
-Progress = Callable[[float], None]
-"""Is given the share that is done, in the caller's thread."""
-Cancelled = Callable[[], bool]
-"""Is asked, in the caller's thread, whether the result is still wanted."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
-
-
-class Stopped(Exception):  # noqa: N818, nothing went wrong
-    """The work was cancelled."""
 
 
 def each(
@@ -38,7 +31,7 @@ def each(
     """work(item) for every item, in as many threads as there are cores; results in the order of the items.
 
     `samples` is what one of them works on: long records are taken fewer at once. The first error of a job is raised,
-    and Stopped as soon as `cancelled()`; jobs not yet begun are then dropped.
+    and CancelledError as soon as `cancelled()`; jobs not yet begun are then dropped.
     """
     threads = max(1, min(os.cpu_count() or 1, MAX_AT_ONCE // samples))
     with ThreadPoolExecutor(threads) as pool:
@@ -60,7 +53,7 @@ def _next(finished: SimpleQueue[Future[Result]], cancelled: Cancelled) -> Future
     while not cancelled():
         with contextlib.suppress(Empty):
             return finished.get(timeout=POLL)
-    raise Stopped
+    raise CancelledError
 
 
 def refuse_work(preset: Preset, count: int, times: int = 1) -> None:

@@ -14,10 +14,11 @@ from scipy.spatial.transform import Rotation
 
 from rangenav import cascade, consistency, model, record
 from rangenav.cascade import ObserverConfig
-from rangenav.ensemble.pool import Cancelled, Progress, each, refuse_work
+from rangenav.ensemble.pool import each, refuse_work
 from rangenav.errors import angles
 from rangenav.gains import Guess
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.record import Outcome, Truth
 from rangenav.results import result
 from rangenav.sensors import Measurements
@@ -113,12 +114,12 @@ def seeds(
     count: int,
     *,
     form: model.ModelForm = "derived",
-    progress: Progress = lambda _: None,
-    cancelled: Cancelled = lambda: False,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Ensemble:
     """`count` runs with seeds counted up from the preset's; each is what `record.run_seed` gives, to the last bit.
 
-    Raises ValueError if that is too much work, and Stopped when it is cancelled.
+    Raises ValueError if that is too much work, and CancelledError when it is cancelled.
     """
     truth = _truth(preset, count)
 
@@ -135,8 +136,8 @@ def starts(
     count: int,
     rng: np.random.Generator,
     *,
-    progress: Progress = lambda _: None,
-    cancelled: Cancelled = lambda: False,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Ensemble:
     """`count` runs from x̂ = 0 and R̂(0) uniform on SO(3), ten on each record of noise. Raises as `seeds` does."""
     truth = _truth(preset, count)

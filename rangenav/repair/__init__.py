@@ -6,7 +6,7 @@ Searches look at samples; what they end with is written, read again and certifie
 certificate does not confirm is done again with more margin.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import msgspec
 import numpy as np
@@ -19,10 +19,11 @@ from rangenav.certificate.figures import figures
 from rangenav.inputs import require
 from rangenav.observability import blindness
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.repair import path_changes, tones
 from rangenav.repair.change import KINDS, Change, ChangeKind
 from rangenav.repair.outcome import NOWHERE, CannotRepairError, Repair, certified, defeat, made, outcome, report
-from rangenav.repair.search import Budget, CancelledError, Look, Search, SearchProgress, least, sharpest
+from rangenav.repair.search import Budget, Look, Search, least, sharpest
 from rangenav.vehicle import CRAZYFLIE, FREE
 
 EVALUATIONS = 1500
@@ -54,13 +55,13 @@ def repair(
     *,
     by: ChangeKind = "tones",
     evaluations: int = EVALUATIONS,
-    progress: SearchProgress | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Repair:
     """The smallest change of one kind that meets the requirement within the vehicle's limits.
 
-    `progress` is told a share and a word, `cancelled` is asked before every look. Raises CannotRepairError with the
-    reason if this kind of change does not do it, CancelledError when cancelled.
+    `progress` and `cancelled` are called before every motion that is tried. Raises CannotRepairError with the reason if
+    this kind of change does not meet the requirement, and CancelledError when cancelled.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
     before = certified(preset)
@@ -86,8 +87,8 @@ def improve(
     by: ChangeKind = "tones",
     most_effort: float | None = None,
     evaluations: int = EVALUATIONS,
-    progress: SearchProgress | None = None,
-    cancelled: Callable[[], bool] | None = None,
+    progress: Progress = unheard,
+    cancelled: Cancelled = never,
 ) -> Repair:
     """A change of one kind that lowers the predicted σ, keeping μ, within the vehicle's limits and `most_effort`.
 
@@ -123,9 +124,7 @@ def _kept(after: Preset, limited: Preset) -> bool:
     return all(one.met for one in checks if one.name != "accuracy")
 
 
-def _budget(
-    preset: Preset, evaluations: int, progress: SearchProgress | None, cancelled: Callable[[], bool] | None
-) -> Budget:
+def _budget(preset: Preset, evaluations: int, progress: Progress, cancelled: Cancelled) -> Budget:
     work = remedy.WORK_PER_TRY + remedy.WORK_PER_OPERATION * signals.operations(preset.path)
     most = min(evaluations, int(WORK / work))
     return Budget(total=most, most=most, progress=progress, cancelled=cancelled)
@@ -224,4 +223,4 @@ def _spent(budget: Budget) -> Iterator[int]:
         yield budget.left
 
 
-__all__ = ["KINDS", "CancelledError", "CannotRepairError", "Kind", "Progress", "Repair", "improve", "repair", "report"]
+__all__ = ["KINDS", "CannotRepairError", "ChangeKind", "Repair", "improve", "repair", "report"]

@@ -15,6 +15,7 @@ from scipy.optimize import differential_evolution, minimize
 
 from rangenav.certificate.figures import Figures, figures, shortfall
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, CancelledError, Progress
 from rangenav.repair.path_changes import Change
 from rangenav.results import result
 
@@ -31,11 +32,6 @@ EXCESS_MARGIN = 0.01
 """The vehicle's limits are looked at on fewer samples than the certificate does."""
 PENALTY = 30.0
 """Weight of a violation against a logarithm of σ in a wide search."""
-SearchProgress = Callable[[float, str], None]
-
-
-class CancelledError(Exception):
-    """Whoever asked has asked to stop."""
 
 
 @dataclass(eq=False, kw_only=True)
@@ -45,18 +41,16 @@ class Budget:
     total: int
     most: int
     """What may be used so far, of the total."""
-    progress: SearchProgress | None
-    cancelled: Callable[[], bool] | None
+    progress: Progress
+    cancelled: Cancelled
     used: int = 0
-    words: str = "looking"
 
     def spend(self) -> None:
         """One more look. Raises CancelledError."""
-        if self.cancelled is not None and self.cancelled():
+        if self.cancelled():
             raise CancelledError
         self.used += 1
-        if self.progress is not None:
-            self.progress(min(1.0, self.used / self.total), self.words)
+        self.progress(min(1.0, self.used / self.total))
 
     @property
     def left(self) -> int:

@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from rangenav import ensemble, preset, record, tradeoff, tune
+from rangenav import preset, record, tradeoff, tune
 from rangenav.attitude import SCHEDULED, AttitudeGains
 from rangenav.gains import Gains, Guess
 from rangenav.preset import Preset
+from rangenav.progress import CancelledError
 from rangenav.riccati import Blocks, RiccatiGains
 from rangenav.tradeoff import Point
 from tests.support.refusals import exactly
@@ -150,7 +151,7 @@ def test_evaluations_are_counted_and_progress_ends_at_one():
 
 def test_a_cancelled_search_stops():
     seen = []
-    with pytest.raises(ensemble.Stopped):
+    with pytest.raises(CancelledError):
         tune.tune(SHORT, runs=2, evaluations=500, progress=seen.append, cancelled=lambda: len(seen) >= 3)
     assert len(seen) == 3
 

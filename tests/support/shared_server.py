@@ -3,7 +3,7 @@
 import viser
 
 from explorer.shared import Compilation, Shared
-from explorer.storage.files import WorkFiles
+from explorer.storage.work_files import WorkFiles
 from explorer.web.identity import Slots, connected
 from rangenav import preset
 

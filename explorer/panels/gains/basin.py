@@ -14,7 +14,7 @@ import numpy as np
 from explorer.model import basin, palette
 from explorer.model.basin import Setup
 from explorer.model.compute import Picture
-from explorer.model.jobs import Cancelled, Jobs, Progress
+from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.presets import Page
 from explorer.widgets.controls import Dial, Number
@@ -24,6 +24,7 @@ from rangenav import ensemble
 from rangenav.ensemble import Basin
 from rangenav.ensemble.basin import MAX_AXES
 from rangenav.inputs import require
+from rangenav.progress import Cancelled, Progress
 
 ANGLE, AXES = math.radians(179.0), 300
 ANGLE_HINT = "How far (degrees) each start is from the true attitude; near 180° the filter may linger (paper, U_π)."

@@ -10,7 +10,7 @@ import msgspec
 import viser
 
 from explorer.model.compute import Picture
-from explorer.model.jobs import Cancelled, Jobs, Progress
+from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.gains import tradeoff_plot
 from explorer.panels.gains import tuning_text as words
@@ -23,6 +23,7 @@ from rangenav import tradeoff, tune
 from rangenav.gains import Gains
 from rangenav.inputs import require
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, Progress
 from rangenav.tradeoff import Measure, Point
 from rangenav.tune import Tuned
 

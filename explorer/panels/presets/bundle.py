@@ -1,6 +1,6 @@
 """Export: what is on the page, certified from its written bytes, as one zip with the formats chosen."""
 
-from explorer.model.jobs import Cancelled, Jobs, Progress
+from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.storage.bundle import Bundle, Send, pack
 from explorer.storage.catalog import Catalog
@@ -11,6 +11,7 @@ from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
 from rangenav import formats
 from rangenav.formats import Format
+from rangenav.progress import Cancelled, Progress
 
 CHOSEN = "Goes into the zip beside the preset and its certificate. {}"
 EACH = "Chooses every format, or none."

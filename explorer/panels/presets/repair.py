@@ -9,7 +9,7 @@ from functools import partial
 
 import msgspec
 
-from explorer.model.jobs import Cancelled, Jobs, Progress
+from explorer.model.jobs import Jobs
 from explorer.model.settings import Settings, effective
 from explorer.panels.presets.card import drawings
 from explorer.widgets.controls import Choice
@@ -18,6 +18,7 @@ from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.page import Page
 from rangenav import repair
 from rangenav.certificate.figures import Figures
+from rangenav.progress import Cancelled, Progress
 from rangenav.repair import ChangeKind, Repair
 
 BY: dict[ChangeKind, str] = {
@@ -74,7 +75,7 @@ class RepairPanel:
         search = repair.improve if improve else repair.repair
 
         def work(progress: Progress, cancelled: Cancelled) -> Repair:
-            return search(shown, by=by, progress=lambda share, _: progress(share), cancelled=cancelled)
+            return search(shown, by=by, progress=progress, cancelled=cancelled)
 
         name = "improving the motion" if improve else "making it observable"
         self._jobs.start(f"{name} by {BY[by]}", work, self._show, partial(self._refuse, by))

@@ -21,6 +21,7 @@ from explorer.scene.bounds import scene_bounds
 from explorer.scene.view import view_direction
 from rangenav import ensemble, preset
 from rangenav.ensemble import Basin
+from rangenav.progress import CancelledError
 from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 from tests.support.waiting_visitor import Editing
@@ -225,7 +226,7 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
             progress(0.25)
             time.sleep(0.01)
         heard.append(True)
-        raise ensemble.Stopped
+        raise CancelledError
 
     monkeypatch.setattr("rangenav.ensemble.basin", endless)
     editing.press(panel.COMPUTE_LABEL)

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from explorer.model.jobs import Jobs
-from rangenav.ensemble import Stopped
+from rangenav.progress import CancelledError
 
 
 def _until(holds, patience: float = 5.0) -> None:
@@ -61,7 +61,7 @@ def test_a_cancelled_job_hears_of_it_and_reports_nothing():
     def work(progress, cancelled):
         _until(cancelled)
         heard.set()
-        raise Stopped
+        raise CancelledError
 
     jobs = Jobs(lambda: None)
     jobs.start("long", work, got.append, got.append)

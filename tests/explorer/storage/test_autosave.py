@@ -1,15 +1,15 @@
-"""Work is written when it is due, told about once when it cannot be, and written again as soon as it can."""
+"""Work is written when it is due; a failure is notified once, and writing is tried again at every change."""
 
 import msgspec
 import pytest
 
 from explorer.model.settings import Settings
 from explorer.storage.autosave import PERIOD, Autosave
-from explorer.storage.files import StorageError, WorkFiles, new_visitor
+from explorer.storage.work_files import StorageError, WorkFiles, new_browser_id
 from rangenav import preset
 
 SLOW = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
-SEAT = f"{new_visitor()}-1"
+SESSION_KEY = f"{new_browser_id()}-1"
 
 
 def _at(scale: float) -> Settings:
@@ -17,7 +17,7 @@ def _at(scale: float) -> Settings:
 
 
 @pytest.fixture
-def told() -> list[str]:
+def notices() -> list[str]:
     return []
 
 
@@ -26,33 +26,33 @@ def work_files(tmp_path) -> WorkFiles:
     return WorkFiles(tmp_path / "work")
 
 
-def _found(work_files: WorkFiles) -> Settings:
-    kept = Autosave(work_files, "paper-slow", pytest.fail).find(SEAT)
+def _restored(work_files: WorkFiles) -> Settings:
+    kept = Autosave(work_files, "paper-slow", pytest.fail).restore(SESSION_KEY)
     assert kept is not None
     return kept.settings
 
 
-def test_work_is_written_once_a_period_and_the_latest_counts(work_files: WorkFiles, told: list[str]):
-    keeping = Autosave(work_files, "paper-slow", told.append)
-    assert keeping.find(SEAT) is None
-    keeping.remember(_at(2.0))
-    assert keeping.wait(0.0) == 0.0
-    keeping.write(0.0)
-    keeping.remember(_at(3.0))
-    assert keeping.wait(0.25 * PERIOD) == pytest.approx(0.75 * PERIOD)
-    keeping.write(0.25 * PERIOD)
-    assert _found(work_files) == _at(2.0)
-    keeping.write(PERIOD)
-    assert _found(work_files) == _at(3.0)
-    assert keeping.wait(PERIOD) is None
-    assert told == []
+def test_work_is_written_once_a_period_and_the_latest_counts(work_files: WorkFiles, notices: list[str]):
+    autosave = Autosave(work_files, "paper-slow", notices.append)
+    assert autosave.restore(SESSION_KEY) is None
+    autosave.remember(_at(2.0))
+    assert autosave.wait(0.0) == 0.0
+    autosave.write(0.0)
+    autosave.remember(_at(3.0))
+    assert autosave.wait(0.25 * PERIOD) == pytest.approx(0.75 * PERIOD)
+    autosave.write(0.25 * PERIOD)
+    assert _restored(work_files) == _at(2.0)
+    autosave.write(PERIOD)
+    assert _restored(work_files) == _at(3.0)
+    assert autosave.wait(PERIOD) is None
+    assert notices == []
 
 
-def test_what_cannot_be_written_is_told_once_and_later_work_is_kept_again(
-    work_files: WorkFiles, told: list[str], monkeypatch: pytest.MonkeyPatch
+def test_a_failing_write_is_notified_once_and_later_work_is_saved_again(
+    work_files: WorkFiles, notices: list[str], monkeypatch: pytest.MonkeyPatch
 ):
-    keeping = Autosave(work_files, "paper-slow", told.append)
-    keeping.find(SEAT)
+    autosave = Autosave(work_files, "paper-slow", notices.append)
+    autosave.restore(SESSION_KEY)
 
     def full(visitor: str, work: bytes) -> None:
         raise StorageError("your work is not kept: the disk is full")
@@ -60,26 +60,26 @@ def test_what_cannot_be_written_is_told_once_and_later_work_is_kept_again(
     with monkeypatch.context() as broken:
         broken.setattr(work_files, "save", full)
         for k in range(3):
-            keeping.remember(_at(2.0 + k))
-            keeping.write(10.0 * k)
-    assert told == ["Your work is not kept: the disk is full. The page works on; download what you need."]
-    keeping.remember(_at(7.0))
-    keeping.write(50.0)
-    assert _found(work_files) == _at(7.0)
-    assert len(told) == 1
+            autosave.remember(_at(2.0 + k))
+            autosave.write(10.0 * k)
+    assert notices == ["Your work is not kept: the disk is full. The page works on; download what you need."]
+    autosave.remember(_at(7.0))
+    autosave.write(50.0)
+    assert _restored(work_files) == _at(7.0)
+    assert len(notices) == 1
 
 
-def test_what_is_no_work_of_this_version_is_told_and_no_error(work_files: WorkFiles, told: list[str]):
-    work_files.save(SEAT, b'{"opened": "paper", "settings": {"preset": 3}}')
-    assert Autosave(work_files, "paper-slow", told.append).find(SEAT) is None
-    (sentence,) = told
+def test_a_file_that_this_version_cannot_read_is_notified_and_is_no_error(work_files: WorkFiles, notices: list[str]):
+    work_files.save(SESSION_KEY, b'{"opened": "paper", "settings": {"preset": 3}}')
+    assert Autosave(work_files, "paper-slow", notices.append).restore(SESSION_KEY) is None
+    (sentence,) = notices
     assert sentence.startswith("Your earlier work is of no use to this version")
 
 
-def test_a_browser_that_keeps_nothing_is_told_so_and_nothing_is_written(work_files: WorkFiles, told: list[str]):
-    keeping = Autosave(work_files, "paper-slow", told.append)
-    assert keeping.find(None) is None
-    keeping.remember(SLOW)
-    keeping.write(0.0)
+def test_a_browser_without_storage_is_notified_and_nothing_is_written(work_files: WorkFiles, notices: list[str]):
+    autosave = Autosave(work_files, "paper-slow", notices.append)
+    assert autosave.restore(None) is None
+    autosave.remember(SLOW)
+    autosave.write(0.0)
     assert not work_files.folder.exists()
-    assert len(told) == 1
+    assert len(notices) == 1

@@ -1,6 +1,7 @@
 """A person's own presets on the disk: no name is a path, nothing is torn, nothing is written over unseen."""
 
 import errno
+import fcntl
 import os
 import stat
 import subprocess
@@ -288,3 +289,17 @@ def test_the_badge_is_of_what_is_shown_and_not_of_what_another_page_made_of_its_
         assert isinstance(found, Certificate)
         assert found.artifact.sha256 == edition(preset.dumps(shown).encode())
         assert found.expect == shown.expect
+
+
+def test_a_folder_that_another_program_holds_locked_is_a_sentence_and_free_again_afterwards(
+    kept: Library, monkeypatch: pytest.MonkeyPatch
+):
+    """The lock of version 0.1.0, an flock of the same file, is the other program."""
+    kept.add("first", b"one")
+    monkeypatch.setattr(library, "LOCK_TIMEOUT", 0.1)
+    with (kept.folder / library.LOCK).open("a") as held:
+        fcntl.flock(held.fileno(), fcntl.LOCK_EX)
+        with pytest.raises(LibraryError, match="another program is changing your library just now"):
+            kept.add("second", b"two")
+    kept.add("second", b"two")
+    assert list(kept.stamps()) == ["first", "second"]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import pytest
 import viser
 
-from explorer.storage.files import StorageError
+from explorer.storage.work_files import StorageError
 from explorer.web import identity, security
 from explorer.web.identity import KEY, SLOT_KEY, Slots
 from tests.support import wire

@@ -12,6 +12,7 @@ from rangenav import analysis, attitude, cascade, ensemble, errors, preset, reco
 from rangenav.ensemble import pool, runs
 from rangenav.gains import Gains, Guess
 from rangenav.preset import Preset
+from rangenav.progress import CancelledError
 from tests.support.refusals import exactly
 
 CURVES = ("position", "velocity", "gravity", "attitude")
@@ -217,7 +218,7 @@ def test_cancelled_work_stops_and_leaves_no_thread_behind(job):
         return len(seen) >= 2
 
     arguments = (SHORT, 500) if job is ensemble.seeds else (SHORT, 1.0, 500)
-    with pytest.raises(ensemble.Stopped):
+    with pytest.raises(CancelledError):
         job(*arguments, progress=seen.append, cancelled=cancelled)
     assert len(seen) == 2
     assert set(threading.enumerate()) <= before
@@ -233,7 +234,7 @@ def test_cancelling_is_noticed_while_the_first_run_still_works():
             release.set()
         return len(asked) >= 3
 
-    with pytest.raises(ensemble.Stopped):
+    with pytest.raises(CancelledError):
         ensemble.each(lambda _: release.wait(10), range(3), samples=1, progress=lambda _: None, cancelled=cancelled)
 
 

@@ -10,7 +10,8 @@ from rangenav import certificate, preset, repair, signals
 from rangenav.certificate.figures import figures, shortfall
 from rangenav.certificate.remedy import with_tones
 from rangenav.preset import Preset
-from rangenav.repair import CancelledError, CannotRepairError
+from rangenav.progress import CancelledError
+from rangenav.repair import CannotRepairError
 from rangenav.signals import (
     Flown,
     Formula,
