@@ -1,4 +1,4 @@
-"""Who is connected: a session for each tab, from the moment it comes until it has gone."""
+"""Which tabs are connected: each has a session from the moment it connects until it has left."""
 
 import viser
 
@@ -7,21 +7,26 @@ from explorer.shared import Shared
 
 
 class SessionServer:
-    """One session for each connected tab."""
+    """Makes a session for every tab that connects, and stops it when the tab leaves."""
 
     def __init__(self, server: viser.ViserServer, shared: Shared) -> None:
-        self._server, self._shared = server, shared
-        self._of: dict[int, Session] = {}
+        self._server, self.shared = server, shared
+        self._by_client: dict[int, Session] = {}
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)
 
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """The sessions of the connected tabs, in the order in which they connected."""
+        return tuple(self._by_client.values())
+
     def _join(self, client: viser.ClientHandle) -> None:
-        session = self._of[client.client_id] = Session(client, self._shared)
+        session = self._by_client[client.client_id] = Session(client, self.shared)
         session.start()
-        if client.client_id not in self._server.get_clients():  # gone while it was being greeted
+        if client.client_id not in self._server.get_clients():  # it left before its session was made
             self._leave(client)
 
     def _leave(self, client: viser.ClientHandle) -> None:
-        session = self._of.pop(client.client_id, None)
+        session = self._by_client.pop(client.client_id, None)
         if session is not None:
             session.stop()

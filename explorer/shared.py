@@ -11,16 +11,16 @@ from explorer.storage.work_files import WorkFiles
 from explorer.web.identity import Slots
 from rangenav.preset import Preset
 
-AFTERTHOUGHT = 3.0
-"""s: the first pictures are drawn before the processor is given to what nobody has asked for yet."""
+ESTIMATORS_DELAY = 3.0
+"""s: the first pictures are drawn before the processor compiles estimators that no picture needs at first."""
 log = logging.getLogger(__name__)
 
 
 class Compilation:
-    """How far the compilation has come; sessions look at it until it is done."""
+    """The compilation of the kernels in a thread of its own; sessions read how far it is."""
 
     def __init__(self) -> None:
-        self.fraction, self.what = 0.0, "waiting"
+        self.fraction, self.stage = 0.0, "waiting"
 
     @property
     def done(self) -> bool:
@@ -29,27 +29,25 @@ class Compilation:
 
     def start(self) -> None:
         """Begin, in a thread that does not keep the program alive."""
-        threading.Thread(target=self._run, name="warming", daemon=True).start()
+        threading.Thread(target=self._run, name="compilation", daemon=True).start()
 
     def _run(self) -> None:
-        from explorer.model import compute  # here, so that the page answers before numpy's heavier friends are loaded
+        from explorer.model import compute, details  # here, so that the page answers before these are imported
 
         try:
             compute.compile_kernels(self._progress)
         except Exception:
             log.exception("the kernels could not be compiled ahead; they will be when first used")
         self.fraction = 1.0
-        from explorer.model import details
-
-        details.import_control()  # a second that no picture need wait for: only the frozen-time test does
-        time.sleep(AFTERTHOUGHT)
+        details.import_control()
+        time.sleep(ESTIMATORS_DELAY)
         try:
             compute.compile_estimators()
         except Exception:
-            log.exception("the estimators beside the cascade could not be compiled ahead")
+            log.exception("the estimators of the Compare tab could not be compiled ahead")
 
-    def _progress(self, fraction: float, what: str) -> None:
-        self.fraction, self.what = min(fraction, 0.99), what  # done only when the last kernel has returned
+    def _progress(self, fraction: float, stage: str) -> None:
+        self.fraction, self.stage = min(fraction, 0.99), stage  # 1 only when the last kernel has been compiled
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +58,7 @@ class Shared:
     first: str
     """The preset that a new visitor sees."""
     requested: bool
-    """Whether it was asked for on the command line."""
+    """Whether that preset was requested on the command line."""
     compilation: Compilation
     work_files: WorkFiles
     slots: Slots

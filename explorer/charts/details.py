@@ -1,4 +1,4 @@
-"""The plots of "In depth" and "Twin": functions Picture -> Drawing over explorer.depth, their curves and sentences.
+"""The plots of "In depth" and "Twin": functions Picture -> Drawing over its details, with their curves and sentences.
 
 All of them live on the page's one time axis: a window of length δ stands at t = δ, a moment τ of a window at t = τ.
 """
@@ -11,7 +11,6 @@ from explorer.charts import curves, plots
 from explorer.charts.plots import STATES, Drawing
 from explorer.model import details
 from explorer.model.compute import Picture
-from explorer.model.details import Details
 from rangenav.twin import TOLERANCE, Twin
 
 RANK_AXIS = (0.0, 14.0)
@@ -20,14 +19,9 @@ SMALLEST = 1e-15
 """m; ranges that differ by less differ by rounding, and a log axis has no place for 0."""
 
 
-def look(picture: Picture) -> Details:
-    """The depth of what a picture shows."""
-    return details.of(picture.preset, turn=picture.settings.twin_turn)
-
-
 def scaled(picture: Picture) -> Drawing:
     """The 13 singular values in units of 1 m and δ, and the tolerance below which they do not count."""
-    found = look(picture).spectrum
+    found = picture.details.spectrum
     tolerance = found.tolerance[:, None]
     ascending = found.scaled[:, ::-1]
     counts = ascending > tolerance
@@ -41,7 +35,7 @@ def scaled(picture: Picture) -> Drawing:
 
 def functions(picture: Picture) -> Drawing:
     """The 13 functions on the window of least rank, each drawn over its own greatest value and read as it is."""
-    found = look(picture).functions
+    found = picture.details.functions
     peak = np.abs(found.values).max(axis=0)
     shape = found.values / np.where(peak > 0, peak, 1.0)
     return Drawing(time=found.tau, read=found.values, drawn=shape, axis=(-1.0, 1.0))
@@ -49,14 +43,14 @@ def functions(picture: Picture) -> Drawing:
 
 def rank_by_length(picture: Picture) -> Drawing:
     """Rank of the window from the start of the flight, and of the worst, by length."""
-    found = look(picture).horizon
+    found = picture.details.horizon
     read = curves.end_at_first_nan(np.column_stack([found.rank, np.full(len(found.length), float(STATES))]))
     return Drawing(time=found.length, read=read, drawn=read, axis=RANK_AXIS)
 
 
 def sigma_by_length(picture: Picture) -> Drawing:
     """Predicted σ at the end of those windows; a blind one has none."""
-    found = look(picture).horizon
+    found = picture.details.horizon
     wanted = np.full(len(found.length), picture.preset.requirement.position_sigma)
     read = curves.end_at_first_nan(np.column_stack([found.sigma, wanted]))
     axis = curves.decades(read)
@@ -65,7 +59,7 @@ def sigma_by_length(picture: Picture) -> Drawing:
 
 def ranges(picture: Picture) -> Drawing:
     """The range of the true motion and of its twin."""
-    found = look(picture).twin
+    found = picture.details.twin
     if not isinstance(found, Twin):
         time, true = picture.motion.time, _true_range(picture)
         read = np.column_stack([true, true])
@@ -76,7 +70,7 @@ def ranges(picture: Picture) -> Drawing:
 
 def apart(picture: Picture) -> Drawing:
     """How far off the twin is, and how little its range differs, on one log axis."""
-    found = look(picture).twin
+    found = picture.details.twin
     if not isinstance(found, Twin):
         time = picture.motion.time
         read = np.full((len(time), 3), TOLERANCE)
@@ -96,7 +90,7 @@ def phi(picture: Picture) -> Drawing:
 
 def certificates(picture: Picture) -> Drawing:
     """The least eigenvalue of the excitation: derived, with each misprint and with both, and what is required."""
-    windows, found, required = picture.analysis.windows, look(picture).printed, picture.preset.requirement.mu
+    windows, found, required = picture.analysis.windows, picture.details.printed, picture.preset.requirement.mu
     derived = np.where(windows.excitation[:, 0] > picture.analysis.mu_floor, windows.excitation[:, 0], 0.0)
     printed = (found.least_formula, found.least_axes, found.least_printed)
     largest = max(float(column.max()) for column in (derived, *printed))
@@ -108,7 +102,7 @@ def certificates(picture: Picture) -> Drawing:
 
 def say_depth(picture: Picture) -> tuple[str, ...]:
     """How long to fly; which functions depend on which; what the frozen-time test would say."""
-    found = look(picture)
+    found = picture.details
     tied, unseen = "; ".join(found.functions.relations), "; ".join(found.functions.unseen)
     relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are independent."
     blind = f"So no range of it feels these changes of the state: {unseen}." if unseen else ""
@@ -119,7 +113,7 @@ def say_depth(picture: Picture) -> tuple[str, ...]:
 
 def say_twin(picture: Picture) -> tuple[str, ...]:
     """The twin or why there is none; what the printed condition certifies."""
-    found = look(picture)
+    found = picture.details
     told = f"Twin: {found.twin.words}." if isinstance(found.twin, Twin) else f"{found.twin.reason}."
     return told[0].upper() + told[1:], found.printed.words
 

@@ -7,16 +7,19 @@ accuracy      <- gramian's inputs, anchor, sensors
 printed       <- path, angular velocity, world, window
 measurements  <- motion's inputs, sensors, seed
 estimate      <- measurements' inputs, gains, guess
+details       <- see `details`; computed when first asked for
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from explorer.model import details
+from explorer.model.details import Details
 from explorer.model.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record, vehicle
 from rangenav.analysis import WINDOWS, Analysis, analyse
@@ -63,6 +66,12 @@ class Picture:
     """s, slowest first; under the printed switch twice as long."""
     reduced_min: float
     """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
+
+    @cached_property
+    def details(self) -> Details:
+        """What lies below the verdict. This stage is computed when it is first asked for: it takes as long as all the
+        others together, and the page draws it when nothing has changed for a moment."""
+        return details.details(self.preset, turn=self.settings.twin_turn)
 
 
 def compute(settings: Settings) -> Picture:

@@ -1,11 +1,11 @@
-"""Observability in depth: preset -> Depth, a stage of its own that is cached by its own inputs. No viser here.
+"""The stage of a picture that lies below the verdict: preset -> Details, in parts cached by their own inputs.
 
 horizon    <- path, world, duration, range noise and rate, required σ
 functions  <- path, gravity, the worst window
 twin       <- path, world, duration, range rate, turn
 printed    <- path, angular velocity, world, window, μ
 
-Together 20 to 50 ms when the path changes, nothing when a gain does.
+Together they take 20 to 50 ms when the path changes, and nothing when a gain changes. `Picture.details` is this stage.
 """
 
 import threading
@@ -49,8 +49,8 @@ class Details:
     printed: PrintedAndDerived
 
 
-def of(preset: Preset, *, turn: Vec3 | None = None) -> Details:
-    """The depth of a preset; `turn` (rad, about the anchor) drags a twin that may be turned."""
+def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
+    """The details of a preset; `turn` (rad, about the anchor) turns a twin that may be turned."""
     found, needed = analyse(preset), preset.requirement
     return Details(
         spectrum=seen(preset.path, preset.world.gravity, preset.duration, needed.window).spectrum,

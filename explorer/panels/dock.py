@@ -9,6 +9,7 @@ import viser
 
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
+from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Settings
 from explorer.panels import motion, sensors
@@ -23,6 +24,7 @@ from explorer.panels.presets.flights import FlightPanel
 from explorer.panels.presets.import_panel import ImportPanel
 from explorer.panels.presets.printed import PrintedPanel
 from explorer.panels.presets.repair import RepairPanel
+from explorer.panels.undo import UndoPanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
 from explorer.panels.world.twin import TwinPanel
@@ -43,31 +45,31 @@ TABS = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
 """So that all tabs of a dock stand in one row."""
 SENSORS_RULES = ("seed", "duration × rate", "requirement.window must be at least")
 """How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
-HISTORY_HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."
 
 
 @dataclass(frozen=True, kw_only=True)
 class Requests:
     """What only the session can do."""
 
-    undo: Action
-    redo: Action
     again: Action
     paper: Action
     download: Action
     send: Send
+    notify: Callable[[str, str], None]
+    """Shows a title and a sentence for a few seconds."""
 
 
 class Dock:
     """All controls of one visitor but the timeline's."""
 
-    def __init__(self, form: Form, catalog: Catalog, name: str, requests: Requests, jobs: Jobs) -> None:
+    def __init__(
+        self, form: Form, catalog: Catalog, name: str, requests: Requests, jobs: Jobs, history: History
+    ) -> None:
+        """`name` is the preset that is shown first."""
         gui, self._presets = form.gui, catalog.presets
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        steps = {"↶ undo": requests.undo, "↷ redo": requests.redo, "reset all": form.reset_all}
-        form.buttons("", steps, hint=HISTORY_HINT)
-        _commands(form, requests)
+        UndoPanel(form, history, self, requests.notify)
         gui.add_html(TABS)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
@@ -228,13 +230,6 @@ class Dock:
 
     def _refuse(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
-
-
-def _commands(form: Form, requests: Requests) -> None:
-    form.command("Undo", requests.undo, key="Z", modifier="cmd/ctrl")
-    form.command("Redo", requests.redo, key="Z", modifier="cmd/ctrl+shift")
-    form.command("Reset the last control", form.reset_last)
-    form.command("Reset all controls", form.reset_all)
 
 
 def _family(signal: Family) -> Family:

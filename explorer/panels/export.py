@@ -2,7 +2,6 @@
 
 import html
 import json
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -42,9 +41,8 @@ class ExportPanel:
 
     def __init__(self, form: Form, titles: dict[str, str], sources: Sources) -> None:
         """`titles` of the plots by their names."""
-        self._form, self._sources = form, sources
+        self._sources, self._jobs = sources, form.new_jobs()
         self._names = {title: name for name, title in titles.items()}
-        self._worker: threading.Thread | None = None
         self._plots = Section(form, "A plot as a file")
         with self._plots:
             self._menu = form.gui.add_dropdown("plot", tuple(self._names), hint=PLOT_HINT)
@@ -56,23 +54,15 @@ class ExportPanel:
         form.command("Lines of Python for what is on the page", self._lines)
 
     def _make(self, kind: PlotFormat) -> None:
-        """Write a file in a thread of its own: a picture takes half a second, a long table longer."""
+        """Write a file in a job: a picture takes half a second, a long table longer."""
         with self._plots.catching():
-            if self._worker is not None and self._worker.is_alive():
+            if self._jobs.running is not None:
                 raise ValueError("the file before is still being written; one at a time")
             plot = self._names.get(self._menu.value, "")
             write = self._sources.plan(plot, kind)
         stem = PurePath(self._sources.settings()[0]).stem
-        self._worker = threading.Thread(target=self._work, args=(f"{stem}-{plot}.{kind}", write), daemon=True)
-        self._worker.start()
-
-    def _work(self, name: str, write: Callable[[], bytes]) -> None:
-        try:
-            content = write()
-        except Exception as error:
-            self._form.do(partial(_fail, error))
-        else:
-            self._form.do(partial(self._sources.send, name, content))
+        send = partial(self._sources.send, f"{stem}-{plot}.{kind}")
+        self._jobs.start(f"{plot}.{kind}", lambda _progress, _cancelled: write(), send, self._plots.complaint.say)
 
     def _lines(self) -> None:
         file, settings = self._sources.settings()
@@ -110,7 +100,3 @@ def python_lines(settings: Settings, file: str) -> str:
         lines[0] = "from rangenav import analysis, preset, record"
         lines.append("found.verdict, found.mu, flight.summary")
     return "\n".join(lines) + "\n"
-
-
-def _fail(error: Exception) -> None:
-    raise error

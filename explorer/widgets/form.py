@@ -16,6 +16,7 @@ import viser
 from viser._messages import HotkeyKey, KeyModifier
 
 from explorer.model import palette
+from explorer.model.jobs import Jobs
 
 Wake = Callable[[], None]
 """Called from viser's threads: it may set an event and nothing else."""
@@ -175,6 +176,24 @@ class Form:
         self.actions_run = 0
         """Actions carried out so far."""
         self._answer: Complaint | None = None
+        self._jobs: list[Jobs] = []
+
+    def new_jobs(self) -> Jobs:
+        """Jobs of a panel's own, whose results `deliver` hands over with all others."""
+        jobs = Jobs(self.wake)
+        self._jobs.append(jobs)
+        return jobs
+
+    def deliver(self) -> None:
+        """Hand over the results of all finished jobs. Raises what a job raised, unless a complaint says it already."""
+        for jobs in self._jobs:
+            with suppress(InvalidInputError):
+                jobs.deliver()
+
+    def cancel_jobs(self) -> None:
+        """The visitor has left."""
+        for jobs in self._jobs:
+            jobs.cancel()
 
     def do(self, action: Action, *, step: bool = True) -> None:
         """Leave an action for the session's loop; called from viser's threads. Moving in time is no step to undo."""

@@ -22,7 +22,7 @@ class Editing:
     @property
     def settings(self) -> Settings:
         """What is shown."""
-        picture = self.session._picture
+        picture = self.session.picture
         assert picture is not None
         return picture.settings
 
@@ -46,7 +46,7 @@ class Editing:
 
     def _carried_out(self, ask: Callable[[], None]) -> None:
         """Ask for something, and wait until it was done: presses go through a pool of threads, and may be overtaken."""
-        form = self.session._form
+        form = self.session.form
         before = form.actions_run
         ask()
         self.tab.wait_for(lambda: form.actions_run > before, "the action")
@@ -71,4 +71,4 @@ class Editing:
 def newest(made: SessionServer, tab: Wire) -> Session:
     """The session of a tab that has just connected, once it has drawn."""
     tab.wait_for_text("of 13</b>, nonlinear")
-    return list(made._of.values())[-1]
+    return made.sessions[-1]

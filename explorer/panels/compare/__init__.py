@@ -63,7 +63,7 @@ class ComparePanel:
     """Everything that stands beside the run on view."""
 
     def __init__(self, form: Form, jobs: Jobs) -> None:
-        self._form, self._jobs, self._background = form, jobs, Jobs(form.wake)
+        self._form, self._jobs, self._background = form, jobs, form.new_jobs()
         self._picture: Picture | None = None
         self._pinned: Picture | None = None
         self._seeds: tuple[RunInputs, Ensemble] | None = None
@@ -106,8 +106,7 @@ class ComparePanel:
             self._table = form.gui.add_html("")
 
     def read(self) -> None:
-        """Take in the switches, and what has been worked out meanwhile."""
-        self._background.deliver()
+        """Take in the switches."""
         on = frozenset[Name](name for name in NAMES if self._switches[name].read())
         self._changed |= on != self._on
         self._on = on
@@ -154,10 +153,6 @@ class ComparePanel:
         count = len(shown.seeds.seed) if shown.seeds is not None else 0
         matched = picture.preset.gains.mode == "noise-matched"
         _assign(self._agreement, words.agreement(consistency.of_run(picture), many, count, matched=matched))
-
-    def stop(self) -> None:
-        """The visitor has gone."""
-        self._background.cancel()
 
     def pin(self) -> None:
         """Keep the run on view as A."""

@@ -61,7 +61,7 @@ class TuningPanel:
         self._found: tuple[Preset, Tuned] | None = None
         self._picked: Point | None = None
         self._walk: tuple[Point, ...] = ()
-        self._judging = Jobs(lambda: form.do(self._judging.deliver, step=False))
+        self._judging = form.new_jobs()
         self._judged: dict[Gains, Point] = {}
         """What gains that were found or picked reach on held-out seeds."""
         self._held_out, self._summary = 0, ""

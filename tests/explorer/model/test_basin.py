@@ -167,7 +167,7 @@ def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for(lambda: editing.tab.nodes["/basin"]["visible"], "the globe")
     editing.settle()
-    found = editing.session._dock.basin._found
+    found = editing.session.dock.basin._found
     assert found is not None
     return found[1]
 
@@ -191,7 +191,7 @@ def test_the_run_started_from_the_slowest_settles_when_its_dot_said_and_ctrl_z_t
     editing.press("Start from the slowest")
     assert editing.settings.preset.guess.attitude_axis == pytest.approx(found.axis[last])
     assert math.degrees(editing.settings.preset.guess.attitude_angle) == pytest.approx(179.0)
-    shown = editing.session._picture
+    shown = editing.session.picture
     assert shown is not None
     assert shown.summary.settle_attitude_s == pytest.approx(found.settle[last], abs=0.006)  # one sample
     assert editing.tab.nodes["/basin"]["visible"]  # it belongs to these settings, whatever they start with
@@ -232,7 +232,7 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°**, 25 %")
     editing.press("Stop")
-    editing.tab.wait_for(lambda: len(heard) == 1 and editing.session._jobs.running is None, "the job to end")
+    editing.tab.wait_for(lambda: len(heard) == 1 and editing.session.jobs.running is None, "the job to end")
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°**, 25 %")
     editing.set("k1", 0.3)
@@ -256,7 +256,7 @@ def test_nonsense_gets_a_sentence(editing: Editing, label: str, value: float, se
     editing.set(label, value)
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text(sentence)
-    editing.tab.wait_for(lambda: editing.session._jobs.running is None, "no job")
+    editing.tab.wait_for(lambda: editing.session.jobs.running is None, "no job")
 
 
 def test_settings_that_cannot_be_shown_are_told_where_the_starts_were_asked_for(editing: Editing):
@@ -265,7 +265,7 @@ def test_settings_that_cannot_be_shown_are_told_where_the_starts_were_asked_for(
     editing.tab.press(panel.COMPUTE_LABEL)
     told = "requirement.window must be shorter than the duration"
     editing.tab.wait_for(lambda: editing.tab.text().count(told) > 2, "the sentence in the section")
-    assert editing.session._jobs.running is None
+    assert editing.session.jobs.running is None
 
 
 def test_half_of_the_starts_that_never_settle_are_told_with_their_sign():

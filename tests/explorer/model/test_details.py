@@ -32,9 +32,9 @@ SLOW = preset.load("paper-slow")
 
 
 def test_a_gain_leaves_the_depth_alone_and_the_path_does_not() -> None:
-    before = details.of(SLOW)
-    tuned = details.of(replace(SLOW, gains=replace(SLOW.gains, mode="noise-matched"), seed=7))
-    moved = details.of(replace(SLOW, path=preset.load("soft").path))
+    before = details.details(SLOW)
+    tuned = details.details(replace(SLOW, gains=replace(SLOW.gains, mode="noise-matched"), seed=7))
+    moved = details.details(replace(SLOW, path=preset.load("soft").path))
     for part in ("spectrum", "horizon", "functions", "twin", "printed"):
         assert getattr(tuned, part) is getattr(before, part), part
         assert getattr(moved, part) is not getattr(before, part), part
@@ -42,7 +42,7 @@ def test_a_gain_leaves_the_depth_alone_and_the_path_does_not() -> None:
 
 def test_depth_is_about_the_analysis_own_windows() -> None:
     seen = picture("circle")
-    found = details.of(seen.preset)
+    found = details.details(seen.preset)
     np.testing.assert_array_equal(found.spectrum.eigenvalues, seen.analysis.windows.gramian)
     assert found.functions.start == seen.analysis.gramian_at
     assert found.functions.rank == seen.analysis.rank
@@ -52,7 +52,7 @@ def test_depth_is_about_the_analysis_own_windows() -> None:
 
 def test_a_turn_moves_the_twin_of_a_hover() -> None:
     p = preset.load("hover")
-    still, turned = details.of(p).twin, details.of(p, turn=(0.0, 0.0, 0.3)).twin
+    still, turned = details.details(p).twin, details.details(p, turn=(0.0, 0.0, 0.3)).twin
     assert isinstance(still, Twin)
     assert isinstance(turned, Twin)
     assert turned.turn == (0.0, 0.0, 0.3) != still.turn
@@ -80,7 +80,7 @@ def test_the_frozen_test_is_told_once_python_control_is_there(monkeypatch: pytes
 
 def test_the_scaled_spectrum_draws_nothing_below_its_tolerance_as_if_it_were_data() -> None:
     seen = picture("circle")
-    drawing, found = drawings.scaled(seen), details.of(seen.preset).spectrum
+    drawing, found = drawings.scaled(seen), details.details(seen.preset).spectrum
     lost = found.scaled[:, ::-1] <= found.tolerance[:, None]
     assert lost.sum() == (13 - found.rank).sum()
     assert (drawing.read[:, :13][lost] == -np.inf).all()
@@ -91,7 +91,7 @@ def test_the_scaled_spectrum_draws_nothing_below_its_tolerance_as_if_it_were_dat
 
 def test_the_functions_are_drawn_over_their_peaks_and_read_as_they_are() -> None:
     seen = picture("hover")
-    drawing, found = drawings.functions(seen), details.of(seen.preset).functions
+    drawing, found = drawings.functions(seen), details.details(seen.preset).functions
     np.testing.assert_array_equal(drawing.read, found.values)
     peaks = np.abs(drawing.drawn).max(axis=0)
     present = np.abs(found.values).max(axis=0) > 0
@@ -102,7 +102,11 @@ def test_the_functions_are_drawn_over_their_peaks_and_read_as_they_are() -> None
 
 def test_rank_and_sigma_by_length_stand_at_their_length_on_the_time_axis() -> None:
     seen = picture("paper-slow")
-    found, rank, sigma = details.of(seen.preset).horizon, drawings.rank_by_length(seen), drawings.sigma_by_length(seen)
+    found, rank, sigma = (
+        details.details(seen.preset).horizon,
+        drawings.rank_by_length(seen),
+        drawings.sigma_by_length(seen),
+    )
     np.testing.assert_array_equal(rank.time, found.length)
     np.testing.assert_array_equal(rank.read[:, :2], found.rank)
     assert (rank.read[:, 2] == 13).all()
@@ -189,7 +193,7 @@ def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> N
 
 def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(page: Page) -> None:
     seen = picture("circle")
-    ghost, found = TwinGhost(page.scene, lambda: None), details.of(seen.preset).twin
+    ghost, found = TwinGhost(page.scene, lambda: None), details.details(seen.preset).twin
     ghost.draw(seen, found, scene_bounds(seen))
     ghost.move(seen, 3.2149)
     k = int(np.argmin(np.abs(seen.motion.time - 3.2149)))
@@ -209,7 +213,7 @@ def test_without_a_twin_nothing_of_it_is_shown(page: Page) -> None:
     ghost = TwinGhost(page.scene, lambda: None)
     for name in ("circle", "paper-slow"):
         seen = picture(name)
-        ghost.draw(seen, details.of(seen.preset).twin, scene_bounds(seen))
+        ghost.draw(seen, details.details(seen.preset).twin, scene_bounds(seen))
         ghost.move(seen, 1.0)
     assert [page.node(name).visible for name in ("/twin", "/twin_path", "/twin_ranges")] == [False] * 3
 
@@ -248,7 +252,7 @@ def test_a_twin_says_whether_it_may_be_dragged(page: Page) -> None:
     ghost, label = TwinGhost(page.scene, lambda: None), "/twin/label"
     for name, text in (("hover", "evil twin, drag it"), ("circle", "evil twin")):
         seen = picture(name)
-        ghost.draw(seen, details.of(seen.preset).twin, scene_bounds(seen))
+        ghost.draw(seen, details.details(seen.preset).twin, scene_bounds(seen))
         assert page.node(label).text == text  # type: ignore[attr-defined]
 
 
@@ -263,7 +267,7 @@ def panel(page: Page) -> TwinPanel:
 
 def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
     p = preset.load("hover")
-    usual = details.of(p).twin
+    usual = details.details(p).twin
     assert isinstance(usual, Twin)
     panel.draw(usual)
     assert panel.read() is None  # what is shown of the usual twin is no choice of the visitor's
@@ -272,11 +276,11 @@ def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> N
     panel._angle.show(np.radians(50.0))
     turn = panel.read()
     assert turn == pytest.approx((0.0, np.radians(50.0), 0.0))
-    panel.draw(details.of(p, turn=turn).twin)
+    panel.draw(details.details(p, turn=turn).twin)
     assert panel.read() == turn
     dragged = twin.turn_towards(p, (1.0, 2.0, -0.5), time=0.0)
     panel.write(dragged)
-    panel.draw(details.of(p, turn=dragged).twin)
+    panel.draw(details.details(p, turn=dragged).twin)
     assert panel.read() == dragged
     assert panel._angle.read() == pytest.approx(np.linalg.norm(dragged))
     panel._forget()
@@ -288,7 +292,7 @@ def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis
 ) -> None:
     back_and_forth = Multisine(offset=(0.0, 2.0, -1.0), tones=(Tone(axis="x", amplitude=1.5, frequency=1.0),))
     p = replace(preset.load("line"), path=back_and_forth)
-    found = details.of(p).twin
+    found = details.details(p).twin
     assert isinstance(found, Twin)
     axis = found.axis
     assert axis is not None
@@ -297,7 +301,7 @@ def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis
         panel._angle.show(angle)
         turn = panel.read()
         assert turn == pytest.approx(angle * np.array(axis))
-        found = details.of(p, turn=turn).twin
+        found = details.details(p, turn=turn).twin
         assert isinstance(found, Twin)
         panel.draw(found)
         assert panel._axis.read() == pytest.approx(axis)
@@ -306,7 +310,7 @@ def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis
 
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 1.0)])
 def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPanel, axis: Vec3) -> None:
-    found = details.of(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
+    found = details.details(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
     panel.write((0.0, 0.0, 0.5))
     panel.draw(found)
     panel._axis.show(axis)
@@ -318,7 +322,7 @@ def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPa
 
 def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: TwinPanel) -> None:
     for name, shown in (("circle", False), ("hover", True), ("lissajous", False)):
-        panel.draw(details.of(preset.load(name)).twin)
+        panel.draw(details.details(preset.load(name)).twin)
         assert panel._section._folder.visible == shown
         assert panel.read() is None
 

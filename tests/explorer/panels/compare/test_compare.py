@@ -23,19 +23,19 @@ def comparing(sessions: tuple[int, SessionServer]) -> Iterator[tuple[Wire, Sessi
     port, made = sessions
     tab = Wire(port)
     tab.wait_for_text("13 of 13")
-    yield tab, list(made._of.values())[-1]
+    yield tab, made.sessions[-1]
     tab.close()
 
 
 def labels(session: Session) -> list[set[str]]:
     """The labels of the curves of every plot."""
-    charts: Charts = session._charts
+    charts: Charts = session.charts
     shown = [chart for column in charts._columns for chart in column.charts if chart.base.again]
     return [{curve.label for curve in chart.plot.curves} for chart in shown]
 
 
 def panel(session: Session) -> ComparePanel:
-    return session._dock.compare
+    return session.dock.compare
 
 
 def words(tab: Wire) -> str:
@@ -59,10 +59,10 @@ def test_a_pinned_run_is_in_every_plot_until_it_is_unpinned(comparing: tuple[Wir
 
 def test_pinning_is_no_step_of_the_history(comparing: tuple[Wire, Session]):
     tab, session = comparing
-    depth = session._history.depth
+    depth = session.history.depth
     tab.press("Pin this run as A")
     tab.wait_for_text("Nothing is chosen otherwise yet.")
-    assert session._history.depth == depth
+    assert session.history.depth == depth
 
 
 def test_seeds_give_a_band_which_never_outlives_the_settings(comparing: tuple[Wire, Session]):
@@ -105,7 +105,7 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
     tab.press("N seeds")
     tab.wait_for_text("20 seeds**, 25 %")
     tab.press("Stop")
-    tab.wait_for(lambda: len(heard) == 1 and session._jobs.running is None, "the job to end")
+    tab.wait_for(lambda: len(heard) == 1 and session.jobs.running is None, "the job to end")
     tab.press("N seeds")
     tab.wait_for_text("20 seeds**, 25 %")
     tab.set("q", 1.0)
@@ -121,7 +121,7 @@ def test_a_nonsense_number_of_seeds_gets_a_sentence(comparing: tuple[Wire, Sessi
     time.sleep(PRESS)
     tab.press("N seeds")
     tab.wait_for_text("N must be a whole number between 1 and 100")
-    assert session._jobs.running is None
+    assert session.jobs.running is None
 
 
 def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple[Wire, Session]):

@@ -36,11 +36,11 @@ def _label(page: Editing, label: str) -> str:
 
 
 def test_switching_the_language_draws_nothing_anew_and_is_no_step_to_undo(page: Editing):
-    picture = page.session._picture
+    picture = page.session.picture
     page.set("shown", WORDS)
     page.tab.wait_for(lambda: _label(page, "noise σ of range") == "noise σ of range = 0.125 m", "the words")
-    assert page.session._picture is picture
-    assert page.session._history.depth == (0, 0)
+    assert page.session.picture is picture
+    assert page.session.history.depth == (0, 0)
     page.set("noise σ of range", math.log10(0.25))
     q = page.settings.preset.gains.riccati.q
     assert page.settings.preset.gains == replace(
@@ -50,13 +50,13 @@ def test_switching_the_language_draws_nothing_anew_and_is_no_step_to_undo(page: 
     page.set("shown", LETTERS)
     page.tab.wait_for(lambda: _label(page, "q").startswith(f"q = {q:.4g}"), "the letter")
     assert page.settings.preset.gains.riccati.q == q
-    assert page.session._history.depth == (1, 0)
+    assert page.session.history.depth == (1, 0)
     page.command("Undo")
     assert page.settings == picture.settings  # type: ignore[union-attr]
-    assert page.session._dock.gains.units == "paper"
+    assert page.session.dock.gains.units == "paper"
     page.set("shown", WORDS)
     page.command("Redo")
-    assert page.session._dock.gains.units == "physical"
+    assert page.session.dock.gains.units == "physical"
     assert page.settings.preset.gains.riccati.q == q
     page.tab.wait_for(lambda: _label(page, "noise σ of range").endswith("= 0.25 m •"), "the word, marked")
 
@@ -73,7 +73,7 @@ def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(ses
     first.tab.close()
     again = _visitor(sessions, storage)
     again.tab.wait_for(lambda: again.settings == kept, "the work")
-    assert again.session._dock.gains.units == "physical"
+    assert again.session.dock.gains.units == "physical"
     assert again.tab.value("shown") == WORDS
     again.tab.wait_for(lambda: _label(again, "slowest time T").startswith("slowest time T = 1 s"), "the word")
     again.set("schedule k1", True)
@@ -94,9 +94,9 @@ def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
     page.tab.wait_for(lambda: _label(page, "noise σ of range") != before, "other words")
     page.set("preset", next(o for o in page.tab.elements[page.tab.find("preset")]["options"] if "(soft)" in o))
     page.tab.wait_for(lambda: page.settings.origin == "soft", "the preset")
-    assert page.session._dock.gains.units == "physical"
+    assert page.session.dock.gains.units == "physical"
     page.set("shown", LETTERS)
-    assert page.settings.preset.gains == page.session._catalog.presets["soft"].gains
+    assert page.settings.preset.gains == page.session.catalog.presets["soft"].gains
 
 
 @pytest.mark.parametrize(
@@ -146,7 +146,7 @@ def test_a_schedule_is_switched_on_edited_and_off_and_undo_goes_back_through_it(
     assert page.settings.preset.gains.attitude.schedule == Schedule(steady=0.1)
     for _ in range(4):
         page.command("Undo")
-    assert page.settings.preset == page.session._catalog.presets["paper-slow"]
+    assert page.settings.preset == page.session.catalog.presets["paper-slow"]
     page.tab.wait_for(lambda: page.tab.text().count("at k1 = ") == 1, "one k1")
 
 
@@ -169,7 +169,7 @@ def test_the_three_half_turns_are_started_from_by_their_buttons_and_undone(page:
         page.press(label)
         guess = page.settings.preset.guess
         assert guess.attitude_angle == math.pi
-        assert page.session._picture.errors.attitude[0] == pytest.approx(math.pi, abs=1e-6)  # type: ignore[union-attr]
+        assert page.session.picture.errors.attitude[0] == pytest.approx(math.pi, abs=1e-6)  # type: ignore[union-attr]
         page.tab.wait_for_text("The start is <b>0°</b> from the nearest")
         page.press("almost: 1° off the nearest of these")
         almost = page.settings.preset.guess
@@ -183,7 +183,7 @@ def test_the_three_half_turns_are_started_from_by_their_buttons_and_undone(page:
 
 
 def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
-    noise = page.session._dock.gains._paper._noise._folder
+    noise = page.session.dock.gains._paper._noise._folder
     riccati = page.settings.preset.gains.riccati
     page.set("gains", "noise-matched (outside it)")
     page.tab.wait_for_text("are not used, and not shown")
@@ -191,4 +191,4 @@ def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
     assert page.settings.preset.gains.riccati == riccati
     page.set("gains", "constant (the paper's theorem)")
     assert noise.visible
-    assert page.settings.preset == page.session._catalog.presets["paper-slow"]
+    assert page.settings.preset == page.session.catalog.presets["paper-slow"]

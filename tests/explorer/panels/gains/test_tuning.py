@@ -42,7 +42,7 @@ def tune_gains(editing: Editing, seeds: float = SEEDS, tried: float = TRIED) -> 
 
 
 def panel(editing: Editing) -> TuningPanel:
-    return editing.session._dock.tuning
+    return editing.session.dock.tuning
 
 
 def gains(editing: Editing) -> Gains:
@@ -98,10 +98,10 @@ def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
 
 
 def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editing):
-    depth, before = tuned.session._history.depth, tuned.settings
+    depth, before = tuned.session.history.depth, tuned.settings
     pick(tuned, 1)
     tuned._carried_out(lambda: tuned.tab.set("pick along", "attitude"))
-    assert tuned.session._history.depth == depth
+    assert tuned.session.history.depth == depth
     assert tuned.settings == before
 
 
@@ -174,7 +174,7 @@ def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
     editing.tab.wait_for_text("auto-tune, 40 gains**, 48 %")
     assert HEARD == []
     editing.press("Stop")
-    editing.tab.wait_for(lambda: HEARD == [True] and editing.session._jobs.running is None, "the job to end")
+    editing.tab.wait_for(lambda: HEARD == [True] and editing.session.jobs.running is None, "the job to end")
     assert panel(editing)._found is None
     assert "Picked" not in editing.tab.text()
 
@@ -185,7 +185,7 @@ def test_what_was_found_stays_when_another_search_is_stopped(tuned: Editing, mon
     tuned.press("Tune the gains")
     tuned.tab.wait_for_text("48 %")
     tuned.press("Stop")
-    tuned.tab.wait_for(lambda: tuned.session._jobs.running is None, "the job to end")
+    tuned.tab.wait_for(lambda: tuned.session.jobs.running is None, "the job to end")
     assert panel(tuned)._found is kept
     assert "Picked (found)" in tuned.tab.text()
 
@@ -205,7 +205,7 @@ def test_nonsense_in_a_box_gets_a_sentence(editing: Editing, label: str, value: 
     editing.set(label, value)
     editing.press("Tune the gains")
     editing.tab.wait_for_text(f"{label} must be a whole number between 1 and")
-    assert editing.session._jobs.running is None
+    assert editing.session.jobs.running is None
 
 
 @pytest.mark.parametrize("value", [math.nan, -1, 7.5])
@@ -213,7 +213,7 @@ def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
     editing.set("steadiness w", value)
     editing.press("Tune the gains")
     editing.tab.wait_for_text("steadiness w must lie between 0 and 1")
-    assert editing.session._jobs.running is None
+    assert editing.session.jobs.running is None
 
 
 @pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", -3), ("place", 1e9), ("pick along", "nothing")])

@@ -196,7 +196,7 @@ def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
 
 
 def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi(editing: Editing):
-    before = editing.session._picture
+    before = editing.session.picture
     editing.set("R̃(0) angle (°)", 0.0)
     families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
     editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": "formulas"}})
@@ -204,7 +204,7 @@ def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi
     texts = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("x(t)")]
     editing.tab.send({"type": "GuiUpdateMessage", "uuid": texts[-1], "updates": {"value": "2*sin(3*t)"}})
     editing.settle()
-    after = editing.session._picture
+    after = editing.session.picture
     assert before is not None
     assert after is not None
     assert isinstance(after.preset.angular_velocity, Formula)
@@ -219,7 +219,7 @@ def test_a_flown_body_leans_as_its_thrust_does(editing: Editing):
     words = "flown: as a multirotor must"
     editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": words}})
     editing.settle()
-    picture = editing.session._picture
+    picture = editing.session.picture
     assert picture is not None
     felt = picture.motion.apparent_acceleration
     assert np.abs(felt[:, :2]).max() < 1e-9
@@ -254,9 +254,9 @@ def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(e
 
 def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be_measured(editing: Editing):
     editing.set("anchor (m)", (0.5, 0.25, -1.0))
-    before, picture = editing.settings, editing.session._picture
+    before, picture = editing.settings, editing.session.picture
     editing.press("Relabel the axes: z up ↔ z down")
-    once, flipped = editing.settings, editing.session._picture
+    once, flipped = editing.settings, editing.session.picture
     assert once.preset.world.gravity == (0.0, 0.0, -9.81)
     assert picture is not None
     assert flipped is not None
@@ -270,7 +270,7 @@ def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be
 def test_a_vehicle_is_held_against_the_path_and_what_breaks_is_named(editing: Editing):
     editing.set("slower s", math.log10(0.5))
     editing.set("vehicle", "Crazyflie 2.1")
-    picture = editing.session._picture
+    picture = editing.session.picture
     assert picture is not None
     assert {one.limit for one in picture.breaks} >= {"thrust_to_weight"}
     assert "not flyable</b> by Crazyflie 2.1" in editing.tab.text()
@@ -393,8 +393,8 @@ def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alo
     editing.set("q", 1.0)
     before = editing.settings
     time.sleep(0.8)  # longer than a moment
-    form, uuid = editing.session._form, editing.tab.find("range (Hz)")
-    run_actions, dial = form.run_actions, editing.session._dock.sensors._range_rate
+    form, uuid = editing.session.form, editing.tab.find("range (Hz)")
+    run_actions, dial = form.run_actions, editing.session.dock.sensors._range_rate
 
     def busy() -> bool:
         """A change and its undo come while the session is at work, and are seen together."""
@@ -438,10 +438,10 @@ def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
 
 
 def test_the_anchor_is_dragged_and_the_gramian_stays(editing: Editing):
-    before = editing.session._picture
+    before = editing.session.picture
     editing.drag("/handles/anchor", (0.5, 0.25, -1.0))
     editing.settle()
-    after = editing.session._picture
+    after = editing.session.picture
     assert before is not None
     assert after is not None
     assert after.preset.world.anchor == pytest.approx((0.5, 0.25, -1.0), abs=1e-2)

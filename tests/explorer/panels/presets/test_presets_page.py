@@ -31,7 +31,7 @@ WORST = re.compile(r"from ([\d.]+) s: rank")
 def data(tmp_path: Path, sessions: tuple[int, SessionServer]) -> Library:
     """An empty library for this test's visitors."""
     kept = Library(tmp_path / "presets")
-    object.__setattr__(sessions[1]._shared, "library", kept)
+    object.__setattr__(sessions[1].shared, "library", kept)
     return kept
 
 
@@ -39,8 +39,8 @@ def _visitor(sessions: tuple[int, SessionServer], storage: Storage | None = None
     port, made = sessions
     tab = Wire(port, storage=storage)
     tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
-    session = list(made._of.values())[-1]
-    tab.wait_for(lambda: session._picture is not None and "t (s)" in str(tab.elements), "the first picture")
+    session = made.sessions[-1]
+    tab.wait_for(lambda: session.picture is not None and "t (s)" in str(tab.elements), "the first picture")
     return Editing(tab, session)
 
 
@@ -59,7 +59,7 @@ def reloaded(page: Editing, sessions: tuple[int, SessionServer]) -> Iterator[Cal
     def reload() -> Editing:
         session = page.session
         page.tab.close()
-        page.tab.wait_for(lambda: not session._thread.is_alive(), "the end of the session")
+        page.tab.wait_for(lambda: not session.thread.is_alive(), "the end of the session")
         later.append(_visitor(sessions, page.tab.storage))
         return later[0]
 
@@ -463,8 +463,8 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
     after = page.settings.preset
     assert certificate.certify(preset.dumps(after).encode(), source="x").certified
     assert after.path != circle.preset.path
-    assert page.session._dock.compare._pinned is not None
-    assert page.session._dock.compare._pinned.settings == circle
+    assert page.session.dock.compare._pinned is not None
+    assert page.session.dock.compare._pinned.settings == circle
     assert page.tab.value("title") == after.title
     page.command("Undo")
     assert page.settings == circle

@@ -1,0 +1,112 @@
+"""What one visitor sees: a picture is drawn in plots, controls and scene, and all of it follows the playhead.
+
+draw(picture)      plots and verdict in one batch, then the scene
+draw_details       when nothing has changed for a moment: they take as long to compute as all the rest
+animate            moves everything to the playhead; it computes nothing
+"""
+
+import threading
+import time
+
+import msgspec
+import viser
+
+from explorer.charts import Charts
+from explorer.model.compute import Picture
+from explorer.model.playback import Playback
+from explorer.model.settings import Settings
+from explorer.panels.dock import Dock
+from explorer.panels.timeline import TimelinePanel
+from explorer.scene import Scene
+from explorer.scene.drag_handles import DragHandles
+
+HEAD_START = 0.003
+"""s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
+SETTLED = 0.3
+"""s without another picture, after which the details are drawn too."""
+
+
+class Display:
+    """The parts of one visitor's page that show a picture."""
+
+    def __init__(
+        self,
+        client: viser.ClientHandle,
+        dock: Dock,
+        charts: Charts,
+        scene: Scene,
+        handles: DragHandles,
+        timeline: TimelinePanel,
+        playback: Playback,
+    ) -> None:
+        self._client, self._dock, self._charts = client, dock, charts
+        self._scene, self._handles, self._timeline, self._playback = scene, handles, timeline, playback
+        self.picture: Picture | None = None
+        """What is shown; None before the first picture."""
+        self._details_due: float | None = None
+        """When to draw the details of the picture (s, monotonic); None if they are drawn."""
+
+    def wait(self, now: float) -> float | None:
+        """How long (s) until the details are due; None if they are drawn."""
+        return None if self._details_due is None else max(0.0, self._details_due - now)
+
+    def show(self, picture: Picture) -> None:
+        """Draw another picture: all of it, or the details alone if nothing but the twin was turned."""
+        if self._only_twin_turned(picture.settings):
+            self.picture = picture
+            self._draw_details(picture)
+        else:
+            self.draw(picture)
+
+    def draw(self, picture: Picture) -> None:
+        """Draw all of a picture, and what it is compared with; the details follow later."""
+        self.picture = picture
+        self._playback.fit(picture.preset.duration)
+        comparison = self._dock.comparison(picture)
+        with self._client.atomic():
+            self._charts.draw(picture, comparison)
+            self._charts.cursor(picture, self._playback.time)
+            self._dock.draw(picture)
+            self._dock.compare.draw(picture, comparison)
+        self._client.flush()
+        time.sleep(HEAD_START)
+        with self._client.atomic():
+            self._scene.draw(picture, comparison, dragging=self._handles.dragging)
+            self.draw_handles()
+        self._details_due = time.monotonic() + SETTLED
+
+    def draw_handles(self) -> None:
+        """Put the drag handles where anchor and waypoints are chosen to be, also if that gives no picture."""
+        if self.picture is not None and self._scene.bounds is not None:
+            self._handles.draw(self.picture.preset.world.anchor, self._dock.points, self._scene.bounds)
+
+    def draw_details_if_due(self, now: float, wake: threading.Event) -> None:
+        """Draw the details if nothing has changed for a moment, and nothing is waiting (`wake` is not set)."""
+        if self._details_due is None or self.picture is None or now < self._details_due or wake.is_set():
+            return
+        self._details_due = None
+        self._draw_details(self.picture)
+
+    def animate(self) -> None:
+        """Move everything to the playhead."""
+        if self.picture is None:
+            return
+        now = time.monotonic()
+        self._playback.advance(now)
+        with self._client.atomic():
+            self._scene.move(self.picture, self._playback.time)
+            self._charts.cursor(self.picture, self._playback.time)
+            self._timeline.write(now)
+
+    def _draw_details(self, picture: Picture) -> None:
+        details = picture.details
+        with self._client.atomic():
+            self._dock.twin.draw(details.twin)
+            self._charts.draw_later(picture)
+            self._scene.draw_later(picture, details)
+
+    def _only_twin_turned(self, settings: Settings) -> bool:
+        """Whether the turned twin is all that has changed since the details were drawn; it is then redrawn at once."""
+        if self.picture is None or self._details_due is not None:
+            return False
+        return msgspec.structs.replace(self.picture.settings, twin_turn=settings.twin_turn) == settings
