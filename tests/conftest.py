@@ -49,7 +49,7 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
 
 @pytest.fixture(scope="module")
 def sessions():
-    """(port, Sessions) of a server of this module's own."""
+    """(port, SessionServer) of a server of this module's own."""
     from explorer.server import SessionServer
     from explorer.shared import Compilation
     from explorer.web.security import open_server

@@ -17,9 +17,9 @@ from explorer.model.settings import effective
 from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.certifier import Certifier
-from explorer.storage.files import WorkFiles
 from explorer.storage.import_file import ImportFile, preset_in
 from explorer.storage.library import Library, edition
+from explorer.storage.work_files import WorkFiles
 from rangenav import certificate, formats, preset, provenance
 from rangenav.certificate import exports
 
@@ -93,7 +93,7 @@ def test_the_work_of_each_tab_is_found_again(old: Path, expected: dict[str, Any]
     assert {file.name for file in folder.iterdir()} == set(expected["state"])
     for name, before in expected["state"].items():
         complaints: list[str] = []
-        work = Autosave(WorkFiles(folder), FIRST, complaints.append).find(Path(name).stem)
+        work = Autosave(WorkFiles(folder), FIRST, complaints.append).restore(Path(name).stem)
         assert work is not None
         assert complaints == before["told"] == []
         assert contains(values(work), before["kept"])
