@@ -68,7 +68,7 @@ def test_any_title_makes_a_file_in_the_folder_and_nowhere_else(kept: Library, tm
 def test_a_slug_is_a_short_plain_name_whatever_the_title(title: str):
     name = slug(title)
     assert name.isascii()
-    assert 0 < len(name) <= library.LONGEST + len("preset-")
+    assert 0 < len(name) <= library.MAX_NAME + len("preset-")
     assert set(name) <= set("abcdefghijklmnopqrstuvwxyz0123456789-")
     assert not library.RESERVED.fullmatch(name)
 
@@ -263,7 +263,7 @@ def test_of_many_that_write_over_one_edition_at_once_one_wins_and_the_others_are
 
 
 def test_a_file_of_a_long_name_is_brought_back_too(kept: Library):
-    name = "a" * 2 * library.LONGEST
+    name = "a" * 2 * library.MAX_NAME
     kept.folder.mkdir(parents=True)
     (kept.folder / f"{name}.toml").write_bytes(b"work")  # put there by hand
     assert kept.restore(kept.delete(name, known={edition(b"work")})) == name

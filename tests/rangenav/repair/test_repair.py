@@ -199,7 +199,7 @@ def test_a_budget_is_kept_and_progress_rises_to_its_end():
     told: list[float] = []
     asked = replace(SOFT.requirement, position_sigma=1e-3)
     with pytest.raises(CannotRepairError):
-        repair.repair(flown(EIGHT, requirement=asked), evaluations=80, progress=lambda share, _: told.append(share))
+        repair.repair(flown(EIGHT, requirement=asked), evaluations=80, progress=told.append)
     assert told == sorted(told)
     assert 0 < told[0] <= told[-1] <= 1
     assert len(told) <= 80
