@@ -23,7 +23,8 @@ MAX_FILE, MAX_WORDS = 255, 400
 HASH = 64
 """Hexadecimal digits of a SHA-256."""
 CACHED = 32
-Format = Literal["reference", "polynomial", "tum", "euroc"]
+Format = Literal["reference", "polynomial", "tum", "euroc", "arrays"]
+"""What a path was imported from: a file in one of these formats, or arrays in a program."""
 ADOPT = (
     "judge the flight itself by its IMU (rangenav log), or make the curve a design of your own: change its path, or "
     "delete [source] from the preset"

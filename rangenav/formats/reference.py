@@ -75,7 +75,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> ImportResu
     for values in given:
         require(float(np.abs(values).max()) <= LARGEST, f"{source}: position or a derivative exceeds {LARGEST:g} (SI)")
     _check_quaternion(table, findings)
-    path, fit_error, fitted, unjudged = _path(time - time[0], position, derivatives, knots, source, findings)
+    path, fit_error, fitted, unjudged = path_through(time - time[0], position, derivatives, knots, source, findings)
     return ImportResult(
         source=source,
         format="reference",
@@ -156,7 +156,7 @@ def _check_quaternion(table: Table, findings: list[str]) -> None:
             findings.append(f"{int(off.sum())} quaternions are not of unit length; the path does not need them")
 
 
-def _path(
+def path_through(
     time: Array, position: Array, derivatives: list[Array | None], knots: float | None, source: str, findings: list[str]
 ) -> tuple[Polynomials | spline_fit.Waypoints, float, str, str | None]:
     """The path, its largest distance from the file's positions (m), what was fitted, and why it is not judged."""

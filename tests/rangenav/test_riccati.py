@@ -1,6 +1,5 @@
-"""The Riccati observer against the paper's own differential equation, a steady Riccati equation and python-control."""
+"""The Riccati observer against the paper's own differential equation and a steady Riccati equation."""
 
-import control
 import numpy as np
 import pytest
 import scipy.integrate
@@ -108,34 +107,6 @@ def test_an_unsymmetric_correction_would_be_order_one():
         errors.append(np.linalg.norm(estimate.state[-1] - reference[0]))
     slope = -np.polyfit(np.log(RATES), np.log(errors), 1)[0]
     assert 0.8 < slope < 1.3, slope
-
-
-def test_python_control_simulates_the_same_observer():
-    """The plant, the observer and its Riccati equation as one NonlinearIOSystem, driven by gyro and acceleration."""
-    scene = records.scene("paper-slow", duration=1.0, imu_rate=800.0, range_rate=800.0, noise=records.SILENT)
-    ode = PaperOde(scene.preset, SOFT)
-    q, V = SOFT.riccati.q, np.diag(SOFT.riccati.v.diagonal())
-
-    def update(t: float, y: np.ndarray, u: np.ndarray, params: dict) -> np.ndarray:
-        x, P = y[:13], y[13:].reshape(13, 13)
-        A, b = model.dynamics(u[:3], u[3:6], gravity_norm=9.81)
-        gain = P[:, 0] * q
-        return np.concatenate([A @ x + b + gain * (u[6] - x[0]), (A @ P + P @ A.T - np.outer(gain, P[0]) + V).ravel()])
-
-    system = control.NonlinearIOSystem(
-        update, lambda t, y, u, params: y[:13], inputs=7, outputs=13, states=182, name="observer"
-    )
-    z = scene.measurements
-    inputs = np.column_stack([z.gyro, z.accel, z.range**2 / 2]).T
-    response = control.input_output_response(
-        system, z.time, inputs, ode.initial()[:182], solve_ivp_kwargs={"rtol": 1e-8, "atol": 1e-10}
-    )
-    start = Start(state=np.zeros(STATES), rotation=np.eye(3))
-    estimate = cascade.observe(z, start, scene.setting(SOFT))
-    scale = np.abs(estimate.state).max(axis=0)
-    difference = np.abs(response.outputs.T - estimate.state).max(axis=0) / scale
-    # python-control interpolates the inputs linearly between samples, an error of order h² like the observer's own
-    assert difference.max() < 1e-3, difference
 
 
 def test_covariance_settles_on_the_algebraic_riccati_equation():
