@@ -12,7 +12,7 @@ from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import Preset
 from rangenav.sensors import Sensors, effects
-from rangenav.signals import Flown, Polynomials, Signal, Sum, Turning, mapped
+from rangenav.signals import Flown, Polynomials, Signal, Sum, Turning
 from rangenav.signals.polynomials import Coefficients
 
 FLIP = np.diag([1.0, -1.0, -1.0])
@@ -78,8 +78,8 @@ def flipped_signal(signal: Signal) -> Signal:
     """The signal in the other axes, still of its own family; the yaw of its pieces is about the other z."""
     if isinstance(signal, Sum):
         parts = {name: flipped_signal(getattr(signal, name)) for name in ("base", "wiggle")}
-        return msgspec.structs.replace(mapped(signal, FLIP, NO_SHIFT), **parts)
-    turned = mapped(signal, FLIP, NO_SHIFT)
+        return msgspec.structs.replace(signal.mapped(FLIP, NO_SHIFT), **parts)
+    turned = signal.mapped(FLIP, NO_SHIFT)
     if not isinstance(turned, Polynomials):
         return turned
     pieces = tuple(msgspec.structs.replace(piece, yaw=_negative(piece.yaw)) for piece in turned.pieces)

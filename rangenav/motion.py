@@ -15,7 +15,7 @@ from numpy import ndarray as Array
 from rangenav import so3
 from rangenav.inputs import Input, Vec3, require
 from rangenav.results import result
-from rangenav.signals import Flown, Signal, Turning, jet, multirotor
+from rangenav.signals import Flown, Signal, Turning, multirotor
 from rangenav.signals.multirotor import Attitude
 
 COLLINEAR_SINE = 1e-3
@@ -106,7 +106,7 @@ def simulate(
         body = multirotor.attitude(angular_velocity, path, world.gravity, time)
     else:
         body = _turning(angular_velocity, initial_rotation, duration, rate)
-    position, velocity, acceleration, jerk, snap = jet(path, time, SNAP)
+    position, velocity, acceleration, jerk, snap = path.jet(time, SNAP)
     return Motion(
         time=time,
         position=position,

@@ -17,7 +17,7 @@ from rangenav.motion import World
 from rangenav.observability import quadrature
 from rangenav.provenance import Source
 from rangenav.sensors import MODELLED, Effects, Sensors
-from rangenav.signals import Flown, Signal, Turning, bandwidth_until, refuse_fallen, refuse_wild, refuse_work
+from rangenav.signals import Flown, Signal, Turning, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
 
 FORMAT_VERSION = 1
@@ -115,7 +115,7 @@ class Preset(Input, frozen=True, kw_only=True):
         rate, window = self.sensors.imu_rate, self.requirement.window
         refuse_work(signal, moments=self.duration * rate)
         refuse_wild(signal, duration=self.duration, rate=rate, highest=highest)
-        fastest = bandwidth_until(signal, self.duration)
+        fastest = signal.bandwidth_until(self.duration)
         rule = f"{fastest:g} rad/s is faster than the IMU can sample ({math.pi * rate:.0f} rad/s)"
         require(fastest < math.pi * rate, rule)
         refuse_work(signal, moments=self.duration * rate + WINDOWS * quadrature.count(signal, window, self.duration))

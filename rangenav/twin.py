@@ -24,7 +24,7 @@ from rangenav.motion import World, time_grid
 from rangenav.observability import ambiguity, blindness, symmetry
 from rangenav.preset import Preset
 from rangenav.results import result
-from rangenav.signals import Signal, started_at
+from rangenav.signals import Signal, with_start
 
 TOLERANCE, APART = 0.02, 1.0
 """m: of the range; and how far off a twin must be (RMS over the flight) to be worth showing."""
@@ -230,7 +230,7 @@ def _compared(
 ) -> Twin:
     """The twin with a straight-line difference, its range taken from its own path."""
     start = flight.anchor + flight.start + shift
-    path = started_at(flight.path, position=_vec(start), velocity=_vec(flight.velocity + drift))
+    path = with_start(flight.path, position=_vec(start), velocity=_vec(flight.velocity + drift))
     true, other = (np.linalg.norm(q, axis=-1) for q in (flight.position, path(flight.time) - flight.anchor))
     distance = np.linalg.norm(shift + flight.time[:, None] * drift, axis=-1)
     mismatch, nearest, farthest = float(np.abs(other - true).max()), float(distance.min()), float(distance.max())

@@ -24,7 +24,7 @@ from rangenav.certificate import files
 from rangenav.formats import euroc, readback
 from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
-from rangenav.signals import Flown, Formula, bandwidth_until, expressions, series
+from rangenav.signals import Flown, Formula, expressions, series
 from tests.support.signal_examples import EXAMPLES
 
 DEADLINE = 1.0
@@ -185,7 +185,7 @@ def formula(random: random.Random) -> None:
             return
         assert largest <= signal.bound(order) * (1 + 1e-12) or largest < 1e-290, text
         assert signal.period is None or signal.period >= 0
-        assert bandwidth_until(signal, 10.0) >= 0
+        assert signal.bandwidth_until(10.0) >= 0
 
 
 def damaged_preset(random: random.Random) -> None:

@@ -86,5 +86,5 @@ def effective(settings: Settings) -> Preset:
     if settings.time_scale != 1.0:
         path = signals.slowed(path, settings.time_scale)
     if settings.printed.initial_values:
-        path = signals.started_at(path, **_printed_start(settings.preset))
+        path = signals.with_start(path, **_printed_start(settings.preset))
     return msgspec.structs.replace(settings.preset, path=path)

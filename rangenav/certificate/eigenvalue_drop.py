@@ -25,7 +25,7 @@ from numpy import ndarray as Array
 
 from rangenav.certificate import derivative_bounds
 from rangenav.observability.excitation import drop_between
-from rangenav.signals import Signal, mapped
+from rangenav.signals import Signal
 
 ACROSS_SHARE = 0.05
 """Of the least eigenvalue across, that the cross term may cost there."""
@@ -60,14 +60,14 @@ class Narrow:
 def enclosed(path: Signal, until: float, highest: int) -> Enclosure:
     """The snap and its derivatives up to the highest on stretches of [0, until]; infinite where nothing is known."""
     edge = derivative_bounds.stretches(path, until)
-    return Enclosure(edge, derivative_bounds.envelope(path, edge, range(4, 5 + highest)))
+    return Enclosure(edge, path.derivative_bounds(edge, range(4, 5 + highest)))
 
 
 def along(path: Signal, basis: Float[Array, "3 r"], known: Enclosure) -> Narrow:
     """The snap along the orthonormal columns, and its rate; a plane has next to none along its normal."""
     projector = basis @ basis.T
-    projected = mapped(path, np.vstack([basis.T, np.zeros((3 - basis.shape[1], 3))]), np.zeros(3))
-    return Narrow(projector, basis.shape[1], derivative_bounds.envelope(projected, known.edge, range(4, 6)))
+    projected = path.mapped(np.vstack([basis.T, np.zeros((3 - basis.shape[1], 3))]), np.zeros(3))
+    return Narrow(projector, basis.shape[1], projected.derivative_bounds(known.edge, range(4, 6)))
 
 
 def fall(

@@ -85,7 +85,7 @@ def smallest_tones(preset: Preset, at: float, *, tries: Iterator[int] | None = N
     Small is a small effort: the amplitude in metres plus the acceleration in weights. `tries` is taken one from before
     every look, and ends the search when it ends.
     """
-    work = WORK_PER_TRY + WORK_PER_OPERATION * signals.operations(preset.path)
+    work = WORK_PER_TRY + WORK_PER_OPERATION * preset.path.operations()
     tries = iter(range(int(WORK / work))) if tries is None else tries
     for several in directions(preset, at):
         tried = [found for w in candidates(preset) if (found := _smallest(preset, several, w, tries)) is not None]

@@ -13,7 +13,7 @@ from numpy import ndarray as Array
 from rangenav.certificate import derivative_bounds
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.results import result
-from rangenav.signals import Signal, knots, operations
+from rangenav.signals import Signal, knots
 
 GAUSS = 4
 """Nodes of a cell."""
@@ -101,7 +101,7 @@ def cells(path: Signal, until: float, turn: float) -> int:
 
 def most_nodes(path: Signal) -> float:
     """Evaluations that this path may be asked for."""
-    return MAX_NODES / (1 + operations(path) / CHEAP_OPERATIONS)
+    return MAX_NODES / (1 + path.operations() / CHEAP_OPERATIONS)
 
 
 def apart(time: Float[Array, "m"], until: float) -> Float[Array, "n"]:

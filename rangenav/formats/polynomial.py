@@ -20,7 +20,7 @@ from rangenav.inputs import require
 from rangenav.observability import excitation
 from rangenav.preset import Preset
 from rangenav.results import result
-from rangenav.signals import Piece, Polynomials, Signal, bandwidth_until, polynomials
+from rangenav.signals import Piece, Polynomials, Signal, polynomials
 from rangenav.signals.waypoints import MinimumSnap
 
 MAX_SEGMENTS = 31
@@ -135,7 +135,7 @@ def fitted(preset: Preset) -> tuple[HoverRamps, Polynomials]:
             course = hover_ramps.ramped(own, length, window=0.0)
             if course.ramp == 0:
                 return course, own
-    step = 2 * np.pi / bandwidth_until(path, preset.duration) / PER_TURN if path.period != 0 else np.inf
+    step = 2 * np.pi / path.bandwidth_until(preset.duration) / PER_TURN if path.period != 0 else np.inf
     course = hover_ramps.ramped(path, preset.duration, window=window)
     ramp_pieces = max(RAMP_PIECES, int(np.ceil(course.ramp / step))) if course.ramp else 0
     left = MAX_SEGMENTS - 2 * ramp_pieces

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import require
-from rangenav.signals import Signal, bandwidth_until, knots
+from rangenav.signals import Signal, knots
 
 PANEL_NODES = 32
 PANEL_TURN = 36.0
@@ -34,7 +34,7 @@ ROWS, SNAP = 2, -4
 def count(path: Signal, window: float, until: float) -> int:
     """How many nodes a window (s) has at most, wherever it lies between 0 and `until` (s)."""
     if not knots.has_pieces(path):
-        return PANEL_NODES * _panels(window, bandwidth_until(path, until))
+        return PANEL_NODES * _panels(window, path.bandwidth_until(until))
     return math.prod(_fullest(path, window, until))
 
 
@@ -44,7 +44,7 @@ def refuse(path: Signal, window: float, until: float) -> None:
         _refuse_tones(window, knots.bandwidth_besides(path, until))
         _refuse_pieces(*_fullest(path, window, until))
     else:
-        _refuse_tones(window, bandwidth_until(path, until))
+        _refuse_tones(window, path.bandwidth_until(until))
 
 
 def nodes(
@@ -53,7 +53,7 @@ def nodes(
     """Nodes τ in [0, window] and weights that sum to one: one row for all windows (v = 1), or a row for each."""
     first, last = float(np.min(start)), float(np.max(start)) + window
     if not knots.has_pieces(path):
-        return _composite(window, bandwidth_until(path, last))
+        return _composite(window, path.bandwidth_until(last))
     _refuse_tones(window, knots.bandwidth_besides(path, last))
     edges = _edges(path, first, last)
     begin = np.searchsorted(edges, start, side="right")

@@ -21,7 +21,7 @@ from rangenav.arguments import finite_array
 from rangenav.inputs import Vec3
 from rangenav.observability import quadrature, windows
 from rangenav.results import result
-from rangenav.signals import Signal, bent
+from rangenav.signals import Signal, curved_part
 
 CHUNK = 4096
 """Rows weighted and reduced at once: half a megabyte stays in the cache, all windows together cost twice the time."""
@@ -82,7 +82,7 @@ def visit_at(
     start, window = windows.checked(path, start, window)
     tau = windows.offsets("tau", tau, len(start))
     weight = finite_array("weight", weight, ("v", tau.shape[-1]))
-    curve, time, ends = bent(path), start[:, None] + tau, np.stack([start, start + window])
+    curve, time, ends = curved_part(path), start[:, None] + tau, np.stack([start, start + window])
     places = _axes_first(curve(time))
     offset, drift = (path(start[:1], order) - curve(start[:1], order) for order in (0, 1))
     return Visit(
@@ -103,7 +103,7 @@ def rounding(path: Signal, start: Float[Array, "w"], window: float) -> float:
 
     A path that no bound is known of, because it drifts or jumps, is as large as it is seen to be.
     """
-    path = bent(path)
+    path = curved_part(path)
     sizes = [path.bound(order) for order in (0, 1)]
     if not math.isfinite(sum(sizes)):
         time = np.append(start, start[-1] + window)
@@ -169,7 +169,7 @@ def lifted(
 ) -> Float[Array, "w k 13"]:
     """Rows 𝒞Φ(t + τ, t) for each reference time t (s); τ may be negative (what past ranges say about now)."""
     reference, tau = _checked(path, reference, tau)
-    curve = bent(path)
+    curve = curved_part(path)
     places = _axes_first(curve(reference[:, None] + tau))
     return _lifted(_departure(places, curve(reference), curve(reference, 1), gravity, tau), tau)
 

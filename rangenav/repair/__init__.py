@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import provenance, signals
+from rangenav import provenance
 from rangenav.certificate import Certificate, remedy
 from rangenav.certificate.figures import figures
 from rangenav.inputs import require
@@ -125,7 +125,7 @@ def _kept(after: Preset, limited: Preset) -> bool:
 
 
 def _budget(preset: Preset, evaluations: int, progress: Progress, cancelled: Cancelled) -> Budget:
-    work = remedy.WORK_PER_TRY + remedy.WORK_PER_OPERATION * signals.operations(preset.path)
+    work = remedy.WORK_PER_TRY + remedy.WORK_PER_OPERATION * preset.path.operations()
     most = min(evaluations, int(WORK / work))
     return Budget(total=most, most=most, progress=progress, cancelled=cancelled)
 

@@ -36,7 +36,7 @@ def amplitude(preset: Preset) -> Change:
 
     def make(theta: Array) -> Preset:
         factors = np.where(moves, np.exp(theta), 1.0)
-        return with_path(preset, signals.mapped(preset.path, np.diag(factors), middle - factors * middle))
+        return with_path(preset, preset.path.mapped(np.diag(factors), middle - factors * middle))
 
     return Change(
         box=_factors(3),

@@ -7,11 +7,8 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3, require
-from rangenav.signals import expressions
-from rangenav.signals.families import Signal, Sum
-from rangenav.signals.formula import Formula
+from rangenav.signals.families import Signal
 from rangenav.signals.multirotor import Flown, attitude
-from rangenav.signals.multisine import AXES
 
 MAX_WORK = 5e7
 """Operations of a formula × moments at which it is evaluated; a second on a small machine, at 20 ns each."""
@@ -20,20 +17,9 @@ CHECK_SAMPLES = 4001
 CACHED = 64
 
 
-def operations(signal: Signal) -> int:
-    """How many operations the signal's formulas have, 0 if it has none."""
-    match signal:
-        case Formula():
-            return sum(expressions.size(expressions.parse(getattr(signal, axis))) for axis in AXES)
-        case Sum():
-            return operations(signal.base) + operations(signal.wiggle)
-        case _:
-            return 0
-
-
 def refuse_work(signal: Signal, *, moments: float) -> None:
     """Raise ValueError, before anything is evaluated, if the signal's formulas are too long for so many moments."""
-    count = operations(signal)
+    count = signal.operations()
     rule = f"a formula of {count} operations at {moments:.0f} moments is too much work: shorten it, flight or window"
     require(count * moments <= MAX_WORK, rule)
 
@@ -41,7 +27,7 @@ def refuse_work(signal: Signal, *, moments: float) -> None:
 @lru_cache(maxsize=CACHED)
 def refuse_wild(signal: Signal, *, duration: float, rate: float, highest: int) -> None:
     """Raise ValueError naming axis and time where a formula or a derivative, up to the highest, is not finite."""
-    if operations(signal) == 0:
+    if signal.operations() == 0:
         return
     time = _moments(duration, rate)
     for order in range(highest + 1):

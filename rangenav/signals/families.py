@@ -2,21 +2,23 @@
 
 import math
 
+import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import Input, Vec3, require_within
+from rangenav.inputs import Vec3, require_within
+from rangenav.signals.base import SignalBase, add_line, divided, vector
 from rangenav.signals.formula import Formula
 from rangenav.signals.multisine import MAX_DRIFT, MAX_OFFSET, Multisine, common_period
 from rangenav.signals.polynomials import Polynomials
 from rangenav.signals.waypoints import MinimumSnap, Waypoints
 
 Family = Multisine | Formula | Waypoints | MinimumSnap | Polynomials
-"""Signals that are not sums; angular velocities may be of any family, a constant one is a Multisine's offset."""
+"""Signals that are not sums: a new family is one more here. Angular velocities may be of any family, too."""
 
 
-class Sum(Input, frozen=True, kw_only=True, tag="sum", tag_field="kind", omit_defaults=True, cache_hash=True):
+class Sum(SignalBase, frozen=True, kw_only=True, tag="sum", tag_field="kind", omit_defaults=True, cache_hash=True):
     """base + wiggle + offset + drift t."""
 
     base: Family
@@ -62,17 +64,48 @@ class Sum(Input, frozen=True, kw_only=True, tag="sum", tag_field="kind", omit_de
             return None
         return common_period([2 * math.pi / period for period in periods if period])
 
+    def parts(self) -> tuple[Family, ...]:
+        """The base and the wiggle."""
+        return self.base, self.wiggle
+
+    @property
+    def bound_stretches(self) -> int:
+        """As many as the part that wants more."""
+        return max(part.bound_stretches for part in self.parts())
+
+    def bandwidth_until(self, time: float) -> float:
+        """The higher one of both parts (rad/s)."""
+        return max(part.bandwidth_until(time) for part in self.parts())
+
+    def derivative_bounds(self, edges: Float[Array, "k"], orders: range) -> Float[Array, "o m"]:
+        """The sum of both parts' bounds."""
+        return self.base.derivative_bounds(edges, orders) + self.wiggle.derivative_bounds(edges, orders)
+
+    def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
+        """The signal and its derivatives up to the highest order (1 at least) at times t (s)."""
+        every = self.base.jet(t, highest) + self.wiggle.jet(t, highest)
+        add_line(every, t, offset=self.offset, drift=self.drift)
+        return every
+
+    def operations(self) -> int:
+        """The operations of both parts."""
+        return sum(part.operations() for part in self.parts())
+
+    def slowed(self, factor: float) -> "Sum":
+        """The signal s(t / factor)."""
+        base, wiggle = self.base.slowed(factor), self.wiggle.slowed(factor)
+        return msgspec.structs.replace(self, base=base, wiggle=wiggle, drift=divided(self.drift, factor))
+
+    def mapped(self, matrix: Float[Array, "3 3"], shift: Float[Array, "3"]) -> "Sum":
+        """matrix · signal + shift."""
+        base, wiggle = self.base.mapped(matrix, np.zeros(3)), self.wiggle.mapped(matrix, np.zeros(3))
+        offset, drift = vector(matrix @ self.offset + shift), vector(matrix @ self.drift)
+        return msgspec.structs.replace(self, base=base, wiggle=wiggle, offset=offset, drift=drift)
+
+    def curved_part(self) -> "Sum":
+        """The sum of both parts without their straight parts."""
+        return Sum(base=self.base.curved_part(), wiggle=self.wiggle.curved_part())
+
 
 Signal = Family | Sum
 """Every family of signals in R³: a tagged union, told apart in a file by `kind`."""
-
-
-def bandwidth_until(signal: Signal, time: float) -> float:
-    """The highest frequency present (rad/s) from 0 to a time (s): finite even for a chirp, which has none for all t."""
-    match signal:
-        case Formula():
-            return signal.bandwidth_until(time)
-        case Sum():
-            return max(bandwidth_until(signal.base, time), bandwidth_until(signal.wiggle, time))
-        case _:
-            return signal.bandwidth

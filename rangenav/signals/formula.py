@@ -6,13 +6,16 @@ The texts stay as they were typed; what moves, turns or slows a path changes the
 
 import math
 from functools import lru_cache
+from typing import cast
 
+import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import Input, Vec3, require_within
+from rangenav.inputs import Vec3, require_within
 from rangenav.signals import expressions
+from rangenav.signals.base import ROUNDING_MARGIN, SignalBase, divided, vector
 from rangenav.signals.expressions import Node
 from rangenav.signals.intervals import Interval
 from rangenav.signals.multisine import AXES, MAX_DRIFT, MAX_OFFSET, common_period
@@ -31,12 +34,16 @@ BANDWIDTH_ORDERS = range(5, 11)
 BANDWIDTH_TIMES = 512
 BOUND_BOXES = 128
 """Stretches of a period over which intervals are taken; on a whole turn at once they would be far too wide."""
+STRETCHES = 256
+"""Stretches of a flight on each of which a formula is enclosed."""
 MAX_BOUNDED = 120
 """Operations on one axis; intervals for more would take longer than somebody who is typing waits."""
 CACHED = 64
 
 
-class Formula(Input, frozen=True, kw_only=True, tag="formula", tag_field="kind", omit_defaults=True, cache_hash=True):
+class Formula(
+    SignalBase, frozen=True, kw_only=True, tag="formula", tag_field="kind", omit_defaults=True, cache_hash=True
+):
     """One expression in t (s) per axis: + − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their relatives."""
 
     x: str = "0"
@@ -131,6 +138,53 @@ class Formula(Input, frozen=True, kw_only=True, tag="formula", tag_field="kind",
         common = common_period(sorted(found))
         return None if common is None else common * self.slower
 
+    @property
+    def bound_stretches(self) -> int:
+        """Intervals over a whole flight at once would be far too wide."""
+        return STRETCHES
+
+    def derivative_bounds(self, edges: Float[Array, "k"], orders: range) -> Float[Array, "o m"]:
+        """Each axis enclosed as a power series over intervals of t / slower; the mix adds their sizes."""
+        time = Interval(edges[:-1], edges[1:]) / self.slower
+        sizes = np.zeros((len(orders), 3, len(edges) - 1))
+        for axis, k in AXES.items():
+            with np.errstate(all="ignore"):
+                series = expressions.evaluate(expressions.parse(getattr(self, axis)), variable(time), max(orders))
+                for row, order in enumerate(orders):
+                    if order < len(series):
+                        sizes[row, k] = _size(series[order]) * (math.factorial(order) / self.slower**order)
+        mix = np.abs(np.asarray(self.mix))
+        with np.errstate(invalid="ignore"):
+            mixed = np.where(mix[:, :, None] > 0, mix[:, :, None] * sizes[:, None], 0.0).sum(axis=2)
+        return np.linalg.norm(mixed, axis=1) * ROUNDING_MARGIN
+
+    def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
+        """The signal and its derivatives up to the highest order, one after the other."""
+        return np.stack([self(t, order) for order in range(highest + 1)])
+
+    def operations(self) -> int:
+        """How many operations the three expressions have."""
+        return sum(expressions.size(expressions.parse(getattr(self, axis))) for axis in AXES)
+
+    def piecewise(self) -> None:
+        """An expression is taken for no polynomial."""
+        return
+
+    def slowed(self, factor: float) -> "Formula":
+        """The signal s(t / factor); the expressions keep their text."""
+        return msgspec.structs.replace(self, slower=self.slower * factor, drift=divided(self.drift, factor))
+
+    def mapped(self, matrix: Float[Array, "3 3"], shift: Float[Array, "3"]) -> "Formula":
+        """matrix · signal + shift; the expressions keep their text."""
+        x, y, z = (vector(row) for row in matrix @ np.asarray(self.mix))
+        mix: Rows = (x, y, z)
+        offset, drift = vector(matrix @ self.offset + shift), vector(matrix @ self.drift)
+        return msgspec.structs.replace(self, mix=mix, offset=offset, drift=drift)
+
+    def curved_part(self) -> "Formula":
+        """The expressions alone."""
+        return msgspec.structs.replace(self, offset=(0.0, 0.0, 0.0), drift=(0.0, 0.0, 0.0))
+
 
 def derivatives(text: str, t: Float[Array, "*n"], highest: int) -> Float[Array, "order *n"]:
     """A scalar formula and its derivatives up to the highest order, at times t (s). Raises ValueError if not finite."""
@@ -142,6 +196,14 @@ def derivatives(text: str, t: Float[Array, "*n"], highest: int) -> Float[Array, 
     if wild.any():
         raise ValueError(f"{shortened(text)} is not finite at t = {float(t[wild][0]):g} s")
     return found
+
+
+def _size(coefficient: object) -> Array | float:
+    """The largest absolute value of an enclosure on each stretch; infinite if it is not known."""
+    if not isinstance(coefficient, Interval):
+        return abs(float(cast(float, coefficient)))
+    largest = np.maximum(np.abs(coefficient.low), np.abs(coefficient.high))
+    return np.where(np.isnan(largest), np.inf, largest)
 
 
 def shortened(text: str) -> str:

@@ -10,11 +10,9 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.signals import piecewise, polynomials, waypoints
-from rangenav.signals.families import Family, Signal, Sum, bandwidth_until
+from rangenav.signals import piecewise
+from rangenav.signals.families import Signal
 from rangenav.signals.piecewise import Pieces
-from rangenav.signals.polynomials import Polynomials
-from rangenav.signals.waypoints import MinimumSnap, Waypoints
 
 SAME = 1e-11
 """s; knots nearer than this are one, told apart by rounding: two parts of a sum may share theirs."""
@@ -22,7 +20,7 @@ SAME = 1e-11
 
 def pieces(signal: Signal) -> Iterator[Pieces]:
     """The piecewise polynomials that a signal is made of: none, one, or in a Sum two."""
-    return (made for made in map(_pieces, _parts(signal)) if made is not None)
+    return (made for made in (part.piecewise() for part in signal.parts()) if made is not None)
 
 
 def has_pieces(signal: Signal) -> bool:
@@ -48,27 +46,13 @@ def degree(signal: Signal) -> int:
 
 def bandwidth_besides(signal: Signal, time: float) -> float:
     """The highest frequency (rad/s), from 0 to a time (s), in the parts that are no polynomials; 0 without such."""
-    return max((bandwidth_until(part, time) for part in _parts(signal) if _pieces(part) is None), default=0.0)
+    return max((part.bandwidth_until(time) for part in signal.parts() if part.piecewise() is None), default=0.0)
 
 
 def bounds_between(signal: Signal, order: int, time: Float[Array, "n"]) -> Float[Array, "n"]:
     """Bounds on a derivative's norm (order 2 or more) from each time (s) to the knots before and after it."""
     found = np.zeros(len(time))
-    for part in _parts(signal):
-        made = _pieces(part)
+    for part in signal.parts():
+        made = part.piecewise()
         found += part.bound(order) if made is None else piecewise.hulls(made, order, time)
     return found
-
-
-def _parts(signal: Signal) -> Iterator[Family]:
-    return iter((signal.base, signal.wiggle) if isinstance(signal, Sum) else (signal,))
-
-
-def _pieces(part: Family) -> Pieces | None:
-    match part:
-        case Waypoints() | MinimumSnap():
-            return waypoints.pieces(part)
-        case Polynomials():
-            return polynomials.pieces(part)
-        case _:
-            return None

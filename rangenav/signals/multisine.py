@@ -3,18 +3,24 @@
 Its k-th derivative is Σ A wᵏ sin(w t + phase + k π/2): one formula, so snap is as exact as position.
 """
 
+import cmath
 import math
 from collections.abc import Sequence
 from fractions import Fraction
 from typing import Literal
 
+import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Input, Vec3, require, require_within
+from rangenav.signals.base import ROUNDING_MARGIN, SignalBase, add_line, divided, vector
 
 AXES = {"x": 0, "y": 1, "z": 2}
+LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
+SILENT = 1e-15
+"""A tone that a rotation leaves with this share of its amplitude is rounding."""
 MAX_TONES = 64
 MAX_AMPLITUDE = 1e4
 MAX_OFFSET = 1e6
@@ -44,7 +50,7 @@ class Tone(Input, frozen=True, kw_only=True):
         require_within("frequency", self.frequency, MIN_FREQUENCY, MAX_FREQUENCY, "rad/s")
 
 
-class Multisine(Input, frozen=True, kw_only=True, tag="multisine", tag_field="kind"):
+class Multisine(SignalBase, frozen=True, kw_only=True, tag="multisine", tag_field="kind"):
     """offset + drift · t + tones, with every derivative."""
 
     tones: tuple[Tone, ...] = ()
@@ -94,6 +100,72 @@ class Multisine(Input, frozen=True, kw_only=True, tag="multisine", tag_field="ki
         Drift is left out: what depends on second and higher derivatives repeats all the same.
         """
         return common_period([tone.frequency for tone in self.tones if tone.amplitude != 0])
+
+    def bandwidth_until(self, time: float) -> float:
+        """The highest frequency present (rad/s), at any time."""
+        return self.bandwidth
+
+    @property
+    def bound_stretches(self) -> int:
+        """One bound holds at all times."""
+        return 1
+
+    def derivative_bounds(self, edges: Float[Array, "k"], orders: range) -> Float[Array, "o m"]:
+        """`bound` of each order, on every stretch between neighbouring edges (s)."""
+        constant = np.array([self.bound(order) for order in orders]) * ROUNDING_MARGIN
+        return np.repeat(constant[:, None], len(edges) - 1, axis=1)
+
+    def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
+        """The signal and its derivatives up to the highest order (1 at least): one sine and one cosine a tone."""
+        every = np.zeros((highest + 1, len(t), 3))
+        add_line(every, t, offset=self.offset, drift=self.drift)
+        for tone in self.tones:
+            angle = tone.frequency * t + tone.phase
+            waves = np.sin(angle), np.cos(angle)
+            for order in range(highest + 1):
+                sign = -1.0 if order % 4 > 1 else 1.0  # sin, cos, −sin, −cos, and round again
+                every[order, :, AXES[tone.axis]] += sign * tone.amplitude * tone.frequency**order * waves[order % 2]
+        return every
+
+    def operations(self) -> int:
+        """There is no formula."""
+        return 0
+
+    def piecewise(self) -> None:
+        """Sines are no polynomials."""
+        return
+
+    def slowed(self, factor: float) -> "Multisine":
+        """The signal s(t / factor)."""
+        tones = tuple(msgspec.structs.replace(tone, frequency=tone.frequency / factor) for tone in self.tones)
+        return msgspec.structs.replace(self, tones=tones, drift=divided(self.drift, factor))
+
+    def mapped(self, matrix: Float[Array, "3 3"], shift: Float[Array, "3"]) -> "Multisine":
+        """matrix · signal + shift."""
+        offset, drift = vector(matrix @ self.offset + shift), vector(matrix @ self.drift)
+        return msgspec.structs.replace(self, tones=_mixed(self.tones, matrix), offset=offset, drift=drift)
+
+    def curved_part(self) -> "Multisine":
+        """The tones alone."""
+        return msgspec.structs.replace(self, offset=(0.0, 0.0, 0.0), drift=(0.0, 0.0, 0.0))
+
+
+def _mixed(tones: tuple[Tone, ...], matrix: Array) -> tuple[Tone, ...]:
+    """Tones of one frequency add as phasors; a matrix that mixes no axes keeps every tone and its phase."""
+    if np.count_nonzero(matrix - np.diag(np.diagonal(matrix))) == 0:
+        factors = {axis: float(matrix[k, k]) for axis, k in AXES.items()}
+        return tuple(msgspec.structs.replace(tone, amplitude=factors[tone.axis] * tone.amplitude) for tone in tones)
+    mixed: list[Tone] = []
+    for frequency in dict.fromkeys(tone.frequency for tone in tones):
+        together = [tone for tone in tones if tone.frequency == frequency]
+        phasors = np.zeros(3, dtype=complex)
+        for tone in together:
+            phasors[AXES[tone.axis]] += cmath.rect(tone.amplitude, tone.phase)
+        largest = sum(abs(tone.amplitude) for tone in together) * float(np.abs(matrix).max())
+        for axis, phasor in zip(LETTERS, (matrix @ phasors).tolist(), strict=True):
+            if abs(phasor) > SILENT * largest:
+                mixed.append(Tone(axis=axis, amplitude=abs(phasor), frequency=frequency, phase=cmath.phase(phasor)))
+    return tuple(mixed)
 
 
 def common_period(frequencies: Sequence[float]) -> float | None:

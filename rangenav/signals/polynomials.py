@@ -6,16 +6,18 @@ derivative jumps, `jumps` tells by how much, and `complaints` names the jumps th
 
 import math
 from functools import lru_cache
-from typing import Literal
+from typing import Literal, cast
 
+import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Input, require, require_within
 from rangenav.results import result
-from rangenav.signals import piecewise, waypoints
+from rangenav.signals import piecewise
 from rangenav.signals.piecewise import Pieces
+from rangenav.signals.piecewise_family import PiecewiseFamily
 from rangenav.signals.waypoints import MinimumSnap
 
 MAX_PIECES = 2000
@@ -51,7 +53,7 @@ class Piece(Input, frozen=True, kw_only=True):
                 require_within(axis, value, -MAX_COEFFICIENT, MAX_COEFFICIENT)
 
 
-class Polynomials(Input, frozen=True, kw_only=True, tag="polynomials", tag_field="kind", cache_hash=True):
+class Polynomials(PiecewiseFamily, frozen=True, kw_only=True, tag="polynomials", tag_field="kind", cache_hash=True):
     """Pieces one after the other from t = 0."""
 
     pieces: tuple[Piece, ...]
@@ -67,9 +69,9 @@ class Polynomials(Input, frozen=True, kw_only=True, tag="polynomials", tag_field
         reach = piecewise.hull(_pieces(self), 0)
         require(reach <= MAX_REACH, f"the pieces may reach out to {reach:.2g}, which is beyond {MAX_REACH:g}")
 
-    def __call__(self, t: Float[Array, "*n"], order: int = 0) -> Float[Array, "*n 3"]:
-        """The derivative of the given order at times t (s): at a knot that of the piece which begins there."""
-        return piecewise.evaluate(_pieces(self), t, order)
+    def piecewise(self) -> Pieces:
+        """The polynomials, in times since t = 0."""
+        return _pieces(self)
 
     @property
     def bandwidth(self) -> float:
@@ -85,6 +87,14 @@ class Polynomials(Input, frozen=True, kw_only=True, tag="polynomials", tag_field
         """The total duration (s) if the signal repeats, else None."""
         return _pieces(self).duration if self.ends == "repeat" else None
 
+    def slowed(self, factor: float) -> "Polynomials":
+        """The signal s(t / factor), its yaw included."""
+        return msgspec.structs.replace(self, pieces=tuple(_slowed_piece(piece, factor) for piece in self.pieces))
+
+    def mapped(self, matrix: Float[Array, "3 3"], shift: Float[Array, "3"]) -> "Polynomials":
+        """matrix · signal + shift; the yaw of the pieces is kept."""
+        return msgspec.structs.replace(self, pieces=tuple(_mixed_piece(piece, matrix, shift) for piece in self.pieces))
+
 
 @result
 class Jumps:
@@ -94,11 +104,6 @@ class Jumps:
     """s"""
     step: Float[Array, "k 5 3"]
     """Of position to snap, after minus before: m, m/s … m/s⁴ for a path."""
-
-
-def pieces(signal: Polynomials) -> Pieces:
-    """What the signal is made of, in times since t = 0."""
-    return _pieces(signal)
 
 
 def jumps(signal: Polynomials) -> Jumps:
@@ -125,7 +130,7 @@ def complaints(signal: Polynomials, *, inside: tuple[float, float] = (-math.inf,
 
 def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
     """The same curve as polynomials; before a first waypoint later than t = 0 it stands still."""
-    found = waypoints.pieces(curve)
+    found = curve.piecewise()
     late = float(found.knots[0])
     require(late == 0 or not found.repeats, f"to repeat as pieces a curve must begin at t = 0, not at {late:g} s")
     made = [_piece(length, table) for length, table in zip(np.diff(found.knots), _by_piece(found), strict=True)]
@@ -134,6 +139,19 @@ def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
         standing[0] = found.tables[0][0, 0]
         made.insert(0, _piece(late, standing))
     return Polynomials(pieces=tuple(made), ends="repeat" if found.repeats else "hold")
+
+
+def _mixed_piece(piece: Piece, matrix: Array, shift: Array) -> Piece:
+    table = matrix @ np.array([piece.x, piece.y, piece.z])
+    table[:, 0] += shift
+    x, y, z = (cast(Coefficients, tuple(row.tolist())) for row in table)
+    return msgspec.structs.replace(piece, x=x, y=y, z=z)
+
+
+def _slowed_piece(piece: Piece, factor: float) -> Piece:
+    table = np.array([piece.x, piece.y, piece.z, piece.yaw]) / factor ** np.arange(8)
+    x, y, z, yaw = (cast(Coefficients, tuple(row.tolist())) for row in table)
+    return Piece(duration=piece.duration * factor, x=x, y=y, z=z, yaw=yaw)
 
 
 def _by_piece(found: Pieces) -> Float[Array, "m 8 3"]:

@@ -20,8 +20,10 @@ from scipy.linalg import solve_banded
 
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.signals import piecewise
+from rangenav.signals.base import vector
 from rangenav.signals.multisine import MAX_OFFSET
 from rangenav.signals.piecewise import Pieces
+from rangenav.signals.piecewise_family import PiecewiseFamily
 
 MAX_POINTS = 2000
 MAX_TIME = 1e4
@@ -49,12 +51,15 @@ class Waypoint(Input, frozen=True, kw_only=True):
             require_within("value", value, -MAX_OFFSET, MAX_OFFSET)
 
 
-class Timed(Input, frozen=True, kw_only=True, omit_defaults=True):
+AnyTimed = TypeVar("AnyTimed", bound="Timed")
+
+
+class Timed(PiecewiseFamily, frozen=True, kw_only=True, omit_defaults=True):
     """Base of the curves through timed points; neighbours may coincide in place, never in time."""
 
     points: tuple[Waypoint, ...]
     """At least two, at strictly increasing times."""
-    period: float | None = None
+    period: float | None = None  # pyright: ignore[reportIncompatibleMethodOverride]
     """s from the first point until it is reached again; None for a path that ends, and holds still before and after."""
     degree: ClassVar[int]
 
@@ -76,9 +81,9 @@ class Timed(Input, frozen=True, kw_only=True, omit_defaults=True):
             reach <= MAX_REACH, f"the curve swings out to {reach:.2g} between its waypoints: their times are too uneven"
         )
 
-    def __call__(self, t: Float[Array, "*n"], order: int = 0) -> Float[Array, "*n 3"]:
-        """The derivative of the given order at times t (s), one-sided at the ends; zero where it stands still."""
-        return piecewise.evaluate(_pieces(self), t, order)
+    def piecewise(self) -> Pieces:
+        """The polynomials of degree 9 or 7 that the curve is made of."""
+        return _pieces(self)
 
     @property
     def bandwidth(self) -> float:
@@ -88,6 +93,21 @@ class Timed(Input, frozen=True, kw_only=True, omit_defaults=True):
     def bound(self, order: int) -> float:
         """A bound on |signal(t, order)| for every t, from Bernstein coefficients; infinite if a lower one jumps."""
         return _bound(self, order)
+
+    def slowed(self: AnyTimed, factor: float) -> AnyTimed:
+        """The same curve run `factor` times slower."""
+        points = tuple(msgspec.structs.replace(point, time=point.time * factor) for point in self.points)
+        return msgspec.structs.replace(
+            self, points=points, period=None if self.period is None else self.period * factor
+        )
+
+    def mapped(self: AnyTimed, matrix: Float[Array, "3 3"], shift: Float[Array, "3"]) -> AnyTimed:
+        """The curve through matrix · point + shift, which is matrix · curve + shift."""
+        values = [vector(matrix @ point.value + shift) for point in self.points]
+        points = zip(self.points, values, strict=True)
+        return msgspec.structs.replace(
+            self, points=tuple(msgspec.structs.replace(point, value=value) for point, value in points)
+        )
 
 
 class Waypoints(
@@ -107,11 +127,6 @@ class MinimumSnap(
 
 
 TimedFamily = TypeVar("TimedFamily", Waypoints, MinimumSnap)
-
-
-def pieces(curve: Timed) -> Pieces:
-    """The polynomials of degree 9 or 7 that the curve is made of."""
-    return _pieces(curve)
 
 
 def move(curve: TimedFamily, index: int, value: Vec3) -> TimedFamily:

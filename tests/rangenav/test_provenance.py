@@ -183,7 +183,7 @@ def test_equal_paths_have_equal_fingerprints_and_any_other_path_another(name: st
     path = EXAMPLES[name]
     again = preset.loads(preset.dumps(replace(SOFT, path=path)), source="x").path
     assert provenance.fingerprint(path) == provenance.fingerprint(again)
-    moved = signals.mapped(path, np.eye(3), np.array([share, 0.0, 0.0]))
+    moved = path.mapped(np.eye(3), np.array([share, 0.0, 0.0]))
     assert (provenance.fingerprint(moved) == provenance.fingerprint(path)) == (moved == path)
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import mpmath as mp
 import numpy as np
 
-from rangenav.signals import MinimumSnap, Polynomials, Waypoints, waypoints
+from rangenav.signals import MinimumSnap, Polynomials, Waypoints
 
 mp.mp.dps = 50
 Polynomial = list[mp.mpf]
@@ -120,7 +120,7 @@ def _table(curve: Curve) -> tuple[list[mp.mpf], list[list[Polynomial]]]:
     if isinstance(curve, Polynomials):
         knots = [mp.mpf(float(t)) for t in np.concatenate([[0.0], np.cumsum([p.duration for p in curve.pieces])])]
         return knots, [[[mp.mpf(c) for c in axis] for axis in (p.x, p.y, p.z)] for p in curve.pieces]
-    found = waypoints.pieces(curve)
+    found = curve.piecewise()
     table = found.tables[0].transpose(1, 2, 0)
     return [mp.mpf(float(t)) for t in found.knots], [[[mp.mpf(float(c)) for c in axis] for axis in p] for p in table]
 

@@ -91,7 +91,7 @@ def test_no_derivative_of_a_formula_exceeds_its_bound(name: str, order: int):
     text, expression = FORMULAS[name]
     signal = Formula(x=text, y="0", z="0")
     edges = derivative_bounds.stretches(signal, 8.0)
-    bound = derivative_bounds.envelope(signal, edges, range(order, order + 1))[0]
+    bound = signal.derivative_bounds(edges, range(order, order + 1))[0]
     for k, share in ((3, 0.2), (100, 0.5), (128, 0.5), (200, 0.9)):
         time = float(edges[k] + share * (edges[k + 1] - edges[k]))
         assert abs(derivative(expression, time, order)) <= arb(float(bound[k]))

@@ -211,7 +211,7 @@ def test_what_cannot_be_bounded_is_said_and_not_guessed():
 )
 def test_an_envelope_lies_above_every_derivative_between_its_knots(signal: Signal):
     edges = derivative_bounds.stretches(signal, 14.0)
-    sizes = derivative_bounds.envelope(signal, edges, range(4, 9))
+    sizes = signal.derivative_bounds(edges, range(4, 9))
     rng = np.random.default_rng(5)
     for row, order in enumerate(range(4, 9)):
         for _ in range(20):

@@ -61,16 +61,16 @@ def test_slowing_runs_the_same_geometry(name, order):
 @names
 def test_slowing_slows_bandwidth_and_period(name):
     signal, slow = EXAMPLES[name], signals.slowed(EXAMPLES[name], 2.0)
-    until = signals.bandwidth_until(signal, 10.0)
-    assert signals.bandwidth_until(slow, 20.0) == pytest.approx(until / 2, rel=1e-9)
+    until = signal.bandwidth_until(10.0)
+    assert slow.bandwidth_until(20.0) == pytest.approx(until / 2, rel=1e-9)
     if signal.period:
         assert slow.period == pytest.approx(2 * signal.period)
 
 
 @names
-def test_started_at_sets_position_and_velocity_and_keeps_what_bends(name):
+def test_with_start_sets_position_and_velocity_and_keeps_what_bends(name):
     position, velocity = (1.0, -2.0, 0.5), (0.25, 0.5, -1.0)
-    begun = signals.started_at(EXAMPLES[name], position=position, velocity=velocity)
+    begun = signals.with_start(EXAMPLES[name], position=position, velocity=velocity)
     zero = np.zeros(())
     np.testing.assert_allclose(begun(zero), position, atol=1e-12)
     np.testing.assert_allclose(begun(zero, 1), velocity, atol=1e-12)
@@ -79,8 +79,8 @@ def test_started_at_sets_position_and_velocity_and_keeps_what_bends(name):
 
 
 def test_a_start_of_what_cannot_drift_makes_a_sum_once():
-    once = signals.started_at(WAYPOINTS, position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, 0.0))
-    again = signals.started_at(once, position=(1.0, 1.0, 1.0), velocity=(0.0, 0.0, 0.0))
+    once = signals.with_start(WAYPOINTS, position=(0.0, 0.0, 0.0), velocity=(1.0, 0.0, 0.0))
+    again = signals.with_start(once, position=(1.0, 1.0, 1.0), velocity=(0.0, 0.0, 0.0))
     assert isinstance(again, Sum)
     assert again.base == WAYPOINTS
 

@@ -13,19 +13,15 @@ from rangenav.analysis import analyse
 from rangenav.signals import (
     Flown,
     Formula,
-    MinimumSnap,
     Multisine,
-    Polynomials,
     Sum,
     Tone,
-    Waypoints,
-    bandwidth_until,
-    bent,
+    curved_part,
     piecewise,
-    polynomials,
     slowed,
     waypoints,
 )
+from rangenav.signals.base import SignalBase
 from tests.support.signal_examples import (
     EXAMPLES,
     LOOP,
@@ -44,12 +40,8 @@ names = pytest.mark.parametrize("name", EXAMPLES)
 
 def knots(name):
     """Times at which a family's pieces meet."""
-    signal = EXAMPLES[name]
-    if isinstance(signal, Sum):
-        signal = signal.base
-    if isinstance(signal, Waypoints | MinimumSnap):
-        return waypoints.pieces(signal).knots
-    return polynomials.jumps(signal).time if isinstance(signal, Polynomials) else np.empty(0)
+    every = [part.piecewise() for part in EXAMPLES[name].parts()]
+    return np.concatenate([np.empty(0), *(pieces.knots for pieces in every if pieces is not None)])
 
 
 @names
@@ -121,8 +113,8 @@ def test_periods_are_those_of_the_parts():
 
 @pytest.mark.parametrize("closed", [LOOP, MINIMUM_SNAP_LOOP])
 def test_closed_curves_close_to_the_fourth_derivative_and_beyond(closed):
-    steps = piecewise.jumps(waypoints.pieces(closed), range(closed.degree))[0]
-    sizes = [piecewise.hull(waypoints.pieces(closed), order) for order in range(closed.degree)]
+    steps = piecewise.jumps(closed.piecewise(), range(closed.degree))[0]
+    sizes = [piecewise.hull(closed.piecewise(), order) for order in range(closed.degree)]
     assert np.all(np.linalg.norm(steps, axis=1) < 1e-10 * np.array(sizes))
 
 
@@ -155,13 +147,13 @@ def test_unknown_keys_and_kinds_are_refused_where_they_stand():
 @names
 def test_bent_keeps_what_second_and_higher_derivatives_know(name):
     signal = EXAMPLES[name]
-    straight = signal(DENSE) - bent(signal)(DENSE)
+    straight = signal(DENSE) - curved_part(signal)(DENSE)
     line = np.polynomial.polynomial.polyfit(DENSE, straight, 1)
     fitted = line[0] + DENSE[:, None] * line[1]
     np.testing.assert_allclose(straight, fitted, atol=1e-10)
     for order in range(2, 5):
         scale = 1 + np.linalg.norm(signal(DENSE, order), axis=1).max()
-        np.testing.assert_allclose(bent(signal)(DENSE, order), signal(DENSE, order), atol=1e-9 * scale)
+        np.testing.assert_allclose(curved_part(signal)(DENSE, order), signal(DENSE, order), atol=1e-9 * scale)
 
 
 @names
@@ -178,11 +170,40 @@ def test_every_family_is_analysed(name):
 def test_bandwidth_until_is_finite_where_a_chirp_has_none():
     chirp = Formula(x="sin(t**2/5)")
     assert chirp.bandwidth == math.inf
-    assert 0.99 * 0.4 * 20 <= bandwidth_until(chirp, 20.0) < 1.1 * 0.4 * 20  # it sweeps to 2t/5
-    assert bandwidth_until(Sum(base=MINIMUM_SNAP, wiggle=chirp), 20.0) == bandwidth_until(chirp, 20.0)
-    assert bandwidth_until(MULTISINE, 20.0) == MULTISINE.bandwidth == 6.0
+    assert 0.99 * 0.4 * 20 <= chirp.bandwidth_until(20.0) < 1.1 * 0.4 * 20  # it sweeps to 2t/5
+    assert Sum(base=MINIMUM_SNAP, wiggle=chirp).bandwidth_until(20.0) == chirp.bandwidth_until(20.0)
+    assert MULTISINE.bandwidth_until(20.0) == MULTISINE.bandwidth == 6.0
 
 
 def test_a_flown_body_survives_a_file():
     p = msgspec.structs.replace(preset.load("soft"), angular_velocity=Flown(yaw="0.3*sin(t)"))
     assert preset.loads(preset.dumps(p), source="round trip") == p
+
+
+class Circle(SignalBase, frozen=True, kw_only=True, tag="circle", tag_field="kind"):
+    """A family that only says which signal it is equivalent to, as a new one may begin."""
+
+    radius: float
+
+    def equivalent(self) -> Formula:
+        """The circle as formulas."""
+        return Formula(x=f"{self.radius!r}*cos(t)", y=f"{self.radius!r}*sin(t)", z="0")
+
+
+def test_a_family_that_names_an_equivalent_signal_answers_every_question_as_that_signal_does():
+    circle = Circle(radius=2.0)
+    formula, edges = circle.equivalent(), np.linspace(0.0, 5.0, 6)
+    for order in range(6):
+        np.testing.assert_array_equal(circle(DENSE, order), formula(DENSE, order))
+        assert circle.bound(order) == formula.bound(order)
+    np.testing.assert_array_equal(circle.jet(DENSE, 4), formula.jet(DENSE, 4))
+    orders = range(2, 5)
+    np.testing.assert_array_equal(circle.derivative_bounds(edges, orders), formula.derivative_bounds(edges, orders))
+    assert (circle.bandwidth, circle.period) == (formula.bandwidth, formula.period)
+    assert circle.bandwidth_until(3.0) == formula.bandwidth_until(3.0)
+    assert (circle.operations(), circle.bound_stretches) == (formula.operations(), formula.bound_stretches)
+    assert circle.parts() == (circle,)
+    assert circle.piecewise() is None
+    assert circle.slowed(2.0) == formula.slowed(2.0)
+    assert circle.mapped(2 * np.eye(3), np.ones(3)) == formula.mapped(2 * np.eye(3), np.ones(3))
+    np.testing.assert_array_equal(circle.curved_part()(DENSE, 2), formula(DENSE, 2))

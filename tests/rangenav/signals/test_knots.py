@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
 
-from rangenav.signals import Formula, MinimumSnap, Multisine, Sum, Tone, Waypoints, jet, knots, piecewise, waypoints
+from rangenav.signals import Formula, MinimumSnap, Multisine, Sum, Tone, Waypoints, knots, piecewise
 from tests.support.signal_examples import EXAMPLES, LOOP, MINIMUM_SNAP, MINIMUM_SNAP_LOOP, POLYNOMIALS, WAYPOINTS, timed
 
 examples = pytest.mark.parametrize("signal", EXAMPLES.values(), ids=EXAMPLES)
@@ -22,7 +22,7 @@ def test_all_derivatives_at_once_are_those_one_by_one(signal, highest):
     t = np.linspace(-1.0, 25.0, 5001)  # more than one chunk, before the first knot, after the last, round a period
     if isinstance(signal, Formula):
         t = np.linspace(0.0, 25.0, 101)
-    every = jet(signal, t, highest)
+    every = signal.jet(t, highest)
     assert every.shape == (highest + 1, len(t), 3)
     for order in range(highest + 1):
         alone = signal(t, order)
@@ -106,7 +106,7 @@ def test_a_closed_curve_is_scipys_periodic_spline(family, count):
         expected = witness(t, nu=order)
         scale = np.abs(expected).max() + 1e-9  # two points and back: a straight there and back has no fifth derivative
         np.testing.assert_allclose(curve(t, order), expected, atol=1e-8 * scale)
-    steps = piecewise.jumps(waypoints.pieces(curve), range(family.degree))
+    steps = piecewise.jumps(curve.piecewise(), range(family.degree))
     for order in range(family.degree):  # Cᵏ everywhere, the seam included
-        size = piecewise.hull(waypoints.pieces(curve), order)
+        size = piecewise.hull(curve.piecewise(), order)
         assert np.abs(steps[:, order]).max() < 1e-9 * size + 1e-9

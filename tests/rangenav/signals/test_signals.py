@@ -46,7 +46,7 @@ def at(signal, t, order=0):
 
 def rounding(signal, order, t):
     """An argument w t + phase carries a relative error eps, and the sine of size bound passes it on."""
-    return 4 * EPS * (1 + signal.bandwidth * t + 20) * (signals.bent(signal).bound(order) + 10 * (1 + t))
+    return 4 * EPS * (1 + signal.bandwidth * t + 20) * (signals.curved_part(signal).bound(order) + 10 * (1 + t))
 
 
 @pytest.mark.parametrize("order", ORDERS)
@@ -66,7 +66,7 @@ def test_every_derivative_is_the_one_sympy_finds(order):
 def test_each_derivative_is_the_central_difference_of_the_one_before(signal, order, t):
     h = 1e-4 / max(signal.bandwidth, 1.0)
     difference = (at(signal, t + h, order - 1) - at(signal, t - h, order - 1)) / (2 * h)
-    truncation = h**2 / 6 * signals.bent(signal).bound(order + 2)  # Taylor, with the signal's own bound
+    truncation = h**2 / 6 * signals.curved_part(signal).bound(order + 2)  # Taylor, with the signal's own bound
     assert np.linalg.norm(at(signal, t, order) - difference) <= truncation + rounding(signal, order - 1, t) / h
 
 
@@ -153,7 +153,7 @@ def test_slowing_by_s_divides_the_kth_derivative_by_s_to_the_k(signal, factor, o
 @pytest.mark.parametrize("factor", [0.5, 2.0, 4.0])
 def test_slowing_by_s_divides_the_excitation_over_a_period_by_s_to_the_7(factor):
     """Snap falls by s⁻⁴, its square by s⁻⁸, and the period is s times longer."""
-    path = signals.bent(msgspec.structs.replace(EXAMPLE, tones=EXAMPLE.tones[:3]))
+    path = signals.curved_part(msgspec.structs.replace(EXAMPLE, tones=EXAMPLE.tones[:3]))
     slow = signals.slowed(path, factor)
     assert path.period is not None
     assert slow.period == pytest.approx(factor * path.period, rel=1e-13)
@@ -176,8 +176,8 @@ def test_speeding_up_past_the_fastest_tone_is_refused_by_name():
 
 
 @given(multisines, triples, triples, times)
-def test_started_at_sets_position_and_velocity_and_keeps_what_bends(signal, position, velocity, t):
-    moved = signals.started_at(signal, position=position, velocity=velocity)
+def test_with_start_sets_position_and_velocity_and_keeps_what_bends(signal, position, velocity, t):
+    moved = signals.with_start(signal, position=position, velocity=velocity)
     np.testing.assert_allclose(at(moved, 0.0), position, atol=100 * EPS)  # sums of numbers up to 30
     np.testing.assert_allclose(at(moved, 0.0, 1), velocity, atol=2000 * EPS)  # and up to 5·50·4
     for order in range(2, 6):
@@ -190,8 +190,8 @@ def test_started_at_sets_position_and_velocity_and_keeps_what_bends(signal, posi
 @given(multisines, times)
 def test_bent_drops_offset_and_drift_and_nothing_else(signal, t):
     straight = np.asarray(signal.offset) + t * np.asarray(signal.drift)
-    np.testing.assert_allclose(at(signals.bent(signal), t) + straight, at(signal, t), atol=1000 * EPS)
-    np.testing.assert_array_equal(at(signals.bent(signal), t, 2), at(signal, t, 2))
+    np.testing.assert_allclose(at(signals.curved_part(signal), t) + straight, at(signal, t), atol=1000 * EPS)
+    np.testing.assert_array_equal(at(signals.curved_part(signal), t, 2), at(signal, t, 2))
 
 
 @given(multisines, st.integers(0, 5))

@@ -54,7 +54,7 @@ def test_an_open_curve_starts_and_ends_at_rest_and_holds(curve, order):
 @pytest.mark.parametrize(("curve", "order"), [(WAYPOINTS, 5), (MINIMUM_SNAP, 4)])
 def test_the_curve_has_the_least_energy_of_its_derivative_among_those_through_the_points(curve, order):
     """Any bump that keeps points and ends adds energy: the integral of the square, to second order and no first."""
-    found = waypoints.pieces(curve)
+    found = curve.piecewise()
     middle = (found.knots[2] + found.knots[3]) / 2
     half = (found.knots[3] - found.knots[2]) / 2
     u, weight = np.polynomial.legendre.leggauss(40)
@@ -101,7 +101,7 @@ def test_minimum_snap_is_the_solution_of_the_quadratic_programme():
     C, d = np.array(rows), np.array(right)
     system = np.block([[2 * H, C.T], [C, np.zeros((len(d), len(d)))]])
     solution = np.linalg.lstsq(system, np.concatenate([np.zeros(len(H)), d]), rcond=None)[0][: len(H)].reshape(-1, 8)
-    np.testing.assert_allclose(waypoints.pieces(curve).tables[0][:, :, 0].T, solution, atol=1e-7)
+    np.testing.assert_allclose(curve.piecewise().tables[0][:, :, 0].T, solution, atol=1e-7)
 
 
 REFUSALS = [
@@ -175,7 +175,7 @@ def test_a_waypoint_inserted_between_two_lies_on_the_curve(curve):
 
 
 def test_hulls_enclose_and_are_not_much_too_large():
-    found = waypoints.pieces(LOOP)
+    found = LOOP.piecewise()
     for order in range(6):
         sampled = np.linalg.norm(LOOP(np.linspace(0, 12, 20001), order), axis=1).max()
         assert sampled <= piecewise.hull(found, order) < 4 * sampled
