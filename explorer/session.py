@@ -163,11 +163,12 @@ class Session:
         """Whether what is chosen now can be shown; if not, the visitor has been told why."""
         began = time.monotonic()
         with contextlib.suppress(InvalidInputError), self.dock.catching():
-            pressed = self.form.run_actions()
+            pressed = self.form.run_actions(before=self._refresh_before_action)
             self.form.deliver()
             hold = self._interaction.apply(self.picture)
             if self.dock.chosen_preset != self.dock.origin:
                 self._open(self.dock.chosen_preset)
+            self.dock.refresh()
             settings = self.dock.read()
             self.dock.compare.read()
             shown = self.picture
@@ -182,6 +183,11 @@ class Session:
                 self._display.draw(picture)
             return True
         return False
+
+    def _refresh_before_action(self) -> None:
+        """Take over the controls, so that an action reads them as they are when it runs."""
+        with contextlib.suppress(ValueError):  # an action that reads the settings raises it again
+            self.dock.refresh()
 
     def _open(self, name: str) -> None:
         self.dock.presets.open(name)

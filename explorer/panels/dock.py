@@ -1,7 +1,7 @@
 """The right dock: undo and redo, the tabs of controls and, below them, the verdict. Together they show one Settings."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 
 import msgspec
@@ -67,6 +67,7 @@ class Dock:
     ) -> None:
         """`name` is the preset that is shown first."""
         gui, self._presets = form.gui, catalog.presets
+        self._chosen: Settings | InvalidInputError | ValueError
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         UndoPanel(form, history, self, requests.notify)
@@ -103,9 +104,28 @@ class Dock:
         panel.dock_below(gui.main_panel)
         self.write(catalog.open(name))
 
+    def refresh(self) -> None:
+        """Take over what the visitor has moved, and write what follows from it on the page: the editor of another
+        family, gains in other units, the values of a set of sensors, a label with its number.
+
+        Raises InvalidInputError after saying why beside the control, or ValueError if the values do not fit together.
+        """
+        try:
+            self._chosen = self._take_over()
+        except (InvalidInputError, ValueError) as error:
+            self._chosen = error
+            raise
+
     def read(self) -> Settings:
-        """What the visitor has chosen. Raises Refused after saying why beside the control, or ValueError if it does not
-        fit together."""
+        """What was chosen when `refresh` or `write` was called last; the page stays as it is.
+
+        Raises what `refresh` raised then.
+        """
+        if isinstance(self._chosen, Settings):
+            return self._chosen
+        raise self._chosen
+
+    def _take_over(self) -> Settings:
         moved, sensed = self.motion.read(), self.sensors.read()
         preset = msgspec.structs.replace(
             self._written.preset,
@@ -162,6 +182,8 @@ class Dock:
         self.twin.write(settings.twin_turn)
         self.printed.write(settings.printed)
         self.presets.write(settings)
+        with suppress(InvalidInputError, ValueError):  # `read` raises it
+            self.refresh()
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict and what stands beside the controls."""

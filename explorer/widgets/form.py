@@ -37,6 +37,10 @@ RESET_HINT = (
 )
 
 
+def _nothing() -> None:
+    """No action: for a button that the browser made up."""
+
+
 class InvalidInputError(Exception):
     """What is chosen is no valid input, and a sentence beside the control says why."""
 
@@ -200,13 +204,17 @@ class Form:
         self._actions.append((action, step))
         self.wake()
 
-    def run_actions(self) -> bool:
-        """Do what was asked for since the last call, oldest first: whether a step was among it. A refusal has been said
-        where it belongs."""
+    def run_actions(self, before: Action = _nothing) -> bool:
+        """Run the actions left since the last call, the oldest first, and `before` before each of them.
+
+        Returns whether a step to undo was among them. A complaint already says where an action was refused.
+        """
         count, stepped = len(self._actions), False
         for _ in range(count):
             action, step = self._actions.popleft()
             stepped = stepped or step
+            with suppress(InvalidInputError):
+                before()
             with suppress(InvalidInputError):
                 action()
         self.actions_run += count
@@ -282,7 +290,3 @@ def pointer(text: str, sentence: str) -> str:
     line = "".join(c if c.isprintable() else "·" for c in text[first : first + POINTED])
     style = "margin:0.3em 0 0;font-weight:400;overflow-x:auto"
     return f'<pre style="{style}">{html.escape(line)}\n{" " * (column - 1 - first)}^</pre>'
-
-
-def _nothing() -> None:
-    """For a button that the browser made up."""

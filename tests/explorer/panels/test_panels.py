@@ -11,6 +11,7 @@ import pytest
 import viser
 
 from explorer.model import compute
+from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, effective
 from explorer.panels import verdict
@@ -32,6 +33,7 @@ from rangenav.repair import Repair
 from rangenav.sensors import Effects, Noise, Sensors
 from rangenav.sensors.sensor_sets import CATALOGUE, SensorSet
 from rangenav.signals import Multisine, Tone
+from tests.support.refreshed import refreshed
 from tests.support.wire import Wire
 
 SHIPPED = preset.shipped()
@@ -43,6 +45,10 @@ def _nothing() -> None:
 
 def _unsent(name: str, content: bytes) -> None:
     """For downloads that nobody asks for."""
+
+
+def _unseen(title: str, sentence: str) -> None:
+    """For notifications that nobody reads."""
 
 
 @pytest.fixture(scope="module")
@@ -58,10 +64,9 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    requests = Requests(undo=_nothing, redo=_nothing, again=_nothing, paper=_nothing, download=_nothing, send=_unsent)
-    return Dock(
-        Form(client.gui, _nothing), Catalog(SHIPPED, Library(), Certifier()), "paper-slow", requests, Jobs(_nothing)
-    )
+    requests = Requests(again=_nothing, paper=_nothing, download=_nothing, send=_unsent, notify=_unseen)
+    form, catalog = Form(client.gui, _nothing), Catalog(SHIPPED, Library(), Certifier())
+    return Dock(form, catalog, "paper-slow", requests, Jobs(_nothing), History())
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +83,7 @@ def test_every_shipped_preset_is_read_back_as_it_was_written(dock: Dock, name: s
     """Shown numbers are rounded, those behind them are not: the page computes what the command line does."""
     settings = Settings(origin=name, preset=SHIPPED[name])
     dock.write(settings)
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
 
 
 def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(dock: Dock):
@@ -103,7 +108,7 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
         origin="lissajous", preset=changed, time_scale=1 / 3, printed=Printed(model=True, body_axes=True)
     )
     dock.write(settings)
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
 
 
 EVERYTHING = Effects(
@@ -130,9 +135,9 @@ def test_densities_and_what_the_paper_does_not_model_are_read_back_as_they_were_
     noise = Noise(gyro=0.005 / 57.3, accel=1 / 300, mag=0.02, range=0.0, imu_unit="density")
     settings = _with_sensors("paper", noise=noise, unmodelled=EVERYTHING)
     dock.write(settings)
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
     dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
-    assert dock.read() == Settings(origin="paper", preset=SHIPPED["paper"])
+    assert refreshed(dock) == Settings(origin="paper", preset=SHIPPED["paper"])
 
 
 def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_last_bit(dock: Dock):
@@ -140,23 +145,23 @@ def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_
     dock.write(settings)
     folder = dock.sensors._noise
     folder._as_density.show(True)
-    turned = dock.read().preset.sensors
+    turned = refreshed(dock).preset.sensors
     assert turned.noise == sensors.given_as(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
     assert folder._groups["density"]._folder.visible
     assert not folder._groups["sample"]._folder.visible
     assert "at 200 Hz: 0.3333 rad/s per sample" in folder._line.content
-    assert dock.read().preset.sensors == turned  # and stays so
+    assert refreshed(dock).preset.sensors == turned  # and stays so
     folder._as_density.show(False)
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
 
 
 def test_as_a_density_the_noise_is_kept_when_the_rate_changes_and_then_turned_back_at_the_new_rate(dock: Dock):
     noise = Noise(gyro=1e-3, accel=1e-2, imu_unit="density")
     dock.write(_with_sensors("paper", noise=noise))
     dock.sensors._imu_rate.show(800.0)
-    assert dock.read().preset.sensors.noise == noise
+    assert refreshed(dock).preset.sensors.noise == noise
     dock.sensors._noise._as_density.show(False)
-    assert dock.read().preset.sensors.noise == sensors.given_as(noise, "sample", rate=800.0)
+    assert refreshed(dock).preset.sensors.noise == sensors.given_as(noise, "sample", rate=800.0)
 
 
 def _pick(panel: SensorsPanel, name: str) -> None:
@@ -183,7 +188,7 @@ def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: 
 
 def test_every_effect_that_is_on_is_told_outside_its_closed_folder(dock: Dock):
     dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
-    dock.read()
+    refreshed(dock)
     told = dock.sensors._unmodelled._words
     assert told.visible
     for sentence in sensors.effect_sentences(Sensors(unmodelled=EVERYTHING)):

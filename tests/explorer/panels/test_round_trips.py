@@ -23,6 +23,7 @@ from rangenav.sensors import Noise, Sensors
 from rangenav.signals import Family, Flown, Multisine, Sum, Turning
 from rangenav.vehicle import CATALOGUE
 from tests.explorer.panels.test_panels import EVERYTHING, SHIPPED, client, dock
+from tests.support.refreshed import refreshed
 from tests.support.signal_examples import EXAMPLES
 
 __all__ = ["client", "dock"]  # fixtures
@@ -129,12 +130,12 @@ def test_settings_are_read_back_as_they_were_written_whatever_was_there_before(
     dock: Dock, before: Settings, settings: Settings
 ):
     dock.write(before)
-    assert dock.read() == before
+    assert refreshed(dock) == before
     dock.write(settings)
-    assert dock.read() == settings
-    assert dock.read() == settings  # reading changes nothing
+    assert refreshed(dock) == settings
+    assert refreshed(dock) == settings  # reading changes nothing
     dock.write(before)
-    assert dock.read() == before
+    assert refreshed(dock) == before
 
 
 @FEW
@@ -149,27 +150,27 @@ def test_axes_named_anew_twice_are_the_old_ones_and_are_shown_as_such(dock: Dock
     assert axes.flipped(axes.flipped(settings.preset)) == settings.preset
     dock.write(settings)
     dock._relabel()
-    assert dock.read().preset == axes.flipped(settings.preset)
+    assert refreshed(dock).preset == axes.flipped(settings.preset)
     dock._relabel()
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
 
 
 def test_a_constant_is_kept_while_another_family_is_in_use(dock: Dock):
     dock.write(Settings(origin="hover", preset=SHIPPED["hover"]))
     turning = dock.motion._turning._signal
     turning._family.show("constant")
-    dock.read()
+    refreshed(dock)
     turning._editors["constant"]._value.show((1.0, 2.0, 3.0))  # type: ignore[attr-defined]
-    dock.read()
+    refreshed(dock)
     turning._family.show("formula")
-    dock.read()
+    refreshed(dock)
     turning._editors["formula"]._texts["x"].show("7")  # type: ignore[attr-defined]
-    settings = dock.read()
+    settings = refreshed(dock)
     dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
     dock.write(settings)
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
     turning._family.show("constant")
-    assert dock.read().preset.angular_velocity == Multisine(offset=(1.0, 2.0, 3.0))
+    assert refreshed(dock).preset.angular_velocity == Multisine(offset=(1.0, 2.0, 3.0))
 
 
 def test_vehicles_of_one_name_are_told_apart(dock: Dock):
@@ -206,7 +207,7 @@ def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
 
 def _read(dock: Dock) -> Settings | None:
     try:
-        return dock.read()
+        return refreshed(dock)
     except (InvalidInputError, ValueError):
         return None
 
@@ -215,7 +216,7 @@ def _read(dock: Dock) -> Settings | None:
 @given(st.lists(DEEDS, min_size=1, max_size=12))
 def test_whatever_a_visitor_does_is_shown_again_as_they_left_it(dock: Dock, deeds: list[tuple[int, tuple[Any, ...]]]):
     dock.write(Settings(origin="circle", preset=SHIPPED["circle"]))
-    good = dock.read()
+    good = refreshed(dock)
     for which, values in deeds:
         _do(dock, which, values)
         now = _read(dock)
@@ -224,4 +225,4 @@ def test_whatever_a_visitor_does_is_shown_again_as_they_left_it(dock: Dock, deed
             assert _read(dock) == good  # looking again changes nothing
     dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
     dock.write(good)
-    assert dock.read() == good
+    assert refreshed(dock) == good

@@ -19,6 +19,7 @@ from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
 from tests.explorer.panels.test_panels import SHIPPED, client, dock
 from tests.explorer.panels.test_round_trips import chosen
+from tests.support.refreshed import refreshed
 
 __all__ = ["client", "dock"]  # fixtures
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
@@ -73,8 +74,8 @@ def test_switching_there_and_back_any_number_of_times_changes_no_bit(dock: Dock,
         dock.write(written)
         for units in ("physical", "paper", "physical", "physical"):
             _speak(dock, units)
-            assert dock.read() == written
-            assert dock.read() == written
+            assert refreshed(dock) == written
+            assert refreshed(dock) == written
             assert dock.gains.units == units
 
 
@@ -83,17 +84,17 @@ def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_lan
     settings = replace(SLOW, preset=replace(SLOW.preset, gains=gains))
     dock.write(settings)
     _speak(dock, "physical")
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
     _speak(dock, "paper")
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
 
 
 @pytest.mark.parametrize("name", GAIN_LABELS)
 def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_others(dock: Dock, name: str):
     _speak(dock, "physical")
-    before = dock.read().preset.gains
+    before = refreshed(dock).preset.gains
     _dial(dock, name).show(0.6 * _dial(dock, name).read())
-    after = dock.read()
+    after = refreshed(dock)
     changed = {n for n, value in _numbers(after.preset.gains).items() if value != _numbers(before)[n]}
     assert changed == TOUCHED[name]
     # and what is now stored says what was asked, to rounding
@@ -105,27 +106,27 @@ def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_
 @pytest.mark.parametrize("name", GAIN_LABELS)
 def test_a_word_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
     _speak(dock, "physical")
-    dock.read()
+    refreshed(dock)
     dial = _dial(dock, name)
     good = dial.read()
     dial.show(good / 2)
-    assert dock.read() != SLOW
+    assert refreshed(dock) != SLOW
     dial.show(good)
-    assert dock.read() == SLOW
+    assert refreshed(dock) == SLOW
     for other in GAIN_LABELS:
         _dial(dock, other).show(0.9 * _dial(dock, other).read())
-        dock.read()
+        refreshed(dock)
     for other in GAIN_LABELS:
         assert _dial(dock, other).mark()
         _dial(dock, other).reset()
-        dock.read()
-    assert dock.read() == SLOW
+        refreshed(dock)
+    assert refreshed(dock) == SLOW
 
 
 def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock: Dock):
     _speak(dock, "physical")
     _dial(dock, "range_sigma").show(0.3)
-    gains = dock.read().preset.gains
+    gains = refreshed(dock).preset.gains
     for change in (
         lambda: dock.motion._time._scale.show(3.0),
         lambda: dock.world.move_anchor((4.0, 5.0, 6.0)),
@@ -138,73 +139,73 @@ def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock
             _dial(dock, "gyro_sigma").read(),
         )
         change()
-        settings = dock.read()
+        settings = refreshed(dock)
         assert settings.preset.gains == gains
         words = in_physical_units(gains, context_of(settings))
         assert all(_dial(dock, name).read() == getattr(words, name) for name in GAIN_LABELS)
         assert shown != (words.range_sigma, words.position_factor, words.gyro_sigma)
     _speak(dock, "paper")
-    assert dock.read().preset.gains == gains
+    assert refreshed(dock).preset.gains == gains
 
 
 def test_a_word_moved_together_with_the_path_means_what_it_says_on_the_new_path(dock: Dock):
     _speak(dock, "physical")
-    before = dock.read()
+    before = refreshed(dock)
     dock.world.move_anchor((4.0, 5.0, 6.0))
     _dial(dock, "range_sigma").show(0.5)
-    after = dock.read()
+    after = refreshed(dock)
     at = context_of(after).at
     variance = at.distance**2 * 0.5**2 + 0.5**4 / 2
     assert after.preset.gains.riccati.q == pytest.approx(after.preset.sensors.range_rate / variance, rel=1e-12)
     assert replace(after.preset.gains.riccati, q=1.0) == replace(before.preset.gains.riccati, q=1.0)
-    assert dock.read() == after
+    assert refreshed(dock) == after
 
 
 def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
     _speak(dock, "physical")
-    dock.read()
+    refreshed(dock)
     for name in GAIN_LABELS:
         _dial(dock, name).show(0.8 * _dial(dock, name).read())
-        dock.read()
+        refreshed(dock)
     dock.motion._time._scale.show(3.0)
-    dock.read()
+    refreshed(dock)
     dock.gains._section.form.reset_all()
-    assert dock.read() == SLOW
+    assert refreshed(dock) == SLOW
 
 
 @pytest.mark.parametrize("far", [1e280, 1e-280, math.nextafter(0, 1), 1e40])
 def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
     _speak(dock, "physical")
-    good = dock.read().preset.gains
+    good = refreshed(dock).preset.gains
     for name in GAIN_LABELS:
         shown = _dial(dock, name).read()
         _dial(dock, name).show(far)
         with pytest.raises(InvalidInputError) as refusal:
-            dock.read()
+            refreshed(dock)
         assert GAIN_LABELS[name].label in str(refusal.value.__cause__)
         assert dock.gains._physical._sections[name].complaint._line.visible
         _dial(dock, name).show(shown)
-        assert dock.read().preset.gains == good
+        assert refreshed(dock).preset.gains == good
 
 
 def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, monkeypatch: pytest.MonkeyPatch):
     _speak(dock, "physical")
-    good = dock.read()
+    good = refreshed(dock)
 
     def nowhere(settings: Settings) -> gain_units.GainContext:
         raise ValueError("distance must lie between 0.001 and 100000 m, got 3e+07")
 
-    monkeypatch.setattr("explorer.panels.gains.place_of", nowhere)
+    monkeypatch.setattr("explorer.panels.gains.context_of", nowhere)
     dock.motion._time._scale.show(2.0)
-    assert dock.read().preset.gains == good.preset.gains
+    assert refreshed(dock).preset.gains == good.preset.gains
     assert "the path&#x27;s typical distance must lie" in dock.gains._physical._noise.complaint._line.content
     _dial(dock, "range_sigma").show(0.5)
     with pytest.raises(InvalidInputError):
-        dock.read()
+        refreshed(dock)
     _speak(dock, "paper")
     monkeypatch.undo()
     dock.motion._time._scale.show(1.0)
-    assert dock.read().preset.gains != good.preset.gains
+    assert refreshed(dock).preset.gains != good.preset.gains
 
 
 def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(dock: Dock):
@@ -212,17 +213,17 @@ def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(doc
         panels = (dock.gains._paper, dock.gains._physical)
         return tuple(s._folder.visible for p in panels for s in (p._noise, p._attitude))
 
-    dock.read()
+    refreshed(dock)
     assert shown() == (True, True, False, False)
     dock.gains._mode.show("noise-matched")
-    dock.read()
+    refreshed(dock)
     assert shown() == (False, True, False, False)
     assert "not used, and not shown" in dock.gains._mode_words.content
     _speak(dock, "physical")
-    dock.read()
+    refreshed(dock)
     assert shown() == (False, False, False, True)
     dock.gains._mode.show("constant")
-    dock.read()
+    refreshed(dock)
     assert shown() == (False, False, True, True)
     assert "as the theorem assumes" in dock.gains._mode_words.content
 
@@ -234,7 +235,7 @@ def test_the_other_language_stands_beside(dock: Dock):
     assert f"{words.range_sigma:.4g} m" in dock.gains._table.content
     assert dock.gains._beside._folder.label == "The same in physical words"
     _speak(dock, "physical")
-    dock.read()
+    refreshed(dock)
     dock.gains.draw(picture)
     assert "5000" in dock.gains._table.content
     assert all(dock.gains._table.content.count(f">{letter}<") == 1 for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1"))
@@ -247,9 +248,9 @@ def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(
     weightless = replace(SLOW, preset=replace(SLOW.preset, world=world))
     _speak(dock, "physical")
     dock.write(weightless)
-    assert dock.read().preset.gains == weightless.preset.gains
+    assert refreshed(dock).preset.gains == weightless.preset.gains
     assert "no physical words" in dock.gains._physical._noise.complaint._line.content
     assert "not told" in summary.in_other_units(compute(weightless), "paper")
     dock.write(SLOW)
-    assert dock.read() == SLOW
+    assert refreshed(dock) == SLOW
     assert not dock.gains._physical._noise.complaint._line.visible

@@ -21,6 +21,7 @@ from rangenav.attitude import SCHEDULED, AttitudeGains, Schedule
 from rangenav.gains import Gains
 from rangenav.motion import World
 from tests.explorer.panels.test_panels import SHIPPED, client, dock
+from tests.support.refreshed import refreshed
 
 __all__ = ["client", "dock"]  # fixtures
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
@@ -48,26 +49,26 @@ def test_a_presets_schedule_is_shown_edited_and_kept_while_it_is_off(dock: Dock)
     assert dials._group._folder.visible
     assert dials._steady.read() == 1 / 3
     dials._halfway.show(0.1)
-    assert dock.read() == _scheduled(replace(plan, halfway=0.1))
+    assert refreshed(dock) == _scheduled(replace(plan, halfway=0.1))
     dials._on.show(False)
-    off = dock.read()
+    off = refreshed(dock)
     assert off.preset.gains.attitude.schedule is None
     assert off.drafts.schedule == replace(plan, halfway=0.1)
     assert not dials._group._folder.visible
     dock.write(SLOW)
     dock.write(off)  # as after a reload
     dials._on.show(True)
-    assert dock.read() == _scheduled(replace(plan, halfway=0.1))
+    assert refreshed(dock) == _scheduled(replace(plan, halfway=0.1))
 
 
 def test_a_schedule_is_off_by_default_and_tells_what_the_theorem_says(dock: Dock):
     dials = dock.gains._schedule
     assert not dials._on.read()
     dials._on.show(True)
-    assert dock.read().preset.gains.attitude.schedule == Schedule()
+    assert refreshed(dock).preset.gains.attitude.schedule == Schedule()
     dials._steady.show(5.0)
     with pytest.raises(InvalidInputError) as refusal:
-        dock.read()
+        refreshed(dock)
     assert str(refusal.value.__cause__) == "schedule.steady must not exceed k1 (4), got 5"
     assert dials._group.complaint._line.visible
 
@@ -80,11 +81,11 @@ def test_a_schedule_is_off_by_default_and_tells_what_the_theorem_says(dock: Dock
 def test_schedules_and_their_drafts_are_read_back_as_they_were_written(dock: Dock, plan: Schedule, on: bool):
     settings = _scheduled(plan) if on else _scheduled(None, drafts=Drafts(schedule=plan))
     dock.write(settings)
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
     assert msgspec.json.decode(msgspec.json.encode(settings), type=Settings) == settings
     dock._relabel()
     dock._relabel()
-    assert dock.read() == settings
+    assert refreshed(dock) == settings
 
 
 def test_the_time_constants_stand_beside_and_under_a_schedule_at_both_ends():
