@@ -48,7 +48,7 @@ class Interaction:
 
     def _window_drawn(self) -> None:
         """The window that was drawn across a plot; a click there goes to that moment."""
-        brush = self._charts.brushed()
+        brush = self._charts.take_brush()
         if brush is None:
             return
         start, end = brush

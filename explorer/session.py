@@ -116,8 +116,8 @@ class Session:
         wide = viewport.width(client, canvas, WIDTH)
         self.charts = Charts(client, narrow=viewport.is_narrow(wide), wake=self._wake.set)
         with self.dock.tabs.add_tab("Export"):
-            ExportPanel(self.form, TITLES, Sources(plan=self.charts.plan, settings=self._named, send=self._send))
-        self.form.command("Show all curves", self.charts.show_all)
+            ExportPanel(self.form, TITLES, Sources(plan=self.charts.file_writer, settings=self._named, send=self._send))
+        self.form.command("Show all curves", self.charts.show_all_curves)
         timeline = TimelinePanel(self.form, self._playback, room=wide - WIDTH - self.charts.width)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
         self.form.command("Let go of the handle", handles.deselect, key="escape")

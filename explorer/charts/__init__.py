@@ -1,4 +1,4 @@
-"""The plots in the left dock: created once, then assigned. `plots` has the numbers of a Picture, `markup` the HTML."""
+"""The plots in the left dock: created once, then assigned. `plots` turns a Picture into numbers, `markup` into HTML."""
 
 from collections.abc import Callable
 from functools import partial
@@ -8,113 +8,121 @@ from viser import ClientHandle
 
 from explorer.charts import cursor_values, markup, plot_file, plot_list
 from explorer.charts.chart import Chart
-from explorer.charts.plot_tabs import Column
+from explorer.charts.plot_tabs import PlotPanel
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 
-NARROW_WIDTH, COLUMN_WIDTH = 360, 303
-"""px of a single column, and of each of two: a second one always opens at viser's own width, so two keep that."""
+NARROW_WIDTH, PANEL_WIDTH = 360, 303
+"""px of a single panel, and of each of two. viser opens a second panel at this width of its own."""
 HEIGHT, NARROW_HEIGHT = 162, 102
-"""px of a plot: four of them fill a column of a screen 1080 or 768 px high."""
+"""px of a plot: four plots fill a panel on a screen 1080 or 768 px high."""
 TITLES = {plot.name: plot.title for group in plot_list.GROUPS for plot in group.plots}
-"""Of all plots, by their names."""
+"""The title of each plot, by the plot's name."""
 
 
 def _nothing() -> None:
-    """For charts that nobody watches."""
+    """For charts that no session waits for."""
 
 
 class Charts:
-    """All plots of one visitor: two columns beside each other, or one column of tabs."""
+    """All plots of one visitor: two panels side by side, or one panel on a narrow page."""
 
     def __init__(self, client: ClientHandle, *, narrow: bool, wake: Callable[[], None] = _nothing) -> None:
-        """`note` is called when the mouse has news; then `cursor` takes it in."""
+        """`wake` is called from viser's threads when the mouse has done something; `cursor` then reacts."""
         self._client, self._pointer = client, Pointer(wake)
         self._narrow = narrow
         self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None
-        self._beside = NOTHING
+        self._comparison = NOTHING
         self._time = 0.0
         errors, *others = plot_list.GROUPS
-        columns = [plot_list.GROUPS] if narrow else [(errors,), tuple(others)]
-        # The browser puts each new column outermost, whatever viser's documentation says: so the first comes last.
-        columns = [Column(client, groups, self._pointer, height=self._height) for groups in reversed(columns)]
-        self._columns = columns[::-1]
-        self.width = NARROW_WIDTH if narrow else 2 * COLUMN_WIDTH
-        """px that the columns take."""
+        panels = [plot_list.GROUPS] if narrow else [(errors,), tuple(others)]
+        # The browser puts each new panel outermost, whatever viser's documentation says: so the first comes last.
+        panels = [PlotPanel(client, groups, self._pointer, height=self._height) for groups in reversed(panels)]
+        self._panels = panels[::-1]
+        self.width = NARROW_WIDTH if narrow else 2 * PANEL_WIDTH
+        """px of all panels together."""
         if narrow:
-            self._columns[0].panel.set_width(NARROW_WIDTH)
+            self._panels[0].panel.set_width(NARROW_WIDTH)
 
-    def draw(self, picture: Picture, beside: Comparison = NOTHING) -> None:
-        """Show another picture and what stands beside it; the cursor stays at its time."""
-        self._picture, self._beside = picture, beside
-        for column in self._columns:
-            column.draw(picture, beside)
+    @property
+    def charts(self) -> list[Chart]:
+        """The charts of all panels and tabs."""
+        return [chart for panel in self._panels for chart in panel.charts]
+
+    def draw(self, picture: Picture, comparison: Comparison = NOTHING) -> None:
+        """Show another picture and the runs compared with it; the cursor stays at its time."""
+        self._picture, self._comparison = picture, comparison
+        for panel in self._panels:
+            panel.draw(picture, comparison)
         self.cursor(picture, self._time)
 
     def draw_later(self, picture: Picture) -> None:
-        """Show what takes as long as all else together; for when nothing moves."""
-        for column in self._columns:
-            column.draw_later(picture, self._beside)
+        """Show the slow groups, which take as long to compute as all others together; called when nothing has changed
+        for a moment."""
+        for panel in self._panels:
+            panel.draw_later(picture, self._comparison)
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
-        """Move the shared time cursor, and say the values there, or where the mouse is: one small message for each
-        column. Curves whose legend entries were clicked come and go."""
+        """Move the time cursor of all plots to a time (s), show or hide the curves whose legend entries were clicked,
+        and give the values at the mouse, or else at the cursor. One small message for each panel."""
         self._time = time
-        clicked = self._pointer.clicked()
-        for chart in self._all():
-            for column in chart.plot.named:
-                if clicked.count(curve_id(chart.plot, column)) % 2:
-                    chart.toggle(column)
-        duration, place = float(picture.motion.time[-1]), self._pointer.place
-        hovered = None if place is None else (place, f"{place * duration:.2f} s")
-        moment = time if place is None else place * duration
+        self._toggle_clicked()
+        duration, pointed = float(picture.motion.time[-1]), self._pointer.fraction
+        hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
+        values_at = time if pointed is None else pointed * duration
         fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
-        for i, column in enumerate(self._columns):
-            said = cursor_values.sentence(picture, time) if i == 0 else ""
-            values = [entry for chart in column.charts for entry in chart.values(moment)]
-            column.live.content = markup.live(fraction, window, values, said, hovered)
+        for i, panel in enumerate(self._panels):
+            status = cursor_values.status_line(picture, time) if i == 0 else ""
+            values = [entry for chart in panel.charts for entry in chart.legend_values(values_at)]
+            panel.live.content = markup.live_style(fraction, window, values, status, hovered)
 
-    def brushed(self) -> tuple[float, float] | None:
-        """Where a plot was brushed since the last call (s): from when to when, equal for a click."""
-        found = self._pointer.brushed()
-        if found is None or self._picture is None:
+    def take_brush(self) -> tuple[float, float] | None:
+        """The part of the time axis that was brushed since the last call: start and end (s), equal for a click."""
+        brush = self._pointer.take_brush()
+        if brush is None or self._picture is None:
             return None
         duration = float(self._picture.motion.time[-1])
-        return found[0] * duration, found[1] * duration
+        return brush[0] * duration, brush[1] * duration
 
-    def show_all(self) -> None:
-        """Bring back every curve that was switched off."""
-        for chart in self._all():
-            for column in tuple(chart.off):
+    def show_all_curves(self) -> None:
+        """Show every curve that the visitor has switched off."""
+        for chart in self.charts:
+            for column in tuple(chart.switched_off):
                 chart.toggle(column)
 
-    def plan(self, name: str, kind: plot_file.PlotFormat) -> Callable[[], bytes]:
-        """What makes a file of a plot as it is shown now; it may be called in any thread, and takes its time.
+    def file_writer(self, name: str, kind: plot_file.PlotFormat) -> Callable[[], bytes]:
+        """A function that writes a plot, as it is shown now, to a file's bytes. It is slow, and may be called in any
+        thread.
 
-        Raises ValueError with one sentence if there is no such plot, nothing in it, or too much."""
-        chart = next((chart for chart in self._all() if chart.plot.name == name), None)
+        Raises ValueError with one sentence if there is no such plot, if no curve is shown, or if the file would be too
+        large."""
+        chart = next((chart for chart in self.charts if chart.plot.name == name), None)
         if chart is None or chart.drawing is None:
             raise ValueError(f"there is no plot {name!r} yet")
-        if chart.stale:
+        if chart.outdated:
             raise ValueError(f"{chart.plot.title}: still shows an earlier state; it follows as soon as nothing moves")
-        unseen = chart.unseen(chart.drawing)
-        columns = tuple(i for i in range(len(chart.plot.curves)) if i not in unseen)
-        plot_file.refuse(chart.plot, chart.drawing, columns)
+        not_drawn = chart.not_drawn(chart.drawing)
+        columns = tuple(i for i in range(len(chart.plot.curves)) if i not in not_drawn)
+        plot_file.require_writable(chart.plot, chart.drawing, columns)
         return partial(plot_file.WRITERS[kind], chart.plot, chart.drawing, columns, chart.duration)
 
     def show_paper_figures(self) -> None:
-        """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab, so in the
-        narrow page the other tabs are made anew: the browser then falls back to the one that stayed."""
-        first = self._columns[0]
+        """Bring the errors (paper, fig. 3 and 4) to the front. viser has no command that selects a tab. On a narrow
+        page the other tabs are therefore created anew: the browser then selects the one that stayed."""
+        first = self._panels[0]
         first.panel.expand()
         if self._narrow:
             first.keep_only_first_tab()
             if self._picture is not None:
-                self.draw(self._picture, self._beside)
+                self.draw(self._picture, self._comparison)
                 self.draw_later(self._picture)
 
-    def _all(self) -> list[Chart]:
-        return [chart for column in self._columns for chart in column.charts]
+    def _toggle_clicked(self) -> None:
+        clicks = self._pointer.take_clicks()
+        for chart in self.charts:
+            for column in chart.plot.in_legend:
+                if clicks.count(curve_id(chart.plot, column)) % 2:
+                    chart.toggle(column)

@@ -1,8 +1,8 @@
-"""Curves of what stands beside a picture, added to its plots behind the picture's own: `over(plot, picture, beside)`.
+"""The curves of the compared runs, added to a plot behind the picture's own: `with_comparison(plot, picture, …)`.
 
-A pinned run (A) gives every plot its curves once more; other estimators, and the median of many seeds with the band
-from 10 to 90 %, go into the plots of errors. All of a plot's curves share one time axis, the picture's: those beside
-it are read off at its times. With nothing beside, a plot is what it was, at no cost.
+The pinned run A repeats some curves of every plot. Other estimators, and the median of many seeds with its band from
+10 to 90 %, are added to the plots of errors. The curves of a plot share one time axis, the picture's: a compared run is
+sampled at the picture's times. Without compared runs a plot is returned as it is.
 """
 
 from dataclasses import replace
@@ -20,116 +20,131 @@ from explorer.model.comparison import Baseline, Comparison, Name
 from explorer.model.compute import Picture
 from rangenav.ensemble import Ensemble
 
-PINNED_DASH, PINNED_AGAIN_DASH = (9.0, 3.0, 2.0, 3.0, 2.0, 3.0), (4.0, 3.0)
+PINNED_DASHES = (9.0, 3.0, 2.0, 3.0, 2.0, 3.0), (4.0, 3.0)
 """Of A's first curve in a plot, and of its second; no curve of a picture has either."""
-RIVALS: dict[Name, Curve] = {
+ESTIMATOR_CURVES: dict[Name, Curve] = {
     "EKF": Curve(label="EKF", color=palette.ESTIMATORS["EKF"], dash=(12.0, 2.0), width=1.25),
     "refined": Curve(label="refined", color=palette.ESTIMATORS["refined"], dash=(5.0, 2.0), width=1.25),
 }
-ERRORS = ("position", "velocity", "gravity", "attitude")
-"""Plots that hold the error of this name."""
-EDGE = 0.5
-"""px: the edges of a band."""
-REACH = 100.0
-"""A band, or an estimator that went astray, may widen a log axis by so much beyond the runs, and no more."""
+ERROR_PLOTS = ("position", "velocity", "gravity", "attitude")
+"""The plots that show the error of this name."""
+BAND_EDGE = 0.5
+"""px: width of the edges of a band."""
+MAX_WIDENING = 100.0
+"""A band or another estimator may widen a log axis by at most this factor beyond the runs."""
 
 
-class Pinned(NamedTuple):
-    """A pinned run, as one plot draws it; kept while it stays pinned."""
+class PinnedDrawing(NamedTuple):
+    """The pinned run as one plot draws it; computed once while it stays pinned."""
 
     picture: Picture
     drawing: Drawing
 
 
-class Layer(NamedTuple):
-    """Curves that are added to a plot, already on its times."""
+class AddedCurves(NamedTuple):
+    """Curves that are added to a plot, sampled at the plot's times."""
 
     curves: tuple[Curve, ...]
-    read: Float[Array, "n k"]
+    values: Float[Array, "n k"]
     drawn: Float[Array, "n k"]
     axis: Range
-    """On which they were drawn."""
-    reach: float = np.inf
-    """How far they may widen the plot's axis."""
+    """The axis for which `drawn` was made."""
+    max_widening: float = np.inf
+    """The factor by which they may widen the plot's axis."""
     band: bool = False
-    """Whether the second and third are the edges of a band; without names, they come and go with the first."""
+    """Whether the second and third curve are the edges of a band; without labels, they are shown and hidden with the
+    first."""
 
 
-def pinned(plot: Plot, picture: Picture | None, before: Pinned | None) -> Pinned | None:
-    """A's drawing in a plot, made once."""
-    if picture is None or (before is not None and before.picture is picture):
-        return before if picture is not None else None
-    return Pinned(picture, plot.draw(picture))
+def pinned(plot: Plot, picture: Picture | None, before: PinnedDrawing | None) -> PinnedDrawing | None:
+    """The drawing of the pinned run in a plot, computed only when another run is pinned."""
+    if picture is None:
+        return None
+    if before is not None and before.picture is picture:
+        return before
+    return PinnedDrawing(picture, plot.draw(picture))
 
 
-def over(plot: Plot, picture: Picture, beside: Comparison, kept: Pinned | None) -> tuple[Plot, Drawing]:
-    """A plot with everything that stands beside the picture, and its drawing."""
+def with_comparison(
+    plot: Plot, picture: Picture, comparison: Comparison, pinned_run: PinnedDrawing | None
+) -> tuple[Plot, Drawing]:
+    """A plot with the curves of all compared runs, and its drawing."""
     drawing = plot.draw(picture)
-    layers = list(_layers(plot, drawing, picture, beside, kept))
-    if not layers:
+    added = _added_curves(plot, drawing, comparison, pinned_run)
+    if not added:
         return plot, drawing
-    axis = _axis(plot, drawing.axis, layers)
-    parts = [_placed(drawing.read, drawing.drawn, drawing.axis, axis) if plot.log else drawing.drawn]
-    parts += [_placed(layer.read, layer.drawn, layer.axis, axis) if plot.log else layer.drawn for layer in layers]
-    added = tuple(curve for layer in layers for curve in layer.curves)
-    firsts = np.cumsum([len(plot.curves), *(len(layer.curves) for layer in layers)])
-    bands = tuple((int(k) + 1, int(k) + 2) for k, layer in zip(firsts, layers, strict=False) if layer.band)
-    read = np.concatenate([drawing.read, *(layer.read for layer in layers)], axis=1)
-    shown = replace(drawing, read=read, drawn=np.concatenate(parts, axis=1), axis=axis)
-    return replace(plot, curves=plot.curves + added, bands=plot.bands + bands), shown
+    axis = _common_axis(drawing.axis, added)
+    parts = [_onto_axis(drawing.values, drawing.drawn, drawing.axis, axis) if plot.log else drawing.drawn]
+    parts += [_onto_axis(more.values, more.drawn, more.axis, axis) if plot.log else more.drawn for more in added]
+    firsts = np.cumsum([len(plot.curves), *(len(more.curves) for more in added)])
+    bands = tuple((int(k) + 1, int(k) + 2) for k, more in zip(firsts, added, strict=False) if more.band)
+    values = np.concatenate([drawing.values, *(more.values for more in added)], axis=1)
+    shown = replace(drawing, values=values, drawn=np.concatenate(parts, axis=1), axis=axis)
+    more_curves = tuple(curve for more in added for curve in more.curves)
+    return replace(plot, curves=plot.curves + more_curves, bands=plot.bands + bands), shown
 
 
-def _layers(plot: Plot, drawing: Drawing, picture: Picture, beside: Comparison, kept: Pinned | None) -> list[Layer]:
-    errors = plot.name in ERRORS
-    found = [_seeds(plot, drawing.time, beside.seeds)] if errors and beside.seeds is not None else []
-    found += [_again(plot, drawing.time, kept)] if kept is not None and plot.again else []
-    return found + ([_rival(plot, drawing.time, baseline) for baseline in beside.baselines] if errors else [])
+def _added_curves(
+    plot: Plot, drawing: Drawing, comparison: Comparison, pinned_run: PinnedDrawing | None
+) -> list[AddedCurves]:
+    added, errors = [], plot.name in ERROR_PLOTS
+    if errors and comparison.seeds is not None:
+        added.append(_seed_curves(plot, drawing.time, comparison.seeds))
+    if pinned_run is not None and plot.pinned_curves:
+        added.append(_pinned_curves(plot, drawing.time, pinned_run))
+    if errors:
+        added += [_estimator_curve(plot, drawing.time, baseline) for baseline in comparison.baselines]
+    return added
 
 
-def _again(plot: Plot, time: Float[Array, "n"], kept: Pinned) -> Layer:
-    """A's own curves; those it hides stay away."""
-    columns, drawing = list(plot.again), kept.drawing
+def _pinned_curves(plot: Plot, time: Float[Array, "n"], pinned_run: PinnedDrawing) -> AddedCurves:
+    """The curves of A; one that A's own drawing hides is NaN."""
+    columns, drawing = list(plot.pinned_curves), pinned_run.drawing
     several = len(columns) > 1
-    looks = tuple(
+    added = tuple(
         Curve(
             label=f"A {plot.curves[column].label}" if several else "A",
             color=f"{palette.PINNED}{palette.TRANSLUCENT}",
             dash=dash,
             width=1.75,
         )
-        for column, dash in zip(columns, (PINNED_DASH, PINNED_AGAIN_DASH), strict=False)
+        for column, dash in zip(columns, PINNED_DASHES, strict=False)
     )
-    away = np.array([column in drawing.hidden for column in columns])
-    read, drawn = (
-        np.where(away, np.nan, taken(drawing.time, values[:, columns], time))
-        for values in (drawing.read, drawing.drawn)
+    hidden = np.array([column in drawing.hidden for column in columns])
+    values, drawn = (
+        np.where(hidden, np.nan, sampled_at(drawing.time, columns_of[:, columns], time))
+        for columns_of in (drawing.values, drawing.drawn)
     )
-    return Layer(looks, read, drawn, drawing.axis)
+    return AddedCurves(added, values, drawn, drawing.axis)
 
 
-def _rival(plot: Plot, time: Float[Array, "n"], baseline: Baseline) -> Layer:
-    """Another estimator's error; nothing while it is at work, so that the legend need not come and go."""
-    read = np.full((len(time), 1), np.nan)
+def _estimator_curve(plot: Plot, time: Float[Array, "n"], baseline: Baseline) -> AddedCurves:
+    """The error of another estimator. While that is being computed the curve is NaN, so that the legend keeps its
+    entry."""
+    values = np.full((len(time), 1), np.nan)
     if baseline.candidate is not None:
         error = _in_unit(plot, getattr(baseline.candidate.errors, plot.name))
-        read = curves.end_at_first_nan(np.where(np.isfinite(error), error, np.nan)[:, None])
-    axis = curves.decades(read, low_quantile=plots.SMALLEST_SHARE)
-    return Layer((RIVALS[baseline.name],), read, curves.onto_log_axis(read, axis), axis, REACH)
+        values = curves.end_at_first_nan(np.where(np.isfinite(error), error, np.nan)[:, None])
+    axis = curves.decades(values, low_quantile=plots.SMALLEST_SHARE)
+    drawn = curves.onto_log_axis(values, axis)
+    return AddedCurves((ESTIMATOR_CURVES[baseline.name],), values, drawn, axis, MAX_WIDENING)
 
 
-def _seeds(plot: Plot, time: Float[Array, "n"], runs: Ensemble) -> Layer:
-    """The middle of many runs."""
-    band = runs.band(plot.name)  # pyright: ignore[reportArgumentType]  (one of ERRORS)
+def _seed_curves(plot: Plot, time: Float[Array, "n"], runs: Ensemble) -> AddedCurves:
+    """The median error of many seeds, and the edges of the band around it."""
+    band = runs.band(plot.name)  # pyright: ignore[reportArgumentType]  (one of ERROR_PLOTS)
     stacked = np.stack([band.median, band.high, band.low], axis=1)
-    read = taken(runs.time, _in_unit(plot, stacked), time)
-    edge = Curve(label="", color=f"{palette.SEEDS_EDGE}{palette.TRANSLUCENT}", width=EDGE)
+    values = sampled_at(runs.time, _in_unit(plot, stacked), time)
+    edge = Curve(label="", color=f"{palette.SEEDS_EDGE}{palette.TRANSLUCENT}", width=BAND_EDGE)
     median = Curve(label=f"{len(runs.seed)} seeds", color=palette.SEEDS, width=2.25)
-    axis = curves.decades(read, low_quantile=plots.SMALLEST_SHARE)
-    return Layer((median, edge, edge), read, curves.onto_log_axis(read, axis), axis, REACH, band=True)
+    axis = curves.decades(values, low_quantile=plots.SMALLEST_SHARE)
+    drawn = curves.onto_log_axis(values, axis)
+    return AddedCurves((median, edge, edge), values, drawn, axis, MAX_WIDENING, band=True)
 
 
-def taken(time: Float[Array, "m"], values: Float[Array, "m k"], at: Float[Array, "n"]) -> Float[Array, "n k"]:
-    """Rows at other times: the last one before each; NaN once they have ended, and the first one before they begin."""
+def sampled_at(time: Float[Array, "m"], values: Float[Array, "m k"], at: Float[Array, "n"]) -> Float[Array, "n k"]:
+    """The rows at other times (s): for each, the last row that is not later. The first row serves all times before it;
+    after the last row has ended there is NaN."""
     if len(time) == len(at) and np.array_equal(time, at):
         return values
     if not len(time):
@@ -143,24 +158,24 @@ def _in_unit(plot: Plot, error: Array) -> Array:
     return np.degrees(error) if plot.name == "attitude" else error
 
 
-def _axis(plot: Plot, own: Range, layers: list[Layer]) -> Range:
-    """An axis for all curves: whole decades stay whole, round ends round."""
+def _common_axis(own: Range, added: list[AddedCurves]) -> Range:
+    """One axis for all curves: the hull of the axes of all runs, widened for the others by at most their factor."""
     low, high = own
-    for layer in layers:
-        if layer.reach == np.inf:
-            low, high = min(low, layer.axis[0]), max(high, layer.axis[1])
+    for more in added:
+        if more.max_widening == np.inf:
+            low, high = min(low, more.axis[0]), max(high, more.axis[1])
     runs = (low, high)
-    for layer in layers:
-        if layer.reach < np.inf and np.isfinite(layer.read).any():
-            low = min(low, max(layer.axis[0], runs[0] / layer.reach))
-            high = max(high, min(layer.axis[1], runs[1] * layer.reach))
+    for more in added:
+        if more.max_widening < np.inf and np.isfinite(more.values).any():
+            low = min(low, max(more.axis[0], runs[0] / more.max_widening))
+            high = max(high, min(more.axis[1], runs[1] * more.max_widening))
     return low, high
 
 
-def _placed(read: Array, drawn: Array, before: Range, axis: Range) -> Array:
-    """Values that were put outside one log axis put outside another; all others as they are."""
+def _onto_axis(values: Array, drawn: Array, before: Range, axis: Range) -> Array:
+    """Values for another log axis: those that were moved outside the axis `before` are moved outside this one."""
     with np.errstate(invalid="ignore"):
-        true = np.isfinite(read) & (read > 0)
-        below, above = ~true & (drawn < before[0]), ~true & (drawn > before[1])
-    moved = np.where(true, read, np.where(below, 0.0, np.where(above, np.inf, drawn)))
+        positive = np.isfinite(values) & (values > 0)
+        below, above = ~positive & (drawn < before[0]), ~positive & (drawn > before[1])
+    moved = np.where(positive, values, np.where(below, 0.0, np.where(above, np.inf, drawn)))
     return curves.onto_log_axis(moved, axis)

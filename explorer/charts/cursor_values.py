@@ -1,27 +1,32 @@
-"""What is read at a moment: values in the legends, the window that begins there, the 3-D picture in one line."""
+"""The values at a moment: the numbers in the legends, the window that starts there, and the status line."""
 
 import numpy as np
 
-from explorer.charts import curves
 from explorer.charts.plots import Drawing
 from explorer.model.compute import Picture
+from rangenav.number_format import significant
+
+ROUND_OFF_DIGITS = 9
+"""Decimals of a length (m): what is below is rounding."""
 
 
-def said(value: float) -> str:
+def legend_text(value: float) -> str:
     """A value in a legend: a number, or why there is none."""
     if np.isinf(value):
         return "blind" if value > 0 else "< floor"
-    return curves.number(float(value))
+    return significant(float(value))
 
 
-def sentence(picture: Picture, time: float) -> str:
-    """What the 3-D picture shows, in one line."""
+def status_line(picture: Picture, time: float) -> str:
+    """What the 3-D picture shows at a time (s), in one line of HTML."""
     motion, errors = picture.motion, picture.errors
     k = int(np.clip(np.searchsorted(motion.time, time - 1e-9), 0, len(motion.time) - 1))
     distance = float(np.linalg.norm(motion.position[k] - np.asarray(picture.preset.world.anchor)))
-    away, position = (curves.number(round(size, 9)) for size in (distance, float(errors.position[k])))  # no round-off
-    attitude = curves.number(float(np.degrees(errors.attitude[k])))
-    return f"<b>{time:.2f} s</b> · {away} m from the anchor · estimate off by <b>{position} m</b>, <b>{attitude}°</b>"
+    away, position = (
+        f"{significant(round(length, ROUND_OFF_DIGITS))} m" for length in (distance, float(errors.position[k]))
+    )
+    attitude = f"{significant(float(np.degrees(errors.attitude[k])))}°"
+    return f"<b>{time:.2f} s</b> · {away} from the anchor · estimate off by <b>{position}</b>, <b>{attitude}</b>"
 
 
 def window_at(picture: Picture, time: float) -> tuple[float, float]:
@@ -31,10 +36,10 @@ def window_at(picture: Picture, time: float) -> tuple[float, float]:
 
 
 def row_at(drawing: Drawing, time: float) -> np.ndarray:
-    """The row at a time; NaN after the last window has started, and where no range has ever come."""
+    """The row at a time (s); NaN after the last window has started, and where no range has ever come."""
     if not len(drawing.time):
-        return np.full(drawing.read.shape[1], np.nan)
+        return np.full(drawing.values.shape[1], np.nan)
     step = drawing.time[1] - drawing.time[0] if len(drawing.time) > 1 else 0.0
     if time > drawing.time[-1] + step:
-        return np.full(drawing.read.shape[1], np.nan)
-    return drawing.read[max(int(np.searchsorted(drawing.time, time + 1e-9)) - 1, 0)]
+        return np.full(drawing.values.shape[1], np.nan)
+    return drawing.values[max(int(np.searchsorted(drawing.time, time + 1e-9)) - 1, 0)]

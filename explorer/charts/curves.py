@@ -1,6 +1,6 @@
-"""What may be sent to a plot: fewer points that keep every extreme, and axes in whole decades. Pure functions.
+"""Curves as a browser can draw them: fewer points that keep every extreme, and axes in whole decades. Pure functions.
 
-A browser plot cannot draw NaN, ±∞ or, on a log axis, zero: those are moved just outside the axes here, never into them.
+A browser plot cannot draw NaN, ±∞ or, on a log axis, zero. Such values are moved just outside the axes, never inside.
 """
 
 import math
@@ -9,23 +9,24 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.number_format import power_of_ten, significant
+
 BUCKETS = 200
-"""Two points each: about one point for every pixel of a plot column."""
+"""Each gives two points: about one point for every pixel across a plot."""
 MAX_LABELS = 6
 OUTSIDE = 10.0
-"""How far beyond the last decade a value is put that has no place on a log axis."""
-PLAIN_EXPONENTS = range(-2, 4)
-"""Decades written out (0.01 … 1000); the others as powers of ten."""
-SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+"""Factor beyond the last decade at which a value is put that a log axis does not have."""
+FIXED_EXPONENTS = range(-2, 4)
+"""Decades that are written in full (0.01 … 1000); the others are written as powers of ten."""
 Range = tuple[float, float]
 
 
 def decimate(
     time: Float[Array, "n"], values: Float[Array, "n k"], buckets: int = BUCKETS
 ) -> tuple[Float[Array, "m"], Float[Array, "m k"]]:
-    """At most two points for each bucket: the least and the greatest value of each column, in the order they came.
+    """At most two points for each bucket: the least and the greatest value of each column, in their order.
 
-    All columns of a plot share one time axis, so an extreme may move within its bucket, which is one pixel wide.
+    All columns share one time axis, so an extreme may move within its bucket, which is about one pixel wide.
     """
     size = -(-len(time) // buckets)
     if size <= 2:
@@ -42,17 +43,17 @@ def decimate(
 
 
 def end_at_first_nan(values: Float[Array, "n k"]) -> Float[Array, "n k"]:
-    """Each column is NaN from its first NaN on: a plot ends a curve there, but would bridge a gap by a line."""
+    """Each column becomes NaN from its first NaN on: a plot would draw a line across a gap, but ends a curve there."""
     return np.where(np.maximum.accumulate(np.isnan(values), axis=0), np.nan, values)
 
 
 def onto_log_axis(values: Float[Array, "n k"], axis: Range) -> Float[Array, "n k"]:
-    """Values for a log axis: zero and below leave it at the bottom, +∞ at the top."""
+    """Values for a log axis: zero and below are moved under its lower end, +∞ above its upper end."""
     return np.clip(values, axis[0] / OUTSIDE, axis[1] * OUTSIDE)
 
 
 def decades(values: Float[Array, "..."], *, low_quantile: float = 0.0) -> Range:
-    """The whole decades that hold the positive finite values; a share of the smallest may fall below."""
+    """The whole decades that hold the positive finite values, but for a share `low_quantile` of the smallest."""
     kept = values[np.isfinite(values) & (values > 0)]
     if not len(kept):
         return 1e-3, 1.0
@@ -62,7 +63,7 @@ def decades(values: Float[Array, "..."], *, low_quantile: float = 0.0) -> Range:
 
 
 def even_range(values: Float[Array, "..."], *, symmetric: bool) -> Range:
-    """A round linear range, 1, 2 or 5 times a power of ten: about zero, or from zero up."""
+    """A linear range with a round end: symmetric about zero, or from zero up."""
     finite = np.abs(values[np.isfinite(values)])
     largest = float(finite.max()) if len(finite) else 0.0
     if largest < 1e-12:
@@ -73,10 +74,10 @@ def even_range(values: Float[Array, "..."], *, symmetric: bool) -> Range:
 
 
 def even_ticks(axis: Range) -> tuple[list[float], list[str]]:
-    """Both ends of a linear axis, and what halves it."""
+    """Positions and labels of a linear axis: its ends and the middles between them and zero."""
     low, high = axis
     places = [low, low / 2, 0.0, high / 2, high] if low < 0 else [0.0, high / 2, high]
-    return places, [number(place) for place in places]
+    return places, [significant(place) for place in places]
 
 
 def decade_ticks(axis: Range) -> tuple[list[float], list[str]]:
@@ -89,14 +90,4 @@ def decade_ticks(axis: Range) -> tuple[list[float], list[str]]:
 
 def decade_label(exponent: int) -> str:
     """0.01, 1, 100 or 10⁻⁶."""
-    return f"{10.0**exponent:g}" if exponent in PLAIN_EXPONENTS else f"10{str(exponent).translate(SUPERSCRIPTS)}"
-
-
-def number(value: float) -> str:
-    """Three digits: 0.0123, 12.3, 1.23e-6; a dash for NaN."""
-    if math.isnan(value):
-        return "–"
-    if value == 0 or 1e-3 <= abs(value) < 1e4:
-        return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
-    mantissa, exponent = f"{value:.2e}".split("e")
-    return f"{float(mantissa):g}e{int(exponent)}"
+    return f"{10.0**exponent:g}" if exponent in FIXED_EXPONENTS else power_of_ten(exponent)

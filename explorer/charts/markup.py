@@ -1,10 +1,10 @@
 """The HTML around a plot: title, legend with live values, foldable equation, and the time cursor that lies over it.
 
-Nothing here holds text of a visitor. A plot cannot move a line cheaply, so the cursor is a strip of HTML placed at
-    left = LEFT + f (width − LEFT − RIGHT),   f = time / duration,
-and f, like every value in the legends, is a CSS variable: one small <style> moves all cursors at once. While the mouse
-is on a plot, the legends tell the values there, and all plots say the time in the same way. Entries of a legend are
-buttons that pointer.py listens to.
+A plot cannot move a line cheaply. The cursor is therefore a strip of HTML at
+    left = LEFT + f (width − LEFT − RIGHT),   f = time / duration.
+The share f and every value in the legends are CSS variables, so that one small <style> moves all cursors at once. While
+the mouse is on a plot, the legends give the values there, and every plot shows that time. Entries of a legend are
+buttons whose clicks pointer.py collects. No text of a visitor enters this HTML.
 """
 
 from collections.abc import Iterable
@@ -15,11 +15,11 @@ from explorer.charts.pointer import curve_id
 from explorer.model import palette
 
 AXIS_WIDTH, AXIS_HEIGHT = 50, 24
-"""px that the plots give to their axes: fixed, so that the cursor knows where the time axis begins and ends."""
+"""px of a plot's axes: fixed, so that the ends of the time axis are known to the cursor."""
 PADDING = (8, 24, 0, 0)
 """px inside a plot: top, right, bottom, left."""
 MARGIN = 10
-"""px that viser leaves around a plot (its spacing "xs"), plus its border of 1 px."""
+"""px that viser leaves around a plot (its spacing "xs"); its border is 1 px wide."""
 BORDER = 1
 LEFT = MARGIN + BORDER + AXIS_WIDTH
 RIGHT = MARGIN + BORDER + PADDING[1]
@@ -27,11 +27,11 @@ ACROSS = f"(100% - {LEFT + RIGHT}px)"
 """The length of a time axis, for CSS."""
 FRACTION = "--tcur"
 HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
-"""Where the mouse is on the time axis, and what time that is: unset while it is on no plot."""
+"""The mouse's share of the time axis and the time there; unset while the mouse is on no plot."""
 WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
-"""Where the window that is looked at begins, and its length, as shares of the duration: a band over every plot."""
+"""Start and length of the window at the cursor, as shares of the duration: a band over every plot."""
 BRUSH_FROM, BRUSH_SPAN = "--rn-brush-from", "--rn-brush-span"
-"""The same of the next window while the mouse draws it (pointer.py sets them)."""
+"""The same for a new window while it is drawn with the mouse (set by pointer.py)."""
 STYLE = f"""<style>
 .rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: 12px; line-height: 1.35; }}
 .rn-plot details {{ padding: 0 {MARGIN}px; }}
@@ -48,7 +48,7 @@ STYLE = f"""<style>
 .rn-legend button[aria-pressed=false] {{ opacity: .5; text-decoration: line-through; }}
 .rn-v {{ display: inline-block; min-width: 43px; font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-note {{ margin: 0 {MARGIN}px; font-size: 11px; line-height: 1.25; opacity: .75; }}
-.rn-words {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
+.rn-definition {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
   background: {palette.DEFINITION_FILL}; }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
 .rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
@@ -70,23 +70,23 @@ def variable(plot: Plot, column: int) -> str:
     return f"--{curve_id(plot, column)}"
 
 
-def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[int] = frozenset()) -> str:
-    """Title, legend, equation and cursor of a plot `height` px high; assigned again only when curves come or go.
+def header(plot: Plot, *, height: int, hidden: tuple[int, ...], switched_off: frozenset[int] = frozenset()) -> str:
+    """Title, legend, equation and cursor of a plot that is `height` px high.
 
-    A hidden curve has no entry; one that the visitor has switched off has one to bring it back."""
-    legend = "".join(_entry(plot, i, on=i not in off) for i in plot.named if i not in hidden)
+    A hidden curve has no legend entry. A curve that the visitor has switched off keeps its entry, to switch it on."""
+    legend = "".join(_entry(plot, i, on=i not in switched_off) for i in plot.in_legend if i not in hidden)
     top = MARGIN - 7 + BORDER + PADDING[0]
     inside = height - PADDING[0] - AXIS_HEIGHT
     span = f"calc(var({WINDOW_SPAN}, 0) * {ACROSS})"
     brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * {ACROSS})"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
-    note = f'<div class="rn-note">{plot.words.note}</div>' if plot.words.note else ""
-    equation = f'<div class="rn-equation">{plot.words.equation}</div>'
+    note = f'<div class="rn-note">{plot.definition.note}</div>' if plot.definition.note else ""
+    equation = f'<div class="rn-equation">{plot.definition.equation}</div>'
     return (
         f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details>'
         f'<summary><div class="rn-title">{title}</div></summary>'
-        f'<div class="rn-words">{equation}{plot.words.meaning}</div></details>'
+        f'<div class="rn-definition">{equation}{plot.definition.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
         f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};width:{span}"></div>'
@@ -97,7 +97,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], off: frozenset[i
 
 
 def _left(fraction: str, otherwise: str) -> str:
-    """Where a share of the time axis lies, for CSS."""
+    """The position of a share of the time axis, for CSS; `otherwise` while the share is unset."""
     return f"calc({LEFT}px + var({fraction}, {otherwise}) * {ACROSS})"
 
 
@@ -119,29 +119,29 @@ def _line(curve: Curve) -> str:
     return f'<svg width="18" height="10">{line}</svg>'
 
 
-def sentences(lines: Iterable[str]) -> str:
-    """Plain sentences above the plots of a tab."""
+def paragraphs(lines: Iterable[str]) -> str:
+    """Sentences above the plots of a tab, one below the other."""
     return "".join(
         f'<div style="padding:2px {MARGIN}px;font-size:12px;line-height:1.35">{escape(line)}</div>' for line in lines
     )
 
 
-def live(
+def live_style(
     fraction: float,
     window: tuple[float, float],
     values: Iterable[tuple[str, str]],
-    sentence: str,
+    status: str,
     hovered: tuple[float, str] | None,
 ) -> str:
-    """The one element that changes as time moves: the places of cursor and window, the legends' values, a sentence,
-    and where the mouse is on the time axis with the time there."""
+    """The one element that changes as time moves: positions of cursor and window, the values in the legends, the
+    status line, and the mouse's share of the time axis with the time there."""
     assigned = f"{WINDOW_FROM}:{window[0]:.5f};{WINDOW_SPAN}:{window[1]:.5f};"
     assigned += "".join(f'{name}:"{text}";' for name, text in values)
     if hovered is not None:
         assigned += f'{HOVERED}:{hovered[0]:.4f};{HOVERED_TIME}:"{hovered[1]}";'
-    said = (
-        f'<div style="padding:0 {MARGIN}px;font-size:12px;line-height:1.35;min-height:2.7em">{sentence}</div>'
-        if sentence
+    line = (
+        f'<div style="padding:0 {MARGIN}px;font-size:12px;line-height:1.35;min-height:2.7em">{status}</div>'
+        if status
         else ""
     )
-    return f"<style>:root{{{FRACTION}:{fraction:.5f};{assigned}}}</style>{said}"
+    return f"<style>:root{{{FRACTION}:{fraction:.5f};{assigned}}}</style>{line}"

@@ -1,7 +1,7 @@
-"""A plot as a file: all its samples as CSV, or a picture as it is seen, with the same axes, colours and dashes.
+"""A plot as a file: a table (CSV) of all samples, or a picture (SVG, PNG) with the page's axes, colours and dashes.
 
-Nothing here is decimated, and nothing knows viser. In a table, a cell is empty where there is no value (after a curve's
-end, or below the floor of rounding), and "inf" where a window is blind.
+A file holds every sample. A cell of the table is empty where there is no value: after a curve has ended, or below the
+rounding floor. It is "inf" where a window is blind. No viser here.
 """
 
 import csv
@@ -22,25 +22,26 @@ if TYPE_CHECKING:
 
 PlotFormat = Literal["csv", "svg", "png"]
 MAX_CELLS = 5_000_000
-"""About 100 MB of text; more helps nobody in a browser."""
+"""About 100 MB of text; a larger download would block a browser."""
 SIZE, DOTS = (7.2, 3.6), 200
-"""Inches, as wide as a text column; and dots to the inch."""
+"""Width and height in inches, as wide as a column of text; and dots per inch."""
 FILL_OPACITY = int(palette.FILL, 16) / 255
 """Of the area below a filled curve, as on the page."""
-LOOKS: dict[Any, Any] = {
+RC_SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "rangenav",
     "lines.scale_dashes": False,
     "agg.path.chunksize": 20_000,
     "font.size": 9.0,
 }
-"""The same plot gives the same bytes; dashes are in points, as the page's are in pixels; long curves are no error."""
-_ONE_AT_A_TIME = threading.Lock()
-"""matplotlib keeps settings and fonts for a whole program."""
+"""matplotlib's settings. The salt makes equal plots equal bytes. Dashes are lengths in points, not multiples of a
+line's width, as on the page. Long curves are drawn in chunks: one of millions of samples would be an error."""
+_MATPLOTLIB = threading.Lock()
+"""One picture at a time: matplotlib's settings and fonts are shared by all threads."""
 Columns = tuple[int, ...]
 
 
-def refuse(plot: Plot, drawing: Drawing, columns: Columns) -> None:
-    """Raise ValueError with one sentence if there is nothing to write, or too much."""
+def require_writable(plot: Plot, drawing: Drawing, columns: Columns) -> None:
+    """Raise ValueError with one sentence if no curve is shown or the file would be too large."""
     if not columns or not len(drawing.time):
         raise ValueError(f"{plot.title}: no curve of it is shown, so there is nothing to write")
     cells = len(drawing.time) * (1 + len(columns))
@@ -50,21 +51,21 @@ def refuse(plot: Plot, drawing: Drawing, columns: Columns) -> None:
 
 def table(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
     """CSV in UTF-8: one line of names with their units, then every sample to the last digit."""
-    written = io.StringIO()
+    buffer = io.StringIO()
     names = (_named(_name(plot.curves[i]), _unit(plot, plot.curves[i])) for i in columns)
-    csv.writer(written, lineterminator="\n").writerow([_named(plot.across, "s"), *names])
-    values = np.column_stack([drawing.time, drawing.read[:, columns]])
-    written.writelines(",".join(map(_cell, row)) + "\n" for row in values.tolist())
-    return written.getvalue().encode()
+    csv.writer(buffer, lineterminator="\n").writerow([_named(plot.x_name, "s"), *names])
+    values = np.column_stack([drawing.time, drawing.values[:, columns]])
+    buffer.writelines(",".join(map(_cell, row)) + "\n" for row in values.tolist())
+    return buffer.getvalue().encode()
 
 
 def svg(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
-    """A picture of lines."""
+    """A vector picture."""
     return _picture(plot, drawing, columns, duration, "svg", {"Date": None})
 
 
 def png(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
-    """A picture of dots."""
+    """A picture in pixels."""
     return _picture(plot, drawing, columns, duration, "png", {})
 
 
@@ -74,27 +75,27 @@ WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {"
 def _picture(
     plot: Plot, drawing: Drawing, columns: Columns, duration: float, kind: str, metadata: dict[str, None]
 ) -> bytes:
-    from matplotlib import rc_context  # half a second, and only for who wants a picture
+    from matplotlib import rc_context  # takes half a second, so only when a picture is wanted
     from matplotlib.figure import Figure
 
-    written = io.BytesIO()
-    with _ONE_AT_A_TIME, rc_context(LOOKS):
+    buffer = io.BytesIO()
+    with _MATPLOTLIB, rc_context(RC_SETTINGS):
         figure = Figure(figsize=SIZE, layout="constrained")
         axes = figure.add_subplot()
         for i in columns:
             _draw(axes, plot.curves[i], drawing, i)
         _frame(axes, plot, drawing.axis, duration)
         figure.legend(loc="outside upper right", ncols=4, frameon=False)
-        figure.savefig(written, format=kind, dpi=DOTS, metadata=metadata)
-    return written.getvalue()
+        figure.savefig(buffer, format=kind, dpi=DOTS, metadata=metadata)
+    return buffer.getvalue()
 
 
 def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> None:
     time, values, (bottom, top) = drawing.time, drawing.drawn[:, column], drawing.axis
     dashes = (0, curve.dash) if curve.dash else "solid"
-    label = curve.label or f"_{curve.name}"  # matplotlib keeps such a name out of the legend
+    label = curve.label or f"_{curve.name}"  # matplotlib keeps labels that begin with _ out of the legend
     if not np.any((values >= bottom) & (values <= top)):
-        label += " (blind)" if np.any(np.isposinf(drawing.read[:, column])) else " (outside)"
+        label += " (blind)" if np.any(np.isposinf(drawing.values[:, column])) else " (outside)"
     axes.plot(time, values, label=label, color=curve.color, linewidth=curve.width, linestyle=dashes)
     if curve.filled:
         axes.fill_between(time, values, bottom, color=curve.color, alpha=FILL_OPACITY, linewidth=0)
@@ -111,8 +112,8 @@ def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> Non
     axes.set_ylim(*axis)
     axes.grid(color=palette.PLOT_GRID, linewidth=0.6)
     axes.set_title(plot.title, loc="left", fontsize="medium", fontweight="bold")
-    axes.set_xlabel(_named(plot.across, "s"))
-    axes.set_ylabel(plot.unit.partition(f", by {plot.across}")[0])
+    axes.set_xlabel(_named(plot.x_name, "s"))
+    axes.set_ylabel(plot.unit.partition(f", by {plot.x_name}")[0])
 
 
 def _name(curve: Curve) -> str:

@@ -1,4 +1,8 @@
-"""All plots of the page, in the groups that become dock panels or tabs."""
+"""All plots of the page, in the groups that become tabs.
+
+To add a plot: its numbers in `plots` or `details`, its equation and meaning in `definitions`, and a row here. Its name
+must be unique, and no two of its curves may share dash and width.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -9,33 +13,33 @@ from explorer.model import palette
 from explorer.model.compute import Picture
 
 PRINTED = (LONG, LONG_DOT, SPARSE, LONG)
-"""The dashes of what the paper's misprints give."""
+"""The dashes of curves that follow the paper's misprints."""
 
 
 class Group(NamedTuple):
-    """Plots that are shown together."""
+    """Plots that share a tab."""
 
     title: str
     plots: tuple[Plot, ...]
-    say: Callable[[Picture], tuple[str, ...]] | None = None
-    """Plain sentences above the plots, if there is something to say."""
-    later: bool = False
-    """Drawn only when nothing moves: they take as long as all others together."""
+    describe: Callable[[Picture], tuple[str, ...]] | None = None
+    """The sentences above the plots."""
+    slow: bool = False
+    """Drawn only when nothing changes: the slow groups take as long to compute as all others together."""
 
 
 ERRORS = Group(
     "Errors",
     (
-        styles.error("position", "Position error", "m", plots.position_error, definitions.POSITION_ERROR),
-        styles.error("velocity", "Velocity error", "m/s", plots.velocity_error, definitions.VELOCITY_ERROR),
-        styles.error("gravity", "Gravity error", "m/s²", plots.gravity_error, definitions.GRAVITY_ERROR),
+        styles.error_plot("position", "Position error", "m", plots.position_error, definitions.POSITION_ERROR),
+        styles.error_plot("velocity", "Velocity error", "m/s", plots.velocity_error, definitions.VELOCITY_ERROR),
+        styles.error_plot("gravity", "Gravity error", "m/s²", plots.gravity_error, definitions.GRAVITY_ERROR),
         Plot(
             name="attitude",
             title="Attitude error",
             unit="°",
             curves=(Curve(label="error", color=palette.ESTIMATE),),
             draw=plots.attitude_error,
-            words=definitions.ATTITUDE_ERROR,
+            definition=definitions.ATTITUDE_ERROR,
         ),
     ),
 )
@@ -48,37 +52,37 @@ OBSERVABILITY = Group(
             unit="m/s⁴, body axes",
             curves=styles.components("", (SOLID, DASHED, DOTTED, SOLID)) + styles.components("printed ", PRINTED),
             draw=plots.snap,
-            words=definitions.SNAP,
+            definition=definitions.SNAP,
             log=False,
-            again=(3,),
+            pinned_curves=(3,),
         ),
         Plot(
             name="excitation",
             title="PE eigenvalues",
             unit="m²/s⁷, by window start",
-            across="window start",
+            x_name="window start",
             curves=(
                 *styles.eigenvalues("", (SOLID, DASHED, DOTTED)),
                 Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
                 *styles.eigenvalues("printed ", PRINTED[:3]),
             ),
             draw=plots.excitation,
-            words=definitions.EXCITATION,
+            definition=definitions.EXCITATION,
         ),
         Plot(
             name="gramian",
             title="Gramian spectrum",
             unit="SI, by window start",
-            across="window start",
+            x_name="window start",
             curves=styles.spectrum("λ₁", "λ₁₃", "floor"),
             draw=plots.gramian,
-            words=definitions.GRAMIAN,
+            definition=definitions.GRAMIAN,
         ),
         Plot(
             name="predicted",
             title="Predicted σ",
             unit="m, by window start",
-            across="window start",
+            x_name="window start",
             curves=(
                 Curve(label="lifted", color=palette.BLUE, dash=DASHED, width=2.0),
                 Curve(label="nonlinear", color=palette.GREEN, dash=DOTTED, width=2.0),
@@ -86,8 +90,8 @@ OBSERVABILITY = Group(
                 Curve(label="wanted", color=palette.REQUIRED, dash=DASH_DOT),
             ),
             draw=plots.predicted,
-            words=definitions.PREDICTED,
-            again=(0, 1),
+            definition=definitions.PREDICTED,
+            pinned_curves=(0, 1),
         ),
     ),
 )
@@ -100,7 +104,7 @@ SIGNALS = Group(
             unit="in its own σ",
             curves=(Curve(label="(y − ŷ)/σ", color=palette.ESTIMATE, unit=""),),
             draw=plots.innovation,
-            words=definitions.INNOVATION,
+            definition=definitions.INNOVATION,
             log=False,
         ),
         Plot(
@@ -112,9 +116,9 @@ SIGNALS = Group(
                 Curve(label="true", color=palette.TRUTH, dash=DASHED),
             ),
             draw=plots.distance,
-            words=definitions.DISTANCE,
+            definition=definitions.DISTANCE,
             log=False,
-            again=(1,),
+            pinned_curves=(1,),
         ),
         Plot(
             name="speed",
@@ -122,7 +126,7 @@ SIGNALS = Group(
             unit="m/s",
             curves=(Curve(label="true", color=palette.TRUTH), styles.limit("limit", palette.TRUTH, DASHED)),
             draw=plots.speed,
-            words=definitions.SPEED,
+            definition=definitions.SPEED,
             log=False,
         ),
         Plot(
@@ -136,9 +140,9 @@ SIGNALS = Group(
                 styles.limit("|ω| limit", palette.TURN_RATE, DOTTED, "rad/s"),
             ),
             draw=plots.effort,
-            words=definitions.EFFORT,
+            definition=definitions.EFFORT,
             log=False,
-            again=(0, 1),
+            pinned_curves=(0, 1),
         ),
     ),
 )
@@ -149,44 +153,44 @@ DEPTH = Group(
             name="rank-by-length",
             title="Rank by window length",
             unit="of 13",
-            across="window length",
+            x_name="window length",
             curves=styles.by_length("all"),
             draw=details.rank_by_length,
-            words=definitions.RANK_BY_LENGTH,
+            definition=definitions.RANK_BY_LENGTH,
             log=False,
         ),
         Plot(
             name="sigma-by-length",
             title="Predicted σ by window length",
             unit="m",
-            across="window length",
+            x_name="window length",
             curves=styles.by_length("wanted"),
             draw=details.sigma_by_length,
-            words=definitions.SIGMA_BY_LENGTH,
+            definition=definitions.SIGMA_BY_LENGTH,
         ),
         Plot(
             name="scaled",
             title="Scaled spectrum",
             unit="by window start",
-            across="window start",
+            x_name="window start",
             curves=styles.spectrum("s₁₃", "s₁", "tolerance", unit=""),
             draw=details.scaled,
-            words=definitions.SCALED,
+            definition=definitions.SCALED,
         ),
         Plot(
             name="functions",
             title="The 13 functions",
             unit="over their peaks, by τ",
-            across="τ",
+            x_name="τ",
             curves=styles.functions(),
             draw=details.functions,
-            words=definitions.FUNCTIONS,
+            definition=definitions.FUNCTIONS,
             log=False,
-            again=(),
+            pinned_curves=(),
         ),
     ),
-    details.say_depth,
-    later=True,
+    details.describe_depth,
+    slow=True,
 )
 TWIN = Group(
     "Twin",
@@ -200,7 +204,7 @@ TWIN = Group(
                 Curve(label="twin", color=palette.TWIN, dash=DASHED),
             ),
             draw=details.ranges,
-            words=definitions.TWIN_RANGE,
+            definition=definitions.TWIN_RANGE,
             log=False,
         ),
         Plot(
@@ -213,7 +217,7 @@ TWIN = Group(
                 Curve(label="tolerance", color=palette.REQUIRED, dash=DASH_DOT),
             ),
             draw=details.apart,
-            words=definitions.TWIN_APART,
+            definition=definitions.TWIN_APART,
         ),
         Plot(
             name="phi-both",
@@ -224,14 +228,14 @@ TWIN = Group(
                 Curve(label="printed", color=palette.PRINTED, dash=LONG),
             ),
             draw=details.phi,
-            words=definitions.PHI_BOTH,
+            definition=definitions.PHI_BOTH,
             log=False,
         ),
         Plot(
             name="pe-both",
             title="PE as printed",
             unit="m²/s⁷, by window start",
-            across="window start",
+            x_name="window start",
             curves=(
                 Curve(label="derived", color=palette.DERIVED, width=2.0),
                 Curve(label="φ printed", color=palette.PRINTED, dash=DASHED),
@@ -240,10 +244,10 @@ TWIN = Group(
                 Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
             ),
             draw=details.certificates,
-            words=definitions.CERTIFICATES,
+            definition=definitions.CERTIFICATES,
         ),
     ),
-    details.say_twin,
-    later=True,
+    details.describe_twin,
+    slow=True,
 )
 GROUPS = (ERRORS, OBSERVABILITY, DEPTH, TWIN, SIGNALS)

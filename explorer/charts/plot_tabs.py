@@ -1,4 +1,4 @@
-"""One dock panel of plots, with a tab for each group; some groups follow only when nothing moves."""
+"""A dock panel of plots, with a tab for each group of plots. Slow groups are drawn only when nothing changes."""
 
 from dataclasses import dataclass
 
@@ -11,89 +11,93 @@ from explorer.charts.pointer import Pointer
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 
-FOLLOWS = "Follows as soon as nothing moves."
+OUTDATED = "Follows as soon as nothing moves."
 ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
 ICONS |= {"In depth": Icon.MICROSCOPE, "Twin": Icon.GHOST}
 
 
 @dataclass(eq=False)
-class Said:
+class GroupText:
     """The sentences above the plots of a group."""
 
     group: Group
     handle: GuiHtmlHandle
 
     def draw(self, picture: Picture) -> None:
-        assert self.group.say is not None
-        self._show(self.group.say(picture))
+        assert self.group.describe is not None
+        self._show(self.group.describe(picture))
 
-    def wait(self) -> None:
-        """What is below belongs to an earlier picture, and says so."""
-        self._show((FOLLOWS,))
+    def mark_outdated(self) -> None:
+        """Say that the plots below belong to an earlier picture."""
+        self._show((OUTDATED,))
 
     def _show(self, sentences: tuple[str, ...]) -> None:
-        content = markup.sentences(sentences)
+        content = markup.paragraphs(sentences)
         if content != self.handle.content:
             self.handle.content = content
 
 
-class Column:
+class PlotPanel:
     """One dock panel, with a tab for each group."""
 
     def __init__(self, client: ClientHandle, groups: tuple[Group, ...], pointer: Pointer, *, height: int) -> None:
         self._client, self._groups, self._height = client, groups, height
-        self._off: dict[str, set[int]] = {plot.name: set() for group in groups for plot in group.plots}
+        self._switched_off: dict[str, set[int]] = {plot.name: set() for group in groups for plot in group.plots}
         self.panel: PanelHandle = client.gui.add_panel()
         self._tabs: list[GuiTabHandle] = []
         self._charts: list[list[Chart]] = []
-        self._said: list[list[Said]] = []
+        self._texts: list[list[GroupText]] = []
         self._add_tab(groups[0])
         with self._tabs[0]:
             pointer.add_to(client.gui)
             self.live = client.gui.add_html("", order=-1.0)
+            """The one element that changes as time moves."""
         for group in groups[1:]:
             self._add_tab(group)
         self.panel.dock_left()
 
-    def draw(self, picture: Picture, beside: Comparison) -> None:
-        for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
-            if group.later:
-                for sentences in said:
-                    sentences.wait()
+    def draw(self, picture: Picture, comparison: Comparison) -> None:
+        """Draw the fast groups; mark the slow ones as outdated."""
+        for group, charts, texts in zip(self._groups, self._charts, self._texts, strict=True):
+            if group.slow:
+                for text in texts:
+                    text.mark_outdated()
                 for chart in charts:
-                    chart.stale = True
+                    chart.outdated = True
             else:
-                self._draw_group(picture, beside, charts, said)
+                _draw_group(picture, comparison, charts, texts)
 
-    def draw_later(self, picture: Picture, beside: Comparison) -> None:
-        for group, charts, said in zip(self._groups, self._charts, self._said, strict=True):
-            if group.later:
-                self._draw_group(picture, beside, charts, said)
-
-    def _draw_group(self, picture: Picture, beside: Comparison, charts: list[Chart], said: list[Said]) -> None:
-        for chart in charts:
-            chart.draw(picture, beside)
-        for sentences in said:
-            sentences.draw(picture)
+    def draw_later(self, picture: Picture, comparison: Comparison) -> None:
+        """Draw the slow groups."""
+        for group, charts, texts in zip(self._groups, self._charts, self._texts, strict=True):
+            if group.slow:
+                _draw_group(picture, comparison, charts, texts)
 
     def keep_only_first_tab(self) -> None:
         """Remove all tabs but the first, and add them again behind it."""
         for tab in self._tabs[1:]:
             tab.remove()
-        del self._tabs[1:], self._charts[1:], self._said[1:]
+        del self._tabs[1:], self._charts[1:], self._texts[1:]
         for group in self._groups[1:]:
             self._add_tab(group)
 
     @property
     def charts(self) -> list[Chart]:
-        """Of all tabs."""
+        """The charts of all tabs."""
         return [chart for charts in self._charts for chart in charts]
 
     def _add_tab(self, group: Group) -> None:
         tab = self.panel.add_tab(group.title, ICONS[group.title])
         self._tabs.append(tab)
         with tab:
-            self._said.append([Said(group, self._client.gui.add_html(""))] if group.say else [])
+            self._texts.append([GroupText(group, self._client.gui.add_html(""))] if group.describe else [])
             self._charts.append(
-                [add_chart(self._client, plot, self._height, self._off[plot.name]) for plot in group.plots]
+                [add_chart(self._client, plot, self._height, self._switched_off[plot.name]) for plot in group.plots]
             )
+
+
+def _draw_group(picture: Picture, comparison: Comparison, charts: list[Chart], texts: list[GroupText]) -> None:
+    for chart in charts:
+        chart.draw(picture, comparison)
+    for text in texts:
+        text.draw(picture)

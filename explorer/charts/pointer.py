@@ -1,15 +1,15 @@
-"""What the mouse does on the plots, told to the session: its place on the time axis, brushes, and clicks on legends.
+"""What the mouse does on the plots: its share of the time axis, brushes, and clicks on legend entries.
 
-viser reports none of it, and its plots say 1e-6 as 0. So a small script on the page writes both into a text box that
-nobody sees, as if it were typed there:
+viser reports none of it, and its own legends write 1e-6 as 0. A small script on the page therefore writes the following
+into a hidden text box, as if it were typed there:
 
-    0.3712 1712345678901:position-1        place on the time axis (0 … 1), if any, and the clicks of the last second
-    0.5000 1712345678902:0.2000-0.5000     and a brush: pressed at one place of the time axis, let go at another
+    0.3712 1712345678901:position-1        share of the time axis (0 … 1), if any, and the clicks of the last second
+    0.5000 1712345678902:0.2000-0.5000     and a brush: pressed at one share of the time axis, released at another
 
-While it lasts a brush is drawn by the script alone, in CSS variables that a band over every plot takes its place from.
-The newest text counts, each click and brush once by its number; so nothing is lost where viser drops all but the last
-input of 50 ms. The script knows of the page only that uPlot calls its drawing area `u-over`, and that viser puts the
-controls of a tab beside each other. Where either should change, the legends go on telling the values at the playhead.
+While a brush lasts, only the script draws it: it sets the CSS variables of a band over every plot. viser drops all but
+the last input of 50 ms. Nothing is lost by that, for the newest text repeats the clicks and brushes of the last second,
+and each one counts once by its number. The script relies on two facts of the page: uPlot calls its drawing area
+`u-over`, and viser makes the controls of a tab siblings. If either changes, the legends give the values at the cursor.
 """
 
 import re
@@ -22,15 +22,15 @@ import viser
 from explorer.charts.plots import Plot
 
 LABEL = "pointer"
-LONGEST = 500
-"""Characters; an honest text has fewer than a hundred."""
+MAX_LENGTH = 500
+"""Characters; the script writes fewer than a hundred."""
 NUMBER = r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"
-PLACE, CLICK = re.compile(NUMBER), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
+SHARE, CLICK = re.compile(NUMBER), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
 BRUSH = re.compile(rf"(\d{{1,16}}):({NUMBER})-({NUMBER})")
 MAX_CLICKS = 64
-"""Remembered while the session is busy; of more, the oldest are dropped."""
+"""Clicks kept while the session is busy; of more, the oldest are dropped."""
 MARK_ORDER, BOX_ORDER = -3.0, -2.0
-"""viser's order of things in a tab: before all others, the box right behind its mark."""
+"""viser's order of controls in a tab: both before all others, the box directly behind the script."""
 SCRIPT = """if (!window.rnPointer) {
   window.rnPointer = true;
   const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
@@ -81,58 +81,58 @@ MARK = (
 
 
 def curve_id(plot: Plot, column: int) -> str:
-    """The name of a curve, for CSS, the legend and the script."""
+    """The name of a curve for CSS, the legend and the script."""
     return f"{plot.name}-{column}"
 
 
 class Pointer:
-    """Where the mouse is on a time axis, and the legend entries clicked since last asked."""
+    """What the mouse has done since the session last took it."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
-        """`note` is called from viser's threads when there is news."""
+        """`wake` is called from viser's threads when the mouse has done something."""
         self._wake, self._lock = wake, threading.Lock()
-        self._place: float | None = None
+        self._fraction: float | None = None
         self._clicks: deque[str] = deque(maxlen=MAX_CLICKS)
         self._brush: tuple[float, float] | None = None
         self._last = 0
 
     @property
-    def place(self) -> float | None:
-        """From 0 to 1 along the time axis; None while the mouse is on no plot."""
-        return self._place
+    def fraction(self) -> float | None:
+        """The mouse's share of the time axis, from 0 to 1; None while the mouse is on no plot."""
+        return self._fraction
 
     def add_to(self, gui: viser.GuiApi) -> None:
         """Put the box and the script into the tab that is being filled."""
         gui.add_html(MARK, order=MARK_ORDER)
         box = gui.add_text(LABEL, "", order=BOX_ORDER)
-        box.on_update(lambda _: self.hear(box.value))  # the newest text, whichever thread of viser's comes first
+        box.on_update(lambda _: self.receive(box.value))  # the newest text, whichever of viser's threads runs first
 
-    def clicked(self) -> list[str]:
-        """The curves whose entries were clicked since the last call, oldest first."""
+    def take_clicks(self) -> list[str]:
+        """The curves whose legend entries were clicked since the last call, oldest first."""
         with self._lock:
-            found = list(self._clicks)
+            clicks = list(self._clicks)
             self._clicks.clear()
-        return found
+        return clicks
 
-    def brushed(self) -> tuple[float, float] | None:
-        """Where the time axis was brushed last since the last call, from 0 to 1: start and end, equal for a click."""
+    def take_brush(self) -> tuple[float, float] | None:
+        """The newest brush since the last call: start and end as shares of the time axis, equal for a click."""
         with self._lock:
-            found, self._brush = self._brush, None
-        return found
+            brush, self._brush = self._brush, None
+        return brush
 
-    def hear(self, text: str) -> None:
-        """Take in what the script has written. Anything else is no place and no click."""
-        words = text[:LONGEST].split(" ")
+    def receive(self, text: str) -> None:
+        """Keep what the script has written; any other text is ignored."""
+        share, *events = text[:MAX_LENGTH].split(" ")
         with self._lock:
-            self._place = float(words[0]) if PLACE.fullmatch(words[0]) else None
-            for word in words[1:]:
-                click, brush = CLICK.fullmatch(word), BRUSH.fullmatch(word)
-                found = click or brush
-                if found is None or int(found[1]) <= self._last:
+            self._fraction = float(share) if SHARE.fullmatch(share) else None
+            for event in events:
+                click, brush = CLICK.fullmatch(event), BRUSH.fullmatch(event)
+                match = click or brush
+                if match is None or int(match[1]) <= self._last:
                     continue
-                self._last = int(found[1])
+                self._last = int(match[1])
                 if brush is not None:
                     self._brush = (min(float(brush[2]), float(brush[3])), max(float(brush[2]), float(brush[3])))
                 else:
-                    self._clicks.append(found[2])
+                    self._clicks.append(match[2])
         self._wake()

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 
-from explorer.charts import curves, plot_list
+from explorer.charts import plot_list
 from explorer.model.compute import compute
 from explorer.model.settings import Settings
 from rangenav import preset
+from rangenav.number_format import significant
 from tests.browser.page import CHARTS, PATIENCE, Visitor, chromium, served, why_not
 
 pytestmark = [
@@ -91,12 +92,12 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     moment = float(times.pop().removesuffix(" s"))
     assert moment == pytest.approx(0.25 * seen.preset.duration, abs=seen.preset.duration / box["width"])
     k = int(np.searchsorted(seen.motion.time, moment))
-    near = {curves.number(error) for error in seen.errors.position[k - 3 : k + 4]}
+    near = {significant(error) for error in seen.errors.position[k - 3 : k + 4]}
     assert _value(visitor, "position-0") in near
     gramian = next(plot for plot in plot_list.OBSERVABILITY.plots if plot.name == "gramian").draw(seen)
     row = int(np.searchsorted(gramian.time, moment + 1e-9)) - 1
-    assert curves.number(gramian.read[row, 0]) == _value(visitor, "gramian-0")
-    assert gramian.read[row, 0] < 1e-3  # which uPlot's own legend would call 0
+    assert significant(gramian.values[row, 0]) == _value(visitor, "gramian-0")
+    assert gramian.values[row, 0] < 1e-3  # which uPlot's own legend would call 0
 
     visitor.page.locator('[data-curve="position-1"]').click()
     _until(lambda: _hidden(visitor) == 1, "the curve to go")

@@ -36,7 +36,7 @@ def astronomic(name: str) -> Picture:
 def check_drawable(plot: Plot, drawing: Drawing) -> None:
     """Finite, or NaN to the end; positive on a log axis; one column for each curve."""
     low, high = drawing.axis
-    assert drawing.drawn.shape == drawing.read.shape == (len(drawing.time), len(plot.curves))
+    assert drawing.drawn.shape == drawing.values.shape == (len(drawing.time), len(plot.curves))
     assert np.isfinite([low, high]).all()
     assert low < high
     ended = np.isnan(drawing.drawn)

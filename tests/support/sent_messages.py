@@ -52,6 +52,9 @@ class Page:
     server: viser.ViserServer
     camera: Camera = field(default_factory=Camera)
     messages: list[Message] = field(default_factory=list)
+    """Sent since a test last cleared them."""
+    created: list[Message] = field(default_factory=list)
+    """All that have created a control or a node."""
 
     def __post_init__(self) -> None:
         interface = self.server.gui._websock_interface
@@ -59,6 +62,8 @@ class Page:
 
         def record(message: Message) -> None:
             self.messages.append(message)
+            if hasattr(message, "props"):
+                self.created.append(message)
             send(message)
 
         interface.queue_message = record  # type: ignore[method-assign]
@@ -89,6 +94,14 @@ class Page:
     def live_style(self) -> str:
         """The elements that change as time moves: places of the cursors, and values in the legends."""
         return "".join(content for content in self.updates("content") if f"{markup.FRACTION}:" in content)
+
+    def type_text(self, label: str, text: str) -> None:
+        """Write into the first text box with a label, as a visitor would."""
+        boxes = (vars(message) for message in self.created if type(message).__name__ == "GuiTextMessage")
+        uuid = next(box["uuid"] for box in boxes if box["props"].label == label)
+        handle = self.gui._gui_input_handle_from_uuid[uuid]  # viser has no public way to find a control
+        assert handle is not None
+        handle.value = text
 
     def kinds(self) -> set[str]:
         """Names of the types of the messages so far."""

@@ -11,11 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from explorer.charts import Charts, curves, markup, plot_list, plots
+from explorer.charts import Charts, comparison_curves, curves, markup, plot_list, plots
 from explorer.charts.plots import Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
 from rangenav import preset
+from rangenav.number_format import significant
 from rangenav.sensors import Effects, Sensors
 from rangenav.signals import Multisine, Tone
 from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Vehicle
@@ -76,7 +77,7 @@ def test_log_axis_holds_the_data_in_whole_decades_with_few_true_labels(low: floa
 
 def test_labels_of_decades_and_numbers() -> None:
     assert [curves.decade_label(k) for k in (-12, -6, -2, 0, 3, 5)] == ["10⁻¹²", "10⁻⁶", "0.01", "1", "1000", "10⁵"]
-    assert [curves.number(v) for v in (0.0, 0.01234, 12.34, 1234.0, 1.234e-7, -7.1e4, np.nan)] == [
+    assert [significant(v) for v in (0.0, 0.01234, 12.34, 1234.0, 1.234e-7, -7.1e4, np.nan)] == [
         "0", "0.0123", "12.3", "1234", "1.23e-7", "-7.1e4", "–",
     ]  # fmt: skip
 
@@ -94,43 +95,43 @@ def test_plots_of_an_astronomic_estimate_are_drawable(name: str) -> None:
     for plot in ALL:
         check_drawable(plot, plot.draw(seen))
     position = named("position").draw(seen)
-    assert np.nanmax(position.read[:, 0]) > 1e15  # the number is told as it is
+    assert np.nanmax(position.values[:, 0]) > 1e15  # the legend gives the number as it is
     assert np.isnan(position.drawn[-1]).all()  # and the curve ends where it is none
 
 
-def test_eigenvalues_below_the_floor_are_told_so_and_run_along_it() -> None:
+def test_eigenvalues_below_the_floor_say_so_and_run_along_it() -> None:
     seen = picture("circle")
     drawing, windows = plots.gramian(seen), seen.analysis.windows
     below = windows.gramian <= windows.floor[:, None]
     assert below.any()
-    assert (drawing.read[:, :13][below] == -np.inf).all()
+    assert (drawing.values[:, :13][below] == -np.inf).all()
     assert drawing.drawn[:, :13][below] == pytest.approx(np.broadcast_to(windows.floor[:, None], below.shape)[below])
     assert drawing.drawn[:, :13][~below] == pytest.approx(windows.gramian[~below])
     assert (drawing.drawn >= windows.floor[:, None]).all()
     assert drawing.axis[0] < windows.floor.min()
 
 
-def test_an_excitation_of_rounding_noise_is_said_to_be_zero_and_lies_below_the_axis() -> None:
+def test_an_excitation_of_rounding_noise_is_given_as_zero_and_lies_below_the_axis() -> None:
     drawing = plots.excitation(picture("circle"))
-    assert (drawing.read[:, 0] == 0).all()
+    assert (drawing.values[:, 0] == 0).all()
     assert (drawing.drawn[:, 0] < drawing.axis[0]).all()
-    assert (drawing.read[:, 1:3] > 0).all()
+    assert (drawing.values[:, 1:3] > 0).all()
     assert drawing.axis[0] < picture("circle").preset.requirement.mu < drawing.axis[1]
 
 
 def test_a_blind_window_has_no_predicted_sigma() -> None:
     drawing = plots.predicted(picture("circle"))
-    assert (drawing.read[:, 0] == np.inf).all()
+    assert (drawing.values[:, 0] == np.inf).all()
     assert (drawing.drawn[:, 0] > drawing.axis[1]).all()
-    assert np.isfinite(drawing.read[:, 1]).all()
+    assert np.isfinite(drawing.values[:, 1]).all()
 
 
-def test_predicted_sigma_stands_beside_the_error_at_the_same_windows_end() -> None:
+def test_predicted_sigma_stands_next_to_the_error_at_the_same_windows_end() -> None:
     seen = picture("paper-slow")
     drawing, windows = plots.predicted(seen), seen.analysis.windows
     k = len(windows.start) // 2
     at = np.argmin(np.abs(seen.motion.time - (windows.start[k] + windows.window)))
-    assert drawing.read[k, 2] in seen.errors.position[at - 1 : at + 2]
+    assert drawing.values[k, 2] in seen.errors.position[at - 1 : at + 2]
 
 
 def sensed(**effects: Any) -> Picture:
@@ -143,7 +144,7 @@ def sensed(**effects: Any) -> Picture:
 
 
 def test_the_true_range_is_the_antennas() -> None:
-    read = plots.distance(sensed(lever_arm=(0.3, 0.2, -0.4))).read
+    read = plots.distance(sensed(lever_arm=(0.3, 0.2, -0.4))).values
     np.testing.assert_array_equal(read[:, 0], read[:, 1])
 
 
@@ -162,8 +163,8 @@ def test_printed_signal_is_shown_only_when_switched_on() -> None:
     assert plots.snap(picture("hover")).hidden == (4, 5, 6, 7)
     shown = plots.snap(printed("hover", Printed(excitation=True)))
     assert shown.hidden == ()
-    assert (shown.read[:, 3] == 0).all()  # a hover has no snap
-    assert shown.read[:, 7].max() > 0.1  # and the printed formula says it has
+    assert (shown.values[:, 3] == 0).all()  # a hover has no snap
+    assert shown.values[:, 7].max() > 0.1  # and the printed formula says it has
     assert plots.excitation(printed("hover", Printed(body_axes=True))).hidden == ()
 
 
@@ -171,12 +172,12 @@ def flown_by(name: str, by: Vehicle) -> Picture:
     return compute(Settings(preset=replace(preset.load(name), vehicle=by)))
 
 
-def test_limits_of_the_vehicle_stand_beside_what_is_asked_of_it_and_are_hidden_where_it_has_none() -> None:
+def test_limits_of_the_vehicle_are_drawn_with_what_the_path_needs_and_are_hidden_where_it_has_none() -> None:
     seen = flown_by("paper-slow", CRAZYFLIE)
     speed, effort = plots.speed(seen), plots.effort(seen)
     assert speed.hidden == effort.hidden == ()
-    assert (speed.read[:, 1] == 8.3).all()
-    assert effort.read[0, 2:] == pytest.approx([1.95 / 1.35, 10.0])
+    assert (speed.values[:, 1] == 8.3).all()
+    assert effort.values[0, 2:] == pytest.approx([1.95 / 1.35, 10.0])
     assert plots.effort(flown_by("paper-slow", HAND_HELD)).hidden == (2,)
     assert plots.speed(flown_by("paper-slow", FREE)).hidden == (1,)
     assert plots.effort(flown_by("paper-slow", FREE)).hidden == (2, 3)
@@ -188,10 +189,10 @@ def test_a_limit_that_is_near_is_in_the_plot_and_one_far_away_does_not_flatten_t
 ) -> None:
     seen = dataclasses.replace(slow, preset=replace(slow.preset, vehicle=Vehicle(name="a", speed=speed)))
     drawing = plots.speed(seen)
-    greatest = float(drawing.read[:, 0].max())
+    greatest = float(drawing.values[:, 0].max())
     assert drawing.axis[1] >= greatest
-    assert (drawing.axis[1] >= speed) or speed >= plots.NEAR * greatest
-    assert greatest >= drawing.axis[1] / (2 * plots.NEAR)
+    assert (drawing.axis[1] >= speed) or speed >= plots.FLATTENING * greatest
+    assert greatest >= drawing.axis[1] / (2 * plots.FLATTENING)
     check_drawable(named("speed"), drawing)
     both = Vehicle(name="b", thrust_to_weight=speed, body_rate=rate)
     check_drawable(named("effort"), plots.effort(dataclasses.replace(seen, preset=replace(seen.preset, vehicle=both))))
@@ -201,13 +202,13 @@ def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> Non
     for name in ("snap", "excitation", "gramian"):
         plot = named(name)
         folded = re.sub("<details>.*</details>", "", markup.header(plot, height=100, hidden=()))
-        assert plot.words.note in folded
+        assert plot.definition.note in folded
         assert "Turning the body" in folded
     still = replace(slow.preset, angular_velocity=Multisine(tones=(Tone(axis="x", amplitude=0.5, frequency=1.0),)))
     other, windows = compute(Settings(preset=still)), slow.analysis.windows
     assert other.analysis.windows.excitation == pytest.approx(windows.excitation)
     assert other.analysis.windows.gramian == pytest.approx(windows.gramian, rel=1e-6, abs=windows.floor.max())
-    before, after = plots.snap(slow).read, plots.snap(other).read
+    before, after = plots.snap(slow).values, plots.snap(other).values
     assert after[:, 3] == pytest.approx(before[:, 3], rel=1e-9)
     assert not np.allclose(after[:, :3], before[:, :3])
     assert not np.allclose(np.linalg.norm(other.phi_printed, axis=1), np.linalg.norm(slow.phi_printed, axis=1))
@@ -217,7 +218,7 @@ def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page
     charts, seen = Charts(page.client, narrow=False), picture("paper")
     page.messages.clear()
     charts.draw(seen)
-    assert len(page.updates("data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.later)
+    assert len(page.updates("data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.slow)
     charts.draw_later(seen)
     data = page.updates("data")
     assert len(data) == len(ALL)
@@ -239,7 +240,7 @@ def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None
     assert page.kinds() == {"GuiUpdateMessage"}
 
 
-def test_cursor_is_one_small_message_for_each_column_and_tells_the_values_there(page: Page) -> None:
+def test_cursor_is_one_small_message_for_each_column_and_gives_the_values_there(page: Page) -> None:
     charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
     charts.draw(seen)
     page.messages.clear()
@@ -250,11 +251,11 @@ def test_cursor_is_one_small_message_for_each_column_and_tells_the_values_there(
     fraction = re.findall(r"--tcur:([\d.]+)", text)
     assert [float(f) for f in fraction] == pytest.approx([5.0 / seen.preset.duration] * 2)
     k = int(np.argmin(np.abs(seen.motion.time - 5.0)))
-    told = curves.number(seen.errors.position[k])
-    assert f'--position-0:"{told}"' in text
-    assert f"estimate off by <b>{told} m</b>" in text
+    shown_error = significant(seen.errors.position[k])
+    assert f'--position-0:"{shown_error}"' in text
+    assert f"estimate off by <b>{shown_error} m</b>" in text
     distance = float(np.linalg.norm(seen.motion.position[k] - seen.preset.world.anchor))
-    assert f"{curves.number(distance)} m from the anchor" in text
+    assert f"{significant(distance)} m from the anchor" in text
 
 
 def test_a_window_is_read_only_while_it_can_start(page: Page) -> None:
@@ -275,13 +276,36 @@ def test_cursor_variables_of_the_legend_are_those_that_are_assigned() -> None:
         html = markup.header(plot, height=100, hidden=())
         for i, curve in enumerate(plot.curves):
             assert (f"var({markup.variable(plot, i)}," in html) == bool(curve.label)
-        assert plot.words.equation in html
+        assert plot.definition.equation in html
 
 
 def test_every_curve_of_a_plot_differs_by_more_than_its_colour() -> None:
     for plot in ALL:
-        looks = [(curve.dash, curve.width, curve.filled) for curve in plot.curves if curve.label]
-        assert len(set(looks)) == len(looks)
+        styles = [(curve.dash, curve.width, curve.filled) for curve in plot.curves if curve.label]
+        assert len(set(styles)) == len(styles), plot.name
+
+
+def test_every_plot_has_a_name_and_a_title_of_its_own_a_unit_and_a_definition() -> None:
+    assert len({plot.name for plot in ALL}) == len({plot.title for plot in ALL}) == len(ALL)
+    assert len({plot.definition for plot in ALL}) == len({plot.draw for plot in ALL}) == len(ALL)
+    for plot in ALL:
+        assert re.fullmatch("[a-z]+(-[a-z]+)*", plot.name), "the name is part of files' names and of CSS variables"
+        assert plot.unit, plot.name
+        assert plot.definition.equation, plot.name
+        assert plot.definition.meaning.endswith((".", "?")), plot.name
+
+
+def test_every_curve_has_a_name_of_its_own_in_its_plots_file() -> None:
+    for plot in ALL:
+        names = [curve.name or curve.label for curve in plot.curves]
+        assert all(names), plot.name
+        assert len(set(names)) == len(names), plot.name
+
+
+def test_every_plot_repeats_only_curves_it_has_for_the_pinned_run() -> None:
+    for plot in ALL:
+        assert all(plot.curves[column].label for column in plot.pinned_curves), plot.name
+        assert len(plot.pinned_curves) <= len(comparison_curves.PINNED_DASHES), plot.name
 
 
 def test_paper_figures_in_the_narrow_page_keep_one_tab_and_fill_the_new_ones(page: Page) -> None:

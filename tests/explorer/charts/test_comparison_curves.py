@@ -41,7 +41,7 @@ def crowd(slow: Picture) -> Comparison:
 
 
 def over(plot: plots.Plot, seen: Picture, shown: Comparison) -> tuple[plots.Plot, plots.Drawing]:
-    return comparison_curves.over(plot, seen, shown, comparison_curves.pinned(plot, shown.pinned, None))
+    return comparison_curves.with_comparison(plot, seen, shown, comparison_curves.pinned(plot, shown.pinned, None))
 
 
 def test_with_nothing_beside_a_plot_is_what_it_was(slow: Picture) -> None:
@@ -59,18 +59,18 @@ def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, s
             more, drawing = over(plot, seen, Comparison(pinned=a))
             check_drawable(more, drawing)
             labels = [curve.label for curve in more.curves[len(plot.curves) :]]
-            assert len(labels) == len(plot.again)
+            assert len(labels) == len(plot.pinned_curves)
             assert all(label.startswith("A") for label in labels)
             own = plot.draw(seen)
             assert drawing.axis[0] <= own.axis[0] < own.axis[1] <= drawing.axis[1]
-            np.testing.assert_array_equal(drawing.read[:, : len(plot.curves)], own.read)
+            np.testing.assert_array_equal(drawing.values[:, : len(plot.curves)], own.values)
 
 
 def test_a_run_pinned_beside_itself_lies_on_its_own_curves(slow: Picture) -> None:
     for plot in ALL:
         _, drawing = over(plot, slow, Comparison(pinned=slow))
         first = len(plot.curves)
-        for k, column in enumerate(plot.again):
+        for k, column in enumerate(plot.pinned_curves):
             if column in drawing.hidden:
                 assert np.isnan(drawing.drawn[:, first + k]).all()
                 continue
@@ -83,7 +83,7 @@ def test_what_a_plot_cannot_show_stays_outside_a_wider_axis() -> None:
         plot = next(plot for plot in ALL if plot.name == name)
         for seen, a in ((blind, free), (free, blind)):
             _, drawing = over(plot, seen, Comparison(pinned=a))
-            zero, none = drawing.read == 0, drawing.read == np.inf
+            zero, none = drawing.values == 0, drawing.values == np.inf
             assert (drawing.drawn[zero] < drawing.axis[0]).all()
             assert (drawing.drawn[none] > drawing.axis[1]).all()
 
@@ -111,7 +111,7 @@ def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd:
     assert runs is not None
     more, drawing = over(ERRORS[3], slow, crowd)
     ((upper, lower),) = more.bands
-    high, low, median = drawing.read[:, upper], drawing.read[:, lower], drawing.read[:, upper - 1]
+    high, low, median = drawing.values[:, upper], drawing.values[:, lower], drawing.values[:, upper - 1]
     assert (low <= median).all()
     assert (median <= high).all()
     ends = np.searchsorted(slow.motion.time, runs.time)
@@ -141,7 +141,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
         charts.draw(slow, shown)
         charts.draw_later(slow)
         assert len(page.updates("data")) >= len(ALL)
-        for handle in (chart.handle for column in charts._columns for chart in column.charts):
+        for handle in (chart.handle for chart in charts.charts):
             assert len(handle.data) == len(handle.series)
             assert {len(array) for array in handle.data} == {len(handle.data[0])}
             for band in handle.bands or ():
@@ -248,7 +248,7 @@ def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_la
 ) -> None:
     charts = Charts(page.client, narrow=False)
     charts.draw(slow, Comparison(seeds=crowd.seeds))
-    chart = charts._columns[0].charts[0]
+    chart = charts.charts[0]
     chart.toggle(2)  # the median
     assert [line.get("show", True) for line in chart.handle.series[1:]] == [True, True, False, False, False]
     charts.draw(slow, Comparison(pinned=slow))

@@ -60,7 +60,7 @@ def test_a_table_holds_every_sample_of_every_curve_to_the_last_digit(name: str, 
     seen = picture(of)
     drawing = ALL[name].draw(seen)
     names, numbers = _table(seen, name)
-    shown = drawing.read[:, _columns(ALL[name], drawing)]
+    shown = drawing.values[:, _columns(ALL[name], drawing)]
     np.testing.assert_array_equal(numbers[:, 0], drawing.time)
     np.testing.assert_array_equal(numbers[:, 1:], np.where(np.isneginf(shown), np.nan, shown))
     assert len(set(names)) == len(names) == numbers.shape[1]
@@ -112,7 +112,7 @@ def test_the_svg_draws_the_curve_on_a_logarithmic_axis():
     inside = (told > drawing.axis[0]) & (told < drawing.axis[1])
     assert inside.sum() > 100
     # Lines are simplified to a ninth of a pixel, which is less than a hundredth of the axis' height per vertex.
-    near = [np.abs(np.log10(drawing.read[np.abs(seen.motion.time - t) < 0.05, 0]) - np.log10(v)).min()
+    near = [np.abs(np.log10(drawing.values[np.abs(seen.motion.time - t) < 0.05, 0]) - np.log10(v)).min()
             for t, v in zip(when[inside], told[inside], strict=True)]  # fmt: skip
     assert max(near) < 0.01 * (high - low)
 
@@ -143,17 +143,17 @@ def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     charts, seen, other = Charts(Page(server).client, narrow=False), picture("paper-slow"), picture("circle")
     charts.draw(seen)
     with pytest.raises(ValueError, match="no plot 'scaled' yet"):
-        charts.plan("scaled", "csv")
+        charts.file_writer("scaled", "csv")
     charts.draw_later(seen)
-    assert charts.plan("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
+    assert charts.file_writer("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
     charts.draw(other)
-    assert charts.plan("position", "csv")()
+    assert charts.file_writer("position", "csv")()
     with pytest.raises(ValueError, match="Scaled spectrum: still shows an earlier state"):
-        charts.plan("scaled", "csv")
+        charts.file_writer("scaled", "csv")
     turned = Settings(preset=other.preset, twin_turn=(0.0, 0.0, 0.5))
     charts.draw_later(compute(turned))  # as when only the twin was turned
-    assert charts.plan("scaled", "csv")()
-    assert charts.plan("position", "csv")()
+    assert charts.file_writer("scaled", "csv")()
+    assert charts.file_writer("position", "csv")()
     server.stop()
 
 
@@ -161,11 +161,11 @@ def test_nothing_to_write_and_too_much_are_refused():
     plot = ALL["position"]
     drawing = plot.draw(picture("paper-slow"))
     with pytest.raises(ValueError, match="Position error: no curve of it is shown"):
-        plot_file.refuse(plot, drawing, ())
+        plot_file.require_writable(plot, drawing, ())
     count = plot_file.MAX_CELLS // 3
-    plot_file.refuse(plot, replace(drawing, time=np.zeros(count)), (0, 1))
+    plot_file.require_writable(plot, replace(drawing, time=np.zeros(count)), (0, 1))
     with pytest.raises(ValueError, match=f"would hold {3 * count + 3} numbers"):
-        plot_file.refuse(plot, replace(drawing, time=np.zeros(count + 1)), (0, 1))
+        plot_file.require_writable(plot, replace(drawing, time=np.zeros(count + 1)), (0, 1))
 
 
 def test_the_page_starts_without_matplotlib():

@@ -14,7 +14,7 @@ from viser.transforms import SO3
 from explorer.charts import Charts, markup, plot_list
 from explorer.charts import details as drawings
 from explorer.charts.cursor_values import window_at
-from explorer.charts.plot_tabs import FOLLOWS
+from explorer.charts.plot_tabs import OUTDATED
 from explorer.model import details
 from explorer.panels.world.twin import TwinPanel
 from explorer.scene.bounds import scene_bounds
@@ -68,11 +68,11 @@ def test_the_excitation_at_a_time_is_that_of_the_window_starting_there(time: flo
 def test_the_frozen_test_is_told_once_python_control_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(details, "LOADED", threading.Event())
     assert details.frozen_summary(SLOW) == ""
-    assert len(drawings.say_depth(picture("paper-slow"))) == 2
+    assert len(drawings.describe_depth(picture("paper-slow"))) == 2
     details.import_control()
     assert "rank 11 of 13 in body axes, 5 in turned axes" in details.frozen_summary(SLOW)
-    assert len(drawings.say_depth(picture("paper-slow"))) == 3
-    assert len(drawings.say_depth(picture("circle"))) == 4
+    assert len(drawings.describe_depth(picture("paper-slow"))) == 3
+    assert len(drawings.describe_depth(picture("circle"))) == 4
 
 
 # Plots
@@ -83,16 +83,16 @@ def test_the_scaled_spectrum_draws_nothing_below_its_tolerance_as_if_it_were_dat
     drawing, found = drawings.scaled(seen), details.details(seen.preset).spectrum
     lost = found.scaled[:, ::-1] <= found.tolerance[:, None]
     assert lost.sum() == (13 - found.rank).sum()
-    assert (drawing.read[:, :13][lost] == -np.inf).all()
+    assert (drawing.values[:, :13][lost] == -np.inf).all()
     assert (drawing.drawn >= found.tolerance[:, None] * (1 - 1e-12)).all()
     assert drawing.axis[0] < found.tolerance.min()
-    assert (np.diff(np.where(np.isinf(drawing.read[:, :13]), 0.0, drawing.read[:, :13]), axis=1) >= 0).all()
+    assert (np.diff(np.where(np.isinf(drawing.values[:, :13]), 0.0, drawing.values[:, :13]), axis=1) >= 0).all()
 
 
 def test_the_functions_are_drawn_over_their_peaks_and_read_as_they_are() -> None:
     seen = picture("hover")
     drawing, found = drawings.functions(seen), details.details(seen.preset).functions
-    np.testing.assert_array_equal(drawing.read, found.values)
+    np.testing.assert_array_equal(drawing.values, found.values)
     peaks = np.abs(drawing.drawn).max(axis=0)
     present = np.abs(found.values).max(axis=0) > 0
     assert present.sum() == 7  # 1, τ, τ², τ³ and the three of D_z
@@ -108,11 +108,11 @@ def test_rank_and_sigma_by_length_stand_at_their_length_on_the_time_axis() -> No
         drawings.sigma_by_length(seen),
     )
     np.testing.assert_array_equal(rank.time, found.length)
-    np.testing.assert_array_equal(rank.read[:, :2], found.rank)
-    assert (rank.read[:, 2] == 13).all()
-    assert sigma.read[0, 1] == np.inf  # blind, and drawn above the axis
+    np.testing.assert_array_equal(rank.values[:, :2], found.rank)
+    assert (rank.values[:, 2] == 13).all()
+    assert sigma.values[0, 1] == np.inf  # blind, and drawn above the axis
     assert sigma.drawn[0, 1] > sigma.axis[1]
-    assert sigma.read[-1, 0] == pytest.approx(found.sigma[-1, 0])
+    assert sigma.values[-1, 0] == pytest.approx(found.sigma[-1, 0])
 
 
 @pytest.mark.parametrize("name", ["hover", "circle", "wiggle"])
@@ -120,41 +120,41 @@ def test_both_ranges_are_drawn_and_agree_while_the_twin_is_far_off(name: str) ->
     seen = picture(name)
     ranges, apart = drawings.ranges(seen), drawings.apart(seen)
     assert ranges.hidden == apart.hidden == ()
-    assert np.abs(ranges.read[:, 0] - ranges.read[:, 1]).max() <= twin.TOLERANCE
-    assert apart.read[:, 1].max() <= twin.TOLERANCE
-    assert np.sqrt(np.mean(apart.read[:, 0] ** 2)) > 0.99
+    assert np.abs(ranges.values[:, 0] - ranges.values[:, 1]).max() <= twin.TOLERANCE
+    assert apart.values[:, 1].max() <= twin.TOLERANCE
+    assert np.sqrt(np.mean(apart.values[:, 0] ** 2)) > 0.99
     true = np.linalg.norm(seen.motion.position - np.asarray(seen.preset.world.anchor), axis=1)
-    np.testing.assert_allclose(np.interp(seen.motion.time, ranges.time, ranges.read[:, 0]), true, atol=1e-3)
+    np.testing.assert_allclose(np.interp(seen.motion.time, ranges.time, ranges.values[:, 0]), true, atol=1e-3)
 
 
 def test_a_refused_twin_is_not_drawn_and_its_reason_is_told() -> None:
     seen = picture("paper-slow")
     assert drawings.ranges(seen).hidden == (1,)
     assert drawings.apart(seen).hidden == (0, 1)
-    told, _ = drawings.say_twin(seen)
+    told, _ = drawings.describe_twin(seen)
     assert told.startswith("No twin: a metre of the least felt difference")
 
 
 def test_the_printed_certificate_stands_beside_the_derived_one_whatever_is_switched_on() -> None:
     seen = picture("circle")
     drawing, mu = drawings.certificates(seen), seen.preset.requirement.mu
-    assert (drawing.read[:, 0] == 0).all()
+    assert (drawing.values[:, 0] == 0).all()
     assert (drawing.drawn[:, 0] < drawing.axis[0]).all()
-    assert (drawing.read[:, 3] > mu).all()
+    assert (drawing.values[:, 3] > mu).all()
     assert drawing.axis[0] < mu < drawing.axis[1]
-    assert drawings.say_twin(seen)[1].startswith("False certificate: ")
+    assert drawings.describe_twin(seen)[1].startswith("False certificate: ")
     both = drawings.phi(seen)
-    np.testing.assert_allclose(both.read[:, 0], np.linalg.norm(seen.motion.snap, axis=1), rtol=1e-9)
-    assert np.abs(both.read[:, 1] - both.read[:, 0]).max() > 0.1
+    np.testing.assert_allclose(both.values[:, 0], np.linalg.norm(seen.motion.snap, axis=1), rtol=1e-9)
+    assert np.abs(both.values[:, 1] - both.values[:, 0]).max() > 0.1
 
 
 @pytest.mark.parametrize("narrow", [False, True])
 def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow: bool) -> None:
     charts, seen = Charts(page.client, narrow=narrow), picture("circle")
     charts.draw(seen)
-    wanted = markup.sentences(drawings.say_twin(seen))
+    wanted = markup.paragraphs(drawings.describe_twin(seen))
     assert html.escape("the mirror image in the plane through the anchor with normal z") in wanted
-    assert markup.sentences((FOLLOWS,)) in page.updates("content")
+    assert markup.paragraphs((OUTDATED,)) in page.updates("content")
     assert wanted not in page.updates("content")
     charts.draw_later(seen)
     assert wanted in page.updates("content")
@@ -163,7 +163,7 @@ def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow
     assert wanted not in page.updates("content")
     charts.draw(picture("hover"))
     charts.draw_later(picture("hover"))
-    assert markup.sentences(drawings.say_twin(picture("hover"))) in page.updates("content")
+    assert markup.paragraphs(drawings.describe_twin(picture("hover"))) in page.updates("content")
 
 
 def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
@@ -171,7 +171,7 @@ def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
     charts.draw(seen)
     page.messages.clear()
     charts.show_paper_figures()
-    assert markup.sentences(drawings.say_depth(seen)) in page.updates("content")
+    assert markup.paragraphs(drawings.describe_depth(seen)) in page.updates("content")
 
 
 def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> None:

@@ -30,7 +30,7 @@ def comparing(sessions: tuple[int, SessionServer]) -> Iterator[tuple[Wire, Sessi
 def labels(session: Session) -> list[set[str]]:
     """The labels of the curves of every plot."""
     charts: Charts = session.charts
-    shown = [chart for column in charts._columns for chart in column.charts if chart.base.again]
+    shown = [chart for chart in charts.charts if chart.base.pinned_curves]
     return [{curve.label for curve in chart.plot.curves} for chart in shown]
 
 
