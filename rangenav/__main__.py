@@ -1,7 +1,7 @@
-"""The headless command line, everything the page does without a browser; each command is a file in `commands`.
+"""The command line: everything the page does without a browser. Each command is a file in `commands`.
 
-Exit 0: done. Exit 1: a check failed. Exit 2: bad input, one line on stderr naming file, field and rule. `--json` prints
-one object on stdout.
+Exit 0: done. Exit 1: a check failed. Exit 2: bad input, one line on stderr that names file, field and rule. `--json`
+prints one object on stdout.
 """
 
 import contextlib
@@ -12,30 +12,15 @@ from typing import NoReturn
 
 import tyro
 
-from rangenav.commands.analyze import analyze
-from rangenav.commands.certify import certify
-from rangenav.commands.explain import explain
-from rangenav.commands.export import export
-from rangenav.commands.import_ import import_
-from rangenav.commands.log import log
-from rangenav.commands.presets import list_presets
-from rangenav.commands.repair import repair
-from rangenav.commands.simulate import simulate
-from rangenav.commands.tune import tune
-from rangenav.commands.verify import verify
+import rangenav
+from rangenav.commands import overview
+
+PROGRAM = "rangenav"
+HELP = (["-h"], ["--help"])
 
 app = tyro.extras.SubcommandApp()
-app.command(name="presets")(list_presets)
-app.command(analyze)
-app.command(explain)
-app.command(simulate)
-app.command(certify)
-app.command(verify)
-app.command(repair)
-app.command(export)
-app.command(name="import")(import_)
-app.command(log)
-app.command(tune)
+for name, command in overview.commands().items():
+    app.command(name=name)(command)
 
 
 def fail(sentence: str) -> NoReturn:
@@ -45,27 +30,37 @@ def fail(sentence: str) -> NoReturn:
 
 
 def main() -> None:
-    """Entry point of the `rangenav` script."""
-    complaint = io.StringIO()
+    """Entry point of the `rangenav` script and of `python -m rangenav`."""
+    if sys.argv[1:] in HELP:
+        print(overview.overview())
+    elif sys.argv[1:] == ["--version"]:
+        print(f"{PROGRAM} {rangenav.__version__}")
+    else:
+        run_command()
+
+
+def run_command() -> None:
+    """Run the command that was typed; whatever goes wrong is one line on stderr and an exit code."""
+    messages = io.StringIO()
     try:
-        with contextlib.redirect_stderr(complaint):
-            app.cli(prog="rangenav", description=__doc__)
+        with contextlib.redirect_stderr(messages):
+            app.cli(prog=PROGRAM)
             sys.stdout.flush()
     except ValueError as error:
         fail(str(error))
-    except BrokenPipeError:  # whoever reads, `head` say, has seen enough
+    except BrokenPipeError:  # the reader of the output, `head` say, has closed it
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        fail(f"{error.filename or 'rangenav'}: {error.strerror}")
+        fail(f"{error.filename or PROGRAM}: {error.strerror}")
     except SystemExit as stop:
         if stop.code == 2:
-            fail(usage_error(complaint.getvalue()))
-        print(complaint.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
+            fail(usage_error(messages.getvalue()))
+        print(messages.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
         raise
 
 
 def usage_error(box: str) -> str:
-    """The first paragraph of the parser's framed complaint, as one line."""
+    """The first paragraph of the parser's framed message, as one line."""
     lines = [line.strip("│╭╰╮╯─ \n") for line in box.splitlines()]
     paragraph: list[str] = []
     for line in lines[1:]:
@@ -73,7 +68,7 @@ def usage_error(box: str) -> str:
             paragraph.append(line)
         elif paragraph:
             break
-    return " ".join(paragraph).strip() + " (see rangenav --help)"
+    return " ".join(paragraph).strip() + f" (see {PROGRAM} --help)"
 
 
 if __name__ == "__main__":

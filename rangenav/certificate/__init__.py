@@ -8,7 +8,7 @@ from rangenav.certificate.certify import READERS, Held, Reader, certify, certify
 from rangenav.certificate.files import beside
 from rangenav.certificate.requirements import gate
 from rangenav.certificate.schema import Certificate, dumps, loads, plain
-from rangenav.certificate.verify import differences, verify, verify_file
+from rangenav.certificate.verify import differences, read_beside, verify, verify_file
 
 __all__ = [
     "READERS",
@@ -23,6 +23,7 @@ __all__ = [
     "gate",
     "loads",
     "plain",
+    "read_beside",
     "read_preset",
     "verify",
     "verify_file",

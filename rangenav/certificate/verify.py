@@ -81,6 +81,12 @@ def differences(stored: Certificate, computed: Certificate) -> tuple[str, ...]:
     return tuple(_differences(_plain(stored), _plain(computed), ""))
 
 
+def read_beside(name_or_path: str | Path) -> Certificate:
+    """The certificate that lies beside a file, or of the file a certificate is given of. Raises ValueError."""
+    place = beside(_find(name_or_path))
+    return schema.loads(read_bytes(place), source=place.name)
+
+
 def _find(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
     owner = certified_by(path)

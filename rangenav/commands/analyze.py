@@ -1,11 +1,14 @@
 """`rangenav analyze`: what a motion lets one range tell."""
 
 from rangenav import preset as presets
-from rangenav.commands.output import PresetName, print_json, print_table
+from rangenav.commands.output import PresetName, print_json
+from rangenav.commands.progress import working
 
 
 def analyze(preset: PresetName, *, window: float | None = None, json: bool = False) -> None:
-    """Say what a preset's motion lets one range tell: excitation, Gramian, rank, blind directions, accuracy.
+    """Say what one range can tell of a preset's motion: rank, excitation, blind directions, accuracy, vehicle.
+
+    Example: rangenav analyze paper-slow --window 4
 
     Args:
         preset: A shipped preset's name or a path to a TOML file.
@@ -13,9 +16,14 @@ def analyze(preset: PresetName, *, window: float | None = None, json: bool = Fal
         json: Print one JSON object.
     """
     from rangenav import analysis, report
+    from rangenav.commands.text import analyze as text
+    from rangenav.commands.text import layout
 
     chosen = presets.load(preset)
     if window is not None:
         chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
-    found = report.analysis_report(chosen, analysis.analyse(chosen), name=preset)
-    return print_json(found) if json else print_table(f"{chosen.title}: {found['verdict'] or 'not judged'}", found)
+    with working(f"analysing {preset}"):
+        found = analysis.analyse(chosen)
+    if json:
+        return print_json(report.analysis_report(chosen, found, name=preset))
+    return layout.show(text.report(chosen, found, name=preset))

@@ -2,19 +2,12 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import tyro
-from rich.console import Console
-from rich.text import Text
 
-from rangenav.commands.output import PresetName, print_json, print_table, require_place
-
-if TYPE_CHECKING:
-    from rangenav.certificate import Certificate
-
-SAID = {"format", "version", "title", "expect", "certified", "meets", "verdict", "checks", "failures", "remedy"}
-"""What stands in the sentences above the table."""
+from rangenav.commands.output import PresetName, print_json, require_place
+from rangenav.commands.progress import working
 
 
 def certify(
@@ -25,39 +18,27 @@ def certify(
 ) -> None:
     """Certify a preset; exit 1 if it does not deliver what it promises.
 
+    Example: rangenav certify paper-slow -o paper-slow.certificate.json
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         output: Write the certificate here; NAME.certificate.json beside NAME.toml is where `verify` looks.
         json: Print the certificate as one JSON object.
     """
     from rangenav import certificate
+    from rangenav.commands.text import certificates as text
+    from rangenav.commands.text import layout
 
     require_place("-o", output, ".json")
-    found = certificate.certify_file(preset)
+    with working(f"certifying {preset}"):
+        made = certificate.certify_file(preset)
     if output is not None:
-        output.write_bytes(certificate.dumps(found))
-    plain = certificate.plain(found)
+        output.write_bytes(certificate.dumps(made))
     if json:
-        print_json(plain)
-    elif output is None:
-        _print(found, plain)
-    if not found.certified:
-        for sentence in found.failures:
+        print_json(certificate.plain(made))
+    else:
+        layout.show(text.certified(made, name=preset, written=output))
+    if not made.certified:
+        for sentence in made.failures:
             print(f"{preset}: {sentence}", file=sys.stderr)
         raise SystemExit(1)
-
-
-def _print(found: "Certificate", plain: dict[str, Any]) -> None:
-    """For people: what was asked and whether it is met, for which windows, what would help; then every figure."""
-    console, claim = Console(), found.claim
-    console.print(Text(f"{found.title}: {'certified' if found.certified else 'NOT certified'}, {found.verdict}"))
-    for one in found.checks:
-        known = "" if one.proven else " (on samples)"
-        console.print(Text(f"  {'✓' if one.met else '✕'} {one.name}{known}: {one.words}"))
-    if found.expect != "observable":
-        console.print(Text(f"  expected {found.expect}: {'it is' if found.certified else 'it is not'}"))
-    if isinstance(found.remedy, str):
-        console.print(Text(f"  to meet every requirement it would do to {found.remedy}"))
-    bounded = "bounded" if found.excitation.lower is not None else "sampled"
-    console.print(Text(f"  the excitation is {bounded} for windows of {claim.window:g} s from {claim.starts}"))
-    print_table("figures", {key: value for key, value in plain.items() if key not in SAID})

@@ -7,7 +7,8 @@ import msgspec
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import PresetName, print_json, print_table, require_place
+from rangenav.commands.output import PresetName, print_json, require_place
+from rangenav.commands.progress import working
 from rangenav.twin import APART, TOLERANCE
 
 
@@ -22,6 +23,8 @@ def explain(
 ) -> None:
     """Say why a preset's motion is observable or not, how long it must be flown, and where its evil twin flies.
 
+    Example: rangenav explain circle --save twin.toml
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         window: Window δ in seconds; the preset's own by default.
@@ -31,16 +34,22 @@ def explain(
         json: Print one JSON object.
     """
     from rangenav import analysis, explanation, twin
+    from rangenav.commands.text import explain as text
+    from rangenav.commands.text import layout
 
     chosen = presets.load(preset)
     if window is not None:
         chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
     require_place("--save", save, ".toml")
-    found = twin.twin(chosen, tolerance=tolerance, apart=apart)
+    with working(f"looking for a twin of {preset}"):
+        found = twin.twin(chosen, tolerance=tolerance, apart=apart)
     if save is not None:
         if isinstance(found, twin.Refusal):
             raise ValueError(f"--save: {preset} has no twin to write: {found.reason}")
         title = f"Twin of {chosen.title}"[: presets.MAX_TITLE]
         presets.save(msgspec.structs.replace(chosen, path=found.path, title=title), save)
-    report = explanation.explanation(chosen, found, name=preset)
-    return print_json(report) if json else print_table(f"{chosen.title}: {report['verdict'] or 'not judged'}", report)
+    with working(f"explaining {preset}"):
+        answer = explanation.explanation(chosen, found, name=preset)
+    if json:
+        return print_json(answer)
+    return layout.show(text.report(chosen, analysis.analyse(chosen), answer, name=preset))

@@ -7,7 +7,8 @@ import tyro
 
 from rangenav import formats
 from rangenav import preset as presets
-from rangenav.commands.output import PresetName, print_json, print_table
+from rangenav.commands.output import PresetName, print_json
+from rangenav.commands.progress import working
 
 if TYPE_CHECKING:
     from rangenav.certificate.certified_export import CertifiedExport  # imported when used: it takes long
@@ -31,6 +32,8 @@ def export(
 ) -> None:
     """Write a preset, its motion or one run of it for other tools.
 
+    Example: rangenav export paper-slow --to reference -o path.csv
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         attitude: For reference: what flying the path takes, or the preset's own.
@@ -38,12 +41,16 @@ def export(
         json: Print one JSON object.
     """
     from rangenav.certificate import certified_export
+    from rangenav.commands.text import exchange as text
+    from rangenav.commands.text import layout
 
-    export = certified_export.write(
-        presets.load(preset), to, output, name=preset, attitude=attitude, uncertified=uncertified, otherwise=OTHERWISE
-    )
+    chosen = presets.load(preset)
+    with working(f"exporting {preset}"):
+        export = certified_export.write(
+            chosen, to, output, name=preset, attitude=attitude, uncertified=uncertified, otherwise=OTHERWISE
+        )
     answer = report(export, preset, to)
-    return print_json(answer) if json else print_table(f"{preset} as {to}", answer)
+    return print_json(answer) if json else layout.show(text.exported(chosen, answer, name=preset))
 
 
 def report(export: "CertifiedExport", name: str, to: str) -> dict[str, Any]:

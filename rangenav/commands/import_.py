@@ -7,7 +7,8 @@ import tyro
 
 from rangenav import formats
 from rangenav import preset as presets
-from rangenav.commands.output import print_json, print_table, require_place
+from rangenav.commands.output import print_json, require_place
+from rangenav.commands.progress import working
 from rangenav.inputs import Vec3
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ def import_(
 ) -> None:
     """Make a preset of another tool's path, and say what its motion lets one range tell.
 
+    Example: rangenav import path.csv --from reference -o mine.toml
+
     Args:
         path: The file to read; for euroc a ground-truth csv.
         from_: Its format.
@@ -39,18 +42,24 @@ def import_(
         anchor: Where the anchor stands (m), which no path says.
         json: Print one JSON object.
     """
+    from rangenav import analysis
+    from rangenav.commands.text import exchange as text
+    from rangenav.commands.text import layout
     from rangenav.formats.path_preset import as_preset
 
     require_place("-o", output, ".toml")
     if from_ == "preset":
         presets.save(presets.load(path), output)
-        return print_json({"preset": str(output)}) if json else None
+        return print_json({"preset": str(output)}) if json else layout.show(text.copied(path, output))
     confirm = {} if frame is None else {"frame": frame}
-    found = formats.read(path, from_, confirm=confirm, knots=knots)
-    made = as_preset(found, duration=duration, anchor=anchor)
-    report = _report(found, made, output)
+    with working(f"reading {path}"):
+        found = formats.read(path, from_, confirm=confirm, knots=knots)
+        made = as_preset(found, duration=duration, anchor=anchor)
+        answer = _report(found, made, output)
     presets.save(made, output)
-    return print_json(report) if json else print_table(f"{found.source}: {report['verdict']}", report)
+    if json:
+        return print_json(answer)
+    return layout.show(text.imported(made, analysis.analyse(made), answer, source=found.source))
 
 
 def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:

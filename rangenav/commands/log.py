@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import tyro
 
 from rangenav import formats
-from rangenav.commands.output import print_json, print_table
+from rangenav.commands.output import print_json
+from rangenav.commands.progress import working
 from rangenav.inputs import Vec3, require
 
 if TYPE_CHECKING:
@@ -50,6 +51,8 @@ def log(
 ) -> None:
     """Say whether a recorded flight was informative, and run the observers on its ranges.
 
+    Example: rangenav log flight.csv --anchor 0 0 1
+
     What the file leaves open is asked, with what the data suggest and why; nothing is converted unasked.
 
     Args:
@@ -76,6 +79,8 @@ def log(
         json: Print one JSON object.
     """
     from rangenav import flight_summary, logs, rest
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import log as text
     from rangenav.formats import recorded_flight
 
     confirm = {"time": time_unit, "gyro": gyro_unit, "accel": accel_unit, "mag": mag_unit, "range": range_unit}
@@ -99,18 +104,22 @@ def log(
         flight = recorded_flight.between(
             flight, begin if begin is not None else 0.0, end if end is not None else math.inf
         )
-    seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
+    with working(f"judging {found.source}"):
+        seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
     report = _understood(found, flight, told) | {
         "informative": windows_report(flight_summary.summarise_windows(seen), seen.words),
         "verdict": seen.verdict,
     }
     if len(flight.range) and around is not None:
-        observed = logs.observe(flight, around, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
+        with working(f"running the observers on {found.source}"):
+            observed = logs.observe(flight, around, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(around, name)) for name in ("gravity", "magnetic", "anchor")}
         report["observer"] = observer_report(flight_summary.summarise_observer(observed))
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
-    return print_json(report) if json else print_table(f"{found.source}: {seen.words}", report)
+    if json:
+        return print_json(report)
+    return layout.show(text.report(report, file=str(file), required=position_sigma, sensed=int(seen.rank[seen.worst])))
 
 
 def _format(file: Path) -> str:

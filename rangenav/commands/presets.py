@@ -1,15 +1,15 @@
 """`rangenav presets`: what is shipped."""
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from rangenav import preset as presets
 from rangenav.commands.output import print_json
+from rangenav.commands.text import layout
+from rangenav.commands.text import presets as text
 
 
 def list_presets(*, json: bool = False) -> None:
-    """List the shipped presets: name, title, expectation.
+    """List the shipped presets by what is expected of them.
+
+    Example: rangenav presets
 
     Args:
         json: Print one JSON object.
@@ -18,7 +18,4 @@ def list_presets(*, json: bool = False) -> None:
     if json:
         rows = {name: {"title": p.title, "story": p.story, "expect": p.expect} for name, p in shipped.items()}
         return print_json({"presets": rows})
-    table = Table("preset", "title", "expected")
-    for name, p in shipped.items():
-        table.add_row(name, Text(p.title), p.expect)
-    return Console().print(table)
+    return layout.show(text.report(shipped))

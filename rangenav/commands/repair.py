@@ -7,7 +7,8 @@ from typing import Annotated, Literal
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import PresetName, print_json, print_table, require_place
+from rangenav.commands.output import PresetName, print_json, require_place
+from rangenav.commands.progress import working
 
 
 def repair(
@@ -20,6 +21,8 @@ def repair(
 ) -> None:
     """Make a motion observable by the smallest change of one kind, within its vehicle's limits.
 
+    Example: rangenav repair circle --by tones -o round.toml
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         by: The kind of change: added tones, the path's size, its tones' frequencies, its speed, or its waypoints.
@@ -28,15 +31,18 @@ def repair(
         json: Print one JSON object.
     """
     from rangenav import repair as repairing
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import repair as text
 
     require_place("--output", output, ".toml")
     chosen = presets.load(preset)
     try:
-        found = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)
+        with working(f"looking for a change of {preset}"):
+            found = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)
     except repairing.CannotRepairError as error:
         print(f"{preset}: {error}", file=sys.stderr)
         raise SystemExit(1) from None
     if output is not None:
         presets.save(found.after, output)
-    report = repairing.report(found, name=preset)
-    return print_json(report) if json else print_table(f"{chosen.title}: {found.words}", report)
+    answer = repairing.report(found, name=preset)
+    return print_json(answer) if json else layout.show(text.report(chosen, answer, name=preset, written=output))

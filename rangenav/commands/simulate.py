@@ -7,7 +7,8 @@ import msgspec
 import tyro
 
 from rangenav import preset as presets
-from rangenav.commands.output import PresetName, print_json, print_table, require_place
+from rangenav.commands.output import PresetName, print_json, require_place
+from rangenav.commands.progress import counting, working
 from rangenav.inputs import require
 
 MAX_RUNS = 10_000
@@ -24,6 +25,8 @@ def simulate(
 ) -> None:
     """Simulate a preset, run the cascaded observer on it and say how well it did.
 
+    Example: rangenav simulate paper-slow --runs 20
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         seed: Seed of the noise; the preset's own by default.
@@ -33,16 +36,23 @@ def simulate(
         json: Print one JSON object.
     """
     from rangenav import record, report
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import simulate as text
 
     chosen = presets.load(preset)
     if seed is not None:
         chosen = msgspec.structs.replace(chosen, seed=seed)
     require(1 <= runs <= MAX_RUNS, f"--runs must lie between 1 and {MAX_RUNS}, got {runs}")
     require_place("--save", save, ".npz")
-    record.run_seed(chosen, chosen.seed, form=model)  # so that no timed run waits for the compiler
-    first = record.run_seed(chosen, chosen.seed, form=model)
-    others = [record.run_seed(chosen, chosen.seed + k, form=model).summary for k in range(1, runs)]
+    with working(f"simulating {preset}"):
+        record.run_seed(chosen, chosen.seed, form=model)  # so that no timed run waits for the compiler
+        first = record.run_seed(chosen, chosen.seed, form=model)
+    others = []
+    with counting(f"simulating {runs} runs") as done:
+        for k in range(1, runs):
+            others.append(record.run_seed(chosen, chosen.seed + k, form=model).summary)
+            done(k / (runs - 1))
     if save is not None:
         record.save(first, save)
-    found = report.simulation_report(first, others, name=preset)
-    return print_json(found) if json else print_table(f"{chosen.title}, {model} model", found)
+    answer = report.simulation_report(first, others, name=preset)
+    return print_json(answer) if json else layout.show(text.report(chosen, answer, name=preset, saved=save))

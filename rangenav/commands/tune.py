@@ -1,34 +1,20 @@
 """`rangenav tune`: gains by search, for a stated trade between settling soon and being exact afterwards."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
 import tyro
-from rich.console import Console
-from rich.progress import Progress
-from rich.table import Table
-from rich.text import Text
 
 from rangenav import preset as presets
-from rangenav.commands.output import PresetName, flattened, print_json, readable
+from rangenav.commands.output import PresetName, print_json
+from rangenav.commands.progress import counting
 from rangenav.inputs import require
 
 if TYPE_CHECKING:
     from rangenav.tradeoff import Measure, Point
     from rangenav.tune import Tuned
-
-WORDS = {
-    "settled": "share of runs that settle",
-    "settle_position_s": "position settles, s",
-    "settle_attitude_s": "attitude settles, s",
-    "steady_position": "steady position, m",
-    "steady_attitude_deg": "steady attitude, °",
-}
-"""What the keys of a result mean, for people."""
-SIDES = ("before", "after")
 
 
 def tune(
@@ -43,6 +29,8 @@ def tune(
 ) -> None:
     """Search for gains that settle soon and are exact afterwards, and judge them on seeds the search has not seen.
 
+    Example: rangenav tune paper-slow -o tuned.toml
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         runs: Number of training seeds, and of held-out ones.
@@ -53,25 +41,18 @@ def tune(
         json: Print one JSON object.
     """
     from rangenav import tune as search
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import tune as text
 
     chosen = presets.load(preset)
     if output is not None:
         _refuse_output(output, overwrite)
-    # the command's own stderr is kept for complaints; a person at a terminal sees the bar on the real one
-    console = Console(file=sys.__stderr__)
-    with Progress(console=console, transient=True, disable=json or not console.is_terminal) as bar:
-        task = bar.add_task("searching", total=1.0)
-        found = search.tune(
-            chosen,
-            runs=runs,
-            evaluations=evaluations,
-            steadiness=steadiness,
-            progress=lambda share: bar.update(task, completed=share),
-        )
+    with counting(f"searching gains for {preset}") as progress:
+        found = search.tune(chosen, runs=runs, evaluations=evaluations, steadiness=steadiness, progress=progress)
     if output is not None:
         presets.save(found.preset, output)
-    report = tuning_report(found, before=chosen, name=preset, runs=runs, output=output)
-    return print_json(report) if json else _print(report)
+    answer = tuning_report(found, before=chosen, name=preset, runs=runs, output=output)
+    return print_json(answer) if json else layout.show(text.report(answer, name=preset))
 
 
 def tuning_report(
@@ -102,31 +83,6 @@ def tuning_report(
         },
         "saved": None if output is None else str(output),
     }
-
-
-def _print(report: dict[str, Any]) -> None:
-    """The same for people: before beside after, then the trade-off curves."""
-    table = Table("", "before", "after", title=Text(f"{report['preset']}: {report['evaluations']} gains tried"))
-    for title, group in (("training seeds", report["training"]), ("held-out seeds", report["held_out"])):
-        table.add_section()
-        for key, words in WORDS.items():
-            table.add_row(f"{title}: {words}", *(readable(group[side][key]) for side in SIDES))
-    table.add_section()
-    table.add_row("share of random starts held", *(readable(report["starts_held"][side]) for side in SIDES))
-    table.add_row("objective, training seeds", *(readable(report["objective"][side]) for side in SIDES))
-    table.add_section()
-    before, after = (dict(flattened(report["gains"][side])) for side in SIDES)
-    for key, value in before.items():
-        if after[key] != value:
-            table.add_row(key, value, after[key])
-    console = Console()
-    console.print(table)
-    for part, points in report["curve"].items():
-        console.print(f"{part}, where none of the gains tried does better in both:")
-        for point in points:
-            console.print(f"  {point['words']}")
-    if report["saved"] is not None:
-        console.print(Text(f"saved as {report['saved']}"))
 
 
 def _reached(point: "Point") -> dict[str, float]:

@@ -37,16 +37,20 @@ def soft(tmp_path: Path) -> Path:
 
 
 def test_certify_writes_what_verify_accepts(run: Call, soft: Path):
-    assert run("certify", soft, "-o", certificate.beside(soft)) == (0, "", "")
+    code, out, err = run("certify", soft, "-o", certificate.beside(soft))
+    assert (code, err) == (0, "")
+    assert out.startswith("soft.toml   ✓ certified: observable\n")
     assert certificate.beside(soft).read_bytes() == certificate.dumps(certificate.certify_file(soft))
-    assert run("verify", soft) == (0, "✓ soft.toml\n", "")
+    code, out, err = run("verify", soft)
+    assert (code, err) == (0, "")
+    assert out.startswith("soft.toml   ✓ holds: ")
 
 
-def test_certify_shows_a_table_or_prints_one_object(run: Call):
+def test_certify_shows_a_report_or_prints_one_object(run: Call):
     code, out, err = run("certify", "circle")
     assert (code, err) == (0, "")
-    assert "certified, blind" in out
-    assert "✕ excitation: the excitation" in out
+    assert out.startswith("circle   ✓ certified: blind, as its preset expects (unobservable)\n")
+    assert "✗ the excitation along z" in out
     code, out, err = run("certify", "circle", "--json")
     assert (code, err, out.count("\n")) == (0, "", 1)
     assert json.loads(out, parse_constant=pytest.fail) == certificate.plain(certificate.certify_file("circle"))
@@ -55,11 +59,11 @@ def test_certify_shows_a_table_or_prints_one_object(run: Call):
 def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(run: Call, soft: Path):
     soft.write_text(soft.read_text().replace("mu = 50.0", "mu = 500.0"))
     code, out, err = run("certify", soft, "-o", certificate.beside(soft))
-    assert (code, out) == (1, "")
+    assert (code, out.startswith("soft.toml   ✗ NOT certified: ")) == (1, True)
     assert err.startswith(f"{soft}: the excitation along ")
     assert err.endswith("500 m²/s⁷ required\n")
     code, out, err = run("verify", soft)  # the certificate says so as well, and that is no reason to accept it
-    assert (code, out) == (1, "✕ soft.toml\n")
+    assert (code, out) == (1, "soft.toml   ✗ does not hold\n")
     assert err.startswith("soft.toml: the excitation along ")
 
 
@@ -69,7 +73,12 @@ def test_verify_says_one_sentence_for_each_failure_and_goes_on(run: Call, soft: 
     missing = tmp_path / "missing.toml"
     code, out, err = run("verify", soft, missing, "circle")
     assert code == 1
-    assert out.splitlines() == ["✕ soft.toml", "✕ missing.toml", "✓ circle"]
+    assert out.splitlines()[0] == "3 files   ✗ 2 of them do not hold"
+    assert [line.strip().removeprefix("files").strip() for line in out.splitlines()[2:]] == [
+        "✗ soft.toml",
+        "✗ missing.toml",
+        "✓ circle",
+    ]
     first, second = err.splitlines()
     assert first.startswith("soft.toml: its bytes are not those that were certified")
     assert second == f"{missing}: no such file"
@@ -86,7 +95,7 @@ def test_repair_writes_a_preset_that_certifies(run: Call, tmp_path: Path):
     report = json.loads(out, parse_constant=pytest.fail)
     assert report["words"] in preset.load(file).story.lower()
     assert report["after"]["rank"] == 13
-    assert run("certify", file, "-o", certificate.beside(file)) == (0, "", "")
+    assert run("certify", file, "-o", certificate.beside(file))[0] == 0
     code, out, _ = run("repair", file)
     assert code == 0
     assert "nothing had to be changed" in out

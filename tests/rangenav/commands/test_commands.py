@@ -9,7 +9,9 @@ import msgspec
 import numpy as np
 import pytest
 
+import rangenav
 from rangenav import analysis, preset, record, report
+from rangenav.commands import overview
 from rangenav.observability import excitation
 from rangenav.signals import Multisine
 from tests.support.null_reasons import nulls_without_reason
@@ -216,13 +218,13 @@ def test_save_writes_every_array_of_the_run(answer, short, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["presets"], ["paper-slow", "observable", "unobservable"]),
-        (["analyze", "hover"], ["Hover: blind", "gramian.rank", "5", "nothing excites x"]),
-        (["analyze", "paper"], ["observable", "excitation.mu", "m²/s⁷"]),
-        (["simulate", "line"], ["steady.position_rmse", "settle.position_s", "–"]),
+        (["presets"], ["paper-slow", "✓ observable", "✗ unobservable"]),
+        (["analyze", "hover"], ["hover   ✗ blind", "rank 5 of 13", "nothing excites x"]),
+        (["analyze", "paper"], ["paper   ✓ observable", "excitation μ", "m²/s⁷"]),
+        (["simulate", "line"], ["steady error", "position: does not stay below 0.3 m"]),
     ],
 )
-def test_without_json_a_table_is_printed_for_people(run, arguments, words):
+def test_without_json_a_report_is_printed_for_people(run, arguments, words):
     code, out, err = run(*arguments)
     assert (code, err) == (0, "")
     for word in words:
@@ -284,8 +286,21 @@ def test_bad_input_is_answered_by_one_line_on_stderr_and_exit_2(
 def test_help_says_what_there_is(run):
     code, out, _ = run("--help")
     assert code == 0
-    for command in ("presets", "analyze", "simulate"):
-        assert command in out
+    for command in overview.commands():
+        assert f"\n  {command:<10}" in out
+        assert f"$ rangenav {command}" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_the_version_is_the_packages_own(run):
+    assert run("--version") == (0, f"rangenav {rangenav.__version__}\n", "")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_completion_script_names_every_command(run, shell):
+    code, out, err = run("--tyro-print-completion", shell)
+    assert (code or 0, err) == (0, "")
+    assert all(command in out for command in overview.commands())
 
 
 def subprocess_run(*arguments, cwd):

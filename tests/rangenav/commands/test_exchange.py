@@ -30,10 +30,11 @@ def test_every_format_is_exported_and_what_was_written_is_said(answer, tmp_path,
         assert said["notes"][0].startswith("any certificate covers 2 s to ")
 
 
-def test_a_table_for_people_says_the_same(run, tmp_path):
+def test_a_report_for_people_says_the_same(run, tmp_path):
     code, out, err = run("export", "soft", "--to", "tum", "-o", tmp_path / "x.tum")
     assert (code, err) == (0, "")
-    assert "soft as tum" in out
+    assert out.startswith("soft   ✓ written as tum\n")
+    assert "x.tum.certificate.json" in out
 
 
 def test_a_preset_that_misses_its_requirement_is_exported_only_marked(answer, complaint, tmp_path):
@@ -85,7 +86,7 @@ def test_everything_in_the_pages_zip_verifies_where_it_is_unpacked_and_nothing_e
     assert len(artifacts) + refused + left_out == 1 + len(EVERYTHING), packed.notes
     assert len(artifacts) >= 9
     code, out, err = run("verify", *proven)
-    assert (code, err, out.count("✓")) == (0, "", len(proven))
+    assert (code, err, out.count("✓")) == (0, "", 1 + len(proven))  # all of them, and each one
     if marked:
         assert run("verify", *marked)[0] == 1
     for path in artifacts:
@@ -93,7 +94,7 @@ def test_everything_in_the_pages_zip_verifies_where_it_is_unpacked_and_nothing_e
         content = bytearray(file.read_bytes())
         content[len(content) // 3] ^= 1
         file.write_bytes(content)
-    assert run("verify", *artifacts)[1].count("✕") == len(artifacts)
+    assert run("verify", *artifacts)[1].count("✗") == 1 + len(artifacts)
 
 
 @pytest.mark.parametrize("format", ["bezier", "qgc"])

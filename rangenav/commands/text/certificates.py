@@ -1,0 +1,93 @@
+"""`rangenav certify` and `rangenav verify` for a person."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import msgspec
+
+from rangenav.certificate import Certificate
+from rangenav.commands.text import layout
+from rangenav.commands.text.layout import SIGNS, Group, Report, group
+from rangenav.commands.text.verdict import plus_minus
+from rangenav.number_format import quantity, significant
+
+DIGITS = 12
+"""Of a SHA-256 that are shown."""
+
+
+def certified(found: Certificate, *, name: str, written: Path | None) -> Report:
+    """What was asked of a preset and what it is proven or found to do."""
+    typed = layout.argument(name)
+    kept = written or f"{Path(name).stem}.certificate.json"
+    following = (f"verify {typed}",) if written else (f"certify {typed} -o {layout.argument(kept)}",)
+    expected = f", as its preset expects ({found.expect})" if found.certified and found.expect != "observable" else ""
+    return Report(
+        subject=layout.subject(name),
+        sign="✓" if found.certified else "✗",
+        answer=f"{'certified' if found.certified else 'NOT certified'}: {found.verdict}{expected}",
+        title=found.title,
+        groups=(
+            *group("requirements", (_check(one.met, one.proven, one.words) for one in found.checks)),
+            *group("would help", found.remedy if isinstance(found.remedy, str) else None),
+            *claim(found),
+            *group("the file", f"SHA-256 {found.artifact.sha256[:DIGITS]}…, {found.artifact.bytes} bytes"),
+            *group("written", str(written) if written else None),
+            *layout.next_commands(*following),
+        ),
+    )
+
+
+def _check(met: bool, proven: bool, sentence: str) -> str:
+    return f"{'✓' if met else '✗'} {sentence}{' (proven)' if proven else ''}"
+
+
+def claim(found: Certificate) -> tuple[Group, ...]:
+    """For which windows the certificate speaks, and its figures."""
+    excited, starts = found.excitation, found.claim.starts.replace(">=", "≥")
+    bounded = "μ is bounded" if excited.lower is not None else "μ is sampled"
+    mu = excited.lower if excited.lower is not None else excited.found
+    figures = f"μ ≥ {quantity(mu, 'm²/s⁷')}" if mu else "μ is 0"
+    sigma = found.accuracy.lifted.end.position
+    return group(
+        "what it covers",
+        f"{bounded} for windows of {quantity(found.claim.window, 's')}, {starts}",
+        f"{figures}, required {significant(excited.required)}; rank {found.rank.rank} of {found.rank.of}",
+        f"position {plus_minus(sigma)}, required ±{quantity(found.accuracy.required, 'm')}",
+        None if found.artifact.covers is msgspec.UNSET else found.artifact.covers,
+    )
+
+
+def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certificate]) -> Report:
+    """Whether files are what their certificates say; `stored` has the certificates of the files that hold."""
+    wrong = sum(bool(sentences) for sentences in failures.values())
+    names = [layout.subject(name) for name in failures]
+    if len(names) == 1:
+        holds = "holds: its bytes give the same certificate again"
+        answer, subject = "does not hold" if wrong else holds, names[0]
+        groups = (
+            tuple(
+                one
+                for found in stored.values()
+                for one in (
+                    *group("verdict", f"{SIGNS[found.verdict]} {found.verdict}, expected {found.expect}"),
+                    *claim(found),
+                )
+            )
+            if not wrong
+            else ()
+        )
+        return Report(
+            subject=subject,
+            sign="✗" if wrong else "✓",
+            answer=answer,
+            title="" if wrong else next((found.title for found in stored.values()), ""),
+            groups=groups,
+        )
+    return Report(
+        subject=f"{len(names)} files",
+        sign="✗" if wrong else "✓",
+        answer=f"{wrong} of them do not hold" if wrong else "all hold: their bytes give the same certificates again",
+        groups=group(
+            "files", (f"{'✗' if sentences else '✓'} {layout.subject(name)}" for name, sentences in failures.items())
+        ),
+    )

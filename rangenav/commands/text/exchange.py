@@ -1,0 +1,86 @@
+"""`rangenav export` and `rangenav import` for a person."""
+
+from pathlib import Path
+
+from rangenav.analysis import Analysis
+from rangenav.commands.text import layout
+from rangenav.commands.text.analyze import excitation_lines
+from rangenav.commands.text.layout import Report, group
+from rangenav.commands.text.verdict import Json, headline
+from rangenav.number_format import quantity
+from rangenav.preset import Preset
+
+ANSWERED = {"preset", "format", "files", "frame", "uncertified", "certificate", "certificate_reason", "steady", "notes"}
+"""Keys of an export's answer that a group of their own tells; the others are figures of the format."""
+
+
+def exported(preset: Preset, answer: Json, *, name: str) -> Report:
+    """What was written and whether it is certified; `answer` is the command's JSON object."""
+    marked = answer["uncertified"]
+    written = f"written as {answer['format']}"
+    proof = answer["certificate"] or answer["certificate_reason"].removeprefix("null: ")
+    return Report(
+        subject=layout.subject(name),
+        sign="!" if marked else "✓",
+        answer=f"{written}, UNCERTIFIED" if marked else written,
+        title=preset.title,
+        groups=(
+            *group("files", answer["files"]),
+            *group("frame", answer["frame"]),
+            *group("certificate", proof),
+            *group("size", _figures(answer)),
+            *group("to be known", answer["notes"]),
+            *layout.next_commands(*(() if marked else (f"verify {layout.argument(answer['files'][0])}",))),
+        ),
+    )
+
+
+def _figures(answer: Json) -> list[str]:
+    """Counts that no note tells: rows, messages, pieces."""
+    counts = {key: value for key, value in answer.items() if key not in ANSWERED and isinstance(value, int)}
+    notes = " ".join(answer["notes"])
+    return [f"{value} {key}" for key, value in counts.items() if str(value) not in notes]
+
+
+def imported(made: Preset, found: Analysis, answer: Json, *, source: str) -> Report:
+    """How a file was understood, and what its path lets one range tell; `answer` is the command's JSON object."""
+    sign, said = headline(made, found)
+    output = layout.argument(Path(answer["preset"]))
+    sampled, fit = answer["rate"] is not None, answer["fit_error"]
+    rows = f"rows at {quantity(answer['rate'], 'Hz')}" if sampled else "pieces without samples"
+    length = f"{quantity(answer['duration'], 's')} ({quantity(answer['used'], 's')} used)"
+    near = "the file's own" if fit is None else f"within {quantity(fit, 'm')} of every position of the file"
+    seen = (
+        [f"rank {found.rank} of 13", *excitation_lines(made, found)]
+        if found.verdict.judged
+        else ["nothing is judged of a path whose snap is not its own"]
+    )
+    return Report(
+        subject=source,
+        sign=sign,
+        answer=said,
+        groups=(
+            *group(
+                "the file",
+                f"{answer['format']}, {rows}, {length}",
+                f"frame {answer['frame']}",
+                answer["findings"],
+            ),
+            *group("the path", near, f"snap from {answer['snap_from']}"),
+            *group("attitude", answer["attitude"]),
+            *group("what can be seen", seen),
+            *group("written", answer["preset"]),
+            *layout.next_commands(f"analyze {output}", f"explain {output}"),
+        ),
+    )
+
+
+def copied(source: Path, output: Path) -> Report:
+    """A preset that was read, checked and written again."""
+    typed = layout.argument(output)
+    return Report(
+        subject=layout.subject(source),
+        sign="✓",
+        answer="is a preset already; it was checked and written again",
+        groups=(*group("written", str(output)), *layout.next_commands(f"analyze {typed}")),
+    )

@@ -1,0 +1,56 @@
+"""`rangenav explain` for a person."""
+
+from rangenav.analysis import Analysis
+from rangenav.commands.text import layout
+from rangenav.commands.text.layout import Report, group
+from rangenav.commands.text.verdict import Json, headline
+from rangenav.number_format import quantity
+from rangenav.preset import Preset
+
+
+def report(preset: Preset, found: Analysis, explanation: Json, *, name: str) -> Report:
+    """Why a preset's motion is observable or not; `explanation` is the command's JSON object."""
+    sign, answer = headline(preset, found)
+    typed = layout.argument(name)
+    twin = (f"explain {typed} --save twin.toml",) if explanation["twin"]["kind"] else ()
+    return Report(
+        subject=layout.subject(name),
+        sign=sign,
+        answer=answer,
+        title=preset.title,
+        groups=(
+            *group("how long to fly", _horizon(explanation["horizon"], preset)),
+            *group("what coincides", _functions(explanation["functions"])),
+            *group("excitation", explanation["excitation"]["words"]),
+            *group("evil twin", explanation["twin"]["words"]),
+            *group("as printed", explanation["printed"]["words"]),
+            *group("frozen in time", explanation["frozen"]["words"]),
+            *layout.next_commands(f"analyze {typed}", *twin),
+        ),
+    )
+
+
+def _horizon(horizon: Json, preset: Preset) -> list[str]:
+    """From the start of the flight, and at the worst of the starts looked at."""
+    needed = quantity(preset.requirement.position_sigma, "m")
+    return [_lasting("rank 13", horizon["full_rank"]), _lasting(f"an error below {needed}", horizon["accurate"])]
+
+
+def _lasting(what: str, lengths: Json) -> str:
+    start, worst = lengths["from_start"], lengths["worst"]
+    if start is None and worst is None:
+        return f"✗ {what}: in no window of the flight, however long"
+    from_start = f"after {quantity(start, 's')} from the start" if start is not None else "not from the start"
+    if worst is None:
+        return f"! {what}: {from_start}; from the worst start never"
+    same = start is not None and abs(worst - start) < 1e-3 * worst
+    return f"✓ {what}: {from_start}" + (", as from the worst" if same else f", {quantity(worst, 's')} from the worst")
+
+
+def _functions(functions: Json) -> list[str]:
+    """Which of the 13 functions of a window depend on each other, and what therefore cannot be told apart."""
+    at = quantity(functions["at"], "s")
+    if not functions["relations"]:
+        return [f"nothing: the 13 functions of the window from {at} are independent"]
+    first, *others = functions["relations"]
+    return [f"{first} in the window from {at}", *others, *(f"unseen: {unseen}" for unseen in functions["unseen"])]

@@ -1,0 +1,76 @@
+"""The first line of a report on a motion, and the groups that several reports share: accuracy and flyability."""
+
+from typing import Any
+
+from rangenav import motion, record, vehicle
+from rangenav.analysis import Analysis, noise_note
+from rangenav.commands.text.layout import SIGNS, Sign, met
+from rangenav.model import STATES
+from rangenav.number_format import quantity, significant
+from rangenav.observability.accuracy import Accuracy
+from rangenav.preset import Preset
+
+Json = dict[str, Any]
+
+
+def headline(preset: Preset, found: Analysis) -> tuple[Sign, str]:
+    """The verdict in a sentence, with its sign."""
+    window, needed = quantity(preset.requirement.window, "s"), preset.requirement.position_sigma
+    at = quantity(found.gramian_at, "s")
+    texts = {
+        "observable": f"observable in every window of {window} (weakest from {at})",
+        "weak": f"weak: rank {STATES} in every window of {window}, but the predicted error "
+        f"{quantity(found.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}",
+        "blind": f"blind: rank {found.rank} of {STATES} in the window of {window} from {at}",
+        "not judged": str(found.verdict),
+    }
+    sign: Sign = SIGNS[found.verdict.word]  # pyright: ignore[reportAssignmentType]
+    return sign, texts[found.verdict.word]
+
+
+def accuracy_lines(preset: Preset, found: Analysis) -> list[str]:
+    """Predicted errors at the end of the worst window, the requirement, and what the prediction assumes."""
+    end, needed = found.lifted_end.position, preset.requirement.position_sigma
+    return [
+        f"position {plus_minus(end)} (1-σ, lifted) after the worst window",
+        f"position {plus_minus(found.nonlinear_end.position)} (nonlinear, given a good start)",
+        *_rates(found.lifted_end),
+        f"required {plus_minus(needed)}: {met(end <= needed)}",
+        f"assumed: {noise_note(preset.sensors)}",
+    ]
+
+
+def _rates(end: Accuracy) -> list[str]:
+    velocity, gravity = quantity(end.velocity, "m/s"), quantity(end.gravity, "m/s²")
+    return [f"velocity ±{velocity}, gravity ±{gravity} (lifted)"] if end.velocity == end.velocity else []
+
+
+def plus_minus(metres: float | None) -> str:
+    """±1.7 m, or that it is not determined."""
+    said = quantity(metres, "m")
+    return f"±{said}" if said[0].isdigit() else said
+
+
+def flight_lines(preset: Preset) -> list[str]:
+    """Whether the preset's vehicle can fly the motion, what stops it, and what the motion demands."""
+    moved = record.simulated(record.course_of(preset)).motion
+    broken = vehicle.broken(moved, preset.vehicle, world=preset.world)
+    limits = motion.limits(moved, world=preset.world)
+    name = preset.vehicle.name
+    if preset.vehicle == vehicle.FREE:
+        answer = ["no vehicle is chosen, so no limit applies"]
+    elif broken:
+        answer = [f"✗ not by {name}", *(f"✗ {one.words}" for one in broken)]
+    else:
+        answer = [f"✓ by {name}, within its limits"]
+    return [
+        *answer,
+        f"at most {quantity(limits.speed, 'm/s')}, {significant(limits.thrust_to_weight)} × weight in thrust, "
+        f"{quantity(limits.body_rate, 'rad/s')}",
+        f"anchor at least {quantity(_metres(limits.anchor_distance_min), 'm')} away",
+    ]
+
+
+def _metres(distance: float) -> float:
+    """A path through the anchor is 0 m from it, and not 1e-15 m."""
+    return 0.0 if distance < 1e-9 else distance

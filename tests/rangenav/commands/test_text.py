@@ -1,0 +1,138 @@
+"""The report for a person: 80 columns, the answer first, a few groups, numbers with units, nothing of the JSON."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from rangenav import analysis, formats, preset
+from rangenav.commands.text import layout
+from rangenav.commands.text.layout import Group, Report
+from rangenav.commands.text.spectrum_bar import spectrum_bar
+
+FIRST = {
+    "paper-slow": "✓ observable in every window of 6 s",
+    "circle": "✗ blind: rank 11 of 13 in the window of 10 s",
+    "wiggle": "! weak: rank 13 in every window of 6 s",
+}
+JSON_PATH = re.compile(r"\b[a-z]{2,}_[a-z_]+\b|\b[a-z]{4,}\.(?!toml|csv|json)[a-z]+\b")
+ANSI = "\x1b["
+FILE = f"{5 * '/folder'}/flight.csv"
+
+
+@pytest.fixture(scope="module")
+def flight(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recorded flight with ranges and a truth."""
+    file = tmp_path_factory.mktemp("flight") / "flight.csv"
+    formats.export(preset.load("soft"), "log", file)
+    return file
+
+
+def names(out: str) -> list[str]:
+    """The names of a report's groups."""
+    return [line[: layout.NAMES].strip() for line in out.split("\n\n", 1)[1].splitlines() if line[:1].strip()]
+
+
+def check(out: str, most_groups: int) -> None:
+    """What holds for every report."""
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert not any(line.endswith(" ") for line in lines)
+    assert ANSI not in out
+    assert not re.search(r"\bnan\b|\bNone\b|\binf\b|null", out)
+    assert not JSON_PATH.search(out), JSON_PATH.search(out)
+    said = [line.strip() for line in lines if line.strip()]
+    assert len(said) == len(set(said))
+    assert 1 <= len(names(out)) <= most_groups
+    assert len(names(out)) == len(set(names(out)))
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_analyze_answers_first_and_then_in_groups(run, name: str):
+    code, out, err = run("analyze", name)
+    assert (code, err) == (0, "")
+    check(out, 7)
+    assert " ".join(out.split("\n\n")[0].split()).startswith(f"{name} {FIRST[name]}")
+    assert names(out)[0] == "what can be seen"
+    assert ("why not" in names(out)) == (name == "circle")
+    p, found = preset.load(name), analysis.analyse(preset.load(name))
+    assert f"rank {found.rank} of 13" in out
+    assert (
+        f"required {'±'}{p.requirement.position_sigma:g} m: {'✓ met' if name == 'paper-slow' else '✗ not met'}" in out
+    )
+    assert re.search(r"\d m/s, [\d.]+ × weight in thrust, [\d.]+ rad/s", out)
+    assert "(floor " in out
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_explain_gives_the_same_answer_and_the_reasons(run, name: str):
+    code, out, err = run("explain", name)
+    assert (code, err) == (0, "")
+    check(out, 7)
+    assert out.split("\n\n")[0] == run("analyze", name)[1].split("\n\n")[0]
+    assert names(out)[:2] == ["how long to fly", "what coincides"]
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_simulate_and_verify_answer_first(run, name: str):
+    code, out, err = run("simulate", name)
+    assert (code, err) == (0, "")
+    check(out, 7)
+    assert out.splitlines()[0].split()[1] == {"paper-slow": "✓", "circle": "✗", "wiggle": "!"}[name]
+    code, out, err = run("verify", name)
+    assert (code, err) == (0, "")
+    check(out, 3)
+    assert out.startswith(f"{name}   ✓ holds: ")
+
+
+def test_log_answers_first_and_says_how_far_off_the_observers_were(run, flight: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(flight.parent)
+    code, out, err = run("log", flight.name, "--window", 8)
+    assert (code, err) == (0, "")
+    check(out, 7)
+    assert re.match(r"flight\.csv   [✓!✗] ", out)
+    assert names(out)[:4] == ["the file", "what can be seen", "how well", "the observer"]
+    assert re.search(r"position error [\d., ]+ m$", out, re.MULTILINE)
+
+
+def test_the_other_commands_keep_the_same_manners(run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    for arguments in (
+        ("presets",),
+        ("certify", "soft", "-o", "c.json"),
+        ("repair", "circle", "-o", "round.toml"),
+        ("export", "soft", "--to", "reference", "-o", "soft.csv"),
+        ("import", "soft.csv", "--from", "reference", "-o", "again.toml"),
+    ):
+        code, out, err = run(*arguments)
+        assert (code, err) == (0, ""), arguments
+        check(out, 7)
+        assert re.search(r"^\S+   [✓!✗?] ", out), arguments
+
+
+def test_a_long_answer_and_a_long_line_are_wrapped_and_a_long_command_stays_a_command():
+    words = " ".join(["word"] * 40)
+    report = Report(
+        subject="x",
+        sign="!",
+        answer=words,
+        groups=(
+            Group(name="group", lines=(words,)),
+            *layout.next_commands(f"log {FILE} --window 12"),
+        ),
+    )
+    lines = layout.rendered(report)
+    assert max(map(len, lines)) <= 80
+    assert "\n".join(lines).count("word") == 80
+    command = [line[layout.NAMES :] for line in lines[lines.index("") + 1 :] if "folder" in line or "--" in line]
+    assert "".join(part.removesuffix("\\").strip() + " " for part in command).split()[-2:] == ["--window", "12"]
+    assert command[0].endswith("\\")
+
+
+def test_the_spectrum_bar_has_one_sign_for_each_eigenvalue_and_states_its_floor():
+    (bar,) = spectrum_bar([1e-20, 1e-3, 1.0, 9e4], 1e-12)
+    low, drawn, high, *floor = bar.split()
+    assert (low, high) == ("10⁻³", "10⁵")
+    assert drawn == "·▁▄█"
+    assert " ".join(floor) == "(floor 1e-12; 1 of 4 below it (·))"
+    assert spectrum_bar([0.0, 0.0], 1e-12) == ("all 2 eigenvalues lie below the floor 1e-12",)
