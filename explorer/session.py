@@ -25,8 +25,8 @@ from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
-from explorer.panels.dock import WIDTH, Dock, Requests
-from explorer.panels.export import ExportPanel, Sources
+from explorer.panels.dock import WIDTH, Dock, SessionActions
+from explorer.panels.export import ExportActions, ExportPanel
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles
@@ -109,14 +109,19 @@ class Session:
         canvas = client.camera.image_width
         self.form = Form(client.gui, self._wake.set)
         self.jobs = self.form.new_jobs()
-        requests = Requests(
-            again=self._again, paper=self._paper, download=self._download, send=self._send, notify=self._notify
+        actions = SessionActions(
+            restart_preset=self._again,
+            show_paper_figures=self._paper,
+            download_preset=self._download,
+            send=self._send,
+            notify=self._notify,
         )
-        self.dock = Dock(self.form, self.catalog, self.shared.first, requests, self.jobs, self.history)
+        self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
         wide = viewport.width(client, canvas, WIDTH)
         self.charts = Charts(client, narrow=viewport.is_narrow(wide), wake=self._wake.set)
         with self.dock.tabs.add_tab("Export"):
-            ExportPanel(self.form, TITLES, Sources(plan=self.charts.file_writer, settings=self._named, send=self._send))
+            exports = ExportActions(plan_plot=self.charts.file_writer, settings=self._named, download=self._send)
+            ExportPanel(self.form, TITLES, exports)
         self.form.command("Show all curves", self.charts.show_all_curves)
         timeline = TimelinePanel(self.form, self._playback, room=wide - WIDTH - self.charts.width)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)

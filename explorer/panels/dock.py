@@ -19,7 +19,7 @@ from explorer.panels.gains.basin import BasinPanel
 from explorer.panels.gains.guess import GuessPanel
 from explorer.panels.gains.tuning import TuningPanel
 from explorer.panels.presets import PresetsPanel
-from explorer.panels.presets.bundle import PackPanel
+from explorer.panels.presets.bundle import BundlePanel
 from explorer.panels.presets.flights import FlightPanel
 from explorer.panels.presets.import_panel import ImportPanel
 from explorer.panels.presets.printed import PrintedPanel
@@ -41,20 +41,21 @@ from rangenav.signals import Family, Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
-TABS = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
+TAB_STYLE = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
 """So that all tabs of a dock stand in one row."""
-SENSORS_RULES = ("seed", "duration × rate", "requirement.window must be at least")
+SENSORS_SENTENCES = ("seed", "duration × rate", "requirement.window must be at least")
 """How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Requests:
+class SessionActions:
     """What only the session can do."""
 
-    again: Action
-    paper: Action
-    download: Action
+    restart_preset: Action
+    show_paper_figures: Action
+    download_preset: Action
     send: Send
+    """Downloads a file: its name and its content."""
     notify: Callable[[str, str], None]
     """Shows a title and a sentence for a few seconds."""
 
@@ -63,15 +64,15 @@ class Dock:
     """All controls of one visitor but the timeline's."""
 
     def __init__(
-        self, form: Form, catalog: Catalog, name: str, requests: Requests, jobs: Jobs, history: History
+        self, form: Form, catalog: Catalog, name: str, session_actions: SessionActions, jobs: Jobs, history: History
     ) -> None:
         """`name` is the preset that is shown first."""
         gui, self._presets = form.gui, catalog.presets
         self._chosen: Settings | InvalidInputError | ValueError
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        UndoPanel(form, history, self, requests.notify)
-        gui.add_html(TABS)
+        UndoPanel(form, history, self, session_actions.notify)
+        gui.add_html(TAB_STYLE)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
@@ -87,12 +88,19 @@ class Dock:
             self.tuning = TuningPanel(form, self, jobs)
             self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
-            actions = {"again": requests.again, "paper": requests.paper, "download": requests.download}
             uploads = Uploads(gui, form.do)
-            self.presets = PresetsPanel(form, catalog, self, uploads, **actions)
+            self.presets = PresetsPanel(
+                form,
+                catalog,
+                self,
+                uploads,
+                restart_preset=session_actions.restart_preset,
+                show_paper_figures=session_actions.show_paper_figures,
+                download_preset=session_actions.download_preset,
+            )
             RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
-            PackPanel(form, catalog, self, jobs, requests.send)
-            ImportPanel(form, catalog, self, jobs, uploads, judge=lambda found: flights.take(found))
+            BundlePanel(form, catalog, self, jobs, session_actions.send)
+            ImportPanel(form, catalog, self, jobs, uploads, judge=lambda flight: flights.offer(flight))
             flights = FlightPanel(form, jobs)
             self.printed = PrintedPanel(form)
         with tabs.add_tab("Compare"):
@@ -126,30 +134,30 @@ class Dock:
         raise self._chosen
 
     def _take_over(self) -> Settings:
-        moved, sensed = self.motion.read(), self.sensors.read()
+        motion_choice, sensor_choice = self.motion.read(), self.sensors.read()
         preset = msgspec.structs.replace(
-            self._written.preset,
-            path=moved.path,
-            angular_velocity=moved.angular_velocity,
-            initial_rotation=moved.initial_rotation,
-            duration=moved.duration,
-            requirement=msgspec.structs.replace(self._written.preset.requirement, window=moved.window),
+            self._settings.preset,
+            path=motion_choice.path,
+            angular_velocity=motion_choice.angular_velocity,
+            initial_rotation=motion_choice.initial_rotation,
+            duration=motion_choice.duration,
+            requirement=msgspec.structs.replace(self._settings.preset.requirement, window=motion_choice.window),
             world=self.world.read(),
             vehicle=self.vehicle.read(),
-            sensors=sensed.sensors,
-            seed=sensed.seed,
+            sensors=sensor_choice.sensors,
+            seed=sensor_choice.seed,
             guess=self.guess.read(),
         )
-        others = Settings(
-            origin=self._written.origin,
-            edition=self._written.edition,
+        without_gains = Settings(
+            origin=self._settings.origin,
+            edition=self._settings.edition,
             preset=preset,
-            time_scale=moved.time_scale,
+            time_scale=motion_choice.time_scale,
             printed=self.printed.read(),
             drafts=self.motion.drafts(),
             twin_turn=self.twin.read(),
         )
-        return self.gains.read(others)
+        return self.gains.read(without_gains)
 
     @contextmanager
     def catching(self) -> Iterator[None]:
@@ -159,24 +167,24 @@ class Dock:
         try:
             yield
         except InvalidInputError as refusal:
-            self._refuse(refusal.__cause__)
+            self._say_not_shown(refusal.__cause__)
             raise
         except ValueError as error:
-            in_sensors = str(error).startswith(SENSORS_RULES)
+            in_sensors = str(error).startswith(SENSORS_SENTENCES)
             (self.sensors if in_sensors else self.motion).complain(str(error))
-            self._refuse(error)
+            self._say_not_shown(error)
             raise InvalidInputError from error
         self.verdict.complaint.clear()
 
     def write(self, settings: Settings) -> None:
         """Show settings; what differs from the preset they came from can be seen and reset."""
-        self._written = settings
+        self._settings = settings
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
-        self.motion.write(motion.Chosen.of(settings), motion.Chosen.of(original), settings.drafts)
+        self.motion.write(motion.MotionChoice.of(settings), motion.MotionChoice.of(original), settings.drafts)
         self.world.write(p.world, base.world)
         self.vehicle.write(p.vehicle, base.vehicle)
-        self.sensors.write(sensors.Chosen.of(p), sensors.Chosen.of(base))
+        self.sensors.write(sensors.SensorChoice.of(p), sensors.SensorChoice.of(base))
         self.gains.write(settings, base.gains)
         self.guess.write(p.guess, base.guess)
         self.twin.write(settings.twin_turn)
@@ -204,7 +212,7 @@ class Dock:
 
     def comparison(self, picture: Picture) -> Comparison:
         """What to draw beside a picture."""
-        return replace(self.compare.comparison(picture), basin=self.basin.shown(picture))
+        return replace(self.compare.comparison(picture), basin=self.basin.globe(picture))
 
     @property
     def chosen_preset(self) -> str:
@@ -214,7 +222,7 @@ class Dock:
     @property
     def origin(self) -> str:
         """The preset that the settings shown came from, by name."""
-        return self._written.origin
+        return self._settings.origin
 
     @property
     def points(self) -> tuple[Vec3, ...]:
@@ -237,24 +245,24 @@ class Dock:
 
     def _edit_path(self, change: Callable[[Signal, Vec3], Signal]) -> None:
         preset = self.read().preset
-        self.motion.path.put(change(preset.path, preset.world.anchor))
+        self.motion.path.replace(change(preset.path, preset.world.anchor))
 
     def _relabel(self) -> None:
         settings = self.read()
         drafts = settings.drafts
         flipped = msgspec.structs.replace(
             drafts,
-            path=tuple(_family(draft) for draft in drafts.path),
-            wiggle=tuple(_family(draft) for draft in drafts.wiggle),
+            path=tuple(_flipped_family(draft) for draft in drafts.path),
+            wiggle=tuple(_flipped_family(draft) for draft in drafts.wiggle),
             angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
         )
         self.write(msgspec.structs.replace(settings, preset=axes.flipped(settings.preset), drafts=flipped))
 
-    def _refuse(self, reason: BaseException | None) -> None:
+    def _say_not_shown(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
 
 
-def _family(signal: Family) -> Family:
+def _flipped_family(signal: Family) -> Family:
     flipped = axes.flipped_signal(signal)
     assert isinstance(flipped, Family)  # only sums are none, and a family stays one
     return flipped

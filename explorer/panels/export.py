@@ -25,58 +25,64 @@ STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sources:
+class ExportActions:
     """What only the session knows."""
 
-    plan: Callable[[str, PlotFormat], Callable[[], bytes]]
+    plan_plot: Callable[[str, PlotFormat], Callable[[], bytes]]
     """What makes a file of a plot as it is now, to be called in any thread. Raises ValueError with one sentence."""
     settings: Callable[[], tuple[str, Settings]]
     """What is chosen now, and the name of its preset's file."""
-    send: Callable[[str, bytes], None]
+    download: Callable[[str, bytes], None]
     """Downloads a file."""
 
 
 class ExportPanel:
     """A picker of plots with its buttons, and the lines of Python."""
 
-    def __init__(self, form: Form, titles: dict[str, str], sources: Sources) -> None:
+    def __init__(self, form: Form, titles: dict[str, str], actions: ExportActions) -> None:
         """`titles` of the plots by their names."""
-        self._sources, self._jobs = sources, form.new_jobs()
-        self._names = {title: name for name, title in titles.items()}
+        self._actions, self._jobs = actions, form.new_jobs()
+        self._plot_names = {title: name for name, title in titles.items()}
         self._plots = Section(form, "A plot as a file")
         with self._plots:
-            self._menu = form.gui.add_dropdown("plot", tuple(self._names), hint=PLOT_HINT)
-            kinds: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
-            form.buttons("file", {label: partial(self._make, kind) for label, kind in kinds.items()}, hint=FILE_HINT)
+            self._menu = form.gui.add_dropdown("plot", tuple(self._plot_names), hint=PLOT_HINT)
+            plot_formats: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
+            form.buttons(
+                "file",
+                {label: partial(self._write_plot, plot_format) for label, plot_format in plot_formats.items()},
+                hint=FILE_HINT,
+            )
         with Section(form, "The same in Python"):
             form.buttons("Python", {"lines": self._lines, "preset file": self._preset}, hint=LINES_HINT)
-            self._shown = form.gui.add_html("")
+            self._lines_block = form.gui.add_html("")
         form.command("Lines of Python for what is on the page", self._lines)
 
-    def _make(self, kind: PlotFormat) -> None:
+    def _write_plot(self, plot_format: PlotFormat) -> None:
         """Write a file in a job: a picture takes half a second, a long table longer."""
         with self._plots.catching():
             if self._jobs.running is not None:
                 raise ValueError("the file before is still being written; one at a time")
-            plot = self._names.get(self._menu.value, "")
-            write = self._sources.plan(plot, kind)
-        stem = PurePath(self._sources.settings()[0]).stem
-        send = partial(self._sources.send, f"{stem}-{plot}.{kind}")
-        self._jobs.start(f"{plot}.{kind}", lambda _progress, _cancelled: write(), send, self._plots.complaint.say)
+            plot = self._plot_names.get(self._menu.value, "")
+            write = self._actions.plan_plot(plot, plot_format)
+        stem = PurePath(self._actions.settings()[0]).stem
+        download = partial(self._actions.download, f"{stem}-{plot}.{plot_format}")
+        self._jobs.start(
+            f"{plot}.{plot_format}", lambda _progress, _cancelled: write(), download, self._plots.complaint.say
+        )
 
     def _lines(self) -> None:
-        file, settings = self._sources.settings()
+        file, settings = self._actions.settings()
         lines = python_lines(settings, file)
-        left_out = [words for name, words in NOT_IN_LINES.items() if getattr(settings.printed, name)]
-        note = f" The switches not in these lines: {', '.join(left_out)}." if left_out else ""
+        omitted = [label for name, label in NOT_IN_LINES.items() if getattr(settings.printed, name)]
+        note = f" The switches not in these lines: {', '.join(omitted)}." if omitted else ""
         code = f'<pre style="overflow-x:auto;user-select:all">{html.escape(lines)}</pre>'
-        said = f"Run them beside <b>{html.escape(file)}</b>, the preset file.{note}"
-        self._shown.content = f'<div style="{STYLE}">{code}{said}</div>'
-        self._sources.send(f"{PurePath(file).stem}.py", lines.encode())
+        text = f"Run them beside <b>{html.escape(file)}</b>, the preset file.{note}"
+        self._lines_block.content = f'<div style="{STYLE}">{code}{text}</div>'
+        self._actions.download(f"{PurePath(file).stem}.py", lines.encode())
 
     def _preset(self) -> None:
-        file, settings = self._sources.settings()
-        self._sources.send(file, preset_file.document(settings))
+        file, settings = self._actions.settings()
+        self._actions.download(file, preset_file.document(settings))
 
 
 def python_lines(settings: Settings, file: str) -> str:

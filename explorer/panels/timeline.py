@@ -18,7 +18,7 @@ BUTTONS = {
     "faster": "faster",
     "↻ loop": "loop",
 }
-WIDEST, NARROWEST, GAP = 700, 480, 10
+MAX_WIDTH, MIN_WIDTH, GAP = 700, 480, 10
 """px; and the distance to the docks."""
 KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] | None]] = {
     "play": ("Play or pause", "space"),
@@ -45,7 +45,7 @@ class TimelinePanel:
     def __init__(self, form: Form, playback: Playback, *, room: float) -> None:
         """`room` (px) is what the docks leave between them."""
         self._form, self._playback = form, playback
-        self._shown, self._written = 0.0, -REDRAW
+        self._shown_time, self._moved_at = 0.0, -REDRAW
         actions = {
             "home": lambda: playback.seek(0.0),
             "back": lambda: playback.seek(playback.time - STEP),
@@ -60,35 +60,35 @@ class TimelinePanel:
             self._section = Section(form)
             with self._section:
                 hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
-                self._scrub = form.gui.add_slider("t (s)", 0.0, playback.duration, 0.01, 0.0, hint=hint)
+                self._slider = form.gui.add_slider("t (s)", 0.0, playback.duration, 0.01, 0.0, hint=hint)
                 hint = "Keys: space plays and pauses, ← and → step, Home goes to the start. All commands: Ctrl+K."
-                named = {label: actions[name] for label, name in BUTTONS.items()}
-                self._buttons = form.buttons("", named, hint=hint)
+                actions_by_label = {label: actions[name] for label, name in BUTTONS.items()}
+                self._buttons = form.buttons("", actions_by_label, hint=hint)
                 form.gui.add_html(KEEP_CAMERA_STILL)
-        panel.float(x=GAP, y=-GAP, width=round(min(max(room - 2 * GAP, NARROWEST), WIDEST)))
-        when_moved(self._scrub, lambda: form.do(self._scrubbed, step=False))
+        panel.float(x=GAP, y=-GAP, width=round(min(max(room - 2 * GAP, MIN_WIDTH), MAX_WIDTH)))
+        when_moved(self._slider, lambda: form.do(self._seek, step=False))
         for name, (label, key) in KEYS.items():
             form.command(label, actions[name], key=key)
 
     def write(self, now: float) -> None:
         """Show where the playhead is."""
         playback = self._playback
-        if self._scrub.max != playback.duration:
-            self._scrub.max = playback.duration
-        self._follow(round(playback.time, 2), now, playing=playback.playing)
+        if self._slider.max != playback.duration:
+            self._slider.max = playback.duration
+        self._move_slider(round(playback.time, 2), now, playing=playback.playing)
         state = "▶ playing" if playback.playing else "❚❚ paused"
         label = f"{state} ×{playback.speed:g}{' ↻' if playback.loop else ''}"
         if label != self._buttons.label:
             self._buttons.label = label
 
-    def _follow(self, moment: float, now: float, *, playing: bool) -> None:
+    def _move_slider(self, moment: float, now: float, *, playing: bool) -> None:
         """Move the slider, but never over what the visitor has set it to in the meantime."""
-        if moment == self._shown or self._form.waiting or (playing and now - self._written < REDRAW):
+        if moment == self._shown_time or self._form.waiting or (playing and now - self._moved_at < REDRAW):
             return
-        self._scrub.value = self._shown = moment
-        self._written = now
+        self._slider.value = self._shown_time = moment
+        self._moved_at = now
 
-    def _scrubbed(self) -> None:
+    def _seek(self) -> None:
         with self._section.catching():
-            self._shown = self._scrub.value
-            self._playback.seek(self._shown)
+            self._shown_time = self._slider.value
+            self._playback.seek(self._shown_time)

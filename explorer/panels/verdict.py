@@ -12,7 +12,7 @@ from rangenav import sensors
 from rangenav.model import STATES
 from rangenav.vehicle import FREE
 
-WORDS = {
+VERDICT_STYLES = {
     "observable": (
         "●",
         palette.GOOD,
@@ -51,8 +51,8 @@ class VerdictPanel:
     def draw(self, picture: Picture) -> None:
         """Show the verdict on a picture."""
         shape, colour, word, meaning = _head(picture)
-        head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{_chips(picture)}</div>'
-        table = "".join(ROW.format(name, text) for name, text in _rows(picture))
+        head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{chips(picture)}</div>'
+        table = "".join(ROW.format(name, text) for name, text in rows(picture))
         self._block.content = (
             '<div style="padding:0.5em 0.9em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">'
             f'{head}<div style="{DIMMED};margin-bottom:0.4em">{meaning}</div>'
@@ -66,7 +66,7 @@ def _head(picture: Picture) -> tuple[str, str, str, str]:
     if not verdict.judged:
         reason = html.escape(verdict.reason)
         return *NOT_JUDGED, f"{reason}; what follows is the curve's own, and proves nothing about the flight"
-    shape, colour, word, meaning = WORDS[verdict.word]
+    shape, colour, word, meaning = VERDICT_STYLES[verdict.word]
     if picture.analysis.mu < picture.preset.requirement.mu:
         meaning += "; <b>✕ the required μ is not met</b>"
     return shape, colour, word, meaning
@@ -82,7 +82,7 @@ def number(value: float, unit: str = "") -> str:
     return f"{said} {unit}".rstrip()
 
 
-def _chips(picture: Picture) -> str:
+def chips(picture: Picture) -> str:
     """Labels beside the verdict: printed switches that are on, and a run that says nothing."""
     printed = picture.settings.printed
     on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
@@ -92,30 +92,33 @@ def _chips(picture: Picture) -> str:
     return "".join(chips)
 
 
-def _rows(picture: Picture) -> list[tuple[str, str]]:
+def rows(picture: Picture) -> list[tuple[str, str]]:
     rows = [*_observability_rows(picture), *_observer_rows(picture)]
-    beyond = sensors.effect_sentences(picture.preset.sensors)
-    if beyond:
-        rows.append(("sensors", "<br>".join(f"▲ {html.escape(sentence)}" for sentence in beyond)))
+    sentences = sensors.effect_sentences(picture.preset.sensors)
+    if sentences:
+        rows.append(("sensors", "<br>".join(f"▲ {html.escape(sentence)}" for sentence in sentences)))
     return [*rows, ("vehicle", _vehicle(picture))]
 
 
 def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
-    found, needed = picture.analysis, picture.preset.requirement
-    rank = (
-        f"<b>{found.rank} of 13</b>, nonlinear {found.nonlinear_rank} of 9; worst window from {found.gramian_at:.3g} s"
-    )
+    analysis, needed = picture.analysis, picture.preset.requirement
+    nonlinear = f"nonlinear {analysis.nonlinear_rank} of 9"
+    rank = f"<b>{analysis.rank} of 13</b>, {nonlinear}; worst window from {analysis.gramian_at:.3g} s"
     rows = [("rank", rank)]
-    if found.directions:
-        rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.words)}" for direction in found.directions)))
-    met = "✓" if found.mu >= needed.mu else "✕"
-    where = f"over δ = {needed.window:g} s from {found.mu_at:.3g} s"
-    mu = f"<b>{number(found.mu)}</b> m²/s⁷" if found.mu >= found.mu_floor else "<b>0</b> (below the noise floor)"
+    if analysis.directions:
+        rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.words)}" for direction in analysis.directions)))
+    met = "✓" if analysis.mu >= needed.mu else "✕"
+    where = f"over δ = {needed.window:g} s from {analysis.mu_at:.3g} s"
+    mu = (
+        f"<b>{number(analysis.mu)}</b> m²/s⁷"
+        if analysis.mu >= analysis.mu_floor
+        else "<b>0</b> (below the noise floor)"
+    )
     rows.append(("μ (PE)", f"{met} {mu} {where}; needs {needed.mu:g}"))
-    rows.append(("least λ(W)", _least(float(found.gramian[0]), found.floor)))
+    rows.append(("least λ(W)", _least(float(analysis.gramian[0]), analysis.floor)))
     for name, start, end in (
-        ("lifted", found.lifted_start, found.lifted_end),
-        ("nonlinear", found.nonlinear_start, found.nonlinear_end),
+        ("lifted", analysis.lifted_start, analysis.lifted_end),
+        ("nonlinear", analysis.nonlinear_start, analysis.nonlinear_end),
     ):
         text = f"position {number(start.position, 'm')} at its start, <b>{number(end.position, 'm')}</b> at its end"
         undetermined = math.isnan(start.position) and math.isnan(end.position)
@@ -130,17 +133,19 @@ def _least(eigenvalue: float, floor: float) -> str:
 
 
 def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
-    s = picture.summary
-    if s.diverged:
+    summary = picture.summary
+    if summary.diverged:
         return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing")]
     if picture.analysis.rank < STATES:
-        words = f"position {number(s.steady_position, 'm')}, attitude {number(s.steady_attitude_deg)}°"
-        return [("this run", f"steady error {words}: along what cannot be told it is this start's luck, no accuracy")]
-    settled = f"position {_since(s.settle_position_s, '0.3 m')}; attitude {_since(s.settle_attitude_s, '5°')}"
+        errors = f"position {number(summary.steady_position, 'm')}, attitude {number(summary.steady_attitude_deg)}°"
+        return [("this run", f"steady error {errors}: along what cannot be told it is this start's luck, no accuracy")]
+    settled = (
+        f"position {_since(summary.settle_position_s, '0.3 m')}; attitude {_since(summary.settle_attitude_s, '5°')}"
+    )
     steady = (
-        f"<b>{number(s.steady_position, 'm')}</b>, {number(s.steady_velocity, 'm/s')}, "
-        f"{number(s.steady_gravity, 'm/s²')}, <b>{number(s.steady_attitude_deg)}°</b>; "
-        f"peak {number(s.peak_position, 'm')}"
+        f"<b>{number(summary.steady_position, 'm')}</b>, {number(summary.steady_velocity, 'm/summary')}, "
+        f"{number(summary.steady_gravity, 'm/s²')}, <b>{number(summary.steady_attitude_deg)}°</b>; "
+        f"peak {number(summary.peak_position, 'm')}"
     )
     return [("settled", settled), ("steady error", steady)]
 
@@ -160,13 +165,13 @@ def _flyable(picture: Picture) -> list[str]:
     if chosen == FREE:
         return []
     if not picture.breaks:
-        return [f'<b style="color:{WORDS["observable"][1]}">✓ flyable</b> by {name}']
-    head = f'<b style="color:{WORDS["blind"][1]}">✕ not flyable</b> by {name}'
+        return [f'<b style="color:{VERDICT_STYLES["observable"][1]}">✓ flyable</b> by {name}']
+    head = f'<b style="color:{VERDICT_STYLES["blind"][1]}">✕ not flyable</b> by {name}'
     return [head, *(f"✕ {html.escape(one.words)}" for one in picture.breaks)]
 
 
 def _demands(picture: Picture) -> str:
     limits = picture.limits
     thrust = f"<b>{limits.thrust_to_weight:.3g} times the weight</b> in thrust"
-    rate = f"{number(limits.speed, 'm/s')}, {number(math.degrees(limits.body_rate))}°/s"
+    rate = f"{number(limits.speed, 'm/summary')}, {number(math.degrees(limits.body_rate))}°/s"
     return f"{thrust}, {rate}, {number(limits.anchor_distance_min, 'm')} from the anchor at the nearest"

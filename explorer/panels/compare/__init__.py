@@ -14,7 +14,7 @@ from explorer.model import comparison, consistency, differences
 from explorer.model.comparison import NAMES, Baseline, Comparison, Name, RunInputs
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
-from explorer.panels.compare import text as words
+from explorer.panels.compare import text
 from explorer.widgets.controls import Number, Switch
 from explorer.widgets.form import Form, Section
 from rangenav import ensemble
@@ -29,8 +29,8 @@ EKF_HINT = (
     "Extended Kalman filter on position, velocity and attitude with the range itself, from the same start. "
     "Better near the truth, and lost where its start is too wrong."
 )
-GONE = "The settings have changed: the band belonged to others and is gone."
-OVERTAKEN = "The settings changed while the seeds ran, so these were stopped."
+OUTDATED = "The settings have changed: the band belonged to others and is gone."
+STOPPED = "The settings changed while the seeds ran, so these were stopped."
 REFINED_HINT = (
     "Iterated Kalman smoother of the whole record (Gauss–Newton), started by the cascade: what one gets afterwards, "
     "with all ranges at hand."
@@ -38,25 +38,25 @@ REFINED_HINT = (
 
 
 @dataclass(eq=False)
-class _Rivals:
+class _BaselineResults:
     """What other estimators made of runs: of each the newest, and why there is none."""
 
-    found: dict[Name, tuple[RunInputs, Candidate]] = field(default_factory=dict)
-    refused: dict[Name, tuple[RunInputs, str]] = field(default_factory=dict)
+    results: dict[Name, tuple[RunInputs, Candidate]] = field(default_factory=dict)
+    refusals: dict[Name, tuple[RunInputs, str]] = field(default_factory=dict)
 
-    def of(self, name: Name, run: RunInputs) -> Candidate | None:
-        known = self.found.get(name)
-        return known[1] if known is not None and known[0] == run else None
+    def result(self, name: Name, run: RunInputs) -> Candidate | None:
+        stored = self.results.get(name)
+        return stored[1] if stored is not None and stored[0] == run else None
 
-    def why_not(self, name: Name, run: RunInputs) -> str:
-        known = self.refused.get(name)
-        return known[1] if known is not None and known[0] == run else ""
+    def refusal(self, name: Name, run: RunInputs) -> str:
+        stored = self.refusals.get(name)
+        return stored[1] if stored is not None and stored[0] == run else ""
 
-    def keep(self, name: Name, run: RunInputs, result: Candidate | str) -> None:
+    def store(self, name: Name, run: RunInputs, result: Candidate | str) -> None:
         if isinstance(result, str):
-            self.refused[name] = run, result
+            self.refusals[name] = run, result
         else:
-            self.found[name] = run, result
+            self.results[name] = run, result
 
 
 class ComparePanel:
@@ -65,17 +65,17 @@ class ComparePanel:
     def __init__(self, form: Form, jobs: Jobs) -> None:
         self._form, self._jobs, self._background = form, jobs, form.new_jobs()
         self._picture: Picture | None = None
-        self._pinned: Picture | None = None
-        self._seeds: tuple[RunInputs, Ensemble] | None = None
-        self._seeding: tuple[RunInputs, object] | None = None
-        self._rivals, self._on, self._drawn = _Rivals(), frozenset[Name](), frozenset[Name]()
-        self._changed, self._warm, self._note = False, False, ""
+        self.pinned: Picture | None = None
+        self.seeds: tuple[RunInputs, Ensemble] | None = None
+        self._running_seeds: tuple[RunInputs, object] | None = None
+        self.baseline_results, self.enabled, self._drawn = _BaselineResults(), frozenset[Name](), frozenset[Name]()
+        self._changed, self._baselines_compiled, self._message = False, False, ""
         self._build_pin(form)
         self._build_seeds(form)
-        self._build_rivals(form)
+        self._build_baselines(form)
         section = Section(form, "Does P tell the truth?")
         with section:
-            self._agreement = form.gui.add_html("")
+            self._consistency = form.gui.add_html("")
         form.command("Pin this run as A", self.pin)
         form.command("Unpin A", self._unpin)
 
@@ -84,7 +84,7 @@ class ComparePanel:
             form.button("Pin this run as A", self.pin, hint=PIN_HINT)
             self._unpin_button = form.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
             self._unpin_button.visible = False
-            self._differences = form.gui.add_html(words.nothing_pinned())
+            self._differences = form.gui.add_html(text.nothing_pinned())
 
     def _build_seeds(self, form: Form) -> None:
         self._seeds_section = section = Section(form, "Many seeds")
@@ -96,7 +96,7 @@ class ComparePanel:
             self._clear_button.visible = False
             self._seeds_line = form.gui.add_html("")
 
-    def _build_rivals(self, form: Form) -> None:
+    def _build_baselines(self, form: Form) -> None:
         section = Section(form, "Other estimators on this record")
         with section:
             self._switches: dict[Name, Switch] = {
@@ -107,9 +107,9 @@ class ComparePanel:
 
     def read(self) -> None:
         """Take in the switches."""
-        on = frozenset[Name](name for name in NAMES if self._switches[name].read())
-        self._changed |= on != self._on
-        self._on = on
+        enabled = frozenset[Name](name for name in NAMES if self._switches[name].read())
+        self._changed |= enabled != self.enabled
+        self.enabled = enabled
 
     @property
     def changed(self) -> bool:
@@ -119,47 +119,51 @@ class ComparePanel:
     def comparison(self, picture: Picture) -> Comparison:
         """What to draw beside a picture. The EKF is worked out here, the refinement in a thread of its own."""
         self._picture, self._changed = picture, False
-        if not (self._pinned or self._seeds or self._seeding or self._on):
+        if not (self.pinned or self.seeds or self._running_seeds or self.enabled):
             return comparison.NOTHING
         run = comparison.run_of(picture)
-        if self._seeding is not None and self._seeding[0] != run:
-            self._stop_seeding()
-        if "EKF" in self._on and self._warm and self._missing("EKF", run):
-            self._rivals.keep("EKF", run, _result("EKF", picture))
-        self._start_missing()
-        seeds = self._seeds[1] if self._seeds is not None and self._seeds[0] == run else None
-        if self._seeds is not None and seeds is None:
-            self._seeds, self._note = None, GONE
-        baselines = tuple(Baseline(name, self._rivals.of(name, run)) for name in NAMES if name in self._on)
-        return Comparison(pinned=self._pinned, baselines=baselines, seeds=seeds)
+        if self._running_seeds is not None and self._running_seeds[0] != run:
+            self._stop_seeds()
+        if "EKF" in self.enabled and self._baselines_compiled and self._is_missing("EKF", run):
+            self.baseline_results.store("EKF", run, _run_baseline("EKF", picture))
+        self._compute_missing()
+        seeds = self.seeds[1] if self.seeds is not None and self.seeds[0] == run else None
+        if self.seeds is not None and seeds is None:
+            self.seeds, self._message = None, OUTDATED
+        enabled: list[Name] = [name for name in NAMES if name in self.enabled]
+        baselines = tuple(Baseline(name, self.baseline_results.result(name, run)) for name in enabled)
+        return Comparison(pinned=self.pinned, baselines=baselines, seeds=seeds)
 
     def draw(self, picture: Picture, shown: Comparison) -> None:
         """Say in words and tables what is drawn."""
-        _assign(self._seeds_line, words.seeds(picture, shown.seeds, self._note))
+        _assign(self._seeds_line, text.seeds(picture, shown.seeds, self._message))
         self._unpin_button.visible = shown.pinned is not None
         self._clear_button.visible = shown.seeds is not None
         if shown.pinned is None:
-            _assign(self._differences, words.nothing_pinned())
+            _assign(self._differences, text.nothing_pinned())
         else:
             choices = differences.choices(shown.pinned.preset, picture.preset)
             _assign(
                 self._differences,
-                words.differences(shown.pinned, picture, choices, differences.figures(shown.pinned, picture)),
+                text.differences(shown.pinned, picture, choices, differences.figures(shown.pinned, picture)),
             )
-        run = comparison.run_of(picture) if self._on else None
-        refusals = [self._rivals.why_not(name, run) for name in NAMES if name in self._on] if run else []
-        _assign(self._table, words.baselines(picture, shown.baselines, [text for text in refusals if text]))
+        run = comparison.run_of(picture) if self.enabled else None
+        refusals = [self.baseline_results.refusal(name, run) for name in NAMES if name in self.enabled] if run else []
+        _assign(
+            self._table,
+            text.baselines(picture, shown.baselines, [refusal_text for refusal_text in refusals if refusal_text]),
+        )
         many = consistency.of_seeds(shown.seeds, picture.analysis) if shown.seeds is not None else None
         count = len(shown.seeds.seed) if shown.seeds is not None else 0
         matched = picture.preset.gains.mode == "noise-matched"
-        _assign(self._agreement, words.agreement(consistency.of_run(picture), many, count, matched=matched))
+        _assign(self._consistency, text.consistency(consistency.of_run(picture), many, count, matched=matched))
 
     def pin(self) -> None:
         """Keep the run on view as A."""
-        self._pinned, self._changed = self._picture, True
+        self.pinned, self._changed = self._picture, True
 
     def _unpin(self) -> None:
-        self._pinned, self._changed = None, True
+        self.pinned, self._changed = None, True
 
     def _run_seeds(self) -> None:
         with self._seeds_section.catching():
@@ -171,57 +175,57 @@ class ComparePanel:
         picture = self._picture
         if picture is None:
             return
-        run, number = comparison.run_of(picture), int(count)
+        run, seed_count = comparison.run_of(picture), int(count)
 
         def work(progress: Callable[[float], None], cancelled: Callable[[], bool]) -> Ensemble:
             return ensemble.seeds(
-                picture.preset, number, form=comparison.form_of(picture), progress=progress, cancelled=cancelled
+                picture.preset, seed_count, form=comparison.form_of(picture), progress=progress, cancelled=cancelled
             )
 
-        def done(found: Ensemble) -> None:
-            self._seeds, self._seeding, self._changed = (run, found), None, True
+        def done(band: Ensemble) -> None:
+            self.seeds, self._running_seeds, self._changed = (run, band), None, True
 
         def failed(sentence: str) -> None:
-            self._seeding = None
+            self._running_seeds = None
             self._seeds_section.complaint.say(sentence)
 
-        self._jobs.start(f"{number} seeds", work, done, failed)
-        self._seeding, self._note, self._changed = (run, self._jobs.running), "", True
+        self._jobs.start(f"{seed_count} seeds", work, done, failed)
+        self._running_seeds, self._message, self._changed = (run, self._jobs.running), "", True
 
-    def _stop_seeding(self) -> None:
+    def _stop_seeds(self) -> None:
         """The settings have changed under the job."""
-        assert self._seeding is not None
-        if self._jobs.running is self._seeding[1]:
+        assert self._running_seeds is not None
+        if self._jobs.running is self._running_seeds[1]:
             self._jobs.cancel()
-            self._note = OVERTAKEN
-        self._seeding = None
+            self._message = STOPPED
+        self._running_seeds = None
 
     def _clear_seeds(self) -> None:
-        self._seeds, self._changed = None, True
+        self.seeds, self._changed = None, True
 
-    def _missing(self, name: Name, run: RunInputs) -> bool:
-        return self._rivals.of(name, run) is None and not self._rivals.why_not(name, run)
+    def _is_missing(self, name: Name, run: RunInputs) -> bool:
+        return self.baseline_results.result(name, run) is None and not self.baseline_results.refusal(name, run)
 
-    def _start_missing(self) -> None:
+    def _compute_missing(self) -> None:
         """Work out one estimator that is switched on and not known; one at a time, always for the newest picture."""
         picture = self._picture
         if picture is None or self._background.running is not None:
             return
         run = comparison.run_of(picture)
         for name in NAMES:
-            if name in self._on and self._missing(name, run):
-                self._start(name, picture, run)
+            if name in self.enabled and self._is_missing(name, run):
+                self._compute(name, picture, run)
                 return
 
-    def _start(self, name: Name, picture: Picture, run: RunInputs) -> None:
+    def _compute(self, name: Name, picture: Picture, run: RunInputs) -> None:
         def done(result: Candidate | str) -> None:
-            self._rivals.keep(name, run, result)
-            self._warm = self._changed = True
+            self.baseline_results.store(name, run, result)
+            self._baselines_compiled = self._changed = True
 
-        self._background.start(name, lambda _progress, _cancelled: _result(name, picture), done, lambda _: None)
+        self._background.start(name, lambda _progress, _cancelled: _run_baseline(name, picture), done, lambda _: None)
 
 
-def _result(name: Name, picture: Picture) -> Candidate | str:
+def _run_baseline(name: Name, picture: Picture) -> Candidate | str:
     """What the estimator made of the record, or why it cannot."""
     try:
         return comparison.run_baseline(name, picture)

@@ -12,7 +12,7 @@ from rangenav.ensemble import Ensemble, spread
 from rangenav.record import Summary
 
 """The run on view."""
-BOX = (
+BLOCK = (
     '<div style="padding:0.2em 0.9em 0.5em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">{}</div>'
 )
 TABLE = '<table style="border-collapse:collapse;width:100%">{}</table>'
@@ -23,7 +23,9 @@ GREY = '<span style="opacity:.7">{}</span>'
 
 def nothing_pinned() -> str:
     """What pinning is for."""
-    return BOX.format(GREY.format("Pin a run, change anything: A stays in every plot, and what changed is told here."))
+    return BLOCK.format(
+        GREY.format("Pin a run, change anything: A stays in every plot, and what changed is told here.")
+    )
 
 
 def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) -> str:
@@ -33,18 +35,18 @@ def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) 
         f'<b style="color:{palette.ESTIMATE}">B</b> {_run(b)} <span style="opacity:.7">(what you change)</span>'
     )
     if not choices:
-        return BOX.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
-    came = _list(figures) if figures else GREY.format("No figure changed by more than half a percent.")
-    return BOX.format(
-        f"{head}<div style='margin-top:.4em'>chosen otherwise:</div>{_list(choices)}what came of it:{came}"
+        return BLOCK.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
+    consequences = _list(figures) if figures else GREY.format("No figure changed by more than half a percent.")
+    return BLOCK.format(
+        f"{head}<div style='margin-top:.4em'>chosen otherwise:</div>{_list(choices)}what came of it:{consequences}"
     )
 
 
-def seeds(picture: Picture, runs: Ensemble | None, note: str) -> str:
+def seeds(picture: Picture, runs: Ensemble | None, message: str) -> str:
     """Which seed is on view, and what the band shows, or a note why there is none."""
-    own = f"noise seed on view: <b>{picture.preset.seed}</b> (Sensors tab)"
+    seed_text = f"noise seed on view: <b>{picture.preset.seed}</b> (Sensors tab)"
     if runs is None:
-        return BOX.format(own + (GREY.format(f"<br>{note}") if note else ""))
+        return BLOCK.format(seed_text + (GREY.format(f"<br>{message}") if message else ""))
     count, settled = len(runs.seed), int(runs.settled.sum())
     band = f"<b>{count} seeds of these settings</b> ({runs.seed[0]} to {runs.seed[-1]}): median and 10–90 %"
     rows = [
@@ -53,46 +55,54 @@ def seeds(picture: Picture, runs: Ensemble | None, note: str) -> str:
         ("position settled", runs.settle_position, "s"),
     ]
     lines = "".join(
-        _row([name, f"<b>{_with(middle.median, unit)}</b>", f"{_with(middle.low, unit)} – {_with(middle.high, unit)}"])
+        _row(
+            [
+                name,
+                f"<b>{_with_unit(middle.median, unit)}</b>",
+                f"{_with_unit(middle.low, unit)} – {_with_unit(middle.high, unit)}",
+            ]
+        )
         for name, middle, unit in ((name, spread(values), unit) for name, values, unit in rows)
     )
-    return BOX.format(f"{own}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude.")
+    return BLOCK.format(
+        f"{seed_text}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude."
+    )
 
 
-def baselines(picture: Picture, found: Iterable[Baseline], refusals: list[str]) -> str:
+def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) -> str:
     """The cascade and its rivals, figure by figure."""
-    found = tuple(found)
-    if not found:
-        return BOX.format(GREY.format("Switch one on: it runs on the same record, and is drawn beside the cascade."))
+    shown = tuple(shown)
+    if not shown:
+        return BLOCK.format(GREY.format("Switch one on: it runs on the same record, and is drawn beside the cascade."))
     steps = len(picture.motion.time) - 1
     cost = _milliseconds(picture.summary, steps)
-    lines = _head(["", "settled", "steady", "time"]) + _contender(
+    lines = _head(["", "settled", "steady", "time"]) + _estimator_row(
         "cascade", palette.ESTIMATE, picture.summary, steps, cost
     )
-    told = []
-    for name, candidate in found:
+    texts = []
+    for name, candidate in shown:
         color = palette.ESTIMATORS[name]
         if candidate is None:
             lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
         else:
-            lines += _contender(name, color, candidate.summary, steps, cost)
-            told.append(f"<b>{name}</b>: {html.escape(candidate.words)}")
-    told += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
-    return BOX.format(TABLE.format(lines) + "<br>".join(told))
+            lines += _estimator_row(name, color, candidate.summary, steps, cost)
+            texts.append(f"<b>{name}</b>: {html.escape(candidate.words)}")
+    texts += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
+    return BLOCK.format(TABLE.format(lines) + "<br>".join(texts))
 
 
-def _contender(name: str, color: str, summary: Summary, steps: int, cost: float) -> str:
+def _estimator_row(name: str, color: str, summary: Summary, steps: int, cost: float) -> str:
     settled = "never" if summary.settle_position_s is None else f"{summary.settle_position_s:.3g} s"
     steady = f"<b>{_number(summary.steady_position)} m</b>, {_number(summary.steady_attitude_deg)}°"
-    own = _milliseconds(summary, steps)
-    ratio = f" ({own / cost:.2g}×)" if cost > 0 and name != "cascade" else ""
-    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{own:.3g} ms{ratio}"])
+    seed_text = _milliseconds(summary, steps)
+    ratio = f" ({seed_text / cost:.2g}×)" if cost > 0 and name != "cascade" else ""
+    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{seed_text:.3g} ms{ratio}"])
 
 
-def agreement(run: RunConsistency, many: RunConsistency | None, count: int, *, matched: bool) -> str:
+def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int, *, matched: bool) -> str:
     """Innovations and errors against what P expects, and predicted against achieved σ, over the last quarter."""
-    columns = [run] if many is None else [run, many]
-    lines = _head(["last quarter", "this run", *([f"{count} seeds"] if many is not None else [])])
+    columns = [run] if of_seeds is None else [run, of_seeds]
+    lines = _head(["last quarter", "this run", *([f"{count} seeds"] if of_seeds is not None else [])])
     lines += _row(["NIS (1 expected)", *(f"<b>{_number(column.nis)}</b>" for column in columns)])
     lines += _row(["inside its 95 % band", *(_percent(column.nis_inside) for column in columns)])
     lines += _row(["NEES (3 expected)", *(f"<b>{_number(column.nees)}</b>" for column in columns)])
@@ -102,15 +112,15 @@ def agreement(run: RunConsistency, many: RunConsistency | None, count: int, *, m
     lines += _row(["σ that P claims", *(_metres(column.believed) for column in columns)])
     lines += _row(["σ predicted, lifted", *(_metres(column.lifted) for column in columns)])
     lines += _row(["σ predicted, nonlinear", *(_metres(column.cramer_rao) for column in columns)])
-    said = (
+    text = (
         "Bands here are of single values; many seeds have one of their mean, which is narrow."
-        if many is None
-        else f"The observer is {many.summary} (position, {count} seeds; their bands are of the mean)."
+        if of_seeds is None
+        else f"The observer is {of_seeds.summary} (position, {count} seeds; their bands are of the mean)."
     )
     if not matched:
-        said += " With constant gains P follows from q and V, not from the noise: it promises nothing."
-    said += " Predictions know one window of ranges and perfect IMU; the observer also remembers what came before."
-    return BOX.format(TABLE.format(lines) + GREY.format(said))
+        text += " With constant gains P follows from q and V, not from the noise: it promises nothing."
+    text += " Predictions know one window of ranges and perfect IMU; the observer also remembers what came before."
+    return BLOCK.format(TABLE.format(lines) + GREY.format(text))
 
 
 def _run(picture: Picture) -> str:
@@ -134,7 +144,7 @@ def _milliseconds(summary: Summary, steps: int) -> float:
     return summary.microseconds_per_step * steps / 1e3
 
 
-def _with(value: float, unit: str) -> str:
+def _with_unit(value: float, unit: str) -> str:
     return _number(value) if math.isinf(value) else f"{_number(value)} {unit}"
 
 

@@ -16,8 +16,8 @@ from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav.gains import Gains
 
-LANGUAGES: dict[GainUnits, str] = {"paper": "in the paper's letters", "physical": "in physical words"}
-MODES = {"constant": "constant (the paper's theorem)", "noise-matched": "noise-matched (outside it)"}
+UNITS_LABELS: dict[GainUnits, str] = {"paper": "in the paper's letters", "physical": "in physical words"}
+MODE_LABELS = {"constant": "constant (the paper's theorem)", "noise-matched": "noise-matched (outside it)"}
 
 
 class GainsPanel:
@@ -27,81 +27,85 @@ class GainsPanel:
         self._section = section = Section(form)
         with section:
             hint = "Letters or words for the same gains. Switching changes none of them, and is no step to undo."
-            self._wanted = Choice(section, "shown", LANGUAGES, hint=hint)
+            self.units_choice = Choice(section, "shown", UNITS_LABELS, hint=hint)
             hint = "Whether q and V stay as they are set (paper, eq. 8), or follow from the noise at the estimate."
-            self._mode = Choice(section, "gains", MODES, hint=hint)
-            self._mode_words = form.gui.add_html("")
-        self._paper, self._physical = PaperDials(form), PhysicalDials(form)
+            self.mode = Choice(section, "gains", MODE_LABELS, hint=hint)
+            self.mode_line = form.gui.add_html("")
+        self.paper_dials, self.physical_dials = PaperDials(form), PhysicalDials(form)
         with Section(form, "Attitude filter"):
-            self._paper.add_attitude(form)
-            self._physical.add_attitude(form)
+            self.paper_dials.add_attitude(form)
+            self.physical_dials.add_attitude(form)
             self._rates = form.gui.add_html("")
-            self._schedule = ScheduleDials(form)
-        self._beside = Section(form, summary.OTHERS["paper"])
-        with self._beside:
-            self._table = form.gui.add_html("")
+            self.schedule_dials = ScheduleDials(form)
+        self.other_units_section = Section(form, summary.OTHER_UNITS["paper"])
+        with self.other_units_section:
+            self.other_units_table = form.gui.add_html("")
         self.units: GainUnits = "paper"
         """The one in use."""
         self._picture: Picture | None = None
         self._gains = self._base = Gains()
 
-    def read(self, others: Settings) -> Settings:
+    def read(self, without_gains: Settings) -> Settings:
         """Settings with the gains chosen, all else given. Raises Refused after saying why beside the control."""
         with self._section.catching():
-            mode, wanted = self._mode.read(), self._wanted.read()
-        plain = self._paper.read() if self.units == "paper" else self._physical.read(partial(context_of, others))
-        gains = replace(plain, mode=mode, attitude=self._schedule.read(plain.attitude))
+            mode, chosen_units = self.mode.read(), self.units_choice.read()
+        unscheduled = (
+            self.paper_dials.read()
+            if self.units == "paper"
+            else self.physical_dials.read(partial(context_of, without_gains))
+        )
+        gains = replace(unscheduled, mode=mode, attitude=self.schedule_dials.read(unscheduled.attitude))
         self._gains = gains
-        if wanted != self.units:
-            self._turn_to(wanted)
-            if wanted == "physical":
-                self._physical.read(partial(context_of, others))  # shows them
+        if chosen_units != self.units:
+            self._show_units(chosen_units)
+            if chosen_units == "physical":
+                self.physical_dials.read(partial(context_of, without_gains))  # shows them
             if self._picture is not None:
                 self.draw(self._picture)
-        self._arrange(gains)
-        drafts = replace(others.drafts, schedule=self._schedule.draft)
-        return replace(others, preset=replace(others.preset, gains=gains), drafts=drafts)
+        self._hide_unused(gains)
+        drafts = replace(without_gains.drafts, schedule=self.schedule_dials.draft)
+        return replace(without_gains, preset=replace(without_gains.preset, gains=gains), drafts=drafts)
 
     def write(self, settings: Settings, base: Gains) -> None:
         """Show the gains of some settings, in the language in use."""
         gains = settings.preset.gains
         self._gains, self._base = gains, base
-        self._mode.write(gains.mode, base.mode)
-        self._schedule.write(gains.attitude.schedule, base.attitude.schedule, settings.drafts.schedule)
-        self._turn_to(self.units)
-        self._arrange(gains)
+        self.mode.write(gains.mode, base.mode)
+        self.schedule_dials.write(gains.attitude.schedule, base.attitude.schedule, settings.drafts.schedule)
+        self._show_units(self.units)
+        self._hide_unused(gains)
 
     def use_units(self, units: GainUnits) -> None:
         """Use a language from now on."""
-        self._wanted.write(units, None)
-        self._turn_to(units)
-        self._arrange(self._gains)
+        self.units_choice.write(units, None)
+        self._show_units(units)
+        self._hide_unused(self._gains)
 
     def draw(self, picture: Picture) -> None:
         """Show what follows from the gains."""
         self._picture = picture
         for line, content in (
             (self._rates, summary.rates(picture, self.units)),
-            (self._table, summary.in_other_units(picture, self.units)),
+            (self.other_units_table, summary.in_other_units(picture, self.units)),
         ):
             if content != line.content:
                 line.content = content
 
-    def _turn_to(self, units: GainUnits) -> None:
+    def _show_units(self, units: GainUnits) -> None:
         """The gains as they are, on the dials of a language."""
         self.units = units
-        self._beside.caption(summary.OTHERS[units])
+        self.other_units_section.caption(summary.OTHER_UNITS[units])
         if units == "paper":
-            self._paper.write(self._gains, self._base)
+            self.paper_dials.write(self._gains, self._base)
         else:
-            plain = replace(self._gains.attitude, schedule=None)
-            self._physical.write(replace(self._gains, mode="constant", attitude=plain), self._base)
+            unscheduled = replace(self._gains.attitude, schedule=None)
+            self.physical_dials.write(replace(self._gains, mode="constant", attitude=unscheduled), self._base)
 
-    def _arrange(self, gains: Gains) -> None:
+    def _hide_unused(self, gains: Gains) -> None:
         """Only what is in use is on the page."""
         noise = gains.mode == "constant"
-        self._paper.show(self.units == "paper", noise=noise)
-        self._physical.show(self.units == "physical", noise=noise)
-        words = NOTE.format(summary.MODE_WORDS[gains.mode])
-        if words != self._mode_words.content:
-            self._mode_words.content = words
+        self.paper_dials.show(self.units == "paper", noise=noise)
+        self.physical_dials.show(self.units == "physical", noise=noise)
+        text = NOTE.format(summary.MODE_TEXTS[gains.mode])
+        if text != self.mode_line.content:
+            self.mode_line.content = text

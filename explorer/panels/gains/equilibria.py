@@ -18,17 +18,19 @@ from rangenav.attitude import AttitudeGains
 from rangenav.inputs import Vec3
 from rangenav.motion import World
 
-ALMOST = math.radians(1.0)
-SPANS = ("across both m and g", "in their plane, across it", "between m and g")
+NEAR_OFFSET = math.radians(1.0)
+LOCATIONS = ("across both m and g", "in their plane, across it", "between m and g")
 """Of M = ρ1 mmᵀ + ρ2 ggᵀ: the eigenvector of eigenvalue zero, of the middle one and of the largest."""
-WORDS = (
+EXPLANATION = (
     "At R̃ = 2uuᵀ − I, u an eigenvector of M = ρ1 mmᵀ + ρ2 ggᵀ, the filter's correction vanishes: “almost global” leaves"
     " these three out. At exactly 180° noise alone decides when and which way the filter leaves. From x̂(0) = zero the "
     "gravity estimate is wrong at first and pushes it off within a second; from the truth, and with little noise, it "
     "lingers."
 )
-HINT = "Sets angle and axis above. u is in inertial axes, and follows from the gains, the magnetic field and gravity."
-Turn = Callable[[Vec3, float], None]
+START_HINT = (
+    "Sets angle and axis above. u is in inertial axes, and follows from the gains, the magnetic field and gravity."
+)
+SetAttitudeError = Callable[[Vec3, float], None]
 
 
 @dataclass(frozen=True)
@@ -37,31 +39,34 @@ class Equilibrium:
 
     axis: Vec3
     """u, of length one; its largest component is positive."""
-    span: str
+    location: str
     """Where it lies, in words."""
 
     @property
     def label(self) -> str:
         """What its button says."""
-        return f"180° · {told(self.axis)} · {self.span}"
+        return f"180° · {axis_text(self.axis)} · {self.location}"
 
 
-def half_turns(gains: AttitudeGains, world: World) -> list[Equilibrium]:
+def undesired_equilibria(gains: AttitudeGains, world: World) -> list[Equilibrium]:
     """The three equilibria, that of the largest eigenvalue first."""
     _, axes = np.linalg.eigh(attitude.decay_matrix(gains, world))
-    pointed = [u * np.sign(u[np.argmax(np.abs(u))]) for u in axes.T]
-    found = [Equilibrium((float(u[0]), float(u[1]), float(u[2])), span) for u, span in zip(pointed, SPANS, strict=True)]
-    return found[::-1]
+    directions = [u * np.sign(u[np.argmax(np.abs(u))]) for u in axes.T]
+    equilibria = [
+        Equilibrium((float(u[0]), float(u[1]), float(u[2])), location)
+        for u, location in zip(directions, LOCATIONS, strict=True)
+    ]
+    return equilibria[::-1]
 
 
-def distances(error: Float[Array, "3 3"], turns: list[Equilibrium]) -> list[float]:
+def distances(error: Float[Array, "3 3"], equilibria: list[Equilibrium]) -> list[float]:
     """Angles (rad) from an attitude error R̃ to each of the equilibria."""
-    axes = np.array([turn.axis for turn in turns])
-    equilibria = 2 * axes[:, :, None] * axes[:, None, :] - np.eye(3)
-    return [float(angle) for angle in so3.angle(equilibria.swapaxes(1, 2) @ error)]
+    axes = np.array([equilibrium.axis for equilibrium in equilibria])
+    rotations = 2 * axes[:, :, None] * axes[:, None, :] - np.eye(3)
+    return [float(angle) for angle in so3.angle(rotations.swapaxes(1, 2) @ error)]
 
 
-def told(axis: Vec3) -> str:
+def axis_text(axis: Vec3) -> str:
     """An axis in two decimals."""
     return "(" + ", ".join(f"{round(entry, 2) + 0.0:g}" for entry in axis) + ")"
 
@@ -69,38 +74,38 @@ def told(axis: Vec3) -> str:
 class EquilibriaSection:
     """A line that says how far the start is from the nearest, and in a closed folder a button for each."""
 
-    def __init__(self, form: Form, turn: Turn) -> None:
-        self._turn = turn
+    def __init__(self, form: Form, equilibrium: SetAttitudeError) -> None:
+        self._set_attitude_error = equilibrium
         self._line = form.gui.add_html("")
         with Section(form, "Start at a half turn", expanded=False):
-            form.gui.add_html(NOTE.format(html.escape(WORDS)))
-            self._buttons = [form.button(f"180°, {k}", partial(self._go, k), hint=HINT) for k in range(3)]
+            form.gui.add_html(NOTE.format(html.escape(EXPLANATION)))
+            self._buttons = [form.button(f"180°, {k}", partial(self._start_at, k), hint=START_HINT) for k in range(3)]
             hint = "The half turn that is nearest now, but by 179°."
-            form.button("almost: 1° off the nearest of these", self._almost, hint=hint)
-        self._turns: list[Equilibrium] = []
+            form.button("almost: 1° off the nearest of these", self._start_near, hint=hint)
+        self._equilibria: list[Equilibrium] = []
         self._nearest = 0
 
     def draw(self, picture: Picture) -> None:
         """Label the buttons, and say how far the start is from the nearest."""
         p = picture.preset
-        self._turns = half_turns(p.gains.attitude, p.world)
-        for button, turn in zip(self._buttons, self._turns, strict=True):
-            if turn.label != button.label:
-                button.label = turn.label
+        self._equilibria = undesired_equilibria(p.gains.attitude, p.world)
+        for button, equilibrium in zip(self._buttons, self._equilibria, strict=True):
+            if equilibrium.label != button.label:
+                button.label = equilibrium.label
         axis = np.array(p.guess.attitude_axis) / math.hypot(*p.guess.attitude_axis)
-        away = distances(so3.exp(p.guess.attitude_angle * axis), self._turns)
-        self._nearest = int(np.argmin(away))
-        nearest = self._turns[self._nearest]
-        degrees = round(math.degrees(away[self._nearest]), 2)
+        angles = distances(so3.exp(p.guess.attitude_angle * axis), self._equilibria)
+        self._nearest = int(np.argmin(angles))
+        nearest = self._equilibria[self._nearest]
+        degrees = round(math.degrees(angles[self._nearest]), 2)
         line = f"The start is <b>{degrees:g}°</b> from the nearest half turn at which the filter stands still, the one "
-        line += f"about {told(nearest.axis)}, {nearest.span}."
+        line += f"about {axis_text(nearest.axis)}, {nearest.location}."
         if NOTE.format(line) != self._line.content:
             self._line.content = NOTE.format(line)
 
-    def _go(self, k: int) -> None:
-        if self._turns:  # else nothing is drawn yet, and no button says what it does
-            self._turn(self._turns[k].axis, math.pi)
+    def _start_at(self, k: int) -> None:
+        if self._equilibria:  # else nothing is drawn yet, and no button says what it does
+            self._set_attitude_error(self._equilibria[k].axis, math.pi)
 
-    def _almost(self) -> None:
-        if self._turns:
-            self._turn(self._turns[self._nearest].axis, math.pi - ALMOST)
+    def _start_near(self) -> None:
+        if self._equilibria:
+            self._set_attitude_error(self._equilibria[self._nearest].axis, math.pi - NEAR_OFFSET)

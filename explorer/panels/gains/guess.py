@@ -10,7 +10,7 @@ from explorer.widgets.form import Form, Section
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3
 
-STATES: dict[Literal["zero", "truth", "offset"], str] = {
+STATE_LABELS: dict[Literal["zero", "truth", "offset"], str] = {
     "zero": "zero",
     "truth": "the truth",
     "offset": "truth plus offsets",
@@ -26,12 +26,12 @@ class GuessPanel:
             hint = (
                 "x̂(0): zero as in the paper's scenario, the true lifted state, or the lift of truth plus the offsets."
             )
-            self._state = Choice(section, "x̂(0)", STATES, hint=hint)
+            self._state = Choice(section, "x̂(0)", STATE_LABELS, hint=hint)
             hint = "Angle of the initial attitude error R̃(0) (degrees); near 180° the filter lingers (paper, U_π)."
             self._angle = Dial(section, "R̃(0) angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0))
             hint = "Axis of the initial attitude error, inertial axes; any length but zero."
             self._axis = Vector(section, "R̃(0) axis", step=0.01, hint=hint)
-            self._half_turns = EquilibriaSection(form, self._turn)
+            self._equilibria = EquilibriaSection(form, self._set_attitude_error)
         self._offsets = section = Section(form, "Offsets from the truth", expanded=False)
         with section:
             hint = "used when x̂(0) is truth plus offsets; inertial axes."
@@ -43,15 +43,15 @@ class GuessPanel:
         """The guess chosen. Raises Refused after saying why beside the control."""
         with self._section.catching():
             state, axis, angle = self._state.read(), self._axis.read(), self._angle.read()
-            turned = Guess(attitude_axis=axis, attitude_angle=angle)
+            attitude_error = Guess(attitude_axis=axis, attitude_angle=angle)
         with self._offsets.catching():
             return Guess(
                 state=state,
                 position_offset=self._position.read(),
                 velocity_offset=self._velocity.read(),
                 gravity_offset=self._gravity.read(),
-                attitude_axis=turned.attitude_axis,
-                attitude_angle=turned.attitude_angle,
+                attitude_axis=attitude_error.attitude_axis,
+                attitude_angle=attitude_error.attitude_angle,
             )
 
     def write(self, guess: Guess, base: Guess) -> None:
@@ -65,8 +65,8 @@ class GuessPanel:
 
     def draw(self, picture: Picture) -> None:
         """Say how far the start is from where the attitude filter stands still."""
-        self._half_turns.draw(picture)
+        self._equilibria.draw(picture)
 
-    def _turn(self, axis: Vec3, angle: float) -> None:
+    def _set_attitude_error(self, axis: Vec3, angle: float) -> None:
         self._axis.show(axis)
         self._angle.show(angle)

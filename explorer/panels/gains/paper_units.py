@@ -15,7 +15,7 @@ class PaperDials:
     """A dial for each letter; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
 
     def __init__(self, form: Form) -> None:
-        self._noise = section = Section(form, "Riccati observer: q and V")
+        self.noise = section = Section(form, "Riccati observer: q and V")
         with section:
             hint = (
                 "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
@@ -23,17 +23,19 @@ class PaperDials:
             )
             self._q = LogDial(section, "q", Q_RANGE, hint=hint)
             self._process = Section(form, "Process noise V", expanded=False)
-            why = "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
+            meaning = (
+                "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
+            )
             with self._process as section:
-                self._v = _blocks(section, "V", V_RANGE, why)
+                self._v = _blocks(section, "V", V_RANGE, meaning)
         self._start = section = Section(form, "Initial covariance P₀", expanded=False)
         with section:
-            why = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
-            self._p0 = _blocks(section, "P₀", P0_RANGE, why)
+            meaning = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
+            self._p0 = _blocks(section, "P₀", P0_RANGE, meaning)
 
     def add_attitude(self, form: Form) -> None:
         """The dials of the attitude filter, in the folder that is being made."""
-        self._attitude = section = Section(form)
+        self.attitude = section = Section(form)
         with section:
             hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
             self._k1 = LogDial(section, "k1", K1_LIMITS, hint=hint, unit="1/s")
@@ -44,39 +46,39 @@ class PaperDials:
 
     def read(self) -> Gains:
         """The gains chosen, of constant mode and without a schedule. Raises Refused after saying why."""
-        with self._noise.catching():
+        with self.noise.catching():
             q = RiccatiGains(q=self._q.read()).q
         with self._process.catching():
             v = RiccatiGains(v=_read_blocks(self._v)).v
         with self._start.catching():
             riccati = RiccatiGains(q=q, v=v, p0=_read_blocks(self._p0))
-        with self._attitude.catching():
+        with self.attitude.catching():
             attitude = AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
         return Gains(riccati=riccati, attitude=attitude)
 
     def write(self, gains: Gains, base: Gains) -> None:
         """Show gains."""
-        ours, theirs = gains.riccati, base.riccati
-        self._q.write(ours.q, theirs.q)
+        current, original = gains.riccati, base.riccati
+        self._q.write(current.q, original.q)
         for name in BLOCKS:
-            self._v[name].write(getattr(ours.v, name), getattr(theirs.v, name))
-            self._p0[name].write(getattr(ours.p0, name), getattr(theirs.p0, name))
+            self._v[name].write(getattr(current.v, name), getattr(original.v, name))
+            self._p0[name].write(getattr(current.p0, name), getattr(original.p0, name))
         self._k1.write(gains.attitude.k1, base.attitude.k1)
         self._rho1.write(gains.attitude.rho1, base.attitude.rho1)
         self._rho2.write(gains.attitude.rho2, base.attitude.rho2)
 
     def show(self, visible: bool, *, noise: bool) -> None:
         """Whether they are on the page, and among them those that noise-matched gains leave unused."""
-        self._noise.show(visible and noise)
+        self.noise.show(visible and noise)
         self._start.show(visible)
-        self._attitude.show(visible)
+        self.attitude.show(visible)
 
 
-def _blocks(section: Section, name: str, limits: tuple[float, float], why: str) -> dict[str, LogDial]:
+def _blocks(section: Section, name: str, limits: tuple[float, float], meaning: str) -> dict[str, LogDial]:
     """One dial for each block of the 13-state."""
 
     def dial(block: str, letter: str) -> LogDial:
-        hint = f"{name}: the {block} block, in the square of its unit: {why}."
+        hint = f"{name}: the {block} block, in the square of its unit: {meaning}."
         return LogDial(section, f"{name}({letter})", limits, hint=hint)
 
     return {block: dial(block, letter) for block, letter in BLOCKS.items()}

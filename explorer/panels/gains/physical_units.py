@@ -24,106 +24,106 @@ class PhysicalDials:
     """A dial for each word."""
 
     def __init__(self, form: Form) -> None:
-        self._dials: dict[str, LogDial] = {}
-        self._sections: dict[str, Section] = {}
-        self._noise = Section(form, "Noise the gains are made for: q and V")
-        self._add(self._noise, NOISE)
-        with self._noise:
+        self.dials: dict[str, LogDial] = {}
+        self.sections: dict[str, Section] = {}
+        self.noise = Section(form, "Noise the gains are made for: q and V")
+        self._add(self.noise, NOISE)
+        with self.noise:
             factors = Section(form, "Factors on V", expanded=False)
         self._add(factors, FACTORS)
         self._prior = Section(form, "How wrong the start may be: P₀", expanded=False)
         self._add(self._prior, PRIOR)
-        self._place: GainContext | None = None
+        self._context: GainContext | None = None
         """Where the words shown were made; None while what was written is not shown yet."""
 
     def _add(self, section: Section, names: tuple[str, ...]) -> None:
         with section:
             for name in names:
-                word = GAIN_LABELS[name]
-                self._dials[name] = LogDial(section, word.label, word.limits, hint=word.hint, unit=word.unit)
-                self._sections[name] = section
+                row = GAIN_LABELS[name]
+                self.dials[name] = LogDial(section, row.label, row.limits, hint=row.hint, unit=row.unit)
+                self.sections[name] = section
 
     def add_attitude(self, form: Form) -> None:
         """The dials of the attitude filter, in the folder that is being made."""
-        self._attitude = Section(form)
-        self._add(self._attitude, ATTITUDE)
+        self.attitude = Section(form)
+        self._add(self.attitude, ATTITUDE)
 
     def write(self, gains: Gains, base: Gains) -> None:
         """Take in gains; they are shown when they are read, where the path can be judged."""
-        self._gains, self._base, self._place = gains, base, None
+        self._gains, self._base, self._context = gains, base, None
 
     def show(self, visible: bool, *, noise: bool) -> None:
         """Whether they are on the page, and among them those that noise-matched gains leave unused."""
-        self._noise.show(visible and noise)
+        self.noise.show(visible and noise)
         self._prior.show(visible)
-        self._attitude.show(visible)
+        self.attitude.show(visible)
 
-    def read(self, place_now: Callable[[], GainContext]) -> Gains:
+    def read(self, current_context: Callable[[], GainContext]) -> Gains:
         """The gains as written, or as moved, of constant mode and without a schedule. Raises Refused after saying why.
 
         Where there are no words for them the gains stay as they are.
         """
-        entered = {} if self._place is None else self._entered()
-        moved = {name: value for name, value in entered.items() if value != self._taken[name]}
+        entered = {} if self._context is None else self._entered()
+        moved_dials = {name: value for name, value in entered.items() if value != self._read_values[name]}
         try:
-            place = place_now()
+            context = current_context()
         except ValueError as error:
-            return self._wordless(f"the path's typical {error}", error, moved)
-        if place != self._place:
+            return self._keep_without_values(f"the path's typical {error}", error, moved_dials)
+        if context != self._context:
             try:
-                self._put_into_words(place, moved)
+                self._show_values(context, moved_dials)
             except ValueError as error:
-                return self._wordless(with_page_labels(str(error)), error, moved)
+                return self._keep_without_values(with_page_labels(str(error)), error, moved_dials)
             entered = self._entered()
-        self._gains = self._understood(entered, place)
-        self._taken = entered
+        self._gains = self._gains_from(entered, context)
+        self._read_values = entered
         return self._gains
 
-    def _wordless(self, why: str, error: ValueError, moved: dict[str, float]) -> Gains:
+    def _keep_without_values(self, why: str, error: ValueError, moved_dials: dict[str, float]) -> Gains:
         """The gains as they are, said to have no words here; a word that was moved is refused."""
-        self._noise.complaint.say(f"no physical words: {why}")
-        if moved:
+        self.noise.complaint.say(f"no physical words: {why}")
+        if moved_dials:
             raise InvalidInputError from error
         return self._gains
 
     def _entered(self) -> dict[str, float]:
         """What the dials say."""
         entered = {}
-        for name, dial in self._dials.items():
-            with self._sections[name].catching():
+        for name, dial in self.dials.items():
+            with self.sections[name].catching():
                 entered[name] = dial.read()
         return entered
 
-    def _put_into_words(self, place: GainContext, moved: dict[str, float]) -> None:
+    def _show_values(self, context: GainContext, moved_dials: dict[str, float]) -> None:
         """Show the gains there, but for words that have just been moved; of these, what was put back to the preset's
         goes on saying what the preset says."""
-        before = None if self._place is None else self._base_words
-        words = (
-            in_physical_units(self._gains, place),
-            in_physical_units(self._base, place),
+        before = None if self._context is None else self._base_values
+        values = (
+            in_physical_units(self._gains, context),
+            in_physical_units(self._base, context),
         )  # all or, where there are none, nothing
-        self._place, self._start, (self._words, self._base_words) = place, self._gains, words
-        for name, dial in self._dials.items():
-            value, base, said = getattr(self._words, name), getattr(self._base_words, name), moved.get(name)
-            if said is not None:
-                value = base if said == getattr(before, name) else said
+        self._context, self._shown_gains, (self._values, self._base_values) = context, self._gains, values
+        for name, dial in self.dials.items():
+            value, base, typed = getattr(self._values, name), getattr(self._base_values, name), moved_dials.get(name)
+            if typed is not None:
+                value = base if typed == getattr(before, name) else typed
             dial.write(value, base)
 
-    def _understood(self, entered: dict[str, float], place: GainContext) -> Gains:
-        changed = [name for name, value in entered.items() if value != getattr(self._words, name)]
+    def _gains_from(self, entered: dict[str, float], context: GainContext) -> Gains:
+        changed = [name for name, value in entered.items() if value != getattr(self._values, name)]
         if not changed:
-            return self._start
+            return self._shown_gains
         try:
-            words: PhysicalGains = replace(self._words, **entered)
-            return in_paper_units(words, place, (self._base, self._start))
+            values: PhysicalGains = replace(self._values, **entered)
+            return in_paper_units(values, context, (self._base, self._shown_gains))
         except ValueError as error:
             sentence = str(error)
             cause = next((name for name in changed if name in sentence), changed[0])
-            self._sections[cause].complaint.say(with_page_labels(sentence))
+            self.sections[cause].complaint.say(with_page_labels(sentence))
             raise InvalidInputError from ValueError(with_page_labels(sentence))
 
 
-def tabled(gains: Gains, place: GainContext) -> list[tuple[str, float, str]]:
+def labelled_values(gains: Gains, context: GainContext) -> list[tuple[str, float, str]]:
     """All words with their values and units."""
-    values = asdict(in_physical_units(gains, place))
-    return [(word.label, values[name], word.unit) for name, word in GAIN_LABELS.items()]
+    values = asdict(in_physical_units(gains, context))
+    return [(row.label, values[name], row.unit) for name, row in GAIN_LABELS.items()]

@@ -6,11 +6,11 @@ from explorer.widgets.html import NOTE
 from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule
 
 STEADY_LIMITS = (0.01, 50.0)
-HINT = (
+SCHEDULE_HINT = (
     "k1 falls from its dial's value to the steady one as the misalignment s, a low-passed mean of 1 − cos of the "
     "angles to the magnetic field and to gravity, falls: fast from any start, quiet once it is there."
 )
-OUTSIDE = "The theorem assumes a constant k1: of a scheduled one it says nothing."
+OUTSIDE_THEOREM = "The theorem assumes a constant k1: of a scheduled one it says nothing."
 
 
 class ScheduleDials:
@@ -19,41 +19,41 @@ class ScheduleDials:
     def __init__(self, form: Form) -> None:
         self._section = Section(form)
         with self._section as section:
-            self._on = Switch(section, "schedule k1", hint=HINT)
-            self._group = Section(form)
-        with self._group as section:
-            form.gui.add_html(NOTE.format(OUTSIDE))
+            self.enabled = Switch(section, "schedule k1", hint=SCHEDULE_HINT)
+            self.dials_section = Section(form)
+        with self.dials_section as section:
+            form.gui.add_html(NOTE.format(OUTSIDE_THEOREM))
             hint = "k1 (1/s) once the vectors agree; not above k1 itself."
-            self._steady = LogDial(section, "k1 in the end", STEADY_LIMITS, hint=hint, unit="1/s")
+            self.steady = LogDial(section, "k1 in the end", STEADY_LIMITS, hint=hint, unit="1/s")
             hint = "The misalignment s (0 to 2) at which k1 is halfway between its ends, in equal ratios."
-            self._halfway = LogDial(section, "k1 halfway at s", HALFWAY_RANGE, hint=hint)
+            self.halfway = LogDial(section, "k1 halfway at s", HALFWAY_RANGE, hint=hint)
             hint = "s, of the low-pass that takes the magnetometer's noise out of the misalignment."
             self._memory = LogDial(section, "low pass of s", MEMORY_RANGE, hint=hint, unit="s")
-        self._held = Schedule()
+        self._last_valid = Schedule()
 
     @property
     def draft(self) -> Schedule:
         """What is entered while it is off; else the usual one, for what is in use is no draft."""
-        return Schedule() if self._on.read() else self._held
+        return Schedule() if self.enabled.read() else self._last_valid
 
     def read(self, gains: AttitudeGains) -> AttitudeGains:
         """The gains with the schedule chosen. Raises Refused after saying why beside the dials."""
-        on = self._on.read()
-        self._group.show(on)
+        on = self.enabled.read()
+        self.dials_section.show(on)
         if not on:
             return gains
-        with self._group.catching():
-            steady, halfway, memory = self._steady.read(), self._halfway.read(), self._memory.read()
-            plan = Schedule(steady=steady, halfway=halfway, memory=memory)
-            scheduled = AttitudeGains(k1=gains.k1, rho1=gains.rho1, rho2=gains.rho2, schedule=plan)
-        self._held = plan
+        with self.dials_section.catching():
+            steady, halfway, memory = self.steady.read(), self.halfway.read(), self._memory.read()
+            schedule = Schedule(steady=steady, halfway=halfway, memory=memory)
+            scheduled = AttitudeGains(k1=gains.k1, rho1=gains.rho1, rho2=gains.rho2, schedule=schedule)
+        self._last_valid = schedule
         return scheduled
 
-    def write(self, plan: Schedule | None, base: Schedule | None, draft: Schedule) -> None:
+    def write(self, schedule: Schedule | None, base: Schedule | None, draft: Schedule) -> None:
         """Show a schedule, or that there is none and what it would be."""
-        self._on.write(plan is not None, base is not None)
-        self._held, usual = plan or draft, base or Schedule()
-        self._steady.write(self._held.steady, usual.steady)
-        self._halfway.write(self._held.halfway, usual.halfway)
-        self._memory.write(self._held.memory, usual.memory)
-        self._group.show(plan is not None)
+        self.enabled.write(schedule is not None, base is not None)
+        self._last_valid, default = schedule or draft, base or Schedule()
+        self.steady.write(self._last_valid.steady, default.steady)
+        self.halfway.write(self._last_valid.halfway, default.halfway)
+        self._memory.write(self._last_valid.memory, default.memory)
+        self.dials_section.show(schedule is not None)

@@ -11,13 +11,13 @@ from explorer.model.compute import Picture
 from explorer.model.gain_units import context_of, with_page_labels
 from explorer.model.settings import GainUnits
 from explorer.panels.gains.paper_units import BLOCKS
-from explorer.panels.gains.physical_units import tabled
+from explorer.panels.gains.physical_units import labelled_values
 from explorer.widgets.controls import short
 from explorer.widgets.html import NOTE, table
 from rangenav import attitude
 from rangenav.gains import Gains
 
-MODE_WORDS = {
+MODE_TEXTS = {
     "constant": "q and V stay as they are set, as the theorem assumes.",
     "noise-matched": (
         "q and V are worked out at every sample from the noise in the Sensors tab, at the current estimate. So their "
@@ -25,11 +25,14 @@ MODE_WORDS = {
         "gain then depends on the estimate, and the theorem says nothing about it."
     ),
 }
-OTHERS: dict[GainUnits, str] = {"paper": "The same in physical words", "physical": "The same in the paper's letters"}
-STIFF = f'<div style="color:{palette.WARNING};font-weight:600;margin-top:0.4em">▲ {{}}</div>'
+OTHER_UNITS: dict[GainUnits, str] = {
+    "paper": "The same in physical words",
+    "physical": "The same in the paper's letters",
+}
+STIFFNESS_WARNING = f'<div style="color:{palette.WARNING};font-weight:600;margin-top:0.4em">▲ {{}}</div>'
 
 
-REMEDIES: dict[GainUnits, dict[str, str]] = {
+DIAL_NAMES: dict[GainUnits, dict[str, str]] = {
     "paper": {"rho": "ρ"},
     "physical": {
         "lower k1 or rho2": "raise the slowest time T or lower the gravity weight",
@@ -42,50 +45,51 @@ REMEDIES: dict[GainUnits, dict[str, str]] = {
 def rates(picture: Picture, units: GainUnits = "paper") -> str:
     """The three time constants of a small attitude error, under a schedule at both its ends; and a warning, if any."""
     p = picture.preset
-    gains, squared = p.gains.attitude, float(np.dot(p.world.gravity, p.world.gravity))
-    upper, ends = replace(gains, schedule=None), [(gains.k1, picture.attitude_time_constants)]
+    gains, gravity_squared = p.gains.attitude, float(np.dot(p.world.gravity, p.world.gravity))
+    unscheduled, ends = replace(gains, schedule=None), [(gains.k1, picture.attitude_time_constants)]
     if gains.schedule is not None:
         form = "printed" if picture.settings.printed.attitude_rate else "derived"
         ends = [
-            (gains.k1, attitude.time_constants(upper, p.world, form)),
+            (gains.k1, attitude.time_constants(unscheduled, p.world, form)),
             (gains.schedule.steady, picture.attitude_time_constants),
         ]
     printed = ", <b>as printed</b>" if picture.settings.printed.attitude_rate else ""
     rows = [(f"at k1 = {short(k1)}", ", ".join(f"{one:.3g}" for one in constants) + " s") for k1, constants in ends]
-    said = f"time constants of a small attitude error{printed}:{table((), rows)}"
-    said += f"ρ2·|g|² = <b>{gains.rho2 * squared:.3g}</b> (|g|² = {squared:.1f}) beside ρ1 = {short(gains.rho1)}"
-    stiff = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
-    if stiff is None:
-        return NOTE.format(said)
-    for theirs, ours in REMEDIES[units].items():
-        stiff = stiff.replace(theirs, ours)
-    return NOTE.format(said + STIFF.format(html.escape(stiff)))
+    text = f"time constants of a small attitude error{printed}:{table((), rows)}"
+    weight = f"ρ2·|g|² = <b>{gains.rho2 * gravity_squared:.3g}</b> (|g|² = {gravity_squared:.1f})"
+    text += f"{weight} beside ρ1 = {short(gains.rho1)}"
+    warning = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
+    if warning is None:
+        return NOTE.format(text)
+    for library_name, dial_name in DIAL_NAMES[units].items():
+        warning = warning.replace(library_name, dial_name)
+    return NOTE.format(text + STIFFNESS_WARNING.format(html.escape(warning)))
 
 
 def in_other_units(picture: Picture, units: GainUnits) -> str:
     """The gains of a picture in the language that is not in use."""
     try:
-        place = context_of(picture.settings)
+        context = context_of(picture.settings)
     except ValueError as error:
         return NOTE.format(html.escape(f"not told: the path's typical {error}"))
     gains = picture.preset.gains
     try:
-        entries = tabled(gains, place) if units == "paper" else _letters(gains)
+        entries = labelled_values(gains, context) if units == "paper" else _paper_values(gains)
     except ValueError as error:
         return NOTE.format(html.escape(f"not told: {with_page_labels(str(error))}"))
     cells = [(label, f"{short(value)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
-    where = f"at the path's typical {place.at.distance:.3g} m from the anchor and {place.at.speed:.3g} m/s"
-    return NOTE.format(html.escape(where) + table((), rows))
+    heading = f"at the path's typical {context.at.distance:.3g} m from the anchor and {context.at.speed:.3g} m/s"
+    return NOTE.format(html.escape(heading) + table((), rows))
 
 
-def _letters(gains: Gains) -> list[tuple[str, float, str]]:
-    riccati, filtered = gains.riccati, gains.attitude
+def _paper_values(gains: Gains) -> list[tuple[str, float, str]]:
+    riccati, attitude_gains = gains.riccati, gains.attitude
     blocks = [
         (f"{letter}({sign})", getattr(values, name), "")
         for letter, values in (("V", riccati.v), ("P₀", riccati.p0))
         for name, sign in BLOCKS.items()
     ]
-    attitudes = [("k1", filtered.k1, "1/s"), ("ρ1", filtered.rho1, ""), ("ρ2", filtered.rho2, "")]
+    attitudes = [("k1", attitude_gains.k1, "1/s"), ("ρ1", attitude_gains.rho1, ""), ("ρ2", attitude_gains.rho2, "")]
     return [("q", riccati.q, ""), *blocks, *attitudes]

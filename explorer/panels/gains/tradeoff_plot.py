@@ -16,17 +16,17 @@ WIDTH, HEIGHT = 340, 172
 """px of one plot in the dock; it shrinks with it."""
 LEFT, RIGHT, TOP, BOTTOM = 40, 12, 24, 32
 BLUE, VERMILLION, PURPLE = palette.BLUE, palette.VERMILLION, palette.PURPLE
-NARROWEST = 2.0
+MIN_RATIO = 2.0
 """Ratio of the ends of an axis, at least: figures that are all alike are not torn apart."""
-SPARE = 1.12
+MARGIN = 1.12
 """Factor beyond the outermost figures."""
-FEWEST_TICKS, MOST_TICKS = 3, 7
-ROUND = (1.0, 2.0, 2.5, 5.0)
+MIN_TICKS, MAX_TICKS = 3, 7
+ROUND_STEPS = (1.0, 2.0, 2.5, 5.0)
 """Steps between places on a short axis; on a long one places are these times a power of ten, without 2.5."""
 Range = tuple[float, float]
 
 
-class Plane(NamedTuple):
+class PlotAxes(NamedTuple):
     """One plot: what is told across and upwards."""
 
     name: str
@@ -37,53 +37,53 @@ class Plane(NamedTuple):
     """From SI to the unit."""
 
 
-POSITION = Plane("position", "settle_position", "steady_position", "m", 1.0)
-ATTITUDE = Plane("attitude", "settle_attitude", "steady_attitude", "°", math.degrees(1.0))
+POSITION = PlotAxes("position", "settle_position", "steady_position", "m", 1.0)
+ATTITUDE = PlotAxes("attitude", "settle_attitude", "steady_attitude", "°", math.degrees(1.0))
 
 
-class Marked(NamedTuple):
+class MarkedPoints(NamedTuple):
     """The points that have a sign of their own."""
 
     start: Point
-    found: Point
+    best: Point
     picked: Point
-    walk: tuple[Point, ...]
+    choices: tuple[Point, ...]
     """Those that can be picked, soonest first."""
 
 
-def plot(plane: Plane, seen: Iterable[Point], marked: Marked) -> str:
+def plot(axes: PlotAxes, tried: Iterable[Point], marked: MarkedPoints) -> str:
     """One plot, with a legend of its own for a reader that draws nothing."""
-    seen = tuple(seen)
-    front = tradeoff.front(seen, plane.settle, plane.steady)
-    shown = (*front, *marked.walk, marked.start, marked.found, marked.picked)
-    at, error = zip(*(_figures(plane, point) for point in shown), strict=True)
-    across, upwards = span(at), span(error)
+    tried = tuple(tried)
+    front = tradeoff.front(tried, axes.settle, axes.steady)
+    shown = (*front, *marked.choices, marked.start, marked.best, marked.picked)
+    at, error = zip(*(_figures(axes, point) for point in shown), strict=True)
+    across, upwards = axis_limits(at), axis_limits(error)
 
-    def spot(point: Point) -> tuple[float, float]:
-        x, y = _figures(plane, point)
+    def pixel(point: Point) -> tuple[float, float]:
+        x, y = _figures(axes, point)
         return (
             LEFT + _share(x, across) * (WIDTH - LEFT - RIGHT),
             HEIGHT - BOTTOM - _share(y, upwards) * (HEIGHT - TOP - BOTTOM),
         )
 
-    tried = [spot(point) for point in seen if _within(_figures(plane, point), across, upwards)]
-    line = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(spot, front))
+    tried_pixels = [pixel(point) for point in tried if _within(_figures(axes, point), across, upwards)]
+    line = " ".join(f"{x:.1f},{y:.1f}" for x, y in map(pixel, front))
     parts = [
-        _frame(plane, across, upwards),
-        _dots(tried),
+        _frame(axes, across, upwards),
+        _dots(tried_pixels),
         f'<polyline points="{line}" stroke="{BLUE}" stroke-width="1.5"/>',
-        *(_pickable(plane, point, spot(point)) for point in marked.walk),
-        _square(*spot(marked.start)),
-        _diamond(*spot(marked.found)),
-        _ring(*spot(marked.picked)),
+        *(_pickable(axes, point, pixel(point)) for point in marked.choices),
+        _square(*pixel(marked.start)),
+        _diamond(*pixel(marked.best)),
+        _ring(*pixel(marked.picked)),
     ]
-    words = f"{plane.name}: error afterwards against settling time; {told(plane, marked.picked)} is picked"
+    label = f"{axes.name}: error afterwards against settling time; {point_text(axes, marked.picked)} is picked"
     style = "display:block;width:100%;height:auto;overflow:visible"
-    head = f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" style="{style}" fill="none" role="img" aria-label="{words}">'
+    head = f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" style="{style}" fill="none" role="img" aria-label="{label}">'
     return f"{head}{''.join(parts)}</svg>"
 
 
-def signs() -> str:
+def legend() -> str:
     """What the signs of a plot mean."""
     named = (
         (_square(9, 7), "start"),
@@ -99,17 +99,17 @@ def signs() -> str:
     return f'<div style="display:flex;flex-wrap:wrap;gap:0 0.7em">{entries}</div>'
 
 
-def told(plane: Plane, point: Point) -> str:
+def point_text(axes: PlotAxes, point: Point) -> str:
     """Both figures of a point in words."""
-    at, error = _figures(plane, point)
-    unit = "°" if plane.unit == "°" else f" {plane.unit}"
+    at, error = _figures(axes, point)
+    unit = "°" if axes.unit == "°" else f" {axes.unit}"
     return f"settles at {at:.3g} s, then {error:.3g}{unit}"
 
 
-def span(values: Sequence[float]) -> Range:
+def axis_limits(values: Sequence[float]) -> Range:
     """The ends of a log axis that holds positive values, with a little room."""
-    low, high = min(values) / SPARE, max(values) * SPARE
-    missing = max(1.0, NARROWEST / (high / low))
+    low, high = min(values) / MARGIN, max(values) * MARGIN
+    missing = max(1.0, MIN_RATIO / (high / low))
     return low / math.sqrt(missing), high * math.sqrt(missing)
 
 
@@ -118,18 +118,18 @@ def ticks(axis: Range) -> list[float]:
     low, high = axis
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for mantissas in ((1.0,), (1.0, 2.0, 5.0)):
-        places = [m * 10.0**k for k in decades for m in mantissas if low <= m * 10.0**k <= high]
-        if len(places) >= FEWEST_TICKS:
-            return places[:: -(-len(places) // MOST_TICKS)]
-    steps = (m * 10.0**k for k in reversed(range(decades.start - 2, decades.stop)) for m in reversed(ROUND))
-    counts = ((step, math.ceil(low / step), math.floor(high / step)) for step in steps)
-    step, first, last = next(found for found in counts if found[2] - found[1] + 1 >= FEWEST_TICKS)
+        values = [m * 10.0**k for k in decades for m in mantissas if low <= m * 10.0**k <= high]
+        if len(values) >= MIN_TICKS:
+            return values[:: -(-len(values) // MAX_TICKS)]
+    steps = (m * 10.0**k for k in reversed(range(decades.start - 2, decades.stop)) for m in reversed(ROUND_STEPS))
+    candidates = ((step, math.ceil(low / step), math.floor(high / step)) for step in steps)
+    step, first, last = next(candidate for candidate in candidates if candidate[2] - candidate[1] + 1 >= MIN_TICKS)
     return [k * step for k in range(first, last + 1)]
 
 
-def _figures(plane: Plane, point: Point) -> tuple[float, float]:
+def _figures(axes: PlotAxes, point: Point) -> tuple[float, float]:
     """Settling time (s), and the error afterwards in the plane's unit."""
-    return getattr(point, plane.settle), plane.scale * getattr(point, plane.steady)
+    return getattr(point, axes.settle), axes.scale * getattr(point, axes.steady)
 
 
 def _within(figures: tuple[float, float], across: Range, upwards: Range) -> bool:
@@ -140,7 +140,7 @@ def _share(value: float, axis: Range) -> float:
     return math.log(value / axis[0]) / math.log(axis[1] / axis[0])
 
 
-def _frame(plane: Plane, across: Range, upwards: Range) -> str:
+def _frame(axes: PlotAxes, across: Range, upwards: Range) -> str:
     """Grid, numbers and the names of both axes."""
     bottom, right = HEIGHT - BOTTOM, WIDTH - RIGHT
     lines, numbers = [], []
@@ -153,23 +153,23 @@ def _frame(plane: Plane, across: Range, upwards: Range) -> str:
         lines.append(f"M{LEFT} {y:.1f}H{right}")
         numbers.append(f'<text x="{LEFT - 5}" y="{y + 3.5:.1f}" text-anchor="end">{value:.3g}</text>')
     names = (
-        f'<text x="0" y="12"><tspan font-weight="600">{plane.name}</tspan>: error afterwards ({plane.unit})</text>'
+        f'<text x="0" y="12"><tspan font-weight="600">{axes.name}</tspan>: error afterwards ({axes.unit})</text>'
         f'<text x="{right}" y="{HEIGHT - 4}" text-anchor="end">settles after (s)</text>'
     )
     grid = f'<path d="{"".join(lines)}" stroke="currentColor" stroke-opacity="0.18"/>'
     return f'{grid}<g fill="currentColor" font-size="11">{"".join(numbers)}{names}</g>'
 
 
-def _dots(places: Iterable[tuple[float, float]]) -> str:
+def _dots(values: Iterable[tuple[float, float]]) -> str:
     """Lines of no length, which round ends make dots: one element for hundreds of them."""
-    lines = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in places)
-    look = 'stroke="currentColor" stroke-opacity="0.35" stroke-width="3.5" stroke-linecap="round"'
-    return f'<path d="{lines}" {look}/>'
+    lines = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in values)
+    style = 'stroke="currentColor" stroke-opacity="0.35" stroke-width="3.5" stroke-linecap="round"'
+    return f'<path d="{lines}" {style}/>'
 
 
-def _pickable(plane: Plane, point: Point, place: tuple[float, float]) -> str:
+def _pickable(axes: PlotAxes, point: Point, place: tuple[float, float]) -> str:
     x, y = place
-    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="{BLUE}"><title>{told(plane, point)}</title></circle>'
+    return f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.2" fill="{BLUE}"><title>{point_text(axes, point)}</title></circle>'
 
 
 def _square(x: float, y: float) -> str:

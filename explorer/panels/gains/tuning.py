@@ -13,8 +13,8 @@ from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.gains import tradeoff_plot
-from explorer.panels.gains import tuning_text as words
-from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, Marked
+from explorer.panels.gains import tuning_text as text
+from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
 from explorer.panels.presets import Page
 from explorer.widgets.controls import Number
 from explorer.widgets.form import Form, Section
@@ -38,18 +38,20 @@ CURVES: dict[str, tuple[Measure, Measure]] = {
     "attitude": ("settle_attitude", "steady_attitude"),
 }
 WEIGHT = "steadiness w"
-BALANCE = (
+STEADINESS_HINT = (
     "0: settling soon is all that counts; 1: being exact afterwards. J = (1 − w) ln(settling time) + w ln(steady "
     "error), of position and attitude together; lower is better."
 )
 RUNS_HINT = f"How many noise seeds the gains are tried on, 1 to {MAX_RUNS}; as many others judge them afterwards."
 EVALUATIONS_HINT = f"How many gains are tried, 1 to {MAX_EVALUATIONS}."
-TUNE = "Searches the gains from those on the page. The page stays usable; nothing changes until you say so."
-CURVE = "Whose trade-off curve to walk along: gains that none of those tried beats both in settling and in exactness."
-WALK = "Left: settles soonest. Right: most exact afterwards."
-USE = "Puts the picked gains on the page; Ctrl+Z takes them back."
-LEAVE = "Forgets what was found; what is on the page stays as it is."
-Shown = viser.GuiHtmlHandle
+TUNE_HINT = "Searches the gains from those on the page. The page stays usable; nothing changes until you say so."
+CURVE_HINT = (
+    "Whose trade-off curve to walk along: gains that none of those tried beats both in settling and in exactness."
+)
+PLACE_HINT = "Left: settles soonest. Right: most exact afterwards."
+USE_HINT = "Puts the picked gains on the page; Ctrl+Z takes them back."
+DISCARD_HINT = "Forgets what was found; what is on the page stays as it is."
+HtmlHandle = viser.GuiHtmlHandle
 
 
 class TuningPanel:
@@ -58,50 +60,52 @@ class TuningPanel:
     def __init__(self, form: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
         self._picture: Picture | None = None
-        self._found: tuple[Preset, Tuned] | None = None
-        self._picked: Point | None = None
-        self._walk: tuple[Point, ...] = ()
-        self._judging = form.new_jobs()
-        self._judged: dict[Gains, Point] = {}
+        self.result: tuple[Preset, Tuned] | None = None
+        self.picked: Point | None = None
+        self.choices: tuple[Point, ...] = ()
+        self._held_out_jobs = form.new_jobs()
+        self._held_out_points: dict[Gains, Point] = {}
         """What gains that were found or picked reach on held-out seeds."""
-        self._held_out, self._summary = 0, ""
+        self._runs_used, self._summary_text = 0, ""
         self._section = section = Section(form, "Auto-tune", expanded=False)
         with section:
             marks = ((0.0, "soon"), (1.0, "exact"))
-            self._steadiness = form.gui.add_slider(WEIGHT, 0.0, 1.0, 0.05, STEADINESS, hint=BALANCE, marks=marks)
+            self._steadiness = form.gui.add_slider(
+                WEIGHT, 0.0, 1.0, 0.05, STEADINESS, hint=STEADINESS_HINT, marks=marks
+            )
             self._runs = Number(section, "seeds", step=1, hint=RUNS_HINT)
             self._evaluations = Number(section, "gains to try", step=10, hint=EVALUATIONS_HINT)
             self._runs.write(RUNS, None)
             self._evaluations.write(EVALUATIONS, None)
-            form.button("Tune the gains", self._start, hint=TUNE)
-            self._said, self._plots = form.gui.add_html(""), form.gui.add_html("")
-            self._curve = form.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE)
-            self._place = form.gui.add_slider("place", 1, 2, 1, 1, hint=WALK)
-            self._told = form.gui.add_html("")
-            self._use = form.button("Use these gains", self._take, hint=USE)
-            self._leave = form.button("Discard", self._forget, hint=LEAVE)
+            form.button("Tune the gains", self._start, hint=TUNE_HINT)
+            self._summary_block, self._plots_block = form.gui.add_html(""), form.gui.add_html("")
+            self._curve = form.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE_HINT)
+            self._place = form.gui.add_slider("place", 1, 2, 1, 1, hint=PLACE_HINT)
+            self._picked_block = form.gui.add_html("")
+            self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
+            self._discard = form.button("Discard", self._forget_result, hint=DISCARD_HINT)
         self._curve.on_update(
-            lambda event: form.do(self._walk_along, step=False) if event.client_id is not None else None
+            lambda event: form.do(self._choose_curve, step=False) if event.client_id is not None else None
         )
         self._place.on_update(lambda event: form.do(self._pick, step=False) if event.client_id is not None else None)
-        self._forget()
+        self._forget_result()
         form.command("Auto-tune", self._start)
 
     def draw(self, picture: Picture) -> None:
         """What is on the page now, which may be something else than what was searched for."""
         self._picture = picture
-        self._say()
+        self._update_text()
 
     def _start(self) -> None:
         with self._section.catching():
-            began, steadiness = effective(self._page.read()), self._steadiness.value
+            preset, steadiness = effective(self._page.read()), self._steadiness.value
             runs = _whole("seeds", self._runs.read(), MAX_RUNS)
             evaluations = _whole("gains to try", self._evaluations.read(), MAX_EVALUATIONS)
             require(0 <= steadiness <= 1, f"{WEIGHT} must lie between 0 and 1, got {steadiness}")
 
         def work(progress: Progress, cancelled: Cancelled) -> Tuned:
             return tune.tune(
-                began,
+                preset,
                 runs=runs,
                 evaluations=evaluations,
                 steadiness=steadiness,
@@ -109,98 +113,98 @@ class TuningPanel:
                 cancelled=cancelled,
             )
 
-        def done(found: Tuned) -> None:
-            self._show(began, found, runs)
+        def done(tuned: Tuned) -> None:
+            self._show(preset, tuned, runs)
 
         self._jobs.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
 
-    def _show(self, began: Preset, found: Tuned, runs: int) -> None:
-        self._found, self._picked, self._held_out = (began, found), found.after, runs
-        self._judged = {one.gains: one for one in (found.held_out_before, found.held_out_after)}
-        self._summary = words.summary(found, runs)
+    def _show(self, preset: Preset, tuned: Tuned, runs: int) -> None:
+        self.result, self.picked, self._runs_used = (preset, tuned), tuned.after, runs
+        self._held_out_points = {one.gains: one for one in (tuned.held_out_before, tuned.held_out_after)}
+        self._summary_text = text.summary(tuned, runs)
         self._curve.value = next(iter(CURVES))
-        self._offer()
-        self._visible(True)
-        self._say()
+        self._offer_choices()
+        self._show_result(True)
+        self._update_text()
         self._plot()
 
-    def _offer(self) -> None:
+    def _offer_choices(self) -> None:
         """The points of the chosen curve, and the slider at the one with the least J on it. Points with equal figures,
         as position has whatever the attitude's gains, are told apart by J."""
-        if self._found is None:
+        if self.result is None:
             return
-        found, curve = self._found[1], self._curve.value
-        by_objective = sorted(found.seen, key=lambda point: point.objective(found.steadiness))
-        self._walk = tradeoff.front(tuple(by_objective), *CURVES[curve])
-        best = min(range(len(self._walk)), key=lambda k: self._walk[k].objective(found.steadiness))
+        tuned, curve = self.result[1], self._curve.value
+        by_objective = sorted(tuned.seen, key=lambda point: point.objective(tuned.steadiness))
+        self.choices = tradeoff.front(tuple(by_objective), *CURVES[curve])
+        best = min(range(len(self.choices)), key=lambda k: self.choices[k].objective(tuned.steadiness))
         self._place.value = 1
-        self._place.max = max(len(self._walk), 2)
+        self._place.max = max(len(self.choices), 2)
         self._place.value = best + 1
 
-    def _walk_along(self) -> None:
+    def _choose_curve(self) -> None:
         """Another curve was chosen; the browser may have sent one that was not offered."""
         with self._section.catching():
             require(self._curve.value in CURVES, f"pick along must be one of: {', '.join(CURVES)}")
-        self._offer()
+        self._offer_choices()
         self._pick()
 
     def _pick(self) -> None:
         with self._section.catching():
-            place = _whole("place", self._place.value, len(self._walk))
-        self._picked = self._walk[place - 1]
-        self._judge(self._picked)
-        self._say()
+            position = _whole("place", self._place.value, len(self.choices))
+        self.picked = self.choices[position - 1]
+        self._score_held_out(self.picked)
+        self._update_text()
         self._plot()
 
-    def _judge(self, picked: Point) -> None:
+    def _score_held_out(self, picked: Point) -> None:
         """Hold picked gains against the held-out seeds, as those that were found have been: some tens of ms."""
-        if self._found is None or picked.gains in self._judged:
+        if self.result is None or picked.gains in self._held_out_points:
             return
-        began, count = self._found[0], self._held_out
+        preset, count = self.result[0], self._runs_used
 
         def work(_: Progress, cancelled: Cancelled) -> Point:
             return tradeoff.score(
-                picked.gains, tradeoff.runs(began, began.seed, count), preset=began, cancelled=cancelled
+                picked.gains, tradeoff.runs(preset, preset.seed, count), preset=preset, cancelled=cancelled
             )
 
         def done(point: Point) -> None:
-            self._judged[point.gains] = point
-            self._say()
+            self._held_out_points[point.gains] = point
+            self._update_text()
 
-        self._judging.start("held-out seeds", work, done, self._section.complaint.say)
+        self._held_out_jobs.start("held-out seeds", work, done, self._section.complaint.say)
 
-    def _say(self) -> None:
+    def _update_text(self) -> None:
         """Bring the words up to date."""
-        if self._found is not None and self._picked is not None:
-            began, found = self._found
-            _assign(self._said, NOTE.format(self._summary + words.differs(began, self._picture)))
-            held_out = self._judged.get(self._picked.gains)
-            _assign(self._told, NOTE.format(words.picked(self._picked, held_out, found, self._picture)))
+        if self.result is not None and self.picked is not None:
+            preset, tuned = self.result
+            _assign(self._summary_block, NOTE.format(self._summary_text + text.differs(preset, self._picture)))
+            held_out = self._held_out_points.get(self.picked.gains)
+            _assign(self._picked_block, NOTE.format(text.picked(self.picked, held_out, tuned, self._picture)))
 
     def _plot(self) -> None:
         """Draw the curves; not for every picture, since what was found does not depend on it."""
-        if self._found is not None and self._picked is not None:
-            found = self._found[1]
-            marked = Marked(start=found.before, found=found.after, picked=self._picked, walk=self._walk)
-            plots = "".join(tradeoff_plot.plot(plane, found.seen, marked) for plane in (POSITION, ATTITUDE))
-            _assign(self._plots, NOTE.format(plots + tradeoff_plot.signs()))
+        if self.result is not None and self.picked is not None:
+            tuned = self.result[1]
+            marked = MarkedPoints(start=tuned.before, best=tuned.after, picked=self.picked, choices=self.choices)
+            plots = "".join(tradeoff_plot.plot(axes, tuned.seen, marked) for axes in (POSITION, ATTITUDE))
+            _assign(self._plots_block, NOTE.format(plots + tradeoff_plot.legend()))
 
-    def _take(self) -> None:
-        if self._picked is not None:
+    def _use_picked(self) -> None:
+        if self.picked is not None:
             settings = self._page.read()
-            preset = msgspec.structs.replace(settings.preset, gains=self._picked.gains)
+            preset = msgspec.structs.replace(settings.preset, gains=self.picked.gains)
             self._page.write(msgspec.structs.replace(settings, preset=preset))
 
-    def _forget(self) -> None:
-        self._judging.cancel()
-        self._found = self._picked = None
-        self._walk = ()
-        self._visible(False)
+    def _forget_result(self) -> None:
+        self._held_out_jobs.cancel()
+        self.result = self.picked = None
+        self.choices = ()
+        self._show_result(False)
 
-    def _visible(self, visible: bool) -> None:
-        for part in (self._said, self._plots, self._told, self._curve, self._use, self._leave):
+    def _show_result(self, visible: bool) -> None:
+        for part in (self._summary_block, self._plots_block, self._picked_block, self._curve, self._use, self._discard):
             part.visible = visible
-        self._place.visible = visible and len(self._walk) > 1
+        self._place.visible = visible and len(self.choices) > 1
 
 
 def _whole(name: str, value: float, most: int) -> int:
@@ -209,6 +213,6 @@ def _whole(name: str, value: float, most: int) -> int:
     return int(value)
 
 
-def _assign(handle: Shown, content: str) -> None:
+def _assign(handle: HtmlHandle, content: str) -> None:
     if content != handle.content:  # a message to the browser only if there is news
         handle.content = content

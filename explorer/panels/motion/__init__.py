@@ -8,7 +8,7 @@ from typing import cast
 from explorer.model.conversion import FamilyName
 from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
 from explorer.panels.motion.families import SignalSlot
-from explorer.panels.motion.path import PathPanel, WholePath
+from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Dial, LogDial, Number, Vector
 from explorer.widgets.form import Form, Section
@@ -16,15 +16,15 @@ from rangenav.inputs import Vec3, require_within
 from rangenav.preset import MAX_DURATION, MIN_DURATION
 from rangenav.signals import Flown, Signal, Turning
 
-TURN = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
-TURN_FAMILIES: dict[FamilyName, str] = {
+ANGULAR_VELOCITY = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
+FAMILIES: dict[FamilyName, str] = {
     "multisine": "sines",
     "constant": "constant",
     "formula": "formulas",
     "waypoints": "keyframes",
     "flown": "flown: as a multirotor must",
 }
-TURN_HINT = (
+FAMILY_HINT = (
     "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
     "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."
 )
@@ -35,7 +35,7 @@ NO_EFFECT = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chosen:
+class MotionChoice:
     """What this tab decides."""
 
     path: Signal
@@ -46,10 +46,10 @@ class Chosen:
     window: float
 
     @staticmethod
-    def of(settings: Settings) -> "Chosen":
+    def of(settings: Settings) -> "MotionChoice":
         """The part of some settings that this tab shows."""
         p = settings.preset
-        return Chosen(
+        return MotionChoice(
             path=p.path,
             angular_velocity=p.angular_velocity,
             initial_rotation=p.initial_rotation,
@@ -63,21 +63,21 @@ class MotionPanel:
     """All controls of the motion."""
 
     def __init__(self, form: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
-        self._time = _Time(form)
+        self.timing = _Timing(form)
         self.path = PathPanel(form)
         with self.path.section:
-            self._whole = WholePath(form, edit)
-        self._turning = _Turning(form)
+            self._transforms = PathTransforms(form, edit)
+        self.angular_velocity = _AngularVelocity(form)
 
-    def read(self) -> Chosen:
+    def read(self) -> MotionChoice:
         """The motion chosen. Raises Refused after saying why beside the control."""
-        scale, duration, window = self._time.read()
-        self._whole.fit(duration)
+        scale, duration, window = self.timing.read()
+        self._transforms.set_duration(duration)
         path = self.path.read(duration)
-        turning, start = self._turning.read(duration)
-        return Chosen(
+        angular_velocity, start = self.angular_velocity.read(duration)
+        return MotionChoice(
             path=path,
-            angular_velocity=turning,
+            angular_velocity=angular_velocity,
             initial_rotation=start,
             time_scale=scale,
             duration=duration,
@@ -87,39 +87,39 @@ class MotionPanel:
     def drafts(self) -> Drafts:
         """What is entered in families that are not in use."""
         path, wiggle = self.path.drafts()
-        return Drafts(path=path, wiggle=wiggle, angular_velocity=self._turning.drafts())
+        return Drafts(path=path, wiggle=wiggle, angular_velocity=self.angular_velocity.drafts())
 
-    def write(self, chosen: Chosen, base: Chosen, drafts: Drafts) -> None:
+    def write(self, choice: MotionChoice, base: MotionChoice, drafts: Drafts) -> None:
         """Show a motion."""
-        self._time.write(chosen, base)
-        self.path.write(chosen.path, base.path, drafts)
-        self._turning.write(chosen, base, drafts)
+        self.timing.write(choice, base)
+        self.path.write(choice.path, base.path, drafts)
+        self.angular_velocity.write(choice, base, drafts)
 
     def draw(self, time_scale: float) -> None:
         """Say what the time scale does to μ."""
-        self._time.draw(time_scale)
+        self.timing.draw(time_scale)
 
     def set_window(self, length: float) -> None:
         """Another window δ (s), as when it is drawn across a plot."""
-        self._time.set_window(length)
+        self.timing.set_window(length)
 
     def complain(self, sentence: str) -> None:
         """Say a sentence about the whole motion where its cause is."""
         if sentence.startswith("path:"):
-            place = self.path.section
+            section = self.path.section
         elif sentence.startswith(("angular_velocity:", "flown:", "initial_rotation")):
-            place = self._turning.section
+            section = self.angular_velocity.section
         else:
-            place = self._time.section
-        place.complaint.say(sentence)
+            section = self.timing.section
+        section.complaint.say(sentence)
 
     def clear(self) -> None:
         """Nothing is wrong with the motion as a whole."""
-        for place in (self._time.section, self.path.section, self._turning.section):
-            place.complaint.clear()
+        for section in (self.timing.section, self.path.section, self.angular_velocity.section):
+            section.complaint.clear()
 
 
-class _Time:
+class _Timing:
     """How long, over which window, and how slowly."""
 
     def __init__(self, form: Form) -> None:
@@ -129,7 +129,7 @@ class _Time:
                 "s: the same path run s times slower. Its snap p⁗ falls as s⁻⁴ and the excitation μ over one period as "
                 "s⁻⁷ (paper, PE lemma), while thrust falls towards the weight."
             )
-            self._scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
+            self.time_scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
             self._line = form.gui.add_markdown("")
             hint = (
                 "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability). "
@@ -143,12 +143,12 @@ class _Time:
         with self.section.catching():
             duration = self._duration.read()
             require_within("duration", duration, MIN_DURATION, MAX_DURATION, "s")
-            return self._scale.read(), duration, self._window.read()
+            return self.time_scale.read(), duration, self._window.read()
 
-    def write(self, chosen: Chosen, base: Chosen) -> None:
-        self._scale.write(chosen.time_scale, base.time_scale)
-        self._window.write(chosen.window, base.window)
-        self._duration.write(chosen.duration, base.duration)
+    def write(self, choice: MotionChoice, base: MotionChoice) -> None:
+        self.time_scale.write(choice.time_scale, base.time_scale)
+        self._window.write(choice.window, base.window)
+        self._duration.write(choice.duration, base.duration)
 
     def set_window(self, length: float) -> None:
         self._window.show(length)
@@ -159,29 +159,29 @@ class _Time:
             self._line.content = line
 
 
-class _Turning:
+class _AngularVelocity:
     """ω(t) and R(0)."""
 
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Angular velocity ω(t), body axes", expanded=False)
         with section:
             form.gui.add_markdown(NO_EFFECT)
-            self._signal = SignalEditor(form, TURN, TURN_FAMILIES, hint=TURN_HINT)
-            self._start = start = Section(form, "Initial attitude R(0)", expanded=True)
+            self.signal_editor = SignalEditor(form, ANGULAR_VELOCITY, FAMILIES, hint=FAMILY_HINT)
+            self._start_section = start = Section(form, "Initial attitude R(0)", expanded=True)
             with start:
                 hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
                 self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))
 
     def read(self, duration: float) -> tuple[Turning, Vec3]:
-        turning = self._signal.read(duration)
-        self._start.show(not isinstance(turning, Flown))
-        with self._start.catching():
-            return turning, self._rotation.read()
+        angular_velocity = self.signal_editor.read(duration)
+        self._start_section.show(not isinstance(angular_velocity, Flown))
+        with self._start_section.catching():
+            return angular_velocity, self._rotation.read()
 
-    def write(self, chosen: Chosen, base: Chosen, drafts: Drafts) -> None:
-        self._signal.write(chosen.angular_velocity, base.angular_velocity, drafts.angular_velocity)
-        self._rotation.write(chosen.initial_rotation, base.initial_rotation)
-        self._start.show(not isinstance(chosen.angular_velocity, Flown))
+    def write(self, choice: MotionChoice, base: MotionChoice, drafts: Drafts) -> None:
+        self.signal_editor.write(choice.angular_velocity, base.angular_velocity, drafts.angular_velocity)
+        self._rotation.write(choice.initial_rotation, base.initial_rotation)
+        self._start_section.show(not isinstance(choice.angular_velocity, Flown))
 
     def drafts(self) -> tuple[Turning, ...]:
-        return cast(tuple[Turning, ...], self._signal.drafts())
+        return cast(tuple[Turning, ...], self.signal_editor.drafts())

@@ -33,7 +33,7 @@ FAMILY_HINT = (
 )
 FIRST_WIGGLE = Multisine(tones=(Tone(axis="z", amplitude=0.1, frequency=6.0),))
 """Of the axis that planar paths lack."""
-NONE: Vec3 = (0.0, 0.0, 0.0)
+ZERO: Vec3 = (0.0, 0.0, 0.0)
 AXES: dict[int, str] = {0: "x", 1: "y", 2: "z"}
 
 
@@ -43,74 +43,74 @@ class PathPanel:
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Path p(t), inertial axes")
         with section:
-            self._base = SignalEditor(form, PATH, FAMILIES, hint=FAMILY_HINT)
-            self._switches = Section(form)
-            with self._switches:
+            self.base_editor = SignalEditor(form, PATH, FAMILIES, hint=FAMILY_HINT)
+            self._wiggle_section = Section(form)
+            with self._wiggle_section:
                 hint = "A second signal added to the path, of any family: a planar path may need only a little of it."
-                self._wiggled = Switch(self._switches, "plus a wiggle", hint=hint)
-            self._wiggle = SignalEditor(form, WIGGLE, FAMILIES, hint=FAMILY_HINT, shown=False)
-            self._straight = _Straight(form)
+                self._has_wiggle = Switch(self._wiggle_section, "plus a wiggle", hint=hint)
+            self._wiggle_editor = SignalEditor(form, WIGGLE, FAMILIES, hint=FAMILY_HINT, visible=False)
+            self._sum_offset = _SumOffset(form)
 
     def read(self, duration: float) -> Signal:
         """The path chosen. Raises Refused after saying why beside the control."""
-        base = cast(Family, self._base.read(duration))
-        wiggled = self._wiggled.read()
-        self._show_wiggle(wiggled)
-        if not wiggled:
+        base = cast(Family, self.base_editor.read(duration))
+        has_wiggle = self._has_wiggle.read()
+        self._show_wiggle(has_wiggle)
+        if not has_wiggle:
             return base
-        wiggle = cast(Family, self._wiggle.read(duration))
-        with self._switches.catching():
-            return self._straight.read(Sum(base=base, wiggle=wiggle))
+        wiggle = cast(Family, self._wiggle_editor.read(duration))
+        with self._wiggle_section.catching():
+            return self._sum_offset.read(Sum(base=base, wiggle=wiggle))
 
     def write(self, path: Signal, base: Signal, drafts: Drafts) -> None:
         """Show a path."""
         (first, second), (first_base, second_base) = _parts(path), _parts(base)
-        self._base.write(first, first_base, drafts.path)
-        self._wiggled.write(second is not None, second_base is not None)
+        self.base_editor.write(first, first_base, drafts.path)
+        self._has_wiggle.write(second is not None, second_base is not None)
         if second is not None:
-            self._wiggle.write(second, second_base, drafts.wiggle)
+            self._wiggle_editor.write(second, second_base, drafts.wiggle)
         elif drafts.wiggle:
             *others, last = drafts.wiggle
-            self._wiggle.write(last, second_base, tuple(others))
+            self._wiggle_editor.write(last, second_base, tuple(others))
         else:
-            self._wiggle.write(FIRST_WIGGLE, second_base)
-        self._straight.write(path, base)
+            self._wiggle_editor.write(FIRST_WIGGLE, second_base)
+        self._sum_offset.write(path, base)
         self._show_wiggle(second is not None)
 
     def drafts(self) -> tuple[tuple[Family, ...], tuple[Family, ...]]:
         """What is kept of base and wiggle beside the path itself; a wiggle that is off comes last of its own."""
-        kept = self._wiggle.drafts()
-        if not self._wiggled.read() and self._wiggle.signal != FIRST_WIGGLE:
-            kept = (*kept, self._wiggle.signal)
-        return cast(tuple[Family, ...], self._base.drafts()), cast(tuple[Family, ...], kept)
+        wiggle_drafts = self._wiggle_editor.drafts()
+        if not self._has_wiggle.read() and self._wiggle_editor.signal != FIRST_WIGGLE:
+            wiggle_drafts = (*wiggle_drafts, self._wiggle_editor.signal)
+        return cast(tuple[Family, ...], self.base_editor.drafts()), cast(tuple[Family, ...], wiggle_drafts)
 
-    def put(self, path: Signal) -> None:
+    def replace(self, path: Signal) -> None:
         """Show another path in place of this one."""
         first, second = _parts(path)
-        self._base.put(first)
+        self.base_editor.replace(first)
         if second is not None:
-            self._wiggle.put(second)
-        self._straight.put(path)
+            self._wiggle_editor.replace(second)
+        self._sum_offset.replace(path)
 
     @property
     def points(self) -> tuple[Vec3, ...]:
         """Where the waypoints of the base are, if it has any: with a sum's offset, without its wiggle."""
-        return tuple(_plus(point.value, self._offset, 1) for point in self._base.points)
+        return tuple(_translated(point.value, self._offset, 1) for point in self.base_editor.points)
 
     def move(self, index: int, value: Vec3) -> None:
         """Put a waypoint of the base elsewhere."""
-        self._base.move(index, _plus(value, self._offset, -1))
+        self.base_editor.move(index, _translated(value, self._offset, -1))
 
     @property
     def _offset(self) -> Vec3:
-        return self._straight.offset if self._wiggled.read() else NONE
+        return self._sum_offset.offset if self._has_wiggle.read() else ZERO
 
     def _show_wiggle(self, visible: bool) -> None:
-        self._wiggle.show(visible)
-        self._straight.section.show(visible)
+        self._wiggle_editor.show(visible)
+        self._sum_offset.section.show(visible)
 
 
-class _Straight:
+class _SumOffset:
     """Offset and drift of a sum; its parts have their own where their family has."""
 
     def __init__(self, form: Form) -> None:
@@ -125,22 +125,22 @@ class _Straight:
         return msgspec.structs.replace(path, offset=self._offset.read(), drift=self._drift.read())
 
     def write(self, path: Signal, base: Signal) -> None:
-        shown = path if isinstance(path, Sum) else None
-        origin = base if isinstance(base, Sum) else None
-        self._offset.write(shown.offset if shown else NONE, origin.offset if origin else NONE)
-        self._drift.write(shown.drift if shown else NONE, origin.drift if origin else NONE)
+        current = path if isinstance(path, Sum) else None
+        original = base if isinstance(base, Sum) else None
+        self._offset.write(current.offset if current else ZERO, original.offset if original else ZERO)
+        self._drift.write(current.drift if current else ZERO, original.drift if original else ZERO)
 
     @property
     def offset(self) -> Vec3:
         return self._offset.read()
 
-    def put(self, path: Signal) -> None:
+    def replace(self, path: Signal) -> None:
         if isinstance(path, Sum):
             self._offset.show(path.offset)
             self._drift.show(path.drift)
 
 
-class WholePath:
+class PathTransforms:
     """Scale, turn, mirror, centre: each press changes the path itself, and Ctrl+Z takes it back."""
 
     def __init__(self, form: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
@@ -163,7 +163,7 @@ class WholePath:
         self._axis.write(2, 2)
         self._duration = 20.0
 
-    def fit(self, duration: float) -> None:
+    def set_duration(self, duration: float) -> None:
         """How long (s) the flight is whose box is centred."""
         self._duration = duration
 
@@ -187,8 +187,8 @@ class WholePath:
         return signals.centred(path, anchor, duration=self._duration)
 
 
-def _plus(place: Vec3, offset: Vec3, sign: int) -> Vec3:
-    return place[0] + sign * offset[0], place[1] + sign * offset[1], place[2] + sign * offset[2]
+def _translated(point: Vec3, offset: Vec3, sign: int) -> Vec3:
+    return point[0] + sign * offset[0], point[1] + sign * offset[1], point[2] + sign * offset[2]
 
 
 def _parts(path: Signal) -> tuple[Family, Family | None]:

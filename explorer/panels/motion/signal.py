@@ -32,46 +32,50 @@ class SignalEditor:
     """A dropdown of families, and below it the editor of the chosen one; the others are made when first needed."""
 
     def __init__(
-        self, form: Form, place: SignalSlot, words: Mapping[FamilyName, str], *, hint: str, shown: bool = True
+        self, form: Form, slot: SignalSlot, labels: Mapping[FamilyName, str], *, hint: str, visible: bool = True
     ) -> None:
-        self._form, self._place, self._words, self._shown = form, place, words, shown
+        self._form, self._slot, self._labels, self._visible = form, slot, labels, visible
         self._section = section = Section(form)
         with section:
-            self._family = Choice(section, "family", words, hint=hint)
-        self._editors: dict[FamilyName, Editor] = {}
-        self._held: dict[FamilyName, Turning] = {}
+            self.family_menu = Choice(section, "family", labels, hint=hint)
+        self.editors: dict[FamilyName, Editor] = {}
+        self._last_valid: dict[FamilyName, Turning] = {}
         """The last good signal of each family."""
         self._base: Turning | None = None
-        self._kind: FamilyName = next(iter(words))
+        self._current_family: FamilyName = next(iter(labels))
         self._signal: Turning = Multisine()
 
     def read(self, duration: float) -> Turning:
         """The signal; another family just chosen starts from its own draft, or from what was there."""
         with self._section.catching():
-            kind = self._family.read()
-        if kind != self._kind:
-            self._switch(kind, duration)
-        self._signal = self._held[kind] = self._editors[kind].read()
+            family = self.family_menu.read()
+        if family != self._current_family:
+            self._switch(family, duration)
+        self._signal = self._last_valid[family] = self.editors[family].read()
         return self._signal
 
     def write(self, signal: Turning, base: Turning | None, drafts: tuple[Turning, ...] = ()) -> None:
         """Show a signal, and keep drafts of others."""
         self._base = base
-        self._held = {self._shown_as(draft): draft for draft in drafts}
-        kind = self._shown_as(signal)
-        self._offer(kind, kind if base is None else self._shown_as(base), *self._held)
-        self._family.write(kind, None if base is None else self._shown_as(base))
-        for other, held in self._held.items():
-            if other != kind and other in self._editors:
-                self._editors[other].write(held, self._base_of(other))
-        self._show(kind, signal)
+        self._last_valid = {self._family_name(draft): draft for draft in drafts}
+        family = self._family_name(signal)
+        self._offer_families(family, family if base is None else self._family_name(base), *self._last_valid)
+        self.family_menu.write(family, None if base is None else self._family_name(base))
+        for other, valid in self._last_valid.items():
+            if other != family and other in self.editors:
+                self.editors[other].write(valid, self._base_of(other))
+        self._show_editor(family, signal)
 
     def drafts(self) -> tuple[Turning, ...]:
         """The last good signals of the families not in use, as far as they can be told from constants again."""
-        used = self._kind, self._shown_as(self._signal)
-        return tuple(held for kind, held in self._held.items() if kind not in used and kind == self._shown_as(held))
+        used = self._current_family, self._family_name(self._signal)
+        return tuple(
+            valid
+            for family, valid in self._last_valid.items()
+            if family not in used and family == self._family_name(valid)
+        )
 
-    def put(self, signal: Turning) -> None:
+    def replace(self, signal: Turning) -> None:
         """Show a signal in place of the one that is there; what the preset says stays what it was."""
         self.write(signal, self._base, self.drafts())
 
@@ -83,64 +87,64 @@ class SignalEditor:
     @property
     def points(self) -> tuple[Waypoint, ...]:
         """The waypoints, if the family has any."""
-        editor = self._editors.get(self._kind)
+        editor = self.editors.get(self._current_family)
         return editor.points if isinstance(editor, PointsEditor) else ()
 
     def move(self, index: int, value: Vec3) -> None:
         """Put a waypoint elsewhere."""
-        editor = self._editors.get(self._kind)
+        editor = self.editors.get(self._current_family)
         if isinstance(editor, PointsEditor):
             editor.move(index, value)
 
     def show(self, visible: bool) -> None:
         """Show or hide all of it."""
         self._section.show(visible)
-        if visible and not self._shown:
-            self._shown = True
-            self._show(self._kind, self._signal)
-        self._shown = visible
+        if visible and not self._visible:
+            self._visible = True
+            self._show_editor(self._current_family, self._signal)
+        self._visible = visible
 
-    def _switch(self, kind: FamilyName, duration: float) -> None:
-        draft = self._held.get(kind)
+    def _switch(self, family: FamilyName, duration: float) -> None:
+        draft = self._last_valid.get(family)
         if draft is None:
             with self._section.catching():
                 try:
-                    draft = converted(self._signal, kind, duration)
+                    draft = converted(self._signal, family, duration)
                 except ValueError as error:
-                    self._family.show(self._kind)
-                    raise ValueError(f"cannot be drawn up as {self._words[kind]}: {error}") from None
-        if kind in self._editors and kind in self._held:
-            self._editors[self._kind].show(False)  # what was typed in the other is still there, right or wrong
-            self._editors[kind].show(True)
-            self._kind = kind
+                    self.family_menu.show(self._current_family)
+                    raise ValueError(f"cannot be drawn up as {self._labels[family]}: {error}") from None
+        if family in self.editors and family in self._last_valid:
+            self.editors[self._current_family].show(False)  # what was typed in the other is still there, right or wrong
+            self.editors[family].show(True)
+            self._current_family = family
         else:
-            self._show(kind, draft)
+            self._show_editor(family, draft)
 
-    def _show(self, kind: FamilyName, signal: Turning) -> None:
+    def _show_editor(self, family: FamilyName, signal: Turning) -> None:
         """Bring a family's editor forward; while nothing is shown, only note which it will be."""
-        self._kind, self._signal = kind, signal
-        self._held[kind] = signal
-        if not self._shown:
+        self._current_family, self._signal = family, signal
+        self._last_valid[family] = signal
+        if not self._visible:
             return
-        for other, editor in self._editors.items():
-            if other != kind:
+        for other, editor in self.editors.items():
+            if other != family:
                 editor.show(False)
-        if kind not in self._editors:
+        if family not in self.editors:
             with self._section:
-                self._editors[kind] = EDITORS[kind](self._form, self._place)
-        self._editors[kind].write(signal, self._base_of(kind))
-        self._editors[kind].show(True)
+                self.editors[family] = EDITORS[family](self._form, self._slot)
+        self.editors[family].write(signal, self._base_of(family))
+        self.editors[family].show(True)
 
-    def _base_of(self, kind: FamilyName) -> Turning | None:
+    def _base_of(self, family: FamilyName) -> Turning | None:
         """What the preset says, if the editor of this family can show it."""
-        return self._base if self._base is not None and self._shown_as(self._base) == kind else None
+        return self._base if self._base is not None and self._family_name(self._base) == family else None
 
-    def _shown_as(self, signal: Turning) -> FamilyName:
+    def _family_name(self, signal: Turning) -> FamilyName:
         """A Multisine without tones or drift is a constant, where constants can be chosen."""
-        still = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)
-        kind = "constant" if still and "constant" in self._words else family_of(signal)
-        return kind if kind in self._words else "given"
+        constant = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)
+        family = "constant" if constant and "constant" in self._labels else family_of(signal)
+        return family if family in self._labels else "given"
 
-    def _offer(self, *kinds: FamilyName) -> None:
+    def _offer_families(self, *kinds: FamilyName) -> None:
         """The families there are, and what a file brought if it is none of them."""
-        self._family.offer({**self._words, "given": from_file.WORDS} if "given" in kinds else self._words)
+        self.family_menu.offer({**self._labels, "given": from_file.LABEL} if "given" in kinds else self._labels)

@@ -14,13 +14,19 @@ from explorer.widgets.form import Action, Form, InvalidInputError, Section
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
 
-ALSO = (
+MORE_HINT = (
     "The first puts every control back to what the preset says. The second loads the paper's own scenario and shows "
     "the errors of position, velocity and gravity (fig. 3) and of attitude (fig. 4), and both paths (fig. 5)."
 )
-DOWNLOAD = "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
-PICK = "Every shipped motion with its sensors, gains and requirement; ★ are yours. Ctrl+Z brings back what was there."
-BROWSE = "Opens the one before or after it in the menu, or shows all of them as small pictures (and hides them again)."
+DOWNLOAD_HINT = (
+    "A TOML file of what is on the page now; its first lines state the verdict, computed from the file itself."
+)
+PRESET_HINT = (
+    "Every shipped motion with its sensors, gains and requirement; ★ are yours. Ctrl+Z brings back what was there."
+)
+BROWSE_HINT = (
+    "Opens the one before or after it in the menu, or shows all of them as small pictures (and hides them again)."
+)
 
 
 class PresetsPanel:
@@ -33,30 +39,34 @@ class PresetsPanel:
         page: Page,
         uploads: Uploads,
         *,
-        again: Action,
-        paper: Action,
-        download: Action,
+        restart_preset: Action,
+        show_paper_figures: Action,
+        download_preset: Action,
     ) -> None:
         self._form, self._catalog, self._page = form, catalog, page
         self._section = section = Section(form)
         self._shown, self._changed = "", False
-        self._words: dict[str, str] = {}
+        self._labels: dict[str, str] = {}
         with section:
-            self._choice = Choice(section, "preset", catalog.labels(next(iter(catalog.presets))), hint=PICK)
-            browse = {"‹ previous": self._previous, "next ›": self._next, "see all": self._all}
-            form.buttons("browse", browse, hint=BROWSE)
+            self._choice = Choice(section, "preset", catalog.labels(next(iter(catalog.presets))), hint=PRESET_HINT)
+            browse = {"‹ previous": self._previous, "next ›": self._next, "see all": self._toggle_gallery}
+            form.buttons("browse", browse, hint=BROWSE_HINT)
             self._card = form.gui.add_html("")
         self._gallery = Gallery(form, catalog, self.open)
         self._library = LibraryPanel(
             form, catalog, page, uploads, is_changed=lambda: self._changed, refresh_catalog=self.refresh
         )
         with Section(form):
-            form.button("Download this preset", download, hint=DOWNLOAD)
-            form.buttons("also", {"start this preset again": again, "the paper's figures 3–5": paper}, hint=ALSO)
+            form.button("Download this preset", download_preset, hint=DOWNLOAD_HINT)
+            form.buttons(
+                "also",
+                {"start this preset again": restart_preset, "the paper's figures 3–5": show_paper_figures},
+                hint=MORE_HINT,
+            )
         for label, action in (
-            ("Download this preset", download),
-            ("Start this preset again", again),
-            ("The paper's figures 3–5", paper),
+            ("Download this preset", download_preset),
+            ("Start this preset again", restart_preset),
+            ("The paper's figures 3–5", show_paper_figures),
         ):
             form.command(label, action)
 
@@ -68,7 +78,7 @@ class PresetsPanel:
     def write(self, settings: Settings) -> None:
         """Show a preset's name, story and badge."""
         name = self._shown = settings.origin
-        self._offer()
+        self._update_menu()
         self._choice.write(name, name)
         self._library.write(settings)
         self._draw_card()
@@ -82,7 +92,7 @@ class PresetsPanel:
     def refresh(self) -> None:
         """Show what other pages have done to the library, and certificates that have come."""
         self._catalog.refresh_if_due()
-        self._offer()
+        self._update_menu()
         self._draw_card()
 
     def open(self, name: str) -> None:
@@ -106,21 +116,21 @@ class PresetsPanel:
         names = list(self._catalog.labels(self._shown))
         self.open(names[(names.index(self._shown) + by) % len(names)])
 
-    def _all(self) -> None:
+    def _toggle_gallery(self) -> None:
         self._gallery.toggle(self._shown)
 
-    def _offer(self) -> None:
+    def _update_menu(self) -> None:
         """Bring the menu up to date; what is chosen there may be called otherwise now."""
-        words = self._catalog.labels(self._shown)
-        if words != self._words:
-            self._words = words
-            self._choice.offer(words)
+        labels = self._catalog.labels(self._shown)
+        if labels != self._labels:
+            self._labels = labels
+            self._choice.offer(labels)
             self._choice.show(self._shown)
 
     def _draw_card(self) -> None:
         shown = self._catalog.presets[self._shown]
-        found = self._catalog.badge(self._shown, shown, self._form.wake)
-        content = card(shown, found, changed=self._changed)
+        certificate_or_reason = self._catalog.badge(self._shown, shown, self._form.wake)
+        content = card(shown, certificate_or_reason, changed=self._changed)
         if self._catalog.complaint:
             content += NOTE.format(f"⚠ {html.escape(self._catalog.complaint)}")
         if content != self._card.content:

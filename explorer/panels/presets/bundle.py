@@ -13,9 +13,9 @@ from rangenav import formats
 from rangenav.formats import Format
 from rangenav.progress import Cancelled, Progress
 
-CHOSEN = "Goes into the zip beside the preset and its certificate. {}"
-EACH = "Chooses every format, or none."
-MARKED = (
+FORMAT_HINT = "Goes into the zip beside the preset and its certificate. {}"
+ALL_HINT = "Chooses every format, or none."
+UNCERTIFIED_HINT = (
     "Files that miss the requirement are refused, with what is missing and what would help. "
     "Switched on, they are written with “uncertified” in their names."
 )
@@ -26,18 +26,20 @@ def choices() -> tuple[Format, ...]:
     return tuple(row for row in formats.writable() if row.certified_as != "preset")
 
 
-class PackPanel:
+class BundlePanel:
     """A switch for each format, one for what misses its requirement, and a button."""
 
     def __init__(self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
         self._catalog, self._page, self._jobs, self._send = catalog, page, jobs, send
         self._section = section = Section(form, "Download with certificate", expanded=False)
         with section:
-            form.buttons("formats", {"all": self._all, "none": self._none}, hint=EACH)
-            self._formats = {row.name: Switch(section, row.label, hint=CHOSEN.format(row.hint)) for row in choices()}
-            self._marked = Switch(section, "even if uncertified", hint=MARKED)
+            form.buttons("formats", {"all": self._all, "none": self._none}, hint=ALL_HINT)
+            self._formats = {
+                row.name: Switch(section, row.label, hint=FORMAT_HINT.format(row.hint)) for row in choices()
+            }
+            self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
             form.button("Export as a zip", self._export, hint="Certifies the written bytes, then downloads the zip.")
-            self._said = form.gui.add_html("", visible=False)
+            self._result_line = form.gui.add_html("", visible=False)
         form.command("Export as a zip", self._export)
 
     def _all(self) -> None:
@@ -50,14 +52,14 @@ class PackPanel:
 
     def _export(self) -> None:
         with self._section.answering():
-            settings, marked = self._page.read(), self._marked.read()
-            forms = tuple(name for name, switch in self._formats.items() if switch.read())
+            settings, even_uncertified = self._page.read(), self._even_uncertified.read()
+            names = tuple(name for name, switch in self._formats.items() if switch.read())
         shown = effective(settings)
         stem = file_name(settings.origin, shown, self._catalog.presets[settings.origin]).removesuffix(".toml")
-        self._said.visible = False
+        self._result_line.visible = False
 
         def work(progress: Progress, cancelled: Cancelled) -> Bundle:
-            return pack(shown, stem, forms, uncertified=marked, progress=progress, cancelled=cancelled)
+            return pack(shown, stem, names, uncertified=even_uncertified, progress=progress, cancelled=cancelled)
 
         self._jobs.start("export", work, self._done, self._refuse)
 
@@ -67,7 +69,7 @@ class PackPanel:
         head, refused, rest = first.partition(": refused: ")
         self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))
 
-    def _done(self, packed: Bundle) -> None:
-        self._send(packed.name, packed.content)
-        self._said.content = NOTE.format(bullets((f"{packed.name}, {len(packed.content)} bytes", *packed.notes)))
-        self._said.visible = True
+    def _done(self, bundle: Bundle) -> None:
+        self._send(bundle.name, bundle.content)
+        self._result_line.content = NOTE.format(bullets((f"{bundle.name}, {len(bundle.content)} bytes", *bundle.notes)))
+        self._result_line.visible = True

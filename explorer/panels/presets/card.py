@@ -13,7 +13,7 @@ from rangenav.preset import Preset
 
 SIDE, MARGIN, POINTS = 92, 7, 240
 """px of one drawing and of the space around its path; points along it."""
-DRAWN = 64
+CACHED_DRAWINGS = 64
 """Drawings remembered."""
 BADGES = {
     "observable": ("●", palette.GOOD, "CERTIFIED OBSERVABLE"),
@@ -23,7 +23,7 @@ BADGES = {
 """Shape, colour (on white, on black) and words of what a certificate confirms, by what the preset expects."""
 UNCERTIFIED = ("◌", palette.ERROR, "UNCERTIFIED")
 BEING_CERTIFIED = ("◌", palette.NEUTRAL, "BEING CERTIFIED …")
-EXPECTED = {
+EXPECTED_TEXTS = {
     "observable": "● expected observable",
     "weak": "▲ expected weak",
     "unobservable": "✕ expected unobservable",
@@ -38,92 +38,101 @@ CAPTION = f'<figcaption style="{DIMMED};font-size:0.8em">{{}}</figcaption>'
 FIGURE = f'<figure style="margin:0;text-align:center">{{}}{CAPTION}</figure>'
 FRAME = f"border:1px solid {palette.THUMBNAIL_FRAME};border-radius:4px"
 BOX = f'<svg width="{{0}}" height="{{0}}" style="{FRAME}" role="img" aria-label="{{1}}">'
-UPRIGHT = np.eye(3)
+AXES = np.eye(3)
 
 
-def card(shown: Preset, found: CertificateOrReason | None, *, changed: bool) -> str:
+def card(preset: Preset, certificate_or_reason: CertificateOrReason | None, *, changed: bool) -> str:
     """The card as HTML; `found` None means that the certificate is being computed."""
-    title = html.escape(shown.title) + (" • changed, not saved" if changed else "")
-    said = [f'<div style="font-weight:600">{title}</div>']
-    said += [_badge(shown, found), f"<div>{html.escape(shown.story)}</div>" if shown.story else ""]
-    said.append(f'<div style="{DIMMED}"><b>{EXPECTED[shown.expect]}</b>{_figures(shown, found)}</div>')
-    pictures = f'<div style="display:flex;gap:0.8em;padding:0.3em 0">{drawings(shown)}</div>'
-    return f'<div style="{STYLE}">{pictures}{"".join(said)}</div>'
+    title = html.escape(preset.title) + (" • changed, not saved" if changed else "")
+    parts = [f'<div style="font-weight:600">{title}</div>']
+    parts += [_badge(preset, certificate_or_reason), f"<div>{html.escape(preset.story)}</div>" if preset.story else ""]
+    parts.append(
+        f'<div style="{DIMMED}"><b>{EXPECTED_TEXTS[preset.expect]}</b>{_figures(preset, certificate_or_reason)}</div>'
+    )
+    pictures = f'<div style="display:flex;gap:0.8em;padding:0.3em 0">{drawings(preset)}</div>'
+    return f'<div style="{STYLE}">{pictures}{"".join(parts)}</div>'
 
 
-def badge(shown: Preset, found: CertificateOrReason | None) -> tuple[str, str, str]:
+def badge(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> tuple[str, str, str]:
     """Shape, colour and words of what is known about a preset."""
-    if found is None:
+    if certificate_or_reason is None:
         return BEING_CERTIFIED
-    return BADGES[shown.expect] if not isinstance(found, str) and found.certified else UNCERTIFIED
+    return (
+        BADGES[preset.expect]
+        if not isinstance(certificate_or_reason, str) and certificate_or_reason.certified
+        else UNCERTIFIED
+    )
 
 
-@lru_cache(maxsize=DRAWN)
-def drawings(shown: Preset) -> str:
+@lru_cache(maxsize=CACHED_DRAWINGS)
+def drawings(preset: Preset) -> str:
     """The path over its period or the flight, from above and from the side where it is longer, as inline SVG."""
-    places = _places(shown, POINTS)
-    wide = int(np.ptp(places[:, 1]) > np.ptp(places[:, 0]))
-    extent = " × ".join(f"{size:.2g}" for size in np.ptp(places, axis=0))
+    positions = _positions(preset, POINTS)
+    wide = int(np.ptp(positions[:, 1]) > np.ptp(positions[:, 0]))
+    extent = " × ".join(f"{size:.2g}" for size in np.ptp(positions, axis=0))
     return "".join(
-        FIGURE.format(picture(shown, UPRIGHT[:, axes], SIDE, POINTS, words), caption)
-        for axes, words, caption in (
+        FIGURE.format(picture(preset, AXES[:, axes], SIDE, POINTS, text), caption)
+        for axes, text, caption in (
             ([0, 1], "the path from above", "from above"),
             ([wide, 2], "the path from the side", f"from the side; {extent} m"),
         )
     )
 
 
-def picture(shown: Preset, view: Float[Array, "3 2"], side: int, points: int, words: str) -> str:
+def picture(preset: Preset, view: Float[Array, "3 2"], side: int, points: int, text: str) -> str:
     """The path and the anchor from one side (the columns of `view` point right and up), as inline SVG."""
-    places, anchor = _places(shown, points) @ view, np.asarray(shown.world.anchor) * (1.0, 1.0, _up(shown)) @ view
-    low, high = places.min(axis=0), places.max(axis=0)
+    positions, anchor = (
+        _positions(preset, points) @ view,
+        np.asarray(preset.world.anchor) * (1.0, 1.0, _up(preset)) @ view,
+    )
+    low, high = positions.min(axis=0), positions.max(axis=0)
     size = max(float((high - low).max()), 1e-6)
     scale, middle = (side - 2 * MARGIN) / size, (low + high) / 2
 
-    def spot(place: Float[Array, "... 2"]) -> Float[Array, "... 2"]:
-        return side / 2 + (place - middle) * (scale, -scale)
+    def pixel(point: Float[Array, "... 2"]) -> Float[Array, "... 2"]:
+        return side / 2 + (point - middle) * (scale, -scale)
 
-    line = LINE.format(" ".join(f"{x:.1f},{y:.1f}" for x, y in spot(places)))
-    x, y = spot(anchor)
-    stands = ANCHOR.format(x=x, y=y) if 0 <= x <= side and 0 <= y <= side else ""
-    x, y = spot(places[0])
-    return f"{BOX.format(side, words)}{stands}{line}{START.format(x, y)}</svg>"
+    line = LINE.format(" ".join(f"{x:.1f},{y:.1f}" for x, y in pixel(positions)))
+    x, y = pixel(anchor)
+    anchor_sign = ANCHOR.format(x=x, y=y) if 0 <= x <= side and 0 <= y <= side else ""
+    x, y = pixel(positions[0])
+    return f"{BOX.format(side, text)}{anchor_sign}{line}{START.format(x, y)}</svg>"
 
 
-def _places(shown: Preset, points: int) -> Float[Array, "n 3"]:
+def _positions(preset: Preset, points: int) -> Float[Array, "n 3"]:
     """Where the path goes, z up."""
-    length = min(shown.duration, shown.path.period or shown.duration)
-    return shown.path(np.linspace(0.0, length, points)) * (1.0, 1.0, _up(shown))
+    length = min(preset.duration, preset.path.period or preset.duration)
+    return preset.path(np.linspace(0.0, length, points)) * (1.0, 1.0, _up(preset))
 
 
-def _up(shown: Preset) -> float:
-    return -1.0 if shown.world.gravity[2] > 0 else 1.0
+def _up(preset: Preset) -> float:
+    return -1.0 if preset.world.gravity[2] > 0 else 1.0
 
 
-def _badge(shown: Preset, found: CertificateOrReason | None) -> str:
-    shape, colour, words = badge(shown, found)
-    why = ""
-    if isinstance(found, str):
-        why = found
-    elif found is not None and not found.certified:
-        why = "; ".join(found.failures)
+def _badge(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> str:
+    shape, colour, text = badge(preset, certificate_or_reason)
+    reason = ""
+    if isinstance(certificate_or_reason, str):
+        reason = certificate_or_reason
+    elif certificate_or_reason is not None and not certificate_or_reason.certified:
+        reason = "; ".join(certificate_or_reason.failures)
     chip = f'<span style="color:{colour};border:1px solid;border-radius:3px;padding:0 0.4em;font-weight:600">'
-    said = f"<div>{html.escape(why)}</div>" if why else ""
-    return f'<div style="padding:0.15em 0 0.3em">{chip}{shape} {words}</span></div>{said}'
+    parts = f"<div>{html.escape(reason)}</div>" if reason else ""
+    return f'<div style="padding:0.15em 0 0.3em">{chip}{shape} {text}</span></div>{parts}'
 
 
-def _figures(shown: Preset, found: CertificateOrReason | None) -> str:
+def _figures(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> str:
     """μ and σ as the certificate has them."""
-    if found is None or isinstance(found, str):
+    if certificate_or_reason is None or isinstance(certificate_or_reason, str):
         return ""
-    excited, sigma = found.excitation, found.accuracy.lifted.end.position
-    needed = shown.requirement
-    unit = f"m²/s⁷ over {needed.window:g} s (required {needed.mu:.3g})"
-    if excited.found is None:
+    excitation, sigma = certificate_or_reason.excitation, certificate_or_reason.accuracy.lifted.end.position
+    requirement = preset.requirement
+    unit = f"m²/s⁷ over {requirement.window:g} s (required {requirement.mu:.3g})"
+    if excitation.found is None:
         mu = f"μ = 0 {unit}: nothing above rounding"
-    elif excited.lower is not None:
-        mu = f"μ ≥ {excited.lower:.3g} {unit}"
+    elif excitation.lower is not None:
+        mu = f"μ ≥ {excitation.lower:.3g} {unit}"
     else:
-        mu = f"μ = {excited.found:.3g} {unit}, on sampled windows"
-    told = "not determined" if sigma is None else f"{sigma:.3g} m"
-    return f"<br>{mu}<br>predicted σ {told} (required {needed.position_sigma:.3g} m)"
+        mu = f"μ = {excitation.found:.3g} {unit}, on sampled windows"
+    sigma_text = "not determined" if sigma is None else f"{sigma:.3g} m"
+    return f"<br>{mu}<br>predicted σ {sigma_text} (required {requirement.position_sigma:.3g} m)"

@@ -10,23 +10,23 @@ from explorer.widgets.html import NOTE, bullets, table
 from rangenav.flight_summary import ObserverSummary
 from rangenav.formats import Flight, ImportResult
 
-SHAPES = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
-SOURCES: dict[WorldSource, str] = {
+SIGNS = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
+WORLD_SOURCES: dict[WorldSource, str] = {
     "": "as the file says",
     "still": "as its still start says",
     "given": "as given below",
 }
-ANCHOR = "m, in the inertial frame of the record; no log can tell it, unless it says so."
-SOURCE = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
-SYNTHETIC = "For a record with a true position and no ranges: makes some, with the noise below."
-SIGMA = "σ of the ranges (m)."
-WINDOW = "δ (s): each window of this length is judged by itself."
-PART = (
+ANCHOR_HINT = "m, in the inertial frame of the record; no log can tell it, unless it says so."
+WORLD_HINT = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
+SYNTHETIC_HINT = "For a record with a true position and no ranges: makes some, with the noise below."
+SIGMA_HINT = "σ of the ranges (m)."
+WINDOW_HINT = "δ (s): each window of this length is judged by itself."
+PART_HINT = (
     "The part of the record that is judged, by its own stamps: at rest, before and after a flight, nothing is excited, "
     "and an observer that has nothing to go by drifts away. Gravity, field and noise are taken from the whole."
 )
-WEAK = "Predicted position error (m) above which a window of full rank counts as weak."
-JUDGE = "Rank and predicted error on sliding windows, from the IMU alone; then the observers, if there are ranges."
+WEAK_HINT = "Predicted position error (m) above which a window of full rank counts as weak."
+JUDGE_HINT = "Rank and predicted error on sliding windows, from the IMU alone; then the observers, if there are ranges."
 
 
 class FlightPanel:
@@ -37,40 +37,40 @@ class FlightPanel:
         self._section = section = Section(form, "Recorded flight")
         with section:
             self._evidence = form.gui.add_html("")
-            self._anchor = Vector(section, "its anchor (m)", step=0.01, hint=ANCHOR)
-            self._world = Choice(section, "gravity, field", SOURCES, hint=SOURCE)
+            self._anchor = Vector(section, "its anchor (m)", step=0.01, hint=ANCHOR_HINT)
+            self._world = Choice(section, "gravity, field", WORLD_SOURCES, hint=WORLD_HINT)
             self._gravity = Vector(section, "its gravity (m/s²)", step=0.01, hint="Inertial; used if given.")
             self._magnetic = Vector(section, "its field", step=0.01, hint="Its direction, inertial; used if given.")
-            self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC)
-            self._sigma = Number(section, "ranges ± (m)", step=0.01, hint=SIGMA)
-            self._begin = Number(section, "from (s)", step=1, hint=PART)
-            self._end = Number(section, "to (s)", step=1, hint=PART)
-            self._window = Number(section, "windows of (s)", step=0.5, hint=WINDOW)
-            self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK)
-            form.button("Was it informative?", self._judge, hint=JUDGE)
-            self._report = form.gui.add_html("", visible=False)
+            self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC_HINT)
+            self._sigma = Number(section, "ranges ± (m)", step=0.01, hint=SIGMA_HINT)
+            self._begin = Number(section, "from (s)", step=1, hint=PART_HINT)
+            self._end = Number(section, "to (s)", step=1, hint=PART_HINT)
+            self._window = Number(section, "windows of (s)", step=0.5, hint=WINDOW_HINT)
+            self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK_HINT)
+            form.button("Was it informative?", self._judge, hint=JUDGE_HINT)
+            self._report_block = form.gui.add_html("", visible=False)
         section.show(False)
 
-    def take(self, found: ImportResult) -> None:
+    def offer(self, import_result: ImportResult) -> None:
         """Offer a flight that was read."""
-        flight = self._flight = found.flight
+        flight = self._flight = import_result.flight
         if flight is None:
             return
         source, evidence = world_evidence(flight)
-        self._source = found.source
-        self._evidence.content = NOTE.format(bullets((f"{found.source}: {_has(flight)}", evidence)))
-        usual = FlightOptions(anchor=flight.anchor or (0.0, 0.0, 0.0))
-        self._anchor.show(usual.anchor)
+        self._source = import_result.source
+        self._evidence.content = NOTE.format(bullets((f"{import_result.source}: {_contents(flight)}", evidence)))
+        defaults = FlightOptions(anchor=flight.anchor or (0.0, 0.0, 0.0))
+        self._anchor.show(defaults.anchor)
         self._world.show(source)
         self._gravity.show((0.0, 0.0, -9.81 if flight.frame == "z-up" else 9.81))
-        self._magnetic.show(flight.magnetic or usual.magnetic)
+        self._magnetic.show(flight.magnetic or defaults.magnetic)
         self._synthetic.show(len(flight.range) == 0 and flight.position is not None)
-        self._sigma.show(usual.range_sigma)
+        self._sigma.show(defaults.range_sigma)
         self._begin.show(float(flight.time[0]))
         self._end.show(math.ceil(1e3 * flight.time[-1]) / 1e3)
-        self._window.show(min(usual.window, found.duration / 2))
-        self._weak.show(usual.position_sigma)
-        self._report.visible = False
+        self._window.show(min(defaults.window, import_result.duration / 2))
+        self._weak.show(defaults.position_sigma)
+        self._report_block.visible = False
         self._section.show(True)
 
     def _judge(self) -> None:
@@ -78,7 +78,7 @@ class FlightPanel:
         if flight is None:
             return
         with self._section.catching():
-            asked = FlightOptions(
+            options = FlightOptions(
                 anchor=self._anchor.read(),
                 source=self._world.read(),
                 gravity=self._gravity.read(),
@@ -90,44 +90,44 @@ class FlightPanel:
                 window=self._window.read(),
                 position_sigma=self._weak.read(),
             )
-        self._report.visible = False
+        self._report_block.visible = False
         name = f"judging {self._source}"
-        self._jobs.start(name, lambda *_: judge(flight, asked), self._show, self._section.complaint.say)
+        self._jobs.start(name, lambda *_: judge(flight, options), self._show, self._section.complaint.say)
 
-    def _show(self, judged: FlightReport) -> None:
-        self._report.content = NOTE.format(report(judged))
-        self._report.visible = True
+    def _show(self, flight_report: FlightReport) -> None:
+        self._report_block.content = NOTE.format(report(flight_report))
+        self._report_block.visible = True
 
 
-def report(judged: FlightReport) -> str:
+def report(flight_report: FlightReport) -> str:
     """The answer as HTML: a word, windows by verdict, the worst one, and the observers' errors."""
-    windows = judged.windows
-    head = f"{SHAPES.get(judged.verdict, '')} {judged.verdict}: {judged.summary}"
+    windows = flight_report.windows
+    head = f"{SIGNS.get(flight_report.verdict, '')} {flight_report.verdict}: {flight_report.summary}"
     rows = [
         ("windows", ", ".join(f"{count} {name}" for name, count in windows.counts.items() if count)),
         ("worst window", f"from {windows.worst_start:.4g} s: rank {windows.worst_rank} of 13"),
         ("σ there", _number(windows.worst_position, "m", "blind there, or without ranges")),
         ("σ, median", _number(windows.median_position, "m")),
     ]
-    said = bullets((head, *([judged.world_source] if judged.world_source else []))) + table((), rows)
-    if judged.observer is None:
-        return said + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
-    return said + _observers(judged.observer)
+    text = bullets((head, *([flight_report.world_source] if flight_report.world_source else []))) + table((), rows)
+    if flight_report.observer is None:
+        return text + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
+    return text + _observers(flight_report.observer)
 
 
 def _observers(observer: ObserverSummary) -> str:
-    place = ", ".join(_number(value) for value in observer.final_position)
+    position = ", ".join(_number(value) for value in observer.final_position)
     rows: list[tuple[str, ...]] = []
     for label, errors in (("position error (m)", observer.position), ("attitude error (°)", observer.attitude)):
         if errors is not None:
             rows.append((label, *(_number(value) for value in (*errors.quarters, errors.median))))
-    said = bullets((f"ends at {place} m; innovations {_number(observer.innovation_rms, 'm²')} rms",))
+    text = bullets((f"ends at {position} m; innovations {_number(observer.innovation_rms, 'm²')} rms",))
     if not rows:
-        return said + bullets(("no truth in the file to hold the estimate against",))
-    return said + table(("rms by quarters", "1st", "2nd", "3rd", "4th", "median"), rows)
+        return text + bullets(("no truth in the file to hold the estimate against",))
+    return text + table(("rms by quarters", "1st", "2nd", "3rd", "4th", "median"), rows)
 
 
-def _has(flight: Flight) -> str:
+def _contents(flight: Flight) -> str:
     length = flight.time[-1] - flight.time[0]
     parts = [f"{len(flight.time)} samples over {length:.4g} s", f"{len(flight.range)} ranges"]
     parts.append("a magnetometer" if flight.mag is not None else "no magnetometer")

@@ -19,12 +19,12 @@ SIDE, POINTS = 70, 120
 """px of a drawing, so that four stand beside each other in the dock; points along it."""
 MAX_TILES = 60
 """More would make the page slow; the menu has them all."""
-DRAWN = 2 * MAX_TILES
+CACHED_DRAWINGS = 2 * MAX_TILES
 FROM_A_CORNER = np.array([(0.82, -0.57), (0.40, 0.57), (0.0, 0.82)])
 """Seen a little from above no two shipped paths look alike, as a circle and its tilted sister do from the top."""
-HIDDEN = ':has(> * > * > label[for="{}"]){{display:none}}'
+HIDE_BUTTONS = ':has(> * > * > label[for="{}"]){{display:none}}'
 """The row of buttons, whose tiles are all that needs to be seen; should viser build its rows otherwise, they show."""
-PRESS = (
+PRESS_BUTTON = (
     "let row = document.querySelector('label[for=&quot;{}&quot;]'); while (row && !row.querySelector('button'))"
     " row = row.parentElement; row?.querySelectorAll('button')[{}]?.click()"
 )
@@ -38,7 +38,7 @@ TILES = (
     f'{{}}</div><style>{{}}</style><div style="{DIMMED};font-size:0.75em;padding:0.2em 1.1em 0.6em">'
     "● certified observable, ▲ weak, ✕ unobservable; ◌ not certified, or not yet{}</div>"
 )
-OPEN = "The same as a click on its picture. Ctrl+Z brings back what was on the page."
+OPEN_HINT = "The same as a click on its picture. Ctrl+Z brings back what was on the page."
 
 
 class Gallery:
@@ -50,16 +50,16 @@ class Gallery:
         self._labels: tuple[str, ...] = ("",)
         with Section(form):
             self._tiles = form.gui.add_html("", visible=False)
-            self._row = form.gui.add_button_group("open", self._labels, hint=OPEN, visible=False)
-        self._row.on_click(lambda event: form.do(lambda label=event.target.value: self._press(label)))
+            self._row = form.gui.add_button_group("open", self._labels, hint=OPEN_HINT, visible=False)
+        self._row.on_click(lambda event: form.do(lambda label=event.target.value: self._open_labelled(label)))
 
-    def toggle(self, shown: str) -> None:
+    def toggle(self, open_name: str) -> None:
         """Show or hide it."""
         self._visible = not self._visible
-        self.draw(shown)
+        self.draw(open_name)
         self._tiles.visible = self._row.visible = self._visible
 
-    def draw(self, shown: str) -> None:
+    def draw(self, open_name: str) -> None:
         """Bring it up to date, if anybody sees it."""
         if not self._visible:
             return
@@ -67,11 +67,11 @@ class Gallery:
         labels = tuple(marked(name) for name in names)
         if labels != self._labels:
             self._labels = self._row.options = labels
-        left_out = len(self._catalog.labels(shown)) - len(names)
+        left_out = len(self._catalog.labels(open_name)) - len(names)
         more = f". {left_out} more are in the menu" if left_out > 0 else ""
         offered = enumerate(self._offered.items())
-        tiles = "".join(self._tile(k, name, one, name == shown) for k, (name, one) in offered)
-        content = TILES.format(tiles, HIDDEN.format(self._row._impl.uuid), more)
+        tiles = "".join(self._tile(k, name, preset, name == open_name) for k, (name, preset) in offered)
+        content = TILES.format(tiles, HIDE_BUTTONS.format(self._row._impl.uuid), more)
         if content != self._tiles.content:
             self._tiles.content = content
 
@@ -79,26 +79,26 @@ class Gallery:
     def _offered(self) -> dict[str, Preset]:
         return dict(list(self._catalog.offered.items())[:MAX_TILES])
 
-    def _tile(self, number: int, name: str, one: Preset, shown: bool) -> str:
-        shape, colour, words = badge(one, self._catalog.badge(name, one, self._form.wake))
+    def _tile(self, number: int, name: str, preset: Preset, open_name: bool) -> str:
+        shape, colour, text = badge(preset, self._catalog.badge(name, preset, self._form.wake))
         return TILE.format(
-            press=PRESS.format(self._row._impl.uuid, number),
-            title=html.escape(f"{one.title}: {words.lower()}"),
+            press=PRESS_BUTTON.format(self._row._impl.uuid, number),
+            title=html.escape(f"{preset.title}: {text.lower()}"),
             side=SIDE,
-            drawing=_drawing(one),
-            weight=700 if shown else 400,
+            drawing=_drawing(preset),
+            weight=700 if open_name else 400,
             colour=colour,
             shape=shape,
             name=html.escape(marked(name)),
         )
 
-    def _press(self, label: str) -> None:
+    def _open_labelled(self, label: str) -> None:
         for name in self._offered:
             if marked(name) == label:
                 self._open(name)
                 return
 
 
-@lru_cache(maxsize=DRAWN)
-def _drawing(shown: Preset) -> str:
-    return picture(shown, FROM_A_CORNER, SIDE, POINTS, "the path, seen from a corner")
+@lru_cache(maxsize=CACHED_DRAWINGS)
+def _drawing(open_name: Preset) -> str:
+    return picture(open_name, FROM_A_CORNER, SIDE, POINTS, "the path, seen from a corner")

@@ -19,9 +19,9 @@ from rangenav.formats import ImportResult, Question
 
 ANCHOR = (0.0, 0.0, 0.0)
 """m; no path says where the anchor stands, and the World tab moves it."""
-UPLOAD = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
-FORMAT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
-CONFIRM = "Takes the answers above. Nothing is converted before you have confirmed it."
+UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
+FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
+CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have confirmed it."
 UNANSWERED = ""
 CHOOSE = "choose"
 
@@ -48,16 +48,16 @@ class ImportPanel:
         self._form, self._catalog, self._page, self._jobs, self._judge = form, catalog, page, jobs, judge
         self._section = section = Section(form, "Import a path or a recorded flight", expanded=False)
         self._file: ImportFile | None = None
-        self._asking: Section | None = None
+        self._questions_section: Section | None = None
         self._answers: dict[str, str] = {}
-        self._asked: dict[str, Choice[str]] = {}
+        self._answer_choices: dict[str, Choice[str]] = {}
         with section:
-            uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD)
-            self._format = Choice(section, "format", choices(), hint=FORMAT)
+            uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
+            self._format = Choice(section, "format", choices(), hint=FORMAT_HINT)
             form.button(
                 "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
             )
-            self._said = form.gui.add_html("", visible=False)
+            self._message = form.gui.add_html("", visible=False)
 
     def _receive(self, name: str, content: bytes) -> None:
         file = ImportFile(name, content)
@@ -70,21 +70,21 @@ class ImportPanel:
 
     def _read(self) -> None:
         self._answers = {}
-        self._begin()
+        self._interpret()
 
-    def _begin(self) -> None:
+    def _interpret(self) -> None:
         """Read with the answers there are."""
         with self._section.catching():
             if self._file is None:
                 raise ValueError("no file has been handed over yet")
             format_name = self._format.read()
         self._forget_questions()
-        self._said.visible = False
+        self._message.visible = False
         file, answers = self._file, dict(self._answers)
         self._jobs.start(
             f"reading {file.name}",
             lambda progress, cancelled: interpret(file, format_name, answers, ANCHOR),
-            self._understood,
+            self._take_interpretation,
             partial(self._fail, format_name),
         )
 
@@ -94,63 +94,67 @@ class ImportPanel:
         advice = f"It was read as {label}: if it is none, choose another format and read it again"
         self._section.complaint.say(f"{reason}. {advice}")
 
-    def _understood(self, understood: Interpretation) -> None:
-        found = understood.found
-        self._say(*report(found))
-        if found.questions:
-            self._ask(found.questions)
-        elif understood.preset is not None:
-            self._page.write(self._catalog.add_imported(understood.preset))
-            self._say(*report(found), "opened as a preset that is not saved yet (anchor at 0, 0, 0: see World)")
-        elif found.flight is not None:
-            self._judge(found)
-            self._say(*report(found), "a recorded flight: judge it below")
+    def _take_interpretation(self, interpretation: Interpretation) -> None:
+        result = interpretation.found
+        self._show_message(*report(result))
+        if result.questions:
+            self._show_questions(result.questions)
+        elif interpretation.preset is not None:
+            self._page.write(self._catalog.add_imported(interpretation.preset))
+            self._show_message(
+                *report(result), "opened as a preset that is not saved yet (anchor at 0, 0, 0: see World)"
+            )
+        elif result.flight is not None:
+            self._judge(result)
+            self._show_message(*report(result), "a recorded flight: judge it below")
 
-    def _ask(self, questions: tuple[Question, ...]) -> None:
+    def _show_questions(self, questions: tuple[Question, ...]) -> None:
         """Put each question with its evidence; what is suggested is chosen already, and waits to be confirmed."""
         with self._section:
-            self._asking = asking = Section(self._form, "Questions before it is used")
-        with asking:
+            self._questions_section = questions_section = Section(self._form, "Questions before it is used")
+        with questions_section:
             for question in questions:
-                words = {option: option for option in question.options}
+                labels = {option: option for option in question.options}
                 if question.suggestion is None:
-                    words = {UNANSWERED: CHOOSE} | words
-                said = f"{question.asks}? {question.evidence}"
+                    labels = {UNANSWERED: CHOOSE} | labels
+                sentences = f"{question.asks}? {question.evidence}"
                 if question.suggestion is not None:
-                    said += f"; suggested: {question.suggestion}"
-                self._form.gui.add_html(NOTE.format(bullets((said,))))
-                choice = self._asked[question.key] = Choice(asking, question.key, words, hint=question.asks)
+                    sentences += f"; suggested: {question.suggestion}"
+                self._form.gui.add_html(NOTE.format(bullets((sentences,))))
+                choice = self._answer_choices[question.key] = Choice(
+                    questions_section, question.key, labels, hint=question.asks
+                )
                 choice.show(question.suggestion or UNANSWERED)
-            self._form.button("Confirm the answers", partial(self._confirm, questions), hint=CONFIRM)
+            self._form.button("Confirm the answers", partial(self._confirm, questions), hint=CONFIRM_HINT)
 
     def _confirm(self, questions: tuple[Question, ...]) -> None:
-        if self._asking is None:
+        if self._questions_section is None:
             return
-        with self._asking.catching():
-            answers = {question.key: self._asked[question.key].read() for question in questions}
-            open_ones = [question.asks for question in questions if answers[question.key] == UNANSWERED]
-            if open_ones:
-                raise ValueError(f"not answered yet: {'; '.join(open_ones)}")
+        with self._questions_section.catching():
+            answers = {question.key: self._answer_choices[question.key].read() for question in questions}
+            unanswered = [question.asks for question in questions if answers[question.key] == UNANSWERED]
+            if unanswered:
+                raise ValueError(f"not answered yet: {'; '.join(unanswered)}")
         self._answers |= answers
-        self._begin()
+        self._interpret()
 
     def _forget_questions(self) -> None:
-        self._asked = {}
-        if self._asking is not None:
-            self._asking.remove()
-            self._asking = None
+        self._answer_choices = {}
+        if self._questions_section is not None:
+            self._questions_section.remove()
+            self._questions_section = None
 
-    def _say(self, *sentences: str) -> None:
-        self._said.content = NOTE.format(bullets(sentences))
-        self._said.visible = True
+    def _show_message(self, *sentences: str) -> None:
+        self._message.content = NOTE.format(bullets(sentences))
+        self._message.visible = True
 
 
-def report(found: ImportResult) -> tuple[str, ...]:
+def report(result: ImportResult) -> tuple[str, ...]:
     """What a file was understood to be, one sentence each."""
-    rate = "" if found.rate is None else f" at {found.rate:.4g} Hz"
-    said = [f"{found.source}: {found.format}, {found.rows} rows{rate}, {found.duration:.4g} s, {found.frame}"]
-    if found.fit_error is not None:
-        said.append(f"the path passes the file's positions within {1e3 * found.fit_error:.3g} mm")
-    if found.unjudged is not None:
-        said.append(f"excitation is not judged: {found.unjudged}")
-    return (*said, *found.findings)
+    rate = "" if result.rate is None else f" at {result.rate:.4g} Hz"
+    sentences = [f"{result.source}: {result.format}, {result.rows} rows{rate}, {result.duration:.4g} s, {result.frame}"]
+    if result.fit_error is not None:
+        sentences.append(f"the path passes the file's positions within {1e3 * result.fit_error:.3g} mm")
+    if result.unjudged is not None:
+        sentences.append(f"excitation is not judged: {result.unjudged}")
+    return (*sentences, *result.findings)

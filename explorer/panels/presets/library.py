@@ -17,17 +17,17 @@ from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
 from rangenav.preset import MAX_TITLE, Preset
 
-TITLE = "Any letters will do; a new file's name is made of it."
-KEEP = (
+TITLE_HINT = "Any letters will do; a new file's name is made of it."
+SAVE_HINT = (
     "“save” writes what is on the page, under the title above, over your preset's file; “save as” keeps it as a new "
     "one; “duplicate” copies the preset as it was opened."
 )
-TIDY = (
+MANAGE_HINT = (
     "Of the preset chosen above, if it is yours. “rename” changes title and file name. What is deleted goes to a "
     "trash, and “undo delete” brings back the last of it, also after a reload."
 )
-UPLOAD = "A preset file (.toml), or a zip with one as this page packs it; it joins your library and is opened."
-LONGEST_TYPED = 4 * MAX_TITLE
+UPLOAD_HINT = "A preset file (.toml), or a zip with one as this page packs it; it joins your library and is opened."
+MAX_TYPED_TITLE = 4 * MAX_TITLE
 
 
 class LibraryPanel:
@@ -44,25 +44,25 @@ class LibraryPanel:
     ) -> None:
         """`changed`: whether what is on the page differs from its preset. `news`: the library has other files now."""
         self._catalog, self._page, self._is_changed, self._refresh_catalog = catalog, page, is_changed, refresh_catalog
-        self._shown = ""
-        self._deleted: list[str] = []
+        self._open_name = ""
+        self._trash_marks: list[str] = []
         self.section = section = Section(form)  # its complaints stay until the next thing is asked for
         with section:
-            self._title = Text(section, "title", hint=TITLE, longest=LONGEST_TYPED)
-            keep = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
-            form.buttons("keep", self._guarded(keep), hint=KEEP)
-            tidy = {"rename": self._rename, "delete": self._delete, "undo delete": self._restore}
-            form.buttons("tidy", self._guarded(tidy), hint=TIDY)
-            self._said = form.gui.add_html("", visible=False)
+            self._title = Text(section, "title", hint=TITLE_HINT, longest=MAX_TYPED_TITLE)
+            save_actions = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
+            form.buttons("keep", self._guarded(save_actions), hint=SAVE_HINT)
+            manage_actions = {"rename": self._rename, "delete": self._delete, "undo delete": self._restore}
+            form.buttons("tidy", self._guarded(manage_actions), hint=MANAGE_HINT)
+            self._message = form.gui.add_html("", visible=False)
         self._files = section = Section(form)
         with section:
-            uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD)
-            self._came = form.gui.add_html("", visible=False)
+            uploads.button("Upload a preset", self._upload, section.complaint.say, hint=UPLOAD_HINT)
+            self._upload_message = form.gui.add_html("", visible=False)
         form.command("Save the preset", self._guarded({"": self._save})[""])
 
     def write(self, settings: Settings) -> None:
         """Show the title to save under."""
-        self._shown = settings.origin
+        self._open_name = settings.origin
         self._title.write(settings.preset.title, self._catalog.presets[settings.origin].title)
 
     def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
@@ -70,7 +70,7 @@ class LibraryPanel:
 
         def guard(action: Action) -> Action:
             def guarded() -> None:
-                self._said.visible = False
+                self._message.visible = False
                 with self.section.catching():
                     action()
 
@@ -81,24 +81,24 @@ class LibraryPanel:
     def _save(self) -> None:
         settings = self._page.read()
         new = retitled(effective(settings), self._title.read())
-        self._keep(settings, self._catalog.save(settings.origin, new, edition=settings.edition))
-        self._say(f"saved as {self._name()}")
+        self._show_saved(settings, self._catalog.save(settings.origin, new, edition=settings.edition))
+        self._confirm(f"saved as {self._name()}")
 
     def _save_as(self) -> None:
         settings = self._page.read()
         new = retitled(effective(settings), self._title.read())
-        self._keep(settings, self._catalog.add(new))
-        self._say(f"saved as {self._name()}{_instead(self._shown, new.title)}")
+        self._show_saved(settings, self._catalog.add(new))
+        self._confirm(f"saved as {self._name()}{_other_file_note(self._open_name, new.title)}")
 
     def _duplicate(self) -> None:
-        opened = self._catalog.presets[self._shown]
+        opened = self._catalog.presets[self._open_name]
         copy = self._catalog.add(retitled(opened, f"{opened.title[: MAX_TITLE - 7]}, copy"))
         if self._is_changed():
             self._refresh_catalog()
-            self._say(f"kept as {file_of(copy.origin)}; the page still shows your changes to {self._name()}")
+            self._confirm(f"kept as {file_text(copy.origin)}; the page still shows your changes to {self._name()}")
         else:
             self._page.write(copy)
-            self._say(f"kept as {self._name()}, which is open now")
+            self._confirm(f"kept as {self._name()}, which is open now")
 
     def _rename(self) -> None:
         settings, title = self._page.read(), checked_title(self._title.read())
@@ -108,38 +108,38 @@ class LibraryPanel:
         self._page.write(
             msgspec.structs.replace(settings, origin=renamed.origin, edition=renamed.edition, preset=shown)
         )
-        self._say(f"renamed to {self._name()}{_instead(self._shown, title)}")
+        self._confirm(f"renamed to {self._name()}{_other_file_note(self._open_name, title)}")
 
     def _delete(self) -> None:
         settings = self._page.read()
-        self._deleted.append(self._catalog.delete(settings.origin, edition=settings.edition))
-        self._say(f"{self._name()} is in the trash; what is on the page stays, and “undo delete” brings it back")
+        self._trash_marks.append(self._catalog.delete(settings.origin, edition=settings.edition))
+        self._confirm(f"{self._name()} is in the trash; what is on the page stays, and “undo delete” brings it back")
         self._refresh_catalog()
 
     def _restore(self) -> None:
-        marks = self._deleted or self._catalog.deleted()[:1]  # this page's own first, then what went before it came
+        marks = self._trash_marks or self._catalog.deleted()[:1]  # this page's own first, then what went before it came
         if not marks:
             raise ValueError("nothing was deleted: the trash is empty")
         restored = self._catalog.restore(marks.pop())
         self._refresh_catalog()
-        self._say(f"{file_of(restored.origin)} is back")
+        self._confirm(f"{file_text(restored.origin)} is back")
 
     def _upload(self, name: str, content: bytes) -> None:
-        self._came.visible = False
+        self._upload_message.visible = False
         with self._files.catching():
             self._page.write(self._catalog.add(preset_in(ImportFile(name, content))))
-            _tell(self._came, f"{name} joined your library as {self._name()}")
+            _show_message(self._upload_message, f"{name} joined your library as {self._name()}")
 
-    def _keep(self, settings: Settings, now: Settings) -> None:
+    def _show_saved(self, settings: Settings, now: Settings) -> None:
         """What was saved is open now; what was entered beside it stays."""
         printed = msgspec.structs.replace(settings.printed, initial_values=False)  # they are in the path by now
         self._page.write(msgspec.structs.replace(now, printed=printed, drafts=settings.drafts))
 
     def _name(self) -> str:
-        return file_of(self._shown)
+        return file_text(self._open_name)
 
-    def _say(self, sentence: str) -> None:
-        _tell(self._said, sentence)
+    def _confirm(self, sentence: str) -> None:
+        _show_message(self._message, sentence)
 
 
 def retitled(shown: Preset, title: str) -> Preset:
@@ -147,17 +147,17 @@ def retitled(shown: Preset, title: str) -> Preset:
     return msgspec.structs.replace(shown, title=checked_title(title))
 
 
-def _tell(place: viser.GuiHtmlHandle, sentence: str) -> None:
-    place.content = NOTE.format(f"✓ {html.escape(sentence)}")
-    place.visible = True
+def _show_message(line: viser.GuiHtmlHandle, sentence: str) -> None:
+    line.content = NOTE.format(f"✓ {html.escape(sentence)}")
+    line.visible = True
 
 
-def _instead(name: str, title: str) -> str:
+def _other_file_note(name: str, title: str) -> str:
     """Says so if another file has the name that the title would make."""
     usual = slug(title)
     return "" if display_name(name) == usual else f", beside {usual}.toml, which is left as it was"
 
 
-def file_of(name: str) -> str:
+def file_text(name: str) -> str:
     """The file of a preset on the shelf, for reading."""
     return f"{display_name(name)}.toml" if name.startswith(MINE) else name

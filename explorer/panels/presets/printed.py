@@ -10,7 +10,7 @@ from explorer.model.settings import Printed
 from explorer.widgets.controls import Switch
 from explorer.widgets.form import Form, Section
 
-UNDESIRED = (
+EQUILIBRIA_NOTE = (
     "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
     "The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
 )
@@ -23,26 +23,26 @@ class PrintedPanel:
         section = Section(form, "As printed in the paper", expanded=False)
         with section:
             form.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
-            self._switches = {name: _Row(section, row) for name, row in ROWS.items()}
-            form.gui.add_markdown(UNDESIRED)
+            self._switches = {name: _MisprintSwitch(section, misprint) for name, misprint in MISPRINTS.items()}
+            form.gui.add_markdown(EQUILIBRIA_NOTE)
 
     def read(self) -> Printed:
         """The switches that are on."""
-        return Printed(**{name: row.switch.read() for name, row in self._switches.items()})
+        return Printed(**{name: misprint.switch.read() for name, misprint in self._switches.items()})
 
     def write(self, printed: Printed) -> None:
         """Show switches."""
-        for name, row in self._switches.items():
-            row.switch.write(getattr(printed, name), False)
+        for name, misprint in self._switches.items():
+            misprint.switch.write(getattr(printed, name), False)
 
     def draw(self, picture: Picture) -> None:
         """Say beside each switch what it does to this picture."""
-        for name, row in self._switches.items():
-            row.draw(ROWS[name].consequence(picture))
+        for name, misprint in self._switches.items():
+            misprint.draw(MISPRINTS[name].consequence(picture))
 
 
 @dataclass(frozen=True)
-class Row:
+class Misprint:
     """One departure."""
 
     label: str
@@ -50,9 +50,9 @@ class Row:
     consequence: Callable[[Picture], str]
 
 
-class _Row:
-    def __init__(self, section: Section, row: Row) -> None:
-        self.switch = Switch(section, row.label, hint=row.hint)
+class _MisprintSwitch:
+    def __init__(self, section: Section, misprint: Misprint) -> None:
+        self.switch = Switch(section, misprint.label, hint=misprint.hint)
         self._line = section.gui.add_markdown("")
 
     def draw(self, sentence: str) -> None:
@@ -77,16 +77,16 @@ def _body_axes(picture: Picture) -> str:
 
 def _printed_mu(picture: Picture, on: bool) -> str:
     mu, needed = picture.analysis.mu, picture.preset.requirement.mu
-    derived = _above(mu, picture.analysis.mu_floor)
+    derived = _or_zero(mu, picture.analysis.mu_floor)
     if not on:
         return f"Off: μ = {derived} m²/s⁷."
     printed = float(np.min(picture.printed_excitation))
-    false = " — a false certificate" if printed >= needed > mu else ""
-    return f"On: μ reads {printed:.3g} m²/s⁷ where the derived one is {derived}{false}."
+    false_certificate = " — a false certificate" if printed >= needed > mu else ""
+    return f"On: μ reads {printed:.3g} m²/s⁷ where the derived one is {derived}{false_certificate}."
 
 
 def _reduced_row(picture: Picture) -> str:
-    derived = _above(picture.analysis.reduced_min, picture.analysis.reduced_floor)
+    derived = _or_zero(picture.analysis.reduced_min, picture.analysis.reduced_floor)
     if not picture.settings.printed.reduced_row:
         return f"Off: the reduced pair's least eigenvalue is {derived} (SI)."
     return (
@@ -94,7 +94,7 @@ def _reduced_row(picture: Picture) -> str:
     )
 
 
-def _above(value: float, floor: float) -> str:
+def _or_zero(value: float, floor: float) -> str:
     return f"{value:.3g}" if value >= floor else "0 (below the noise floor)"
 
 
@@ -112,33 +112,33 @@ def _attitude_rate(picture: Picture) -> str:
     return f"{state} {slowest:.3g} s."
 
 
-ROWS = {
-    "model": Row(
+MISPRINTS = {
+    "model": Misprint(
         "model: C₅ = 0",
         "Printed: C₅ ≡ 0 and B_m with |g|² (paper, eq. 6–7). Derived: C₅ = 6 on the g block and 3|g|² into ξ₄.",
         _model,
     ),
-    "excitation": Row(
+    "excitation": Misprint(
         "φ printed",
         "Printed: φ = ä − ω×ȧ − 2ω×(ω×a). Derived: φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗ (paper, eq. 11–12).",
         _excitation,
     ),
-    "reduced_row": Row(
+    "reduced_row": Misprint(
         "row r₄,₂ printed",
         "Printed: 4ȧᵀ − 3aᵀ[ω]x. Derived: 4ȧᵀ − 4aᵀ[ω]x (paper, eq. 11–12, the reduced pair).",
         _reduced_row,
     ),
-    "body_axes": Row(
+    "body_axes": Misprint(
         "PE in body axes",
         "Printed: pair (Ā, R̄ r₄), so the integral of φφᵀ runs in body axes. Derived: inertial axes, ∫p⁗p⁗ᵀ.",
         _body_axes,
     ),
-    "initial_values": Row(
+    "initial_values": Misprint(
         "p(0), v(0) printed",
         "Printed: p(0) = (1, 0, 0), v(0) = (−.0125, 2.5, −4.33), which belong to another, planar path.",
         _initial_values,
     ),
-    "attitude_rate": Row(
+    "attitude_rate": Misprint(
         "attitude rate ½",
         "Printed: the error equation has −k1 R̂ψ(MR̃). Derived: −2 k1 ψ(MR̃), twice as fast (paper, eq. 10).",
         _attitude_rate,

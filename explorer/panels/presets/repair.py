@@ -21,7 +21,7 @@ from rangenav.certificate.figures import Figures
 from rangenav.progress import Cancelled, Progress
 from rangenav.repair import ChangeKind, Repair
 
-BY: dict[ChangeKind, str] = {
+CHANGE_LABELS: dict[ChangeKind, str] = {
     "tones": "adding tones",
     "amplitude": "its size",
     "frequency": "its frequencies",
@@ -30,18 +30,18 @@ BY: dict[ChangeKind, str] = {
 }
 ROUNDING = 1e-12
 """m²/s⁷: what no motion is asked for, and less than which is rounding."""
-KIND = "What may be changed about the motion. The vehicle's limits are kept."
-REPAIR = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
-IMPROVE = "Looks for a change that lowers the predicted σ of a motion that is observable already."
-TAKE = "Puts B on the page and pins A beside it, in plots and in 3-D. Ctrl+Z takes it back."
+KIND_HINT = "What may be changed about the motion. The vehicle's limits are kept."
+REPAIR_HINT = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
+IMPROVE_HINT = "Looks for a change that lowers the predicted σ of a motion that is observable already."
+ACCEPT_HINT = "Puts B on the page and pins A beside it, in plots and in 3-D. Ctrl+Z takes it back."
 ACCEPTED = (
     "on the page now, and not saved yet: “save as” keeps it. The motion before is pinned as A, purple in plots and in "
     "3-D (Compare tab: Unpin); Ctrl+Z takes the change back"
 )
-SAME = "on the page now, as it was: there was nothing to change about the motion"
+UNCHANGED = "on the page now, as it was: there was nothing to change about the motion"
 SIDE_BY_SIDE = "display:flex;gap:0.8em;align-items:center;padding:0.3em 0"
 DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
-LEAVE = "Forgets the change; what is on the page stays as it is."
+DISCARD_HINT = "Forgets the change; what is on the page stays as it is."
 
 
 class RepairPanel:
@@ -51,15 +51,15 @@ class RepairPanel:
         """`pin` keeps the run on view as A."""
         self._page, self._jobs, self._pin = page, jobs, pin
         self._section = section = Section(form, "Repair", expanded=False)
-        self._found: Repair | None = None
+        self._result: Repair | None = None
         with section:
-            self._kind = Choice(section, "by changing", BY, hint=KIND)
-            form.button("Make it observable", self._repair, hint=REPAIR)
-            form.button("Improve it", self._improve, hint=IMPROVE, quiet=True)
-            self._said = form.gui.add_html("", visible=False)
-            self._accept = form.button("Accept the motion", self._take, hint=TAKE)
-            self._discard = form.button("Discard the motion", self._forget, hint=LEAVE, quiet=True)
-        self._forget()
+            self._kind = Choice(section, "by changing", CHANGE_LABELS, hint=KIND_HINT)
+            form.button("Make it observable", self._repair, hint=REPAIR_HINT)
+            form.button("Improve it", self._improve, hint=IMPROVE_HINT, quiet=True)
+            self._description = form.gui.add_html("", visible=False)
+            self.accept_button = form.button("Accept the motion", self.accept, hint=ACCEPT_HINT)
+            self._discard_button = form.button("Discard the motion", self._forget_result, hint=DISCARD_HINT, quiet=True)
+        self._forget_result()
         form.command("Make it observable", self._repair)
 
     def _repair(self) -> None:
@@ -71,79 +71,85 @@ class RepairPanel:
     def _start(self, *, improve: bool) -> None:
         with self._section.answering():
             shown, by = effective(self._page.read()), self._kind.read()
-        self._forget()
+        self._forget_result()
         search = repair.improve if improve else repair.repair
 
         def work(progress: Progress, cancelled: Cancelled) -> Repair:
             return search(shown, by=by, progress=progress, cancelled=cancelled)
 
         name = "improving the motion" if improve else "making it observable"
-        self._jobs.start(f"{name} by {BY[by]}", work, self._show, partial(self._refuse, by))
+        self._jobs.start(f"{name} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by))
 
     def _refuse(self, by: ChangeKind, reason: str) -> None:
         """Say why in the menu's own words."""
-        self._section.answer(reason.replace(f"{by}: ", f"{BY[by]}: ", 1))
+        self._section.answer(reason.replace(f"{by}: ", f"{CHANGE_LABELS[by]}: ", 1))
 
-    def _show(self, found: Repair) -> None:
-        self._found = found
+    def show(self, result: Repair) -> None:
+        self._result = result
         pictures = "".join(
-            DRAWINGS.format(*side) for side in (("A", drawings(found.before)), ("B", drawings(found.after)))
+            DRAWINGS.format(*side) for side in (("A", drawings(result.before)), ("B", drawings(result.after)))
         )
-        self._said.content = NOTE.format(bullets(words(found)) + pictures + figures(found))
-        self._said.visible = self._accept.visible = self._discard.visible = True
+        self._description.content = NOTE.format(bullets(repair_text(result)) + pictures + figures(result))
+        self._description.visible = self.accept_button.visible = self._discard_button.visible = True
 
-    def _take(self) -> None:
-        found = self._found
-        if found is None:
+    def accept(self) -> None:
+        result = self._result
+        if result is None:
             return
         settings = self._page.read()
         with self._section.answering():
-            if effective(settings).path != found.before.path:
+            if effective(settings).path != result.before.path:
                 raise ValueError("the motion on the page is another one by now: look for a change of that one")
-            chosen = accepted(settings, found)
-        if found.after.path != found.before.path:
+            accepted_settings = accepted(settings, result)
+        if result.after.path != result.before.path:
             self._pin()
-        self._page.write(chosen)
-        self._forget()
-        self._said.content = NOTE.format(bullets((ACCEPTED if found.after.path != found.before.path else SAME,)))
-        self._said.visible = True
+        self._page.write(accepted_settings)
+        self._forget_result()
+        self._description.content = NOTE.format(
+            bullets((ACCEPTED if result.after.path != result.before.path else UNCHANGED,))
+        )
+        self._description.visible = True
 
-    def _forget(self) -> None:
-        self._found = None
-        self._said.visible = self._accept.visible = self._discard.visible = False
+    def _forget_result(self) -> None:
+        self._result = None
+        self._description.visible = self.accept_button.visible = self._discard_button.visible = False
 
 
-def accepted(settings: Settings, found: Repair) -> Settings:
+def accepted(settings: Settings, result: Repair) -> Settings:
     """The settings with what was changed in them, and with what the visitor has chosen otherwise meanwhile; time scale
     and printed start are in the path."""
     changed = {
-        name: getattr(found.after, name)
-        for name in found.after.__struct_fields__
-        if getattr(found.after, name) != getattr(found.before, name)
+        name: getattr(result.after, name)
+        for name in result.after.__struct_fields__
+        if getattr(result.after, name) != getattr(result.before, name)
     }
     printed = msgspec.structs.replace(settings.printed, initial_values=False)
     preset = msgspec.structs.replace(effective(settings), **changed)
     return msgspec.structs.replace(settings, preset=preset, time_scale=1.0, printed=printed)
 
 
-def words(found: Repair) -> tuple[str, ...]:
+def repair_text(result: Repair) -> tuple[str, ...]:
     """What was changed, and what the certificate of the result says."""
-    stated = found.certificate
-    held = "certified" if stated.certified else f"not certified: {'; '.join(stated.failures)}"
-    broken = stated.vehicle.broken
-    flown = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
-    return found.words, f"after {found.evaluations} looks: {held}; {flown}"
+    certificate = result.certificate
+    certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
+    broken = certificate.vehicle.broken
+    vehicle_text = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
+    return result.words, f"after {result.evaluations} looks: {certificate_text}; {vehicle_text}"
 
 
-def figures(found: Repair) -> str:
+def figures(result: Repair) -> str:
     """Before and after, side by side."""
-    before, after = found.figures_before, found.figures_after
+    before, after = result.figures_before, result.figures_after
     return table(
         ("", "before (A)", "after (B)"),
         (
             ("μ (m²/s⁷)", _mu(before), _mu(after)),
             ("predicted σ", _sigma(before), _sigma(after)),
-            ("required", "", f"μ ≥ {found.after.requirement.mu:.3g}, σ ≤ {found.after.requirement.position_sigma:g} m"),
+            (
+                "required",
+                "",
+                f"μ ≥ {result.after.requirement.mu:.3g}, σ ≤ {result.after.requirement.position_sigma:g} m",
+            ),
         ),
     )
 

@@ -8,8 +8,8 @@ from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 
 Z_DOWN, Z_UP = "z points down, as in the paper (NED, FRD)", "z points up (NWU, FLU)"
-OTHER = "gravity is not along z"
-HINT = (
+GRAVITY_ASIDE = "gravity is not along z"
+RELABEL_HINT = (
     "Describes the same world, path, body and offsets with y and z the other way round, inertial and body axes alike. "
     "Nothing that can be measured changes."
 )
@@ -28,12 +28,12 @@ class WorldPanel:
             self._line = form.gui.add_markdown("")
             hint = "m/s², inertial axes, as it enters v̇ = g + R a; “up” in the scene is −g."
             self._gravity = Vector(axes, "g (m/s²)", step=0.01, hint=hint)
-            self._relabel = form.button("Relabel the axes: z up ↔ z down", relabel, hint=HINT)
+            self._relabel = form.button("Relabel the axes: z up ↔ z down", relabel, hint=RELABEL_HINT)
         self._magnetic_section = magnetic = Section(form, "Magnetic direction")
         with magnetic:
             hint = "Inertial axes, of any length: only its direction counts, and it must not be that of gravity."
             self._magnetic = Vector(magnetic, "m", step=0.01, hint=hint)
-        self._exact: Vec3 = (0.0, 0.0, 0.0)
+        self._unit_magnetic: Vec3 = (0.0, 0.0, 0.0)
 
     def read(self) -> World:
         """The world chosen. Raises Refused after saying why beside the control."""
@@ -42,27 +42,29 @@ class WorldPanel:
             World(anchor=anchor)
         with self.section.catching():
             gravity = self._gravity.read()
-            World(gravity=gravity, magnetic=_any_but_along(gravity))
-        self._say(gravity)
+            World(gravity=gravity, magnetic=_direction_across(gravity))
+        self._describe_axes(gravity)
         with self._magnetic_section.catching():
             typed = self._magnetic.read()
-            return World(anchor=anchor, gravity=gravity, magnetic=typed if typed == self._exact else _direction(typed))
+            return World(
+                anchor=anchor, gravity=gravity, magnetic=typed if typed == self._unit_magnetic else _direction(typed)
+            )
 
     def write(self, world: World, base: World) -> None:
         """Show a world."""
         self._anchor.write(world.anchor, base.anchor)
         self._gravity.write(world.gravity, base.gravity)
-        self._exact = world.magnetic
+        self._unit_magnetic = world.magnetic
         self._magnetic.write(world.magnetic, base.magnetic)
-        self._say(world.gravity)
+        self._describe_axes(world.gravity)
 
     def move_anchor(self, position: Vec3) -> None:
         """Put the anchor elsewhere, as when it is dragged."""
         self._anchor.show(position)
 
-    def _say(self, gravity: Vec3) -> None:
+    def _describe_axes(self, gravity: Vec3) -> None:
         aside = math.hypot(gravity[0], gravity[1]) > 1e-9 * math.hypot(*gravity)
-        line = OTHER if aside else Z_DOWN if gravity[2] > 0 else Z_UP
+        line = GRAVITY_ASIDE if aside else Z_DOWN if gravity[2] > 0 else Z_UP
         if line != self._line.content:
             self._line.content = line
 
@@ -73,6 +75,6 @@ def _direction(vector: Vec3) -> Vec3:
     return vector[0] / length, vector[1] / length, vector[2] / length
 
 
-def _any_but_along(gravity: Vec3) -> Vec3:
+def _direction_across(gravity: Vec3) -> Vec3:
     """A unit vector that is not collinear with gravity, to judge gravity by itself."""
     return (1.0, 0.0, 0.0) if abs(gravity[0]) <= 0.5 * math.hypot(*gravity) else (0.0, 1.0, 0.0)

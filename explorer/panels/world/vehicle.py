@@ -16,8 +16,8 @@ BAR = (
     '<div style="width:2.2em;height:0.55em;background:{};display:inline-block;vertical-align:middle">'
     '<div style="width:{:.0f}%;height:100%;background:{}"></div></div>'
 )
-SHORT = {"times the weight": "× weight"}
-NAMES = {"least distance to the anchor": "to the anchor"}
+SHORT_UNITS = {"times the weight": "× weight"}
+SHORT_NAMES = {"least distance to the anchor": "to the anchor"}
 
 
 class VehiclePanel:
@@ -26,7 +26,7 @@ class VehiclePanel:
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form, "Vehicle and its limits")
         with section:
-            self._choice = Choice(section, "vehicle", _words(CATALOGUE), hint=HINT)
+            self._choice = Choice(section, "vehicle", _labels(CATALOGUE), hint=HINT)
             self._table = form.gui.add_html("")
 
     def read(self) -> Vehicle:
@@ -36,7 +36,7 @@ class VehiclePanel:
 
     def write(self, chosen: Vehicle, base: Vehicle) -> None:
         """Show a vehicle; one of a preset's own joins those to choose from."""
-        self._choice.offer(_words((*CATALOGUE, *(own for own in (base, chosen) if own not in CATALOGUE))))
+        self._choice.offer(_labels((*CATALOGUE, *(own for own in (base, chosen) if own not in CATALOGUE))))
         self._choice.write(chosen, base)
 
     def draw(self, picture: Picture) -> None:
@@ -51,20 +51,20 @@ class VehiclePanel:
             self._table.content = content
 
 
-def _words(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
+def _labels(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
     """Each under its name; a preset's own may be called like another."""
-    named: dict[Vehicle, str] = {}
-    for one in vehicles:
-        word = one.name
-        while word in named.values():
-            word += " (of the preset)"
-        named.setdefault(one, word)
-    return named
+    labels: dict[Vehicle, str] = {}
+    for candidate in vehicles:
+        label = candidate.name
+        while label in labels.values():
+            label += " (of the preset)"
+        labels.setdefault(candidate, label)
+    return labels
 
 
 def _row(use: vehicle.Use) -> str:
-    worst, when = f"{use.reached:.3g} {SHORT.get(use.unit, use.unit)}", f"{use.at:.1f} s"
-    name = NAMES.get(use.name, use.name)
+    worst, when = f"{use.reached:.3g} {SHORT_UNITS.get(use.unit, use.unit)}", f"{use.at:.1f} s"
+    name = SHORT_NAMES.get(use.name, use.name)
     if use.allowed is None:
         return _cells(name, worst, "", when)
     mark, colour = ("✕", palette.ERROR) if use.broken else ("✓", palette.GOOD)

@@ -225,7 +225,7 @@ def test_a_blind_run_has_no_predicted_sigma_in_the_table() -> None:
     seen = picture("circle")
     found = consistency.of_run(seen)
     assert np.isnan(found.lifted)
-    assert "not determined" in text.agreement(found, None, 0, matched=False)
+    assert "not determined" in text.consistency(found, None, 0, matched=False)
 
 
 def test_what_visitors_type_is_escaped(slow: Picture) -> None:

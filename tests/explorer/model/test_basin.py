@@ -167,7 +167,7 @@ def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for(lambda: editing.tab.nodes["/basin"]["visible"], "the globe")
     editing.settle()
-    found = editing.session.dock.basin._found
+    found = editing.session.dock.basin.computed
     assert found is not None
     return found[1]
 
@@ -269,7 +269,9 @@ def test_settings_that_cannot_be_shown_are_told_where_the_starts_were_asked_for(
 
 
 def test_half_of_the_starts_that_never_settle_are_told_with_their_sign():
-    said = panel.words(picture("soft"), made([1.0, math.inf, math.inf, 2.0, math.inf], final=[0, 1.0, 2.0, 0, 0.5]))
+    said = panel.basin_text(
+        picture("soft"), made([1.0, math.inf, math.inf, 2.0, math.inf], final=[0, 1.0, 2.0, 0, 0.5])
+    )
     assert "<b>2 of 5</b>" in said
     assert "Half of them or more never do" in said
     assert f"<b>{math.degrees(2.0):.3g}°</b>" in said

@@ -271,9 +271,9 @@ def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> N
     assert isinstance(usual, Twin)
     panel.draw(usual)
     assert panel.read() is None  # what is shown of the usual twin is no choice of the visitor's
-    assert panel._angle.read() == pytest.approx(np.pi / 2)
-    panel._axis.show((0.0, 2.0, 0.0))
-    panel._angle.show(np.radians(50.0))
+    assert panel.angle.read() == pytest.approx(np.pi / 2)
+    panel.axis.show((0.0, 2.0, 0.0))
+    panel.angle.show(np.radians(50.0))
     turn = panel.read()
     assert turn == pytest.approx((0.0, np.radians(50.0), 0.0))
     panel.draw(details.details(p, turn=turn).twin)
@@ -282,8 +282,8 @@ def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> N
     panel.write(dragged)
     panel.draw(details.details(p, turn=dragged).twin)
     assert panel.read() == dragged
-    assert panel._angle.read() == pytest.approx(np.linalg.norm(dragged))
-    panel._forget()
+    assert panel.angle.read() == pytest.approx(np.linalg.norm(dragged))
+    panel.use_default()
     assert panel.read() is None
 
 
@@ -298,14 +298,14 @@ def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis
     assert axis is not None
     for angle in (-2.0, 0.0, 1.0):
         panel.draw(found)
-        panel._angle.show(angle)
+        panel.angle.show(angle)
         turn = panel.read()
         assert turn == pytest.approx(angle * np.array(axis))
         found = details.details(p, turn=turn).twin
         assert isinstance(found, Twin)
         panel.draw(found)
-        assert panel._axis.read() == pytest.approx(axis)
-        assert panel._angle.read() == pytest.approx(angle)
+        assert panel.axis.read() == pytest.approx(axis)
+        assert panel.angle.read() == pytest.approx(angle)
 
 
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 1.0)])
@@ -313,10 +313,10 @@ def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPa
     found = details.details(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
     panel.write((0.0, 0.0, 0.5))
     panel.draw(found)
-    panel._axis.show(axis)
+    panel.axis.show(axis)
     with pytest.raises(InvalidInputError):
         panel.read()
-    panel._axis.show((0.0, 0.0, 1.0))
+    panel.axis.show((0.0, 0.0, 1.0))
     assert panel.read() == pytest.approx((0.0, 0.0, 0.5))
 
 

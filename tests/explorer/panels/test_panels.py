@@ -15,10 +15,10 @@ from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, effective
 from explorer.panels import verdict
-from explorer.panels.dock import Dock, Requests
-from explorer.panels.presets.printed import ROWS
+from explorer.panels.dock import Dock, SessionActions
+from explorer.panels.presets.printed import MISPRINTS
 from explorer.panels.presets.repair import RepairPanel
-from explorer.panels.sensors import OWN, Chosen, SensorsPanel
+from explorer.panels.sensors import CUSTOM, SensorChoice, SensorsPanel
 from explorer.storage import preset_file
 from explorer.storage.catalog import Catalog
 from explorer.storage.certifier import Certifier
@@ -47,8 +47,8 @@ def _unsent(name: str, content: bytes) -> None:
     """For downloads that nobody asks for."""
 
 
-def _unseen(title: str, sentence: str) -> None:
-    """For notifications that nobody reads."""
+def _unsaid(title: str, sentence: str) -> None:
+    """For notices that nobody needs."""
 
 
 @pytest.fixture(scope="module")
@@ -64,9 +64,11 @@ def client() -> Iterator[viser.ClientHandle]:
 
 @pytest.fixture(scope="module")
 def dock(client: viser.ClientHandle) -> Dock:
-    requests = Requests(again=_nothing, paper=_nothing, download=_nothing, send=_unsent, notify=_unseen)
-    form, catalog = Form(client.gui, _nothing), Catalog(SHIPPED, Library(), Certifier())
-    return Dock(form, catalog, "paper-slow", requests, Jobs(_nothing), History())
+    actions = SessionActions(
+        restart_preset=_nothing, show_paper_figures=_nothing, download_preset=_nothing, send=_unsent, notify=_unsaid
+    )
+    catalog, jobs = Catalog(SHIPPED, Library(), Certifier()), Jobs(_nothing)
+    return Dock(Form(client.gui, _nothing), catalog, "paper-slow", actions, jobs, History())
 
 
 @pytest.fixture(scope="module")
@@ -143,45 +145,45 @@ def test_densities_and_what_the_paper_does_not_model_are_read_back_as_they_were_
 def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_last_bit(dock: Dock):
     settings = _with_sensors("paper", noise=Noise(gyro=1 / 3, accel=1 / 7))
     dock.write(settings)
-    folder = dock.sensors._noise
-    folder._as_density.show(True)
+    folder = dock.sensors.noise
+    folder.as_density.show(True)
     turned = refreshed(dock).preset.sensors
     assert turned.noise == sensors.given_as(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
-    assert folder._groups["density"]._folder.visible
-    assert not folder._groups["sample"]._folder.visible
-    assert "at 200 Hz: 0.3333 rad/s per sample" in folder._line.content
+    assert folder.groups["density"]._folder.visible
+    assert not folder.groups["sample"]._folder.visible
+    assert "at 200 Hz: 0.3333 rad/s per sample" in folder.other_unit_line.content
     assert refreshed(dock).preset.sensors == turned  # and stays so
-    folder._as_density.show(False)
+    folder.as_density.show(False)
     assert refreshed(dock) == settings
 
 
 def test_as_a_density_the_noise_is_kept_when_the_rate_changes_and_then_turned_back_at_the_new_rate(dock: Dock):
     noise = Noise(gyro=1e-3, accel=1e-2, imu_unit="density")
     dock.write(_with_sensors("paper", noise=noise))
-    dock.sensors._imu_rate.show(800.0)
+    dock.sensors.imu_rate.show(800.0)
     assert refreshed(dock).preset.sensors.noise == noise
-    dock.sensors._noise._as_density.show(False)
+    dock.sensors.noise.as_density.show(False)
     assert refreshed(dock).preset.sensors.noise == sensors.given_as(noise, "sample", rate=800.0)
 
 
 def _pick(panel: SensorsPanel, name: str) -> None:
     """As a visitor would, who moves the menu and nothing else."""
-    panel._set.show(name)
+    panel.sensor_set.show(name)
 
 
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
 def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: Dock, entry: SensorSet):
     dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
     panel = dock.sensors
-    assert panel._set.read() == OWN
+    assert panel.sensor_set.read() == CUSTOM
     _pick(panel, entry.name)
-    assert panel.read() == Chosen(entry.sensors, SHIPPED["soft"].seed)
-    assert panel._set.read() == entry.name
-    assert html.escape(entry.summary) in panel._set_words.content
-    assert panel._unmodelled._words.visible == bool(sensors.effect_sentences(entry.sensors))
-    panel._range_rate.show(17.0)
+    assert panel.read() == SensorChoice(entry.sensors, SHIPPED["soft"].seed)
+    assert panel.sensor_set.read() == entry.name
+    assert html.escape(entry.summary) in panel.set_text.content
+    assert panel.effects.description.visible == bool(sensors.effect_sentences(entry.sensors))
+    panel.range_rate.show(17.0)
     assert panel.read().sensors == msgspec.structs.replace(entry.sensors, range_rate=17.0)
-    assert panel._set.read() == OWN
+    assert panel.sensor_set.read() == CUSTOM
     _pick(panel, entry.name)  # and it may be picked again
     assert panel.read().sensors == entry.sensors
 
@@ -189,12 +191,12 @@ def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: 
 def test_every_effect_that_is_on_is_told_outside_its_closed_folder(dock: Dock):
     dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
     refreshed(dock)
-    told = dock.sensors._unmodelled._words
-    assert told.visible
+    description = dock.sensors.effects.description
+    assert description.visible
     for sentence in sensors.effect_sentences(Sensors(unmodelled=EVERYTHING)):
-        assert html.escape(sentence) in told.content
+        assert html.escape(sentence) in description.content
     dock.write(Settings(origin="soft", preset=SHIPPED["soft"]))
-    assert not told.visible
+    assert not description.visible
 
 
 def test_a_slider_is_widened_for_what_it_must_show(section: Section):
@@ -256,7 +258,7 @@ def test_a_complaint_is_words_and_a_sign_and_never_html(client: viser.ClientHand
 
 
 def _row(picture: compute.Picture, name: str) -> str:
-    return dict(verdict._rows(picture))[name]
+    return dict(verdict.rows(picture))[name]
 
 
 def test_the_verdict_names_what_is_blind_and_why():
@@ -269,8 +271,8 @@ def test_a_diverged_covariance_is_told_instead_of_errors():
     picture = _computed("hover")
     diverged = dataclasses.replace(picture, summary=dataclasses.replace(picture.summary, diverged=True))
     assert "unobservable, covariance diverges" in _row(diverged, "observer")
-    assert "steady error" not in dict(verdict._rows(diverged))
-    assert "covariance diverges" in verdict._chips(diverged)
+    assert "steady error" not in dict(verdict.rows(diverged))
+    assert "covariance diverges" in verdict.chips(diverged)
 
 
 def test_an_eigenvalue_below_the_noise_floor_is_not_given_as_a_number():
@@ -293,8 +295,8 @@ def test_the_papers_thrust_is_told():
 
 
 def test_printed_switches_that_are_on_are_labelled():
-    assert verdict._chips(_computed("paper-slow")) == ""
-    assert "PRINTED: model, body axes" in verdict._chips(_computed("paper-slow", model=True, body_axes=True))
+    assert verdict.chips(_computed("paper-slow")) == ""
+    assert "PRINTED: model, body axes" in verdict.chips(_computed("paper-slow", model=True, body_axes=True))
 
 
 @pytest.mark.parametrize(
@@ -309,12 +311,12 @@ def test_printed_switches_that_are_on_are_labelled():
     ],
 )
 def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):
-    assert off in ROWS[switch].consequence(_computed("paper-slow"))
-    assert on in ROWS[switch].consequence(_computed("paper-slow", **{switch: True}))
+    assert off in MISPRINTS[switch].consequence(_computed("paper-slow"))
+    assert on in MISPRINTS[switch].consequence(_computed("paper-slow", **{switch: True}))
 
 
 def test_every_departure_has_a_row():
-    assert set(ROWS) == set(Printed.__struct_fields__)
+    assert set(MISPRINTS) == set(Printed.__struct_fields__)
 
 
 def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_very_file():
@@ -368,9 +370,9 @@ def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: v
             done.append("written")
 
     panel = RepairPanel(Form(client.gui, _nothing), Shown(), Jobs(_nothing), lambda: done.append("pinned"))
-    panel._show(found)
+    panel.show(found)
     with pytest.raises(InvalidInputError) as refusal:
-        panel._take()
+        panel.accept()
     assert "faster than the IMU can sample" in str(refusal.value.__cause__)
     assert done == []
-    assert panel._accept.visible  # nothing is lost: it fits again at the rate it was found for
+    assert panel.accept_button.visible  # nothing is lost: it fits again at the rate it was found for

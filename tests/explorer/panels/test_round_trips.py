@@ -157,19 +157,19 @@ def test_axes_named_anew_twice_are_the_old_ones_and_are_shown_as_such(dock: Dock
 
 def test_a_constant_is_kept_while_another_family_is_in_use(dock: Dock):
     dock.write(Settings(origin="hover", preset=SHIPPED["hover"]))
-    turning = dock.motion._turning._signal
-    turning._family.show("constant")
+    turning = dock.motion.angular_velocity.signal_editor
+    turning.family_menu.show("constant")
     refreshed(dock)
-    turning._editors["constant"]._value.show((1.0, 2.0, 3.0))  # type: ignore[attr-defined]
+    turning.editors["constant"].value.show((1.0, 2.0, 3.0))  # type: ignore[attr-defined]
     refreshed(dock)
-    turning._family.show("formula")
+    turning.family_menu.show("formula")
     refreshed(dock)
-    turning._editors["formula"]._texts["x"].show("7")  # type: ignore[attr-defined]
+    turning.editors["formula"].texts["x"].show("7")  # type: ignore[attr-defined]
     settings = refreshed(dock)
     dock.write(Settings(origin="paper", preset=SHIPPED["paper"]))
     dock.write(settings)
     assert refreshed(dock) == settings
-    turning._family.show("constant")
+    turning.family_menu.show("constant")
     assert refreshed(dock).preset.angular_velocity == Multisine(offset=(1.0, 2.0, 3.0))
 
 
@@ -197,7 +197,7 @@ def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
     """One thing that a visitor does: half of the time another family, for there is most to lose."""
     form = dock.sensors._section.form
     controls = [c for section in form.sections if section._folder.visible for c in section._controls]
-    families = [dock.motion.path._base._family, dock.motion._turning._signal._family]
+    families = [dock.motion.path.base_editor.family_menu, dock.motion.angular_velocity.signal_editor.family_menu]
     control: Any = families[which % 4] if which % 4 < 2 else controls[which % len(controls)]
     value = dict(zip(VALUES, values, strict=True))[type(control)]
     if isinstance(control, Choice):

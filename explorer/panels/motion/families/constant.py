@@ -9,19 +9,19 @@ from rangenav.signals import Multisine
 class ConstantEditor:
     """A signal that stays what it is: a Multisine of nothing but an offset."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._section = section = Section(form)
         with section:
-            self._value = Vector(section, f"value ({place.unit})", step=place.step, hint=f"{place.unit}, at all times.")
+            self.value = Vector(section, f"value ({slot.unit})", step=slot.step, hint=f"{slot.unit}, at all times.")
 
     def read(self) -> Multisine:
         """The constant."""
         with self._section.catching():
-            return Multisine(offset=self._value.read())
+            return Multisine(offset=self.value.read())
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:
         """Show a constant."""
-        self._value.write(signal.offset, base and base.offset)
+        self.value.write(signal.offset, base and base.offset)
 
     def show(self, visible: bool) -> None:
         """Show or hide it."""

@@ -9,60 +9,60 @@ from rangenav.signals import AXES, Flown, Formula
 from rangenav.signals.expressions import MAX_LENGTH
 from rangenav.signals.formula import IDENTITY
 
-LONGEST = 20 * MAX_LENGTH
+MAX_TEXT = 20 * MAX_LENGTH
 """Characters looked at; longer ones are refused without a look, and no formula is a tenth as long."""
-KNOWN = "+ − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their relatives"
+ALLOWED = "+ − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their relatives"
 
 
 class FormulaEditor:
     """Three boxes; what turned or moved the path is kept beside them."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._signal = Formula()
         self._section = section = Section(form)
         with section:
-            hint = f"An expression in t (s), in {place.unit}: {KNOWN}. Derivatives are exact."
-            self._texts = {axis: Text(section, f"{axis}(t) =", hint=hint, longest=LONGEST) for axis in AXES}
-        self._rest = rest = Section(form, "Offset and drift", expanded=False)
-        with rest:
-            hint = f"{place.unit}: added to the formulas. It moves a path against the anchor; the excitation stays."
-            self._offset = Vector(rest, f"offset ({place.unit})", step=0.01, hint=hint)
-            hint = f"{place.unit}/s: a constant rate added to the formulas; it excites nothing."
-            self._drift = Vector(rest, f"drift ({place.unit}/s)", step=0.01, hint=hint)
+            hint = f"An expression in t (s), in {slot.unit}: {ALLOWED}. Derivatives are exact."
+            self.texts = {axis: Text(section, f"{axis}(t) =", hint=hint, longest=MAX_TEXT) for axis in AXES}
+        self._offset_section = offset_section = Section(form, "Offset and drift", expanded=False)
+        with offset_section:
+            hint = f"{slot.unit}: added to the formulas. It moves a path against the anchor; the excitation stays."
+            self._offset = Vector(offset_section, f"offset ({slot.unit})", step=0.01, hint=hint)
+            hint = f"{slot.unit}/s: a constant rate added to the formulas; it excites nothing."
+            self._drift = Vector(offset_section, f"drift ({slot.unit}/s)", step=0.01, hint=hint)
             self._line = form.gui.add_markdown("", visible=False)
-            self._forget = form.button(
+            self._forget_button = form.button(
                 "Forget turning and scaling", self._forget_map, hint="The formulas count as typed again."
             )
 
     def read(self) -> Formula:
         """The formulas as typed."""
         with self._section.catching():
-            texts = {axis: text.read() for axis, text in self._texts.items()}
+            texts = {axis: text.read() for axis, text in self.texts.items()}
         try:
             formula = msgspec.structs.replace(self._signal, **texts)
         except ValueError as error:
             self._section.complaint.say(str(error), text=texts.get(str(error)[:1], ""))
             raise InvalidInputError from error
         self._section.complaint.clear()
-        with self._rest.catching():
+        with self._offset_section.catching():
             self._signal = msgspec.structs.replace(formula, offset=self._offset.read(), drift=self._drift.read())
         return self._signal
 
     def write(self, signal: Formula, base: Formula | None) -> None:
         """Show formulas."""
         self._signal = signal
-        for axis, text in self._texts.items():
+        for axis, text in self.texts.items():
             text.write(getattr(signal, axis), getattr(base, axis) if base is not None else None)
         self._offset.write(signal.offset, base and base.offset)
         self._drift.write(signal.drift, base and base.drift)
-        self._say()
+        self._describe_map()
 
     def show(self, visible: bool) -> None:
         """Show or hide all of it."""
         self._section.show(visible)
-        self._rest.show(visible)
+        self._offset_section.show(visible)
 
-    def _say(self) -> None:
+    def _describe_map(self) -> None:
         """What stands between the formulas and the path."""
         signal, parts = self._signal, []
         if signal.slower != 1:
@@ -71,26 +71,26 @@ class FormulaEditor:
             rows = "; ".join(" ".join(short(value) for value in row) for row in signal.mix)
             parts.append(f"multiplied by [{rows}]")
         self._line.content = f"The formulas are {' and '.join(parts)}." if parts else ""
-        self._line.visible = self._forget.visible = bool(parts)
+        self._line.visible = self._forget_button.visible = bool(parts)
 
     def _forget_map(self) -> None:
         self._signal = msgspec.structs.replace(self._signal, slower=1.0, mix=IDENTITY)
-        self._say()
+        self._describe_map()
 
 
 class FlownEditor:
     """The body axes follow from the path; only the yaw is chosen."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
-        del place  # the yaw is an angle whatever the signal's unit
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
+        del slot  # the yaw is an angle whatever the signal's unit
         self._section = section = Section(form)
         with section:
             form.gui.add_markdown(
                 "Thrust points along the specific force p̈ − g, as in a multirotor; the path decides the attitude, its "
                 "rate follows from jerk and snap, and the initial attitude is not asked."
             )
-            hint = f"rad, an expression in t (s): the turn about the thrust axis. {KNOWN}."
-            self._yaw = Text(section, "yaw(t) =", hint=hint, longest=LONGEST)
+            hint = f"rad, an expression in t (s): the turn about the thrust axis. {ALLOWED}."
+            self._yaw = Text(section, "yaw(t) =", hint=hint, longest=MAX_TEXT)
 
     def read(self) -> Flown:
         """The yaw as typed."""

@@ -6,7 +6,7 @@ from explorer.panels.motion.families import SignalSlot
 from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine, Sum, Turning
 
-WORDS = "as in the file"
+LABEL = "as in the file"
 NAMES = {
     "Multisine": "sines",
     "Formula": "formulas",
@@ -24,7 +24,7 @@ LINE = (
 class FileSignalEditor:
     """What there is, in words."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._section = section = Section(form)
         self._signal: Turning = Multisine()
         with section:
@@ -37,15 +37,15 @@ class FileSignalEditor:
     def write(self, signal: Turning, base: Turning | None) -> None:
         """Keep a signal."""
         self._signal = signal
-        self._line.content = LINE.format(html.escape(named(signal)))
+        self._line.content = LINE.format(html.escape(description(signal)))
 
     def show(self, visible: bool) -> None:
         """Show or hide it."""
         self._section.show(visible)
 
 
-def named(signal: Turning) -> str:
+def description(signal: Turning) -> str:
     """What kind of signal it is."""
     if isinstance(signal, Sum):
-        return f"{named(signal.base)} plus {named(signal.wiggle)}"
+        return f"{description(signal.base)} plus {description(signal.wiggle)}"
     return NAMES[type(signal).__name__]

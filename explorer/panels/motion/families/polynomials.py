@@ -12,16 +12,16 @@ from rangenav.signals.polynomials import Coefficients
 
 AXES = ("x", "y", "z", "yaw")
 COLUMNS = ("duration", *(f"{axis}^{power}" for axis in AXES for power in range(8)))
-LONGEST = 900_000
+MAX_TEXT = 900_000
 """Characters: 2000 pieces with all their digits."""
-MAX_COMPLAINTS = 4
+MAX_JUMPS = 4
 ENDS: dict[Literal["hold", "repeat"], str] = {"hold": "hold: it stays where it is", "repeat": "repeat: it begins anew"}
 
 
 class PolynomialsEditor:
     """The pieces as text, and what happens after the last."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._table = _table()
         self._section = section = Section(form)
         with section:
@@ -29,17 +29,17 @@ class PolynomialsEditor:
             self._ends = Choice(section, "at the end", ENDS, hint=hint)
             hint = (
                 f"One piece per line, as in a uav_trajectories file: its duration (s), then eight ascending "
-                f"coefficients in its own time for x, y, z ({place.unit}) and yaw (rad). A header line may stay."
+                f"coefficients in its own time for x, y, z ({slot.unit}) and yaw (rad). A header line may stay."
             )
-            self._text = Text(section, "pieces", hint=hint, longest=LONGEST, lines=True)
+            self._text = Text(section, "pieces", hint=hint, longest=MAX_TEXT, lines=True)
             self._jumps = form.gui.add_html("", visible=False)
 
     def read(self) -> Polynomials:
         """The pieces as typed."""
         with self._section.catching():
-            made = Polynomials(pieces=self._table.parse(_without_header(self._text.read())), ends=self._ends.read())
-        self._say(polynomials.complaints(made))
-        return made
+            signal = Polynomials(pieces=self._table.parse(_without_header(self._text.read())), ends=self._ends.read())
+        self._show_jumps(polynomials.complaints(signal))
+        return signal
 
     def write(self, signal: Polynomials, base: Polynomials | None) -> None:
         """Show pieces."""
@@ -50,20 +50,20 @@ class PolynomialsEditor:
         """Show or hide it."""
         self._section.show(visible)
 
-    def _say(self, complaints: tuple[str, ...]) -> None:
+    def _show_jumps(self, jumps: tuple[str, ...]) -> None:
         """Jumps are no error, a file may have them; but nobody can fly them."""
-        more = len(complaints) - MAX_COMPLAINTS
-        said = [f"▲ {html.escape(line)}" for line in complaints[:MAX_COMPLAINTS]]
-        said += [f"… and {more} more"] if more > 0 else []
+        more = len(jumps) - MAX_JUMPS
+        lines = [f"▲ {html.escape(line)}" for line in jumps[:MAX_JUMPS]]
+        lines += [f"… and {more} more"] if more > 0 else []
         style = f"font-size:0.85em;padding:0.1em 0.9em 0.6em;color:{palette.JUMP_NOTICE}"
-        content = f'<div style="{style}">{"<br>".join(said)}</div>'
+        content = f'<div style="{style}">{"<br>".join(lines)}</div>'
         if content != self._jumps.content:
             self._jumps.content = content
-        self._jumps.visible = bool(said)
+        self._jumps.visible = bool(lines)
 
 
 def _table() -> table.Table[Piece]:
-    return table.Table[Piece](COLUMNS, _row, _cells)
+    return table.Table[Piece](COLUMNS, _piece, _cells)
 
 
 def _without_header(text: str) -> str:
@@ -74,12 +74,12 @@ def _without_header(text: str) -> str:
     return "\n".join(line.rstrip().rstrip(",") for line in lines)
 
 
-def _row(cells: list[float]) -> Piece:
+def _piece(cells: list[float]) -> Piece:
     x, y, z, yaw = (tuple(cells[1 + 8 * k : 9 + 8 * k]) for k in range(4))
-    return Piece(duration=cells[0], x=_eight(x), y=_eight(y), z=_eight(z), yaw=_eight(yaw))
+    return Piece(duration=cells[0], x=_coefficients(x), y=_coefficients(y), z=_coefficients(z), yaw=_coefficients(yaw))
 
 
-def _eight(values: tuple[float, ...]) -> Coefficients:
+def _coefficients(values: tuple[float, ...]) -> Coefficients:
     a, b, c, d, e, f, g, h = values
     return a, b, c, d, e, f, g, h
 

@@ -20,8 +20,8 @@ AXES: tuple[Axis, ...] = ("x", "y", "z")
 class SinesEditor:
     """All tones of one signal; added and removed one by one."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
-        self._form, self._place = form, place
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
+        self._form, self._slot = form, slot
         self._tones: list[_ToneSection] = []
         self._base: Multisine | None = None
         self._list = Section(form)
@@ -29,13 +29,13 @@ class SinesEditor:
         with self._bottom:
             actions = {f"+ {axis}": partial(self._add, axis) for axis in AXES}
             form.buttons("add a tone", actions, hint="One more sine on this axis.")
-        self._rest = _Rest(form, place)
+        self._offset_and_drift = _OffsetAndDrift(form, slot)
 
     def read(self) -> Multisine:
         """The signal as the sliders have it."""
         tones = tuple(tone.read() for tone in self._tones)
         with self._bottom.catching():
-            return self._rest.read(Multisine(tones=tones))
+            return self._offset_and_drift.read(Multisine(tones=tones))
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:
         """Show a signal; its tones are made anew when they are on other axes."""
@@ -44,28 +44,28 @@ class SinesEditor:
             for tone in self._tones:
                 tone.section.remove()
             self._tones = [
-                self._made(axis.axis, expanded=i < self._place.open_tones) for i, axis in enumerate(signal.tones)
+                self._new_section(axis.axis, expanded=i < self._slot.open_tones) for i, axis in enumerate(signal.tones)
             ]
         bases = base.tones if base is not None else ()
         for i, (editor, tone) in enumerate(zip(self._tones, signal.tones, strict=True)):
             editor.write(tone, bases[i] if i < len(bases) and bases[i].axis == tone.axis else None)
-        self._rest.write(signal, base)
+        self._offset_and_drift.write(signal, base)
 
     def show(self, visible: bool) -> None:
         """Show or hide all of it."""
-        for section in (self._list, self._bottom, self._rest.section):
+        for section in (self._list, self._bottom, self._offset_and_drift.section):
             section.show(visible)
 
-    def _made(self, axis: Axis, *, expanded: bool) -> "_ToneSection":
+    def _new_section(self, axis: Axis, *, expanded: bool) -> "_ToneSection":
         with self._list:
-            return _ToneSection(self._form, self._place, axis, self._remove, expanded=expanded)
+            return _ToneSection(self._form, self._slot, axis, self._remove, expanded=expanded)
 
     def _add(self, axis: Axis) -> None:
         with self._bottom.answering():
             tones = tuple(tone.read() for tone in self._tones)
             added = Tone(axis=axis, amplitude=NEW[0], frequency=NEW[1])
             Multisine(tones=(*tones, added))  # refuses one too many
-        self._tones.append(self._made(axis, expanded=True))
+        self._tones.append(self._new_section(axis, expanded=True))
         self._tones[-1].write(added, None)
 
     def _remove(self, tone: "_ToneSection") -> None:
@@ -78,15 +78,15 @@ class _ToneSection:
     """A sin(w t + φ₀) on one axis."""
 
     def __init__(
-        self, form: Form, place: SignalSlot, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
+        self, form: Form, slot: SignalSlot, axis: Axis, remove: Callable[["_ToneSection"], None], *, expanded: bool
     ) -> None:
         self.axis: Axis = axis
         self.section = section = Section(form, axis, expanded=expanded)
         with section:
-            hint = f"A ({place.unit}): adds A sin(w t + φ₀) to the {axis} component; its fourth derivative is A w⁴."
-            self._amplitude = Dial(section, f"A ({place.unit})", place.amplitude, step=0.001, hint=hint)
+            hint = f"A ({slot.unit}): adds A sin(w t + φ₀) to the {axis} component; its fourth derivative is A w⁴."
+            self._amplitude = Dial(section, f"A ({slot.unit})", slot.amplitude, step=0.001, hint=hint)
             hint = "w (rad/s): the tone's frequency at s = 1; it must stay below the IMU's Nyquist frequency."
-            self._frequency = Dial(section, "w (rad/s)", place.frequency, step=0.01, hint=hint)
+            self._frequency = Dial(section, "w (rad/s)", slot.frequency, step=0.01, hint=hint)
             hint = "φ₀ (rad): the tone's phase at t = 0; π/2 makes it a cosine."
             self._phase = Dial(section, "φ₀ (rad)", (-3.142, 3.142), step=0.001, hint=hint)
             form.buttons("", {"− remove this tone": partial(remove, self)}, hint="Ctrl+Z brings it back.")
@@ -99,29 +99,29 @@ class _ToneSection:
                 frequency=self._frequency.read(),
                 phase=self._phase.read(),
             )
-        self._say(tone)
+        self._update_label(tone)
         return tone
 
     def write(self, tone: Tone, base: Tone | None) -> None:
         self._amplitude.write(tone.amplitude, base and base.amplitude)
         self._frequency.write(tone.frequency, base and base.frequency)
         self._phase.write(tone.phase, base and base.phase)
-        self._say(tone)
+        self._update_label(tone)
 
-    def _say(self, tone: Tone) -> None:
+    def _update_label(self, tone: Tone) -> None:
         self.section.caption(f"{tone.axis}: {tone.amplitude:.3g} sin({tone.frequency:.3g} t {tone.phase:+.3g})")
 
 
-class _Rest:
+class _OffsetAndDrift:
     """Where a signal starts and how it drifts: a line or a hover has nothing else."""
 
-    def __init__(self, form: Form, place: SignalSlot) -> None:
+    def __init__(self, form: Form, slot: SignalSlot) -> None:
         self.section = section = Section(form, "Offset and drift", expanded=False)
         with section:
-            hint = f"{place.unit}: added to the tones. It moves a path against the anchor; the excitation stays."
-            self._offset = Vector(section, f"offset ({place.unit})", step=0.01, hint=hint)
-            hint = f"{place.unit}/s: a constant rate added to the tones. It has no snap, so it excites nothing."
-            self._drift = Vector(section, f"drift ({place.unit}/s)", step=0.01, hint=hint)
+            hint = f"{slot.unit}: added to the tones. It moves a path against the anchor; the excitation stays."
+            self._offset = Vector(section, f"offset ({slot.unit})", step=0.01, hint=hint)
+            hint = f"{slot.unit}/s: a constant rate added to the tones. It has no snap, so it excites nothing."
+            self._drift = Vector(section, f"drift ({slot.unit}/s)", step=0.01, hint=hint)
 
     def read(self, signal: Multisine) -> Multisine:
         with self.section.catching():

@@ -48,11 +48,11 @@ def test_a_pinned_run_is_in_every_plot_until_it_is_unpinned(comparing: tuple[Wir
     tab.press("Pin this run as A")
     tab.wait_for(lambda: all(any(name.startswith("A") for name in shown) for shown in labels(session)), "A")
     tab.wait_for_text("Nothing is chosen otherwise yet.")
-    pinned = panel(session)._pinned
+    pinned = panel(session).pinned
     tab.set("q", 0.0)
     tab.wait_for(lambda: "gains.riccati.q 5000 → 1" in words(tab), "what was chosen otherwise")
     assert "steady position" in words(tab)
-    assert panel(session)._pinned is pinned
+    assert panel(session).pinned is pinned
     tab.press("Unpin")
     tab.wait_for(lambda: not any("A" in shown for shown in labels(session)), "no A")
 
@@ -75,7 +75,7 @@ def test_seeds_give_a_band_which_never_outlives_the_settings(comparing: tuple[Wi
     tab.set("k1", 0.3)
     tab.wait_for_text("the band belonged to others and is gone")
     assert not any("5 seeds" in shown for shown in labels(session))
-    assert panel(session)._seeds is None
+    assert panel(session).seeds is None
 
 
 def test_moving_the_window_or_the_vehicle_keeps_the_band_for_the_runs_are_the_same(comparing: tuple[Wire, Session]):
@@ -111,7 +111,7 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
     tab.set("q", 1.0)
     tab.wait_for(lambda: len(heard) == 2, "the job to end")
     tab.wait_for_text("The settings changed while the seeds ran")
-    assert panel(session)._seeds is None
+    assert panel(session).seeds is None
 
 
 @pytest.mark.parametrize("value", [0, 101, 2.5, math.nan, math.inf, -1e300])
@@ -132,9 +132,9 @@ def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple
     tab.wait_for(lambda: "refined: converged after" in words(tab), "the refinement's words")
     assert sum({"EKF", "refined"} <= shown for shown in labels(session)) == 4
     before = words(tab)
-    run = panel(session)._rivals.found["refined"][0]
+    run = panel(session).baseline_results.results["refined"][0]
     tab.set("noise seed", 3.0)
-    tab.wait_for(lambda: panel(session)._rivals.found["refined"][0] != run, "another refinement")
+    tab.wait_for(lambda: panel(session).baseline_results.results["refined"][0] != run, "another refinement")
     tab.wait_for(lambda: words(tab) != before and "at work" not in words(tab), "its words")
     tab.set("EKF", False)
     time.sleep(PRESS)
@@ -152,4 +152,4 @@ def test_a_record_without_ranges_is_refused_by_the_refinement_alone(comparing: t
     tab.set("refinement", True)
     tab.wait_for_text("a refinement needs ranges")
     assert "Not shown" not in words(tab)
-    assert panel(session)._on == {"refined"}
+    assert panel(session).enabled == {"refined"}

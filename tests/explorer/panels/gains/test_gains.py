@@ -44,11 +44,11 @@ TOUCHED = {
 
 def _speak(dock: Dock, units: GainUnits) -> None:
     """As a visitor would, who moves the menu and nothing else."""
-    dock.gains._wanted.show(units)
+    dock.gains.units_choice.show(units)
 
 
 def _dial(dock: Dock, name: str) -> Any:
-    return dock.gains._physical._dials[name]
+    return dock.gains.physical_dials.dials[name]
 
 
 def _numbers(gains: Gains) -> dict[str, float]:
@@ -128,10 +128,10 @@ def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock
     _dial(dock, "range_sigma").show(0.3)
     gains = refreshed(dock).preset.gains
     for change in (
-        lambda: dock.motion._time._scale.show(3.0),
+        lambda: dock.motion.timing.time_scale.show(3.0),
         lambda: dock.world.move_anchor((4.0, 5.0, 6.0)),
-        lambda: dock.sensors._range_rate.show(20.0),
-        lambda: dock.sensors._imu_rate.show(700.0),
+        lambda: dock.sensors.range_rate.show(20.0),
+        lambda: dock.sensors.imu_rate.show(700.0),
     ):
         shown = (
             _dial(dock, "range_sigma").read(),
@@ -167,7 +167,7 @@ def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
     for name in GAIN_LABELS:
         _dial(dock, name).show(0.8 * _dial(dock, name).read())
         refreshed(dock)
-    dock.motion._time._scale.show(3.0)
+    dock.motion.timing.time_scale.show(3.0)
     refreshed(dock)
     dock.gains._section.form.reset_all()
     assert refreshed(dock) == SLOW
@@ -183,7 +183,7 @@ def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far:
         with pytest.raises(InvalidInputError) as refusal:
             refreshed(dock)
         assert GAIN_LABELS[name].label in str(refusal.value.__cause__)
-        assert dock.gains._physical._sections[name].complaint._line.visible
+        assert dock.gains.physical_dials.sections[name].complaint._line.visible
         _dial(dock, name).show(shown)
         assert refreshed(dock).preset.gains == good
 
@@ -196,50 +196,53 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, 
         raise ValueError("distance must lie between 0.001 and 100000 m, got 3e+07")
 
     monkeypatch.setattr("explorer.panels.gains.context_of", nowhere)
-    dock.motion._time._scale.show(2.0)
+    dock.motion.timing.time_scale.show(2.0)
     assert refreshed(dock).preset.gains == good.preset.gains
-    assert "the path&#x27;s typical distance must lie" in dock.gains._physical._noise.complaint._line.content
+    assert "the path&#x27;s typical distance must lie" in dock.gains.physical_dials.noise.complaint._line.content
     _dial(dock, "range_sigma").show(0.5)
     with pytest.raises(InvalidInputError):
         refreshed(dock)
     _speak(dock, "paper")
     monkeypatch.undo()
-    dock.motion._time._scale.show(1.0)
+    dock.motion.timing.time_scale.show(1.0)
     assert refreshed(dock).preset.gains != good.preset.gains
 
 
 def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(dock: Dock):
     def shown() -> tuple[bool, ...]:
-        panels = (dock.gains._paper, dock.gains._physical)
-        return tuple(s._folder.visible for p in panels for s in (p._noise, p._attitude))
+        panels = (dock.gains.paper_dials, dock.gains.physical_dials)
+        return tuple(s._folder.visible for p in panels for s in (p.noise, p.attitude))
 
     refreshed(dock)
     assert shown() == (True, True, False, False)
-    dock.gains._mode.show("noise-matched")
+    dock.gains.mode.show("noise-matched")
     refreshed(dock)
     assert shown() == (False, True, False, False)
-    assert "not used, and not shown" in dock.gains._mode_words.content
+    assert "not used, and not shown" in dock.gains.mode_line.content
     _speak(dock, "physical")
     refreshed(dock)
     assert shown() == (False, False, False, True)
-    dock.gains._mode.show("constant")
+    dock.gains.mode.show("constant")
     refreshed(dock)
     assert shown() == (False, False, True, True)
-    assert "as the theorem assumes" in dock.gains._mode_words.content
+    assert "as the theorem assumes" in dock.gains.mode_line.content
 
 
 def test_the_other_language_stands_beside(dock: Dock):
     picture = compute(SLOW)
     dock.gains.draw(picture)
     words = in_physical_units(SLOW.preset.gains, context_of(SLOW))
-    assert f"{words.range_sigma:.4g} m" in dock.gains._table.content
-    assert dock.gains._beside._folder.label == "The same in physical words"
+    assert f"{words.range_sigma:.4g} m" in dock.gains.other_units_table.content
+    assert dock.gains.other_units_section._folder.label == "The same in physical words"
     _speak(dock, "physical")
     refreshed(dock)
     dock.gains.draw(picture)
-    assert "5000" in dock.gains._table.content
-    assert all(dock.gains._table.content.count(f">{letter}<") == 1 for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1"))
-    assert dock.gains._beside._folder.label == "The same in the paper's letters"
+    assert "5000" in dock.gains.other_units_table.content
+    assert all(
+        dock.gains.other_units_table.content.count(f">{letter}<") == 1
+        for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1")
+    )
+    assert dock.gains.other_units_section._folder.label == "The same in the paper's letters"
 
 
 @pytest.mark.parametrize("size", [1e-14, 1e-100, 1e-161])
@@ -249,8 +252,8 @@ def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(
     _speak(dock, "physical")
     dock.write(weightless)
     assert refreshed(dock).preset.gains == weightless.preset.gains
-    assert "no physical words" in dock.gains._physical._noise.complaint._line.content
+    assert "no physical words" in dock.gains.physical_dials.noise.complaint._line.content
     assert "not told" in summary.in_other_units(compute(weightless), "paper")
     dock.write(SLOW)
     assert refreshed(dock) == SLOW
-    assert not dock.gains._physical._noise.complaint._line.visible
+    assert not dock.gains.physical_dials.noise.complaint._line.visible

@@ -83,7 +83,7 @@ def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(ses
 
 def test_work_kept_before_there_were_languages_is_found(page: Editing):
     old = msgspec.json.encode({"opened": "paper", "settings": page.settings})
-    assert msgspec.json.decode(old, type=SavedWork).units == "paper"
+    assert msgspec.json.decode(old, type=SavedWork).language == "paper"
 
 
 def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
@@ -183,7 +183,7 @@ def test_the_three_half_turns_are_started_from_by_their_buttons_and_undone(page:
 
 
 def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
-    noise = page.session.dock.gains._paper._noise._folder
+    noise = page.session.dock.gains.paper_dials.noise._folder
     riccati = page.settings.preset.gains.riccati
     page.set("gains", "noise-matched (outside it)")
     page.tab.wait_for_text("are not used, and not shown")

@@ -45,32 +45,32 @@ def _scheduled(plan: Schedule | None, **changes: Any) -> Settings:
 def test_a_presets_schedule_is_shown_edited_and_kept_while_it_is_off(dock: Dock):
     plan = Schedule(steady=1 / 3, halfway=0.07, memory=math.pi)
     dock.write(_scheduled(plan))
-    dials = dock.gains._schedule
-    assert dials._group._folder.visible
-    assert dials._steady.read() == 1 / 3
-    dials._halfway.show(0.1)
+    dials = dock.gains.schedule_dials
+    assert dials.dials_section._folder.visible
+    assert dials.steady.read() == 1 / 3
+    dials.halfway.show(0.1)
     assert refreshed(dock) == _scheduled(replace(plan, halfway=0.1))
-    dials._on.show(False)
+    dials.enabled.show(False)
     off = refreshed(dock)
     assert off.preset.gains.attitude.schedule is None
     assert off.drafts.schedule == replace(plan, halfway=0.1)
-    assert not dials._group._folder.visible
+    assert not dials.dials_section._folder.visible
     dock.write(SLOW)
     dock.write(off)  # as after a reload
-    dials._on.show(True)
+    dials.enabled.show(True)
     assert refreshed(dock) == _scheduled(replace(plan, halfway=0.1))
 
 
 def test_a_schedule_is_off_by_default_and_tells_what_the_theorem_says(dock: Dock):
-    dials = dock.gains._schedule
-    assert not dials._on.read()
-    dials._on.show(True)
+    dials = dock.gains.schedule_dials
+    assert not dials.enabled.read()
+    dials.enabled.show(True)
     assert refreshed(dock).preset.gains.attitude.schedule == Schedule()
-    dials._steady.show(5.0)
+    dials.steady.show(5.0)
     with pytest.raises(InvalidInputError) as refusal:
         refreshed(dock)
     assert str(refusal.value.__cause__) == "schedule.steady must not exceed k1 (4), got 5"
-    assert dials._group.complaint._line.visible
+    assert dials.dials_section.complaint._line.visible
 
 
 @FEW
@@ -90,19 +90,19 @@ def test_schedules_and_their_drafts_are_read_back_as_they_were_written(dock: Doc
 
 def test_the_time_constants_stand_beside_and_under_a_schedule_at_both_ends():
     picture = compute(replace(SLOW, preset=replace(SLOW.preset, gains=Gains(attitude=SCHEDULED))))
-    said = summary.rates(picture)
+    text = summary.rates(picture)
     for k1 in (SCHEDULED.k1, 0.5):
         expected = attitude.time_constants(AttitudeGains(k1=k1), picture.preset.world)
-        assert f"at k1 = {k1:g}" in said
-        assert ", ".join(f"{one:.3g}" for one in expected) + " s" in said
-    assert said.count("at k1") == 2
+        assert f"at k1 = {k1:g}" in text
+        assert ", ".join(f"{one:.3g}" for one in expected) + " s" in text
+    assert text.count("at k1") == 2
     assert summary.rates(compute(SLOW)).count("at k1") == 1
 
 
 def test_stiff_gains_are_warned_of_in_words_and_a_mark_and_others_are_not():
     stiff = replace(SLOW.preset, gains=Gains(attitude=AttitudeGains(k1=40.0, rho2=0.1)))
-    said = summary.rates(compute(replace(SLOW, preset=stiff)))
-    assert "▲ The attitude filter is stiff: 425/s times the IMU&#x27;s 5 ms is 2.1, above 1" in said
+    text = summary.rates(compute(replace(SLOW, preset=stiff)))
+    assert "▲ The attitude filter is stiff: 425/s times the IMU&#x27;s 5 ms is 2.1, above 1" in text
     assert "▲" not in summary.rates(compute(SLOW))
 
 
@@ -115,19 +115,19 @@ def test_each_button_starts_where_the_filter_stands_still(gains: AttitudeGains, 
     """σ vanishes there for any attitude: R̂ᵀm and R̂ᵀg turned by R̃ cancel in their weighted sum."""
     truth = so3.exp(np.array([0.3, -0.2, 0.9]))
     m, g = np.array(world.magnetic), np.array(world.gravity)
-    for turn in equilibria.half_turns(gains, world):
-        error = so3.exp(math.pi * np.array(turn.axis))
+    for equilibrium in equilibria.undesired_equilibria(gains, world):
+        error = so3.exp(math.pi * np.array(equilibrium.axis))
         estimate = error.T @ truth
         sigma = attitude.innovation(estimate, truth.T @ m, truth.T @ g, gains=gains, world=world)
         assert np.linalg.norm(sigma) < 1e-11 * (gains.rho1 + gains.rho2 * g @ g)
-        away = min(equilibria.distances(error, equilibria.half_turns(gains, world)))
+        away = min(equilibria.distances(error, equilibria.undesired_equilibria(gains, world)))
         assert away < 1e-7  # a trace of rounding, seen through an arc cosine
-        near = so3.exp((math.pi - 0.1) * np.array(turn.axis))
-        assert min(equilibria.distances(near, equilibria.half_turns(gains, world))) <= 0.1 + 1e-9
+        near = so3.exp((math.pi - 0.1) * np.array(equilibrium.axis))
+        assert min(equilibria.distances(near, equilibria.undesired_equilibria(gains, world))) <= 0.1 + 1e-9
 
 
 def test_the_half_turns_are_told_in_words_and_numbers():
-    first, second, third = equilibria.half_turns(AttitudeGains(), World())
+    first, second, third = equilibria.undesired_equilibria(AttitudeGains(), World())
     assert first.label == "180° · (0.39, 0, 0.92) · between m and g"
     assert second.label == "180° · (0.92, 0, -0.39) · in their plane, across it"
     assert third.label == "180° · (0, 1, 0) · across both m and g"

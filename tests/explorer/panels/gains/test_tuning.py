@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from explorer.panels.gains import tradeoff_plot, tuning_text
-from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, Marked
+from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
 from explorer.panels.gains.tuning import TuningPanel
 from rangenav import preset, tradeoff, tune
 from rangenav.attitude import AttitudeGains
@@ -60,7 +60,7 @@ def pick(editing: Editing, place: float) -> None:
 
 def test_what_is_found_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
     before = gains(tuned)
-    found = panel(tuned)._found
+    found = panel(tuned).result
     assert found is not None
     assert before == found[1].before.gains
     tuned.press("Use these gains")
@@ -74,7 +74,7 @@ def test_what_is_found_is_shown_and_changes_nothing_until_it_is_used_and_undone(
 
 
 def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(tuned: Editing):
-    p, found = tuned.settings.preset, panel(tuned)._found
+    p, found = tuned.settings.preset, panel(tuned).result
     assert found is not None
     training = tradeoff.runs(p, p.seed + tune.TRAINING_OFFSET, SEEDS)
     held_out = tradeoff.runs(p, p.seed, SEEDS)
@@ -86,11 +86,11 @@ def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(tu
 
 
 def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
-    walk = panel(tuned)._walk
+    walk = panel(tuned).choices
     assert len(walk) > 2
     for place in (1, len(walk)):
         pick(tuned, place)
-        tuned.tab.wait_for_text(f"position {tradeoff_plot.told(POSITION, walk[place - 1])}")
+        tuned.tab.wait_for_text(f"position {tradeoff_plot.point_text(POSITION, walk[place - 1])}")
         tuned.press("Use these gains")
         assert gains(tuned) == walk[place - 1].gains
     tuned.command("Undo")
@@ -110,7 +110,7 @@ def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editin
 )
 def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: str, settle: str, steady: str):
     tuned._carried_out(lambda: tuned.tab.set("pick along", curve))
-    walk, found = panel(tuned)._walk, panel(tuned)._found
+    walk, found = panel(tuned).choices, panel(tuned).result
     assert found is not None
     times, errors = ([getattr(point, name) for point in walk] for name in (settle, steady))
     assert times == sorted(times)
@@ -175,18 +175,18 @@ def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
     assert HEARD == []
     editing.press("Stop")
     editing.tab.wait_for(lambda: HEARD == [True] and editing.session.jobs.running is None, "the job to end")
-    assert panel(editing)._found is None
+    assert panel(editing).result is None
     assert "Picked" not in editing.tab.text()
 
 
 def test_what_was_found_stays_when_another_search_is_stopped(tuned: Editing, monkeypatch: pytest.MonkeyPatch):
-    kept = panel(tuned)._found
+    kept = panel(tuned).result
     monkeypatch.setattr("rangenav.tune.tune", endless)
     tuned.press("Tune the gains")
     tuned.tab.wait_for_text("48 %")
     tuned.press("Stop")
     tuned.tab.wait_for(lambda: tuned.session.jobs.running is None, "the job to end")
-    assert panel(tuned)._found is kept
+    assert panel(tuned).result is kept
     assert "Picked (found)" in tuned.tab.text()
 
 
@@ -218,10 +218,10 @@ def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
 
 @pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", -3), ("place", 1e9), ("pick along", "nothing")])
 def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str, value: object):
-    kept = panel(tuned)._picked
+    kept = panel(tuned).picked
     tuned._carried_out(lambda: tuned.tab.set(label, value))
     tuned.tab.wait_for_text(f"{label} must be")
-    assert panel(tuned)._picked is kept
+    assert panel(tuned).picked is kept
 
 
 def test_too_much_work_is_refused_in_a_sentence_where_it_was_asked_for(editing: Editing):
@@ -285,7 +285,7 @@ figure = st.floats(1e-6, 1e6)
 def test_every_marked_point_lies_inside_its_plot_where_the_logarithms_put_it(pairs: list[tuple[float, float]]):
     seen = tuple(point(*pair) for pair in pairs)
     walk = tradeoff.front(seen, "settle_position", "steady_position")
-    drawn = tradeoff_plot.plot(POSITION, seen, Marked(start=seen[0], found=walk[0], picked=walk[-1], walk=walk))
+    drawn = tradeoff_plot.plot(POSITION, seen, MarkedPoints(start=seen[0], best=walk[0], picked=walk[-1], choices=walk))
     spots = [(float(x), float(y)) for x, y in re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="3.2"', drawn)]
     assert len(spots) == len(walk)
     for x, y in spots:
@@ -299,7 +299,7 @@ def test_every_marked_point_lies_inside_its_plot_where_the_logarithms_put_it(pai
 
 @given(figure, st.floats(1.0, 1e9))
 def test_an_axis_has_three_to_seven_numbers_on_it_in_order(low: float, ratio: float):
-    axis = tradeoff_plot.span((low, low * ratio))
+    axis = tradeoff_plot.axis_limits((low, low * ratio))
     places = tradeoff_plot.ticks(axis)
     assert 3 <= len(places) <= 7
     assert places == sorted(set(places))

@@ -394,7 +394,7 @@ def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alo
     before = editing.settings
     time.sleep(0.8)  # longer than a moment
     form, uuid = editing.session.form, editing.tab.find("range (Hz)")
-    run_actions, dial = form.run_actions, editing.session.dock.sensors._range_rate
+    run_actions, dial = form.run_actions, editing.session.dock.sensors.range_rate
 
     def busy() -> bool:
         """A change and its undo come while the session is at work, and are seen together."""

@@ -88,8 +88,8 @@ def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
     page.tab.wait_for_text("● CERTIFIED OBSERVABLE")
     assert "<svg" in page.tab.text()
     assert "<b>Flug" not in page.tab.text()
-    page.tab.wait_for(lambda: data.beside(name), "the certificate beside it")
-    beside = data.beside(name)
+    page.tab.wait_for(lambda: data.read_certificate(name), "the certificate beside it")
+    beside = data.read_certificate(name)
     assert beside is not None
     assert certificate.verify(data.read(name), certificate.loads(beside, source="x"), source=name) == ()
     other = _visitor(sessions)
@@ -463,8 +463,8 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
     after = page.settings.preset
     assert certificate.certify(preset.dumps(after).encode(), source="x").certified
     assert after.path != circle.preset.path
-    assert page.session.dock.compare._pinned is not None
-    assert page.session.dock.compare._pinned.settings == circle
+    assert page.session.dock.compare.pinned is not None
+    assert page.session.dock.compare.pinned.settings == circle
     assert page.tab.value("title") == after.title
     page.command("Undo")
     assert page.settings == circle

@@ -1,0 +1,103 @@
+"""The noise of the sensors: standard deviations per sample and, for gyro and accelerometer, noise densities.
+
+density n (unit/√Hz)     standard deviation per sample σ = n √(IMU rate)
+"""
+
+from explorer.widgets.controls import LogDial, Switch, short
+from explorer.widgets.form import Form, Section
+from rangenav.sensors import Noise, Unit, given_as
+
+OTHER_UNIT: dict[Unit, tuple[Unit, str]] = {"sample": ("density", "/√Hz"), "density": ("sample", " per sample")}
+
+
+class NoiseFolder:
+    """Standard deviations per sample; gyro and accelerometer also as densities, each unit on dials of its own."""
+
+    def __init__(self, form: Form) -> None:
+        def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
+            hint = f"{symbol} ({unit or 1}): deviation of white noise per sample of the {what} (paper, eq. 2–3)."
+            return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
+
+        def density(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
+            hint = f"{symbol} ({unit}): density of the {what}'s white noise; per sample it is {symbol[0]}·√(IMU rate)."
+            return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
+
+        self._section = section = Section(form, "Noise")
+        with section:
+            self._range = dial("σ range", "m", (1e-3, 10.0), "range")
+            hint = "On: gyro and accelerometer noise as data sheets give it, and kept when the IMU's rate changes."
+            self.as_density = Switch(section, "IMU noise as density", hint=hint)
+            self.groups: dict[Unit, Section] = {}
+            self._gyro: dict[Unit, LogDial] = {}
+            self._accel: dict[Unit, LogDial] = {}
+            with self._group(form, "sample") as section:
+                self._gyro["sample"] = dial("σ gyro", "rad/s", (1e-4, 1.0), "gyro")
+                self._accel["sample"] = dial("σ accel", "m/s²", (1e-3, 10.0), "accelerometer")
+            with self._group(form, "density") as section:
+                self._gyro["density"] = density("n gyro", "rad/s/√Hz", (1e-6, 0.1), "gyro")
+                self._accel["density"] = density("n accel", "m/s²/√Hz", (1e-5, 1.0), "accelerometer")
+            section = self._section
+            self.other_unit_line = form.gui.add_markdown("")
+            self._mag = dial("σ mag", "", (1e-3, 1.0), "magnetometer, a unit vector; the paper prints σ² = 0.01")
+        self._unit: Unit = "sample"
+        self._converted: tuple[Noise, float, Noise] | None = None
+
+    def read(self, rate: float) -> Noise:
+        """The noise chosen, for an IMU at `rate` (Hz)."""
+        with self._section.catching():
+            noise = Noise(
+                gyro=self._gyro[self._unit].read(),
+                accel=self._accel[self._unit].read(),
+                mag=self._mag.read(),
+                range=self._range.read(),
+                imu_unit=self._unit,
+            )
+            chosen_unit: Unit = "density" if self.as_density.read() else "sample"
+            if chosen_unit != self._unit:
+                noise = self._in_unit(noise, chosen_unit, rate)
+                self.show(noise)
+            self._describe_other_unit(noise, rate)
+        return noise
+
+    def write(self, noise: Noise, base: Noise) -> None:
+        """Show noise in the unit it was given; dials of the other unit have nothing to be held against."""
+        unit, same_unit = noise.imu_unit, noise.imu_unit == base.imu_unit
+        self.as_density.write(unit == "density", base.imu_unit == "density")
+        self._gyro[unit].write(noise.gyro, base.gyro if same_unit else None)
+        self._accel[unit].write(noise.accel, base.accel if same_unit else None)
+        self._mag.write(noise.mag, base.mag)
+        self._range.write(noise.range, base.range)
+        self._show_unit(unit)
+
+    def show(self, noise: Noise) -> None:
+        """Show noise; what the preset says stays what it was."""
+        self.as_density.show(noise.imu_unit == "density")
+        self._gyro[noise.imu_unit].show(noise.gyro)
+        self._accel[noise.imu_unit].show(noise.accel)
+        self._mag.show(noise.mag)
+        self._range.show(noise.range)
+        self._show_unit(noise.imu_unit)
+
+    def _show_unit(self, shown: Unit) -> None:
+        self._unit = shown
+        for unit, group in self.groups.items():
+            group.show(unit == shown)
+
+    def _group(self, form: Form, unit: Unit) -> Section:
+        self.groups[unit] = Section(form)
+        return self.groups[unit]
+
+    def _in_unit(self, noise: Noise, unit: Unit, rate: float) -> Noise:
+        """The same noise in the other unit; switched back with nothing changed it is the old one to the last bit."""
+        before, last = noise, self._converted
+        noise = last[0] if last and last[1:] == (rate, noise) else given_as(noise, unit, rate=rate)
+        self._converted = (before, rate, noise)
+        return noise
+
+    def _describe_other_unit(self, noise: Noise, rate: float) -> None:
+        """What gyro and accelerometer noise are in the other unit."""
+        unit, name = OTHER_UNIT[noise.imu_unit]
+        other = given_as(noise, unit, rate=rate)
+        line = f"at {rate:g} Hz: {short(other.gyro)} rad/s{name}, {short(other.accel)} m/s²{name}"
+        if line != self.other_unit_line.content:
+            self.other_unit_line.content = line
