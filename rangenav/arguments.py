@@ -28,7 +28,7 @@ def array(name: str, value: Any, shape: Shape, *, none: str = "") -> Array:
     """
     if (
         type(value) is Array
-        and value.dtype == DOUBLE
+        and value.dtype is DOUBLE  # an equal one that is another object is found, and not copied, below
         and value.flags.carray
         and (value.shape == shape or _fits(value.shape, shape))
     ):
@@ -59,8 +59,10 @@ def increasing_array(name: str, value: Any, shape: Shape) -> Array:
 def number(name: str, value: Any) -> float:
     """`value` as a finite float. Raises ValueError for what is no real number (a boolean is none)."""
     kind = type(value)
-    if kind is not float:
-        if kind is not np.float64 and (not isinstance(value, REAL) or kind is bool):
+    if kind is np.float64:
+        value = float(value)
+    elif kind is not float:
+        if not isinstance(value, REAL) or kind is bool:
             raise ValueError(f"{name} must be a number, got {described(value)}")
         value = _as_float(value)
     if not math.isfinite(value):
