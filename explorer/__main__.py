@@ -1,4 +1,4 @@
-"""`rangenav-explorer`: serves the page on this machine and prints its address once it answers."""
+"""`rangenav-explorer`, or `python -m explorer`: serves the page on this machine and prints its address."""
 
 import logging
 import sys
@@ -13,8 +13,8 @@ import tyro
 from rangenav import preset
 
 DEFAULT_PRESET = "paper-slow"
-ANSWER_PATIENCE = 10.0
-"""s"""
+ANSWER_TIMEOUT = 10.0
+"""s until the server must answer its first request."""
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,10 @@ def main() -> None:
 
 
 def serve(arguments: Arguments) -> None:
-    """Serve until interrupted. Raises ValueError with one sentence if host, port or preset will not do."""
+    """Serve until interrupted. Raises ValueError with one sentence if host, port or preset cannot be used."""
     shipped = preset.shipped()
-    first = _with_own(shipped, arguments.preset)
-    from explorer.web.security import close_server, open_server  # here, so that a wrong argument is answered at once
+    first = _first_preset(shipped, arguments.preset)
+    from explorer.web.security import close_server, open_server  # here: a wrong preset is reported at once
 
     server = open_server(arguments.host, arguments.port)
     from explorer.server import SessionServer
@@ -68,7 +68,7 @@ def serve(arguments: Arguments) -> None:
         ),
     )
     url = f"http://{arguments.host}:{server.get_port()}/"
-    with urllib.request.urlopen(url, timeout=ANSWER_PATIENCE):
+    with urllib.request.urlopen(url, timeout=ANSWER_TIMEOUT):
         print(url, flush=True)
     compilation.start()
     if arguments.browser:
@@ -79,14 +79,14 @@ def serve(arguments: Arguments) -> None:
         close_server(server)
 
 
-def _with_own(shipped: dict[str, preset.Preset], name_or_path: str) -> str:
-    """The name under which the wanted preset is offered; a file of one's own joins the shipped ones."""
-    wanted = preset.load(name_or_path)
+def _first_preset(shipped: dict[str, preset.Preset], name_or_path: str) -> str:
+    """The name of the preset that a new visitor sees; a file that is not shipped is added to `shipped`."""
+    requested = preset.load(name_or_path)
     if name_or_path in shipped:
         return name_or_path
     name = preset.find(name_or_path).stem
     name = f"{name} (file)" if name in shipped else name
-    shipped[name] = wanted
+    shipped[name] = requested
     return name
 
 

@@ -1,7 +1,7 @@
-"""How long the attitude takes from starts all around: which settings that belongs to, its colours, the slowest start.
+"""The basin of attraction of the attitude filter on the page: its inputs, its colours, and the slowest start.
 
-A start is a turn by one angle about one of many axes (`rangenav.ensemble.basin`); each axis is a point on a sphere, and
-its colour says when the attitude error stays below 5°. No viser here.
+A start is a turn by one angle about one of many axes (`rangenav.ensemble.basin`). Each axis is a point on a sphere; its
+colour says when the attitude error stays below 5°.
 """
 
 from typing import NamedTuple
@@ -22,37 +22,37 @@ from rangenav.sensors import Sensors
 
 
 class Setup(NamedTuple):
-    """Everything that decides how long a start takes, but for the start."""
+    """Everything that decides how long a start takes to settle, except the start."""
 
-    course: TruthInputs
+    truth: TruthInputs
     sensors: Sensors
     seed: int
     gains: Gains
     guess: Guess
-    """With no attitude error of its own."""
+    """Without its attitude error, which each start replaces."""
 
 
 def setup_of(shown: Preset) -> Setup:
-    """What a sphere of starts belongs to that is computed for a preset, its time scale and printed start applied."""
+    """The setup of a preset whose path has its time scale and printed initial values applied."""
     usual = Guess()
     guess = replace(shown.guess, attitude_axis=usual.attitude_axis, attitude_angle=usual.attitude_angle)
     return Setup(record.course_of(shown), shown.sensors, shown.seed, shown.gains, guess)
 
 
 def slowest(found: Basin) -> int:
-    """Which start settles last; of those that never do, the one that ends farthest away."""
+    """The index of the start that settles last; of those that never settle, the one with the largest final error."""
     return int(np.lexsort((found.final, found.settle))[-1])
 
 
-def ends(found: Basin) -> tuple[float, float] | None:
-    """The soonest and the latest settling (s), None if nothing settles."""
+def settling_span(found: Basin) -> tuple[float, float] | None:
+    """The first and the last settling time (s); None if no start settles."""
     settled = found.settle[np.isfinite(found.settle)]
     return (float(settled.min()), float(settled.max())) if len(settled) else None
 
 
 def colors(found: Basin) -> UInt8[Array, "a 3"]:
-    """A colour for each start, light for the soonest."""
-    span, share = ends(found), np.zeros(len(found.settle))
+    """A colour for each start; the lightest settles first."""
+    span, share = settling_span(found), np.zeros(len(found.settle))
     if span is not None and span[1] > span[0]:
         share = (np.minimum(found.settle, span[1]) - span[0]) / (span[1] - span[0])
     scale = on_scale(share)

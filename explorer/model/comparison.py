@@ -1,11 +1,11 @@
-"""What stands beside the run on view: a pinned one (A), other estimators on the same record, the band of many seeds.
+"""What the shown run is compared with: a pinned run, other estimators on the same record, the band of many seeds.
 
-    A        a whole Picture, of other settings
-    rivals   the extended Kalman filter, and the refinement of the whole record, on the run's own record
-    seeds    the same settings under other noise
-    basin    the same settings started from attitude errors all around
-All but A belong to one run: `run_of` and `attraction.setup_of` tell which, and what belongs to another is not drawn.
-No viser here.
+    pinned      a whole Picture of other settings (A)
+    baselines   the extended Kalman filter, and the refinement of the whole record, on the run's own record
+    seeds       the same settings with other noise
+    basin       the same settings started from attitude errors about many axes
+All but the pinned run belong to the inputs of one run (`inputs_of`, `basin.setup_of`); the results of other inputs are
+not drawn.
 """
 
 from dataclasses import dataclass
@@ -22,13 +22,13 @@ from rangenav.sensors import Sensors
 
 Name = Literal["EKF", "refined"]
 NAMES: tuple[Name, ...] = ("EKF", "refined")
-"""In the order in which they are drawn and told."""
+"""In the order in which they are drawn and listed."""
 
 
 class RunInputs(NamedTuple):
-    """Everything that decides what the observers make of a record, its noise included."""
+    """Everything that decides the estimates of one run: the truth, the noise, and the observer."""
 
-    course: TruthInputs
+    truth: TruthInputs
     sensors: Sensors
     seed: int
     gains: Gains
@@ -37,16 +37,16 @@ class RunInputs(NamedTuple):
 
 
 class Baseline(NamedTuple):
-    """Another estimator on the record of the run on view."""
+    """Another estimator on the record of the shown run."""
 
     name: Name
     candidate: Candidate | None
-    """None while it is still at work."""
+    """None while it is being computed."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Comparison:
-    """All of it; each part may be missing."""
+    """Everything that the shown run is compared with; each part may be missing."""
 
     pinned: Picture | None = None
     baselines: tuple[Baseline, ...] = ()
@@ -57,23 +57,23 @@ class Comparison:
 NOTHING = Comparison()
 
 
-def run_of(picture: Picture) -> RunInputs:
-    """Which run a picture shows."""
+def inputs_of(picture: Picture) -> RunInputs:
+    """The inputs of the run that a picture shows."""
     p = picture.preset
     return RunInputs(record.course_of(p), p.sensors, p.seed, p.gains, p.guess, form_of(picture))
 
 
 def form_of(picture: Picture) -> ModelForm:
-    """Which model its observer follows."""
+    """The model that the picture's observer uses."""
     return "printed" if picture.settings.printed.model else "derived"
 
 
 def run_baseline(name: Name, picture: Picture) -> Candidate:
-    """Run another estimator on the record of a picture: the EKF takes 20 ms for 20 s at 200 Hz, the refinement 200.
+    """Run another estimator on the record of a picture. For 20 s at 200 Hz the EKF takes 20 ms, the refinement 200 ms.
 
     Raises ValueError if the record has no ranges, or is too long for a covariance of each sample.
     """
-    of = Record(
+    run = Record(
         preset=picture.preset,
         truth=record.simulated(record.course_of(picture.preset)),
         measurements=picture.measurements,
@@ -82,4 +82,4 @@ def run_baseline(name: Name, picture: Picture) -> Candidate:
         summary=picture.summary,
         form=form_of(picture),
     )
-    return comparison.filtered(of) if name == "EKF" else comparison.refined(of)
+    return comparison.filtered(run) if name == "EKF" else comparison.refined(run)

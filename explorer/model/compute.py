@@ -1,4 +1,4 @@
-"""settings -> Picture, in stages cached by their own inputs: a gain slider never recomputes a Gramian. No viser here.
+"""settings -> Picture, in stages cached by their own inputs: a gain slider never recomputes a Gramian.
 
 motion        <- path, angular velocity, world, duration, rate
 breaks        <- motion's inputs, vehicle
@@ -46,13 +46,13 @@ class Picture:
     motion: Motion
     limits: Limits
     breaks: tuple[Break, ...]
-    """The limits of the preset's vehicle that the motion breaks, the one broken for longest first."""
+    """The vehicle limits that the motion exceeds, first the one that it exceeds for longest."""
     phi: Float[Array, "n 3"]
     """Rᵀp⁗ (m/s⁴), body axes."""
     phi_printed: Float[Array, "n 3"]
     """The printed φ, body axes."""
     analysis: Analysis
-    """Spectra over sliding windows, worst windows, blind directions, predicted accuracy, verdict (derived forms)."""
+    """Spectra over sliding windows, worst windows, blind directions, predicted accuracy and verdict (derived forms)."""
     printed_excitation: Float[Array, "w 3"]
     """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
     measurements: Measurements
@@ -61,7 +61,7 @@ class Picture:
     position_estimate: Float[Array, "n 3"]
     """p̂_I (m, inertial)."""
     summary: Summary
-    """Peak, settling and steady errors, in numbers; and whether the covariance diverged."""
+    """Peak, settling time and steady value of each error, and whether the covariance diverged."""
     attitude_time_constants: Float[Array, "3"]
     """s, slowest first; under the printed switch twice as long."""
     reduced_min: float
@@ -75,7 +75,7 @@ class Picture:
 
 
 def compute(settings: Settings) -> Picture:
-    """The picture of the settings. Raises ValueError with one sentence if they cannot be computed."""
+    """Compute everything the page draws. Raises ValueError with one sentence if that is impossible."""
     p, printed = effective(settings), settings.printed
     course, found = course_of(p), analyse(p)
     phi, phi_printed = _phi(course)
@@ -105,14 +105,14 @@ def compute(settings: Settings) -> Picture:
 
 
 def compile_kernels(progress: Callable[[float, str], None]) -> None:
-    """Compile the kernels (seconds the first time ever, then read from disk), saying how far it has come."""
+    """Compile the kernels: seconds the first time, later they are read from the disk. progress(fraction, stage)."""
     from rangenav.kernels import precompile
 
     precompile.compile_all(progress)
 
 
 def compile_estimators() -> None:
-    """The same for what may be switched on beside the cascade, which no picture waits for."""
+    """Compile the estimators of the Compare tab, which no picture needs."""
     from rangenav.kernels import precompile
 
     precompile.compile_estimators(lambda _fraction, _what: None)
@@ -136,7 +136,7 @@ def _breaks(course: TruthInputs, limited: Vehicle) -> tuple[Break, ...]:
 
 @lru_cache(maxsize=CACHED)
 def _printed_excitation(course: TruthInputs, window: float, printed: Printed) -> Array:
-    """Excitation under the switches; with none of them on, the derived one from the same samples."""
+    """Eigenvalues of the excitation under the printed switches, from samples; with none on, of the derived form."""
     moved = record.simulated(course).motion
     signal = excitation.chosen_signal(moved, printed_formula=printed.excitation, body_axes=printed.body_axes)
     start = np.linspace(0, course.duration - window, WINDOWS)
@@ -147,7 +147,7 @@ def _printed_excitation(course: TruthInputs, window: float, printed: Printed) ->
 def _observed(
     course: TruthInputs, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: ModelForm
 ) -> tuple[Outcome, Array]:
-    """The estimate stage, and the estimated path in inertial axes."""
+    """The estimate, and the estimated position in inertial axes (m)."""
     truth, z = record.simulated(course), record.measured(course, sensors, seed)
     outcome = record.observed(truth, z, course.world, sensors, gains, guess, form)
     return outcome, outcome.estimate.position(course.world)

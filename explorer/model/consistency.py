@@ -1,8 +1,8 @@
-"""Does the observer know how wrong it is, and does it reach what was predicted? Figures over the steady part of a run.
+"""Is the observer consistent: does its covariance P describe its errors, and are they as small as predicted?
 
-    NIS = ν²/S below its 95 % point for 95 % of the ranges;   NEES = eᵀP⁻¹e is 3 on average, for a position
-The steady part is the last quarter, as for all steady errors. One run's neighbours are not independent of each other:
-its mean has no honest band, only its single values have; the mean over seeds has one. No viser here.
+    NIS = ν²/S lies below its 95 % point for 95 % of the ranges;   NEES = eᵀP⁻¹e is 3 on average, for a position
+All figures are over the steady part of a run, its last quarter. Neighbouring samples of one run are correlated, so the
+mean over a run has no confidence band; its single values have one, and so has the mean over many seeds.
 """
 
 from dataclasses import dataclass
@@ -20,38 +20,38 @@ from rangenav.model import POSITION
 from rangenav.motion import to_body
 
 STEADY = 0.75
-"""Share of the run after which it counts."""
+"""Share of the run after which the steady part begins."""
 AXES = 3
 """Degrees of freedom of a position."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RunConsistency:
-    """Figures of one run, or of many seeds; NaN where there is nothing to judge by."""
+    """Figures of one run, or of many seeds; NaN where there is no data."""
 
     nis: float
     """Mean."""
     nis_inside: float
-    """Share of them inside the 95 % band: of single values for a run, of the mean for seeds."""
+    """Share of NIS values inside the 95 % band: of single values for a run, of the mean for seeds."""
     nees: float
     """Mean."""
     nees_low: float
     nees_high: float
     """The 95 % band: of single values for a run, of the mean for seeds."""
     nees_inside: float
-    """Share of the steady part inside it."""
+    """Share of the steady part in which NEES lies inside the band."""
     cramer_rao: float
     """m, predicted 1-σ position from a window's ranges alone, nonlinear."""
     lifted: float
     """m, the same for the lifted problem."""
-    believed: float
+    estimated: float
     """m, the observer's own √tr P."""
-    reached: float
-    """m, RMS."""
+    achieved: float
+    """m, the RMS position error."""
 
     @property
     def summary(self) -> str:
-        """Too sure, too cautious, or consistent."""
+        """Whether P is too small, too large, or consistent with the errors."""
         if np.isnan(self.nees):
             return "nothing to judge by"
         if self.nees > self.nees_high:
@@ -60,7 +60,7 @@ class RunConsistency:
 
 
 def of_run(picture: Picture) -> RunConsistency:
-    """Of the run on view."""
+    """The figures of the shown run."""
     time, z, found = picture.motion.time, picture.measurements, picture.estimate
     part = _steady(time)
     moved, anchor = picture.motion, np.asarray(picture.preset.world.anchor)
@@ -72,7 +72,7 @@ def of_run(picture: Picture) -> RunConsistency:
     nis_low, nis_high = (float(end[0]) for end in consistency.band(np.array([1])))
     cramer_rao, lifted = _predicted(picture.analysis)
     with np.errstate(invalid="ignore"):
-        believed = float(np.sqrt(np.mean(np.trace(P, axis1=-2, axis2=-1))))
+        estimated = float(np.sqrt(np.mean(np.trace(P, axis1=-2, axis2=-1))))
     return RunConsistency(
         nis=_mean(nis),
         nis_inside=_share(nis, nis_low, nis_high),
@@ -82,13 +82,13 @@ def of_run(picture: Picture) -> RunConsistency:
         nees_inside=_share(nees, low, high),
         cramer_rao=cramer_rao,
         lifted=lifted,
-        believed=believed,
-        reached=picture.summary.steady_position,
+        estimated=estimated,
+        achieved=picture.summary.steady_position,
     )
 
 
 def of_seeds(runs: Ensemble, found: Analysis) -> RunConsistency:
-    """Of many seeds of the same settings."""
+    """The figures of many seeds of the same settings."""
     nees, nis, reached = runs.position_consistency, runs.innovation_consistency, ensemble.achieved(runs, found)
     part = _steady(nees.time)
     end = reached.time >= STEADY * float(runs.time[-1])
@@ -102,13 +102,13 @@ def of_seeds(runs: Ensemble, found: Analysis) -> RunConsistency:
         nees_inside=_inside(nees, part),
         cramer_rao=cramer_rao,
         lifted=lifted,
-        believed=_rms(reached.believed[end]),
-        reached=float(np.sqrt(np.mean(np.square(runs.steady_position)))),
+        estimated=_rms(reached.believed[end]),
+        achieved=float(np.sqrt(np.mean(np.square(runs.steady_position)))),
     )
 
 
 def _predicted(found: Analysis) -> tuple[float, float]:
-    """Cramér–Rao and lifted, over the windows that end in the steady part."""
+    """Predicted 1-σ position (m), nonlinear and lifted: RMS over the windows that end in the steady part."""
     windows = found.windows
     ends = windows.start + windows.window
     part = ends >= STEADY * float(ends[-1])
@@ -137,6 +137,6 @@ def _mean(square: Float[Array, "n"]) -> float:
 
 
 def _rms(sigma: Float[Array, "n"]) -> float:
-    """NaN if any is: a window that is blind has no σ."""
+    """NaN if any σ is NaN: a blind window has none."""
     with np.errstate(invalid="ignore", over="ignore"):
         return float(np.sqrt(np.mean(np.square(sigma)))) if len(sigma) else np.nan

@@ -1,7 +1,7 @@
-"""A first draft in another family of what is there now, so that changing the family does not change the subject.
+"""A signal is converted to another family, so that a visitor who chooses another family starts from a similar signal.
 
-Sines become formulas and minimum-snap curves polynomials without loss; all else is sampled: points are passed where the
-signal passes them, and sums of sines keep the strongest few of its frequencies.
+Sines become formulas, and minimum-snap curves become polynomials, without loss. All other conversions sample the
+signal: waypoints lie on it, and sums of sines keep its strongest frequencies.
 """
 
 import math
@@ -30,17 +30,17 @@ from rangenav.signals.multisine import MAX_FREQUENCY
 from rangenav.signals.polynomials import from_minimum_snap
 
 FamilyName = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown", "given"]
-"""What a visitor may choose; a constant is a Multisine of nothing but an offset, given is what a file brought."""
+"""What a visitor may choose. A constant is a Multisine with nothing but an offset; “given” is a signal from a file."""
 POINTS = 12
 SAMPLES, TONES_PER_AXIS = 512, 2
 LEAST_SHARE = 0.02
-"""Of an axis's strongest tone: weaker ones are left out of a draft."""
+"""Share of the strongest tone of an axis; weaker tones are left out."""
 DECIMALS = 3
-"""Of drafted points: millimetres, readable where they are typed."""
+"""Of converted points: millimetres, readable in their table."""
 
 
 def family_of(signal: Turning) -> FamilyName:
-    """Under which word the signal is chosen."""
+    """The family of a signal."""
     match signal:
         case Multisine():
             return "multisine"
@@ -59,9 +59,9 @@ def family_of(signal: Turning) -> FamilyName:
 
 
 def converted(signal: Turning, kind: FamilyName, duration: float) -> Turning:
-    """A signal of another family that is or resembles the given one over a flight (s)."""
+    """A signal of the family `kind` that equals or resembles a signal over a flight (s)."""
     if kind == "flown" or kind == "constant" or isinstance(signal, Flown):
-        return _apart(signal, kind)
+        return _constant_or_flown(signal, kind)
     makers: dict[FamilyName, Callable[[Family, float], Family]] = {
         "multisine": sines,
         "formula": formula,
@@ -72,14 +72,14 @@ def converted(signal: Turning, kind: FamilyName, duration: float) -> Turning:
     return makers[kind](signal, duration)  # type: ignore[arg-type]
 
 
-def _apart(signal: Turning, kind: FamilyName) -> Turning:
-    """To and from what is no signal of its own: a flown body, and a constant."""
+def _constant_or_flown(signal: Turning, kind: FamilyName) -> Turning:
+    """Conversions to and from a flown attitude, and to a constant."""
     if kind == "flown":
         return Flown()
-    still = Multisine()
+    zero = Multisine()
     if kind in ("constant", "multisine"):
-        return still if isinstance(signal, Flown) else Multisine(offset=_rounded(signal(np.zeros(()))))
-    return converted(still, kind, 1.0)
+        return zero if isinstance(signal, Flown) else Multisine(offset=_rounded(signal(np.zeros(()))))
+    return converted(zero, kind, 1.0)
 
 
 def sines(signal: Family, duration: float) -> Multisine:
@@ -130,7 +130,7 @@ def waypoints(signal: Family, duration: float) -> Waypoints:
         return signal
     if isinstance(signal, MinimumSnap):
         return Waypoints(points=signal.points, period=signal.period)
-    return Waypoints(points=_passed(signal, duration), period=signal.period or None)
+    return Waypoints(points=_points_on(signal, duration), period=signal.period or None)
 
 
 def minimum_snap(signal: Family, duration: float) -> MinimumSnap:
@@ -139,7 +139,7 @@ def minimum_snap(signal: Family, duration: float) -> MinimumSnap:
         return signal
     if isinstance(signal, Waypoints):
         return MinimumSnap(points=signal.points, period=signal.period)
-    return MinimumSnap(points=_passed(signal, duration), period=signal.period or None)
+    return MinimumSnap(points=_points_on(signal, duration), period=signal.period or None)
 
 
 def polynomials(signal: Family, duration: float) -> Polynomials:
@@ -148,11 +148,11 @@ def polynomials(signal: Family, duration: float) -> Polynomials:
         return signal
     curve = minimum_snap(signal, duration)
     if curve.period is not None and curve.points[0].time > 0:  # pieces that repeat begin at t = 0
-        curve = MinimumSnap(points=_passed(curve, duration), period=curve.period)
+        curve = MinimumSnap(points=_points_on(curve, duration), period=curve.period)
     return from_minimum_snap(curve)
 
 
-def _passed(signal: Family, duration: float) -> tuple[Waypoint, ...]:
+def _points_on(signal: Family, duration: float) -> tuple[Waypoint, ...]:
     """Twelve points over the period, the first not repeated, or over the flight."""
     time = np.linspace(0, duration, POINTS) if not signal.period else np.arange(POINTS) * (signal.period / POINTS)
     time = np.round(time, DECIMALS)

@@ -30,21 +30,21 @@ from rangenav.twin import Refusal, Twin
 
 CACHED = 4
 ELLIPSOIDS = 256
-"""More than the windows of one path."""
+"""Cached ellipsoids: more than the windows of one path."""
 LOADED = threading.Event()
-"""Set when python-control, which takes a second to import, is there."""
+"""Set when python-control has been imported, which takes a second."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Details:
-    """What lies below the verdict, all of it about one preset."""
+    """What lies below the verdict of one preset."""
 
     spectrum: Spectrum
-    """Over sliding windows; the analysis' own."""
+    """Over sliding windows, the same as in the analysis."""
     horizon: Horizon
-    """Windows of growing length, from the start of the flight and at the worst."""
+    """Windows of growing length, from the start of the flight and around the worst window."""
     functions: Functions
-    """On the window of least rank."""
+    """The 13 functions on the window of least rank."""
     twin: Twin | Refusal
     printed: PrintedAndDerived
 
@@ -62,7 +62,7 @@ def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
 
 
 def excitation_at(preset: Preset, time: float) -> Ellipsoid:
-    """The excitation of the window that starts at a time (s), or of the nearest one that is looked at."""
+    """The excitation ellipsoid of the computed window that starts nearest to a time (s)."""
     window = preset.requirement.window
     last = preset.duration - window
     k = round(min(max(time / last, 0.0), 1.0) * (WINDOWS - 1))
@@ -70,14 +70,14 @@ def excitation_at(preset: Preset, time: float) -> Ellipsoid:
 
 
 def import_control() -> None:
-    """Import what the frozen-time test needs; for a thread, after the first picture."""
+    """Import python-control, which the frozen-time test needs; call it in a thread, after the first picture."""
     import control  # noqa: F401
 
     LOADED.set()
 
 
 def frozen_summary(preset: Preset) -> str:
-    """The frozen-time ranks at the start of the window of least rank, beside its own; empty until `load_slow`."""
+    """Frozen-time ranks at the start of the window of least rank, and its own rank; empty until `import_control`."""
     if not LOADED.is_set():
         return ""
     found = analyse(preset)

@@ -1,4 +1,4 @@
-"""What differs between two runs, in words: what was chosen otherwise, and what came of it. No viser here."""
+"""What differs between two runs, as sentences: the settings, and the figures that follow from them."""
 
 import math
 from collections.abc import Callable, Iterator
@@ -10,14 +10,14 @@ from explorer.model.compute import Picture
 from rangenav.preset import Preset
 
 NOTABLE = 0.005
-"""Relative: a smaller change of a figure is not told."""
-MOST_CHOICES = 6
-FOLD = 10.0
-"""A change by more than so many times is told as a factor."""
+"""Relative: a smaller change of a figure is not listed."""
+MAX_CHOICES = 6
+MIN_FACTOR = 10.0
+"""A larger change is given as a factor, a smaller one in percent."""
 
 
 class Figure(NamedTuple):
-    """One number that both runs have; None where it never comes to be."""
+    """One number of a run; None where the run does not have it."""
 
     name: str
     unit: str
@@ -41,7 +41,7 @@ FIGURES = (
 
 
 def figures(a: Picture, b: Picture) -> list[str]:
-    """From A to B, one sentence for each figure that changed."""
+    """One sentence for each figure that changed from A to B."""
     before, after = a.analysis.verdict.word, b.analysis.verdict.word
     told = [f"{before} → {after}"] if before != after else []
     for name, seen in (("A", a), ("B", b)):
@@ -52,7 +52,7 @@ def figures(a: Picture, b: Picture) -> list[str]:
 
 
 def notable(before: float | None, after: float | None) -> bool:
-    """Whether a figure changed by more than half a percent, or came or went."""
+    """Whether a figure changed by more than half a percent, or exists in one run only."""
     x, y = _number(before), _number(after)
     if math.isnan(x) or math.isnan(y):
         return math.isnan(x) != math.isnan(y)
@@ -60,10 +60,10 @@ def notable(before: float | None, after: float | None) -> bool:
 
 
 def choices(a: Preset, b: Preset) -> list[str]:
-    """What was chosen otherwise, by its place in the preset's file; no more than six, and how many more there are."""
+    """The settings that differ, by their key in the preset's file: at most six, and how many more there are."""
     found = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
-    more = len(found) - MOST_CHOICES
-    return found if more <= 0 else [*found[:MOST_CHOICES], f"and {more} more"]
+    more = len(found) - MAX_CHOICES
+    return found if more <= 0 else [*found[:MAX_CHOICES], f"and {more} more"]
 
 
 def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
@@ -83,7 +83,7 @@ def _tables(entries: Any) -> bool:
 
 
 def _short(value: Any) -> bool:
-    """Whether it can be told in a few characters: a number, a word or a vector."""
+    """Whether a value takes a few characters: a number, a word or a vector."""
     numbers = isinstance(value, list | tuple) and len(value) <= 3 and all(isinstance(x, float | int) for x in value)
     return numbers or value is None or isinstance(value, float | int) or (isinstance(value, str) and len(value) < 24)
 
@@ -112,6 +112,6 @@ def _said(value: float) -> str:
 
 def _how_much(x: float, y: float) -> str:
     ratio = y / x
-    if not 1 / FOLD < ratio < FOLD:
+    if not 1 / MIN_FACTOR < ratio < MIN_FACTOR:
         return f"{ratio:.3g} times as much" if ratio > 1 else f"{1 / ratio:.3g} times less"
     return f"{abs(ratio - 1):.0%} {'more' if ratio > 1 else 'less'}" if abs(ratio - 1) >= 0.01 else "about 1 %"

@@ -1,7 +1,7 @@
-"""The gains in two languages: the paper's letters, which a preset stores, and physical words (rangenav.physical).
+"""The gains in two kinds of units: the paper's gains, which a preset stores, and physical ones (`physical_gains`).
 
-What is stored is never turned: words are made of the letters to be shown, at the path's typical state, and letters of
-the words that a visitor moves.
+The stored gains are never converted. Physical gains are computed from them to be shown, at the path's typical state;
+the paper's gains are computed from the physical ones only when a visitor moves one of these.
 """
 
 from collections.abc import Iterable
@@ -23,7 +23,7 @@ CACHED = 4
 
 
 class GainContext(Input, frozen=True, kw_only=True):
-    """What decides which physical words stand for which gains."""
+    """What the conversion between paper units and physical units depends on."""
 
     at: Typical
     world: World
@@ -32,14 +32,13 @@ class GainContext(Input, frozen=True, kw_only=True):
 
 @dataclass(frozen=True)
 class GainLabel:
-    """What a physical word is called on the page."""
+    """How one physical gain is shown on the page."""
 
     label: str
-    """Of 13 to 16 characters: with its value it is two lines in the narrow column that viser gives it, and viser breaks
-    lines within numbers where that fits."""
+    """13 to 16 characters: with its value it takes two lines of viser's narrow label, and no number is broken."""
     unit: str
     limits: tuple[float, float]
-    """Of its slider; what is chosen beyond them is judged by the model alone."""
+    """Of its slider; a value beyond them is checked by the model alone."""
     hint: str
 
 
@@ -81,7 +80,7 @@ GAIN_LABELS = {
 
 
 def context_of(settings: Settings) -> GainContext:
-    """Where gains are put into words: the path as it is flown. Raises ValueError if it has no typical state."""
+    """The context of some settings, with their time scale. Raises ValueError if the path has no typical state."""
     p = effective(settings)
     return GainContext(at=_typical(p.path, p.world, p.duration), world=p.world, sensors=p.sensors)
 
@@ -91,26 +90,26 @@ def _typical(path: Signal, world: World, duration: float) -> Typical:
     return physical_gains.typical(path, world, duration)
 
 
-def in_physical_units(gains: Gains, place: GainContext) -> PhysicalGains:
-    """What gains stand for; mode and schedule are the same in both languages, and left out. Raises ValueError where
-    they stand for nothing sensible, as where there is next to no gravity."""
-    plain = replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None))
+def in_physical_units(gains: Gains, context: GainContext) -> PhysicalGains:
+    """The gains in physical units, without mode and schedule, which are the same in both. Raises ValueError where the
+    conversion has no sensible result, as with next to no gravity."""
+    unscheduled = replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None))
     try:
-        return physical_gains.to_physical(plain, place.at, world=place.world, sensors=place.sensors)
+        return physical_gains.to_physical(unscheduled, context.at, world=context.world, sensors=context.sensors)
     except ArithmeticError:
         raise ValueError("they are beyond all numbers in this world") from None
 
 
-def in_paper_units(words: PhysicalGains, place: GainContext, known: Iterable[Gains]) -> Gains:
-    """The gains of some words; those that would be found for known gains too are theirs to the last bit. Raises
-    ValueError, in the page's own words, if one asks for a gain outside its range."""
-    at, rest = place.at, {"world": place.world, "sensors": place.sensors}
-    plain = [replace(one, mode="constant", attitude=replace(one.attitude, schedule=None)) for one in known]
-    return physical_gains.keeping(physical_gains.to_paper(words, at, **rest), plain, at, **rest)
+def in_paper_units(words: PhysicalGains, context: GainContext, known: Iterable[Gains]) -> Gains:
+    """The paper's gains of some physical ones. Where a `known` set of gains has the same physical value, the result has
+    its gain to the last bit. Raises ValueError if a gain is outside its range."""
+    at, rest = context.at, {"world": context.world, "sensors": context.sensors}
+    unscheduled = [replace(one, mode="constant", attitude=replace(one.attitude, schedule=None)) for one in known]
+    return physical_gains.keeping(physical_gains.to_paper(words, at, **rest), unscheduled, at, **rest)
 
 
 def with_page_labels(sentence: str) -> str:
-    """A sentence of the model in the labels of the page."""
+    """A sentence of the model with the names of the fields replaced by the labels of the page."""
     for name, word in GAIN_LABELS.items():
         sentence = sentence.replace(name, word.label)
     return sentence

@@ -1,4 +1,7 @@
-"""Undo and redo: the settings a visitor has been through. One thing moved again within a moment is one step."""
+"""The settings that a visitor has chosen one after the other, for undo and redo.
+
+Changes of the same control that follow each other within a moment are one step.
+"""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,24 +11,25 @@ import msgspec
 from explorer.model.settings import Settings
 
 MOMENT = 0.7
-"""s: changes of one thing that follow each other faster, as while a slider is dragged, are undone together."""
-DEPTH = 200
+"""s: changes of one control that follow each other faster, as while a slider is dragged, are undone together."""
+MAX_STEPS = 200
 
 
 class History:
-    """Past and future of one visitor's settings; the last of the past is what is shown."""
+    """Past and future settings of one visitor; the last of the past is shown."""
 
     def __init__(self) -> None:
         self._past: list[Settings] = []
         self._future: list[Settings] = []
         self._changed = float("-inf")
         self._parts: frozenset[str] = frozenset()
-        """What the last step changed."""
+        """The tables that the last step changed, as dotted paths."""
         self._hold: int | None = None
+        """The drag that the last step belongs to."""
 
     @property
     def now(self) -> Settings | None:
-        """What is shown, as far as the history knows."""
+        """The settings recorded last; None before the first."""
         return self._past[-1] if self._past else None
 
     @property
@@ -42,10 +46,12 @@ class History:
         apart: bool = False,
         hold: int | None = None,
     ) -> None:
-        """Take in what was chosen at a time (s) and shown at another, by default the same: a slow machine that draws
-        for a second between two moves of a slider does not tear them apart. `apart` makes it a step of its own,
-        however soon it comes; what comes under the same number of a `hold`, as while a handle is held, belongs
-        together however late it comes."""
+        """Record settings that were chosen at `time` (s) and drawn at `shown` (s), by default the same.
+
+        The pause between two changes is counted from `shown`, so that on a slow machine, which draws for a second,
+        two moves of one slider are still one step. With `apart` the settings are a step of their own, however soon
+        they follow. Settings with the same number of a `hold`, the drag of a handle, are one step, however late.
+        """
         if settings == self.now:
             return
         parts = frozenset() if self.now is None else frozenset(differing(self.now, settings))
@@ -56,12 +62,12 @@ class History:
             self._parts = parts
         self._hold = None if apart else hold
         self._past.append(settings)
-        del self._past[:-DEPTH]
+        del self._past[:-MAX_STEPS]
         self._future.clear()
         self._changed = float("-inf") if apart else time if shown is None else shown
 
     def undo(self) -> Settings | None:
-        """The settings before, None at the beginning."""
+        """The settings one step back; None at the beginning."""
         if len(self._past) < 2:
             return None
         self._future.append(self._past.pop())
@@ -69,7 +75,7 @@ class History:
         return self._past[-1]
 
     def redo(self) -> Settings | None:
-        """The settings that were undone last, None if there are none."""
+        """The settings that were undone last; None if there are none."""
         if not self._future:
             return None
         self._past.append(self._future.pop())
@@ -77,7 +83,7 @@ class History:
         return self._past[-1]
 
     def _break(self) -> None:
-        """Whatever comes next is a step of its own, also while a handle is still held."""
+        """Make the next settings a step of their own, also while a handle is held."""
         self._changed, self._hold = float("-inf"), None
 
 
@@ -88,14 +94,14 @@ def differing(before: Any, after: Any, where: str = "") -> Iterator[str]:
     inner = list(_inner(before, after))
     changed = [(name, a, b) for name, a, b in inner if a != b]
     tables = [(name, a, b) for name, a, b in changed if isinstance(a, msgspec.Struct | tuple) and list(_inner(a, b))]
-    if len(tables) < len(changed) or not changed:  # a number of its own, or another family
+    if len(tables) < len(changed) or not changed:  # a number of this table, or another family
         yield where
     for name, a, b in tables:
         yield from differing(a, b, f"{where}.{name}")
 
 
 def _inner(before: Any, after: Any) -> Iterator[tuple[str, Any, Any]]:
-    """The parts of two values side by side, if they are of one kind and one length."""
+    """Name and both values of each part, if the two values have the same type and length."""
     if isinstance(before, msgspec.Struct) and type(before) is type(after):
         for name in before.__struct_fields__:
             yield name, getattr(before, name), getattr(after, name)
@@ -105,5 +111,5 @@ def _inner(before: Any, after: Any) -> Iterator[tuple[str, Any, Any]]:
 
 
 def _structs(entries: tuple[Any, ...]) -> bool:
-    """Whether these are tones or points, and not three numbers that are one vector."""
+    """Whether the entries are tones or waypoints; three numbers are one vector."""
     return any(isinstance(entry, msgspec.Struct) for entry in entries)

@@ -1,11 +1,11 @@
-"""The clock of the timeline: which moment of the run is shown, and whether it moves. It is told the time."""
+"""The clock of the timeline: which moment of the run is shown, and whether time runs. Callers pass the time."""
 
 import math
 
 FRAME_RATE = 30.0
-"""Frames per second while playing; a late frame is dropped, never made up for."""
+"""Frames per second while playing; a late frame is dropped."""
 STEP = 0.05
-"""s: what an arrow key moves."""
+"""s that an arrow key moves the playhead."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 
@@ -21,7 +21,7 @@ class Playback:
         self._last = 0.0
 
     def advance(self, now: float) -> None:
-        """Move on to the clock time `now` (s, monotonic)."""
+        """Move the playhead on to the clock time `now` (s, monotonic)."""
         elapsed, self._last = now - self._last, now
         if not self.playing:
             return
@@ -40,24 +40,24 @@ class Playback:
             self.time = 0.0
 
     def seek(self, time: float) -> None:
-        """Stop at a moment (s). Raises ValueError if it is not a number; beyond an end it is that end."""
+        """Stop at a moment (s), at most at an end of the run. Raises ValueError if it is not finite."""
         if not math.isfinite(time):
             raise ValueError(f"time must be a finite number, got {time}")
         self.time, self.playing = min(max(time, 0.0), self.duration), False
 
     def change_speed(self, by: int) -> None:
         """The next slower (-1) or faster (+1) speed."""
-        place = SPEEDS.index(self.speed) + by
-        self.speed = SPEEDS[min(max(place, 0), len(SPEEDS) - 1)]
+        index = SPEEDS.index(self.speed) + by
+        self.speed = SPEEDS[min(max(index, 0), len(SPEEDS) - 1)]
 
     def fit(self, duration: float) -> None:
-        """Another run is shown, of another length."""
+        """Take over the duration (s) of another run."""
         self.duration, self.time = duration, min(self.time, duration)
 
     def wait(self, now: float) -> float | None:
-        """How long (s) the session may sleep before the next frame is due; None: until something happens."""
+        """How long (s) until the next frame is due; None while paused."""
         return max(0.0, self._last + 1.0 / FRAME_RATE - now) if self.playing else None
 
     def toggle_loop(self) -> None:
-        """Begin again at the end, or stop there."""
+        """Switch between looping and stopping at the end."""
         self.loop = not self.loop

@@ -1,4 +1,7 @@
-"""What one visitor has chosen: a preset, a time scale, and which of the paper's misprints to follow. Values only."""
+"""What one visitor has chosen: a preset, a time scale, and which of the paper's misprints to follow.
+
+The names of the fields are part of the file format of saved work.
+"""
 
 from typing import Literal
 
@@ -11,16 +14,16 @@ from rangenav.preset import Preset
 from rangenav.signals import Family, Turning
 
 GainUnits = Literal["paper", "physical"]
-"""In which gains are shown. A choice of view and none of Settings: it changes nothing, so it is no step to undo."""
+"""The units in which gains are shown. They change no result, so they are not part of Settings and not undone."""
 MIN_TIME_SCALE, MAX_TIME_SCALE = 0.1, 10.0
 MAX_DRAFTS = 8
 PRINTED_POSITION = (1.0, 0.0, 0.0)
 PRINTED_VELOCITY = (-0.0125, 2.5, -4.33)
-"""The initial values the paper prints (m, m/s); they belong to another path, see README "Departures"."""
+"""The initial values that the paper prints (m, m/s). They do not belong to its path: see docs, "Departures"."""
 
 
 class Printed(Input, frozen=True, kw_only=True):
-    """One switch for each departure (MATH §9) that changes a computation; True follows the printed paper."""
+    """One switch for each departure from the printed paper that changes a computation; True follows the paper."""
 
     model: bool = False
     """C_5 = 0 and input |g|² in the observer's model."""
@@ -31,19 +34,19 @@ class Printed(Input, frozen=True, kw_only=True):
     body_axes: bool = False
     """The excitation integral in body axes."""
     initial_values: bool = False
-    """p(0) and v(0) as printed: the path drifts away from the formula."""
+    """p(0) and v(0) as printed: the path then drifts away from its formula."""
     attitude_rate: bool = False
-    """Time constants of the attitude error twice as long as they are."""
+    """Time constants of the attitude error as printed, twice the true ones."""
 
 
 class Drafts(Input, frozen=True, kw_only=True):
-    """What was entered and is not in use now: looking at another family, or switching off, loses nothing."""
+    """What was entered and is not in use: choosing another family, or switching a part off, loses nothing."""
 
     path: tuple[Family, ...] = ()
     wiggle: tuple[Family, ...] = ()
     angular_velocity: tuple[Turning, ...] = ()
     schedule: Schedule = Schedule()
-    """Of k1, while it is off."""
+    """The schedule of k1 while it is switched off."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -53,19 +56,19 @@ class Drafts(Input, frozen=True, kw_only=True):
 
 
 class Settings(Input, frozen=True, kw_only=True):
-    """Everything that decides what the page shows, and what is kept beside it."""
+    """Everything that decides what the page shows, and the drafts."""
 
     origin: str = ""
-    """The preset it was made from, by name; what differs from that is marked on the page."""
+    """The name of the preset that the settings come from; the page marks what differs from it."""
     edition: str = ""
-    """Which edition of a file of the visitor's own that was, so that no other is ever written over; else empty."""
+    """The edition of the visitor's own file that was opened, so that no other edition is overwritten; else empty."""
     preset: Preset
     time_scale: float = 1.0
-    """The path is run this many times slower."""
+    """The path runs this many times slower."""
     printed: Printed = Printed()
     drafts: Drafts = Drafts()
     twin_turn: Vec3 | None = None
-    """Where an evil twin that may be turned was dragged to, as a turn about the anchor (rad)."""
+    """The chosen turn of the evil twin about the anchor (rotation vector, rad); None: the usual turn."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -73,7 +76,7 @@ class Settings(Input, frozen=True, kw_only=True):
 
 
 def _printed_start(preset: Preset) -> dict[str, Vec3]:
-    """The paper's numbers, in axes that point the way the preset's do."""
+    """The printed initial values, in the axes of the preset."""
     start = {"position": PRINTED_POSITION, "velocity": PRINTED_VELOCITY}
     if preset.world.gravity[2] >= 0:
         return start
@@ -81,7 +84,7 @@ def _printed_start(preset: Preset) -> dict[str, Vec3]:
 
 
 def effective(settings: Settings) -> Preset:
-    """The preset that is computed, downloaded and judged: time scale and printed initial values applied to its path."""
+    """The preset that is computed, downloaded and judged: time scale and printed initial values change its path."""
     path = settings.preset.path
     if settings.time_scale != 1.0:
         path = signals.slowed(path, settings.time_scale)

@@ -1,1 +1,1 @@
-"""What outlives a reload: the work of each tab, presets, certificates, imported and exported files. No viser here."""
+"""Files: the work of each tab, presets, certificates, imports and exports. Nothing here imports viser."""

@@ -1,8 +1,8 @@
-"""One zip to take along: a preset and its motion or run in other formats, each with its certificate. No viser here.
+"""One zip for download: a preset, and its motion or its run in other formats, each with its certificate.
 
-Everything in it passes the gate of `rangenav export`, is certified from the bytes that are in the zip, and can be
-verified where it is unpacked. What the gate refuses is left out, or, asked for all the same, has "uncertified" in its
-name and no certificate.
+Every file passes the gate of `rangenav export`, is certified from the bytes in the zip, and can be verified where it is
+unpacked. A file that the gate refuses is left out; with `uncertified` it is included, without a certificate and with
+"uncertified" in its name.
 """
 
 import io
@@ -21,44 +21,47 @@ OTHERWISE = "“even if uncertified”, above, writes it, marked so in every nam
 MARK = ".uncertified"
 VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
 STAMP = (2020, 1, 1, 0, 0, 0)
-"""The time of every file inside: equal inputs make equal zips."""
+"""The time of every file inside, always the same, so that equal inputs make equal zips."""
 
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """What is downloaded."""
+    """A zip for download."""
 
     name: str
     content: bytes
     notes: tuple[str, ...]
-    """What a person should know about it, a sentence each; they are inside as well."""
+    """What a person should know about the files, one sentence each; the README in the zip has them, too."""
 
 
 def pack(
-    shown: Preset,
+    preset: Preset,
     stem: str,
-    forms: Sequence[str],
+    format_names: Sequence[str],
     *,
     uncertified: bool,
     progress: Progress,
     cancelled: Cancelled,
 ) -> Bundle:
-    """Pack a preset and some formats, each with its certificate. Raises ValueError with the gate's refusal of the
-    preset, or with what the only format asked for cannot hold; of several formats such a one is left out and named."""
+    """Pack a preset and some formats, each with its certificate.
+
+    Raises ValueError if the gate refuses the preset, or if there is one format and it cannot hold the preset. Of
+    several formats, one that cannot hold it is left out, and a note says why. Raises CancelledError.
+    """
     notes: list[str] = []
-    with tempfile.TemporaryDirectory(prefix="rangenav-") as made:
-        folder = Path(made)
-        for k, form in enumerate(("preset", *forms)):
-            progress((k + 1) / (len(forms) + 2))
+    with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
+        folder = Path(temporary)
+        for k, format_name in enumerate(("preset", *format_names)):
+            progress((k + 1) / (len(format_names) + 2))
             if cancelled():
                 raise CancelledError
-            path = folder / (stem + formats.row(form).suffix)
+            path = folder / (stem + formats.row(format_name).suffix)
             try:
-                notes += _write_format(shown, form, path, uncertified=uncertified)
+                notes += _write_format(preset, format_name, path, uncertified=uncertified)
             except ValueError as error:
-                if form == "preset" or len(forms) == 1:
+                if format_name == "preset" or len(format_names) == 1:
                     raise
-                notes.append(f"{form}: left out: {error}")
+                notes.append(f"{format_name}: left out: {error}")
         (folder / "README.txt").write_text("".join(f"{note}\n" for note in (VERIFY, *notes)), "utf-8")
         marked = any(MARK in path.name for path in folder.iterdir())
         return Bundle(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
@@ -86,4 +89,4 @@ def _zipped(folder: Path) -> bytes:
 
 
 Send = Callable[[str, bytes], None]
-"""Gives a visitor a file to download."""
+"""Sends a visitor a file (name, content) to download."""

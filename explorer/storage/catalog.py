@@ -1,8 +1,8 @@
-"""All presets that one visitor is offered: the shipped ones, their own, and what was imported and is not kept yet.
+"""All presets that one visitor is offered: the shipped ones, the visitor's own, and imported ones not saved yet.
 
-A name on the shelf is a shipped preset's own, `mine:<file>` or `new:<title>`. What was opened stays known under its
-name for as long as the visitor is here, also when the file is deleted or changed elsewhere: what is on the page is held
-against what it came from, and a save is refused if the file is no edition that this visitor has seen. No viser here.
+The name of an entry is the shipped preset's name, `mine:<file>` or `new:<title>`. A preset that was opened stays in the
+catalog while the visitor is connected, even if its file is deleted or changed elsewhere: the page marks what differs
+from it, and a save is refused if the file is an edition that this visitor has not seen.
 """
 
 import contextlib
@@ -20,15 +20,15 @@ from rangenav.preset import MAX_TITLE, Preset
 
 MINE, NEW = "mine:", "new:"
 OWN_MARK, NEW_MARK, DELETED_MARK = "★", "◌", "✗"
-NEWS = 1.0
-"""s between two looks for what other pages and programs have done."""
-PARSED = 512
-"""Files whose contents are remembered; more than a full library."""
+REFRESH_PERIOD = 1.0
+"""s between two looks at the files that other pages and programs may have changed."""
+MAX_CACHED = 512
+"""Parsed files in the cache; more than a full library."""
 
 
 @dataclass(frozen=True, eq=False)
-class Own:
-    """One file of the library, as it was when last looked at."""
+class OwnFile:
+    """One file of the library, as it was read last."""
 
     stamp: tuple[int, int, int]
     content: bytes
@@ -37,48 +37,48 @@ class Own:
 
 
 class Catalog:
-    """One per visitor."""
+    """The presets of one visitor, by name."""
 
     def __init__(self, shipped: dict[str, Preset], library: Library, certifier: Certifier) -> None:
         self._library, self._certifier = library, certifier
         self.presets: dict[str, Preset] = dict(shipped)
-        """Everything known by name, also what is not offered any more."""
+        """Every preset by name, also those that are not offered any more."""
         self._shipped = tuple(shipped)
-        self._own: dict[str, Own] = {}
-        self._known: dict[str, set[str]] = {}
-        self._put: set[bytes] = set()
+        self._own: dict[str, OwnFile] = {}
+        self._editions_seen: dict[str, set[str]] = {}
+        self._certificates_written: set[bytes] = set()
         self.complaint = ""
-        """Why the library, or some file of it, cannot be read; empty if all can."""
+        """Why the library, or one of its files, cannot be read; empty if all can be read."""
         self.refresh()
 
     def refresh(self) -> None:
-        """Look at the library again; only what has changed is read."""
-        self._looked_at = time.monotonic()
+        """Look at the library again; only changed files are read."""
+        self._refreshed_at = time.monotonic()
         try:
             stamps = self._library.stamps()
         except LibraryError as reason:
             self.complaint = str(reason)
             return
-        self._own = {name: self._looked(name, stamp) for name, stamp in stamps.items()}
+        self._own = {name: self._read(name, stamp) for name, stamp in stamps.items()}
         for name, own in self._own.items():
-            if own.preset is not None and MINE + name not in self._known:
+            if own.preset is not None and MINE + name not in self._editions_seen:
                 self.presets[MINE + name] = own.preset
         self.complaint = "; ".join(own.complaint for own in self._own.values() if own.complaint)
 
     def refresh_if_due(self) -> None:
-        """The same, but not at every turn of a loop."""
-        if time.monotonic() > self._looked_at + NEWS:
+        """Refresh if that was not done within the last second."""
+        if time.monotonic() > self._refreshed_at + REFRESH_PERIOD:
             self.refresh()
 
     @property
     def offered(self) -> dict[str, Preset]:
-        """What can be opened: the shipped presets, one's own, and what was imported, each as it is now."""
+        """The presets that can be opened: shipped, own and imported ones, each as its file is now."""
         shipped = {name: self.presets[name] for name in self._shipped}
         own = {MINE + name: own.preset for name, own in self._own.items() if own.preset is not None}
         return shipped | own | {name: lent for name, lent in self.presets.items() if name.startswith(NEW)}
 
     def labels(self, shown: str) -> dict[str, str]:
-        """What a menu says of each preset; of the one shown also if it is not offered any more."""
+        """The label of each preset in a menu; the shown one has a label even if it is not offered any more."""
         labels = {}
         for name, one in self.offered.items():
             sign = f"{OWN_MARK} " if self.is_own(name) else f"{NEW_MARK} " if name.startswith(NEW) else ""
@@ -89,19 +89,19 @@ class Catalog:
         return labels
 
     def open(self, name: str) -> Settings:
-        """A preset as it is now. Raises LibraryError if its file cannot be read any more."""
+        """A preset as its file is now. Raises LibraryError if the file cannot be read any more."""
         if not self.is_own(name):
             return Settings(origin=name, preset=self.presets[name])
         content = self._library.read(name.removeprefix(MINE))
         self.presets[name] = _parsed(content, f"{name.removeprefix(MINE)}.toml")
-        return self._seen(name, content)
+        return self._opened(name, content)
 
     def is_own(self, name: str) -> bool:
-        """Whether it is a file of one's own."""
+        """Whether a preset is a file of the visitor's own."""
         return name.startswith(MINE)
 
     def add_imported(self, imported: Preset) -> Settings:
-        """Offer a preset that is in no file yet; it is opened."""
+        """Offer an imported preset, which is in no file yet, and open it."""
         stem = slug(imported.title)
         free = (f"{NEW}{stem}" + (f"-{k}" if k > 1 else "") for k in range(1, len(self.presets) + 2))
         name = next(name for name in free if name not in self.presets)
@@ -109,98 +109,100 @@ class Catalog:
         return Settings(origin=name, preset=imported)
 
     def add(self, new: Preset) -> Settings:
-        """Keep a new preset of one's own. Raises LibraryError."""
+        """Save a new preset in the library. Raises LibraryError."""
         content = _bytes(new)
-        return self._kept(MINE + self._library.add(new.title, content), new, content)
+        return self._saved(MINE + self._library.add(new.title, content), new, content)
 
     def save(self, name: str, new: Preset, *, edition: str) -> Settings:
-        """Write over a preset of one's own that was opened in some edition. Raises LibraryError."""
+        """Overwrite an own preset that was opened in some edition. Raises LibraryError."""
         if not self.is_own(name):
             raise LibraryError("a shipped preset, or one not saved yet, is kept under a title of yours: use “save as”")
         content = _bytes(new)
-        self._library.save(name.removeprefix(MINE), content, known=self._editions(name, edition))
-        return self._kept(name, new, content)
+        self._library.save(name.removeprefix(MINE), content, known=self._known_editions(name, edition))
+        return self._saved(name, new, content)
 
     def rename(self, name: str, new: Preset, *, edition: str) -> Settings:
-        """Keep a preset of one's own, retitled, under another name. Raises LibraryError."""
+        """Save an own preset with a new title under a new name. Raises LibraryError."""
         if not self.is_own(name):
             raise LibraryError("only presets of your own can be renamed: use “save as”")
         content = _bytes(new)
-        known = self._editions(name, edition)
-        return self._kept(MINE + self._library.rename(name[len(MINE) :], new.title, content, known=known), new, content)
+        known = self._known_editions(name, edition)
+        return self._saved(
+            MINE + self._library.rename(name[len(MINE) :], new.title, content, known=known), new, content
+        )
 
     def delete(self, name: str, *, edition: str) -> str:
-        """Move a preset of one's own to the trash. Returns what `restore` needs. Raises LibraryError."""
+        """Move an own preset to the trash. Returns the mark that `restore` needs. Raises LibraryError."""
         if not self.is_own(name):
             raise LibraryError("only presets of your own can be deleted")
-        mark = self._library.delete(name.removeprefix(MINE), known=self._editions(name, edition))
+        mark = self._library.delete(name.removeprefix(MINE), known=self._known_editions(name, edition))
         self.refresh()
         return mark
 
     def deleted(self) -> list[str]:
-        """What `restore` could bring back, also from before this page was opened; the newest first."""
+        """The marks of all deleted presets, also from earlier visits; the newest first."""
         return self._library.deleted()
 
     def restore(self, mark: str) -> Settings:
-        """Bring back what was deleted. Raises LibraryError."""
+        """Restore a deleted preset. Raises LibraryError."""
         name = MINE + self._library.restore(mark)
         self.refresh()
         return self.open(name)
 
     def badge(self, name: str, shown: Preset, wake: Callable[[], None]) -> CertificateOrReason | None:
-        """The certificate of a preset that is shown under a name, why there is none, or None while it is being
-        computed; `note` tells of news. What another page has made of its file meanwhile has another."""
+        """The certificate of a preset that is shown under a name, the reason why there is none, or None while it is
+        computed; `wake` is called afterwards. The shown preset counts, not what another page has saved meanwhile."""
         own = self._own.get(name.removeprefix(MINE)) if self.is_own(name) else None
         own = own if own and own.preset == shown else None
         content = own.content if own else _bytes(shown)
         stored = self._library.read_certificate(name.removeprefix(MINE)) if own else _shipped_certificate(name)
-        fitting = None if stored is None else _fitting(stored, content)
-        if fitting is not None:
-            return fitting
-        found = self._certifier.find(content, wake)
-        if own and isinstance(found, certificate.Certificate) and content not in self._put:
-            self._put.add(content)  # once: a folder that cannot be written will not be so the next time
+        valid = None if stored is None else _valid_certificate(stored, content)
+        if valid is not None:
+            return valid
+        found = self._certifier.certificate(content, wake)
+        if own and isinstance(found, certificate.Certificate) and content not in self._certificates_written:
+            self._certificates_written.add(content)  # once: a folder that cannot be written stays so
             with contextlib.suppress(LibraryError):
                 self._library.write_certificate(name.removeprefix(MINE), certificate.dumps(found))
         return found
 
-    def _looked(self, name: str, stamp: tuple[int, int, int]) -> Own:
+    def _read(self, name: str, stamp: tuple[int, int, int]) -> OwnFile:
         before = self._own.get(name)
         if before is not None and before.stamp == stamp:
             return before
         content = b""
         try:
             content = self._library.read(name)
-            return Own(stamp, content, _parsed(content, f"{name}.toml"))
+            return OwnFile(stamp, content, _parsed(content, f"{name}.toml"))
         except ValueError as error:
-            return Own(stamp, content, None, str(error))
+            return OwnFile(stamp, content, None, str(error))
 
-    def _seen(self, name: str, content: bytes) -> Settings:
-        self._known.setdefault(name, set()).add(edition(content))
+    def _opened(self, name: str, content: bytes) -> Settings:
+        self._editions_seen.setdefault(name, set()).add(edition(content))
         return Settings(origin=name, preset=self.presets[name], edition=edition(content))
 
-    def _kept(self, name: str, new: Preset, content: bytes) -> Settings:
+    def _saved(self, name: str, new: Preset, content: bytes) -> Settings:
         self.presets[name] = new
         self.refresh()
-        return self._seen(name, content)
+        return self._opened(name, content)
 
-    def _editions(self, name: str, opened: str) -> set[str]:
-        return self._known.get(name, set()) | {opened}
+    def _known_editions(self, name: str, opened: str) -> set[str]:
+        return self._editions_seen.get(name, set()) | {opened}
 
 
 def display_name(name: str) -> str:
-    """A name as a person knows it: of the shipped preset, of the file, or made of the title."""
+    """The name of an entry without its prefix: the shipped preset's, the file's, or one made of the title."""
     return name.removeprefix(MINE).removeprefix(NEW)
 
 
 def marked(name: str) -> str:
-    """The same with the sign of whose it is."""
+    """The display name with a mark that tells own and imported presets apart."""
     sign = OWN_MARK if name.startswith(MINE) else NEW_MARK if name.startswith(NEW) else ""
     return f"{sign} {display_name(name)}".strip()
 
 
 def checked_title(text: str) -> str:
-    """A title a person has typed, without blanks around it. Raises LibraryError if it is none."""
+    """A typed title without surplus blanks. Raises LibraryError if it is empty, too long or not printable."""
     title = " ".join(text.split())
     if not 0 < len(title) <= MAX_TITLE or not title.isprintable():
         raise LibraryError(
@@ -209,7 +211,7 @@ def checked_title(text: str) -> str:
     return title
 
 
-@lru_cache(maxsize=PARSED)
+@lru_cache(maxsize=MAX_CACHED)
 def _parsed(content: bytes, source: str) -> Preset:
     try:
         return preset.loads(content.decode("utf-8"), source=source)
@@ -217,14 +219,14 @@ def _parsed(content: bytes, source: str) -> Preset:
         raise LibraryError(f"{source}: not UTF-8 text (byte {error.start})") from None
 
 
-@lru_cache(maxsize=PARSED)
+@lru_cache(maxsize=MAX_CACHED)
 def _bytes(shown: Preset) -> bytes:
     return preset.dumps(shown).encode()
 
 
-@lru_cache(maxsize=PARSED)
+@lru_cache(maxsize=MAX_CACHED)
 def _shipped_certificate(name: str) -> bytes | None:
-    """The bytes beside a shipped preset's file, None if there are none."""
+    """The stored certificate of a shipped preset, None if there is none."""
     for file in preset.shipped_files():
         if file.stem == name:
             beside = certificate.beside(file)
@@ -232,15 +234,15 @@ def _shipped_certificate(name: str) -> bytes | None:
     return None
 
 
-@lru_cache(maxsize=PARSED)
-def _fitting(stored: bytes, content: bytes) -> certificate.Certificate | None:
-    """A stored certificate if it can be read and is of these very bytes."""
+@lru_cache(maxsize=MAX_CACHED)
+def _valid_certificate(stored: bytes, content: bytes) -> certificate.Certificate | None:
+    """A stored certificate, if it can be read and its hash is that of these bytes; else None."""
     try:
         found = certificate.loads(stored, source="certificate")
     except ValueError:
         return None
-    return found if _fits(found, content) else None
+    return found if _is_certificate_of(found, content) else None
 
 
-def _fits(found: certificate.Certificate, content: bytes) -> bool:
+def _is_certificate_of(found: certificate.Certificate, content: bytes) -> bool:
     return found.artifact.sha256 == hashlib.sha256(content).hexdigest()

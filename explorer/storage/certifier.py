@@ -1,7 +1,7 @@
-"""Certificates of presets, computed one after the other in a thread of their own and kept by the bytes they are of.
+"""Certificates of presets are computed one after the other in a thread, and cached by the bytes of the preset's file.
 
-A preset on the shelf has a badge; where no certificate lies beside its file, or one of other bytes, it is computed here
-(some tenths of a second each) while the page works on. No viser here.
+Every preset in the catalog has a badge. If no stored certificate belongs to its bytes, the certificate is computed
+here, in some tenths of a second, while the page works on.
 """
 
 import queue
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from rangenav import certificate
 from rangenav.certificate import Certificate
 
-REMEMBERED = 400
+MAX_CACHED = 400
 """Certificates, of some kilobytes each; more than the shipped presets and a full library."""
 CertificateOrReason = Certificate | str
 """A certificate, or the sentence why there is none."""
@@ -22,19 +22,19 @@ class Certifier:
     """One per program, shared by all visitors."""
 
     def __init__(self) -> None:
-        self._found: OrderedDict[bytes, CertificateOrReason] = OrderedDict()
-        self._asked: dict[bytes, list[Callable[[], None]]] = {}
+        self._results: OrderedDict[bytes, CertificateOrReason] = OrderedDict()
+        self._waiting: dict[bytes, list[Callable[[], None]]] = {}
         self._queue: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         self._lock = threading.Lock()
         self._working = False
 
-    def find(self, content: bytes, wake: Callable[[], None]) -> CertificateOrReason | None:
-        """What is known of these bytes; None at first, and `note` is called from another thread when there is more."""
+    def certificate(self, content: bytes, wake: Callable[[], None]) -> CertificateOrReason | None:
+        """The certificate of these bytes; None while it is computed, and `wake` is called from another thread then."""
         with self._lock:
-            if content in self._found:
-                self._found.move_to_end(content)
-                return self._found[content]
-            waiting = self._asked.setdefault(content, [])
+            if content in self._results:
+                self._results.move_to_end(content)
+                return self._results[content]
+            waiting = self._waiting.setdefault(content, [])
             waiting.append(wake)
             if len(waiting) == 1:
                 self._queue.put(content)
@@ -50,20 +50,20 @@ class Certifier:
                     self._working = False
                     return
             content = self._queue.get()
-            found = _certified(content)
+            result = _certify(content)
             with self._lock:
-                self._found[content] = found
-                while len(self._found) > REMEMBERED:
-                    self._found.popitem(last=False)
-                notes = self._asked.pop(content, [])
-            for wake in notes:
+                self._results[content] = result
+                while len(self._results) > MAX_CACHED:
+                    self._results.popitem(last=False)
+                callbacks = self._waiting.pop(content, [])
+            for wake in callbacks:
                 wake()
 
 
-def _certified(content: bytes) -> CertificateOrReason:
+def _certify(content: bytes) -> CertificateOrReason:
     try:
         return certificate.certify(content, source="this preset")
     except ValueError as error:
         return str(error)
-    except Exception as error:  # whatever it is, others wait for theirs
+    except Exception as error:  # others are waiting for their certificates
         return f"it could not be certified ({type(error).__name__})"

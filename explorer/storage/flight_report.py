@@ -1,6 +1,6 @@
-"""A recorded flight judged: was it informative, and what do the observers make of its ranges? No viser here.
+"""The report on a recorded flight: was it informative, and how far off are the observers on its ranges?
 
-The same functions as `rangenav log`: still.world_of → logs.informative → logs.observe.
+The functions are those of `rangenav log`: rest.world_of → logs.informative → logs.observe.
 """
 
 import math
@@ -19,25 +19,25 @@ WorldSource = Literal["", "still", "given"]
 
 
 class FlightOptions(Input, frozen=True, kw_only=True):
-    """What a person decides about a flight."""
+    """What a person chooses before a flight is judged."""
 
     anchor: Vec3
     """m, inertial."""
     source: WorldSource = ""
     gravity: Vec3 = (0.0, 0.0, -9.81)
-    """m/s², inertial; used if given."""
+    """m/s², inertial; used if the source is “given”."""
     magnetic: Vec3 = (1.0, 0.0, 0.0)
-    """Direction, inertial; used if given."""
+    """Direction, inertial; used if the source is “given”."""
     ranges: Ranges = "measured"
     range_sigma: float = 0.1
     """m"""
     window: float = 6.0
     """s"""
     position_sigma: float = 0.5
-    """m: above it a window is weak."""
+    """m, the predicted position error above which a window of full rank is weak."""
     begin: float = 0.0
     end: float | None = None
-    """s: what is judged of the record, None to its end; at rest nothing is told but which way is down."""
+    """s, the part of the record that is judged; None: to its end. A part at rest excites nothing."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -53,7 +53,7 @@ class FlightOptions(Input, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, eq=False)
 class FlightReport:
-    """The answer."""
+    """Windows and observers of one flight."""
 
     summary: str
     """Where the record was informative."""
@@ -62,33 +62,34 @@ class FlightReport:
     observer: ObserverSummary | None
     """None without ranges."""
     world_source: str
-    """Where gravity and field come from."""
+    """Where gravity and magnetic field come from, one sentence."""
 
 
-def judge(flight: Flight, asked: FlightOptions) -> FlightReport:
-    """Raises ValueError with one sentence if something is still open or cannot be done."""
-    if asked.ranges == "synthetic":
-        flight = recorded_flight.with_ranges(flight, asked.anchor, sigma=asked.range_sigma, seed=0)
-    x, y, z = asked.magnetic
+def judge(flight: Flight, options: FlightOptions) -> FlightReport:
+    """Judge a flight. Raises ValueError with one sentence if gravity and field are unknown, or data are missing."""
+    if options.ranges == "synthetic":
+        flight = recorded_flight.with_ranges(flight, options.anchor, sigma=options.range_sigma, seed=0)
+    x, y, z = options.magnetic
     length = (x * x + y * y + z * z) ** 0.5 or 1.0
-    given = (asked.gravity, (x / length, y / length, z / length)) if asked.source == "given" else None
-    world, questions, told = rest.world_of(flight, anchor=asked.anchor, given=given, confirmed=asked.source == "still")
+    confirmed = options.source == "still"
+    given = (options.gravity, (x / length, y / length, z / length)) if options.source == "given" else None
+    world, questions, told = rest.world_of(flight, anchor=options.anchor, given=given, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
-    noise = rest.noise_at_rest(flight)  # like the world, from the whole record: from where it rests
-    flight = recorded_flight.between(flight, asked.begin, math.inf if asked.end is None else asked.end)
+    noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
+    flight = recorded_flight.between(flight, options.begin, math.inf if options.end is None else options.end)
     seen = logs.informative(
-        flight, window=asked.window, range_sigma=asked.range_sigma, requirement=asked.position_sigma, noise=noise
+        flight, window=options.window, range_sigma=options.range_sigma, requirement=options.position_sigma, noise=noise
     )
     observed = None
     if len(flight.range) and world is not None:
-        sensors = logs.sensors_of(flight, range_sigma=asked.range_sigma)
+        sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
     return FlightReport(seen.words, seen.verdict, flight_summary.summarise_windows(seen), observed, told)
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:
-    """Where gravity and field may come from, and what the record itself says about them."""
+    """The source of gravity and field that the record suggests, and its evidence in a sentence."""
     world, questions, told = rest.world_of(flight, anchor=(0.0, 0.0, 0.0))
     if world is not None:
         return "", told

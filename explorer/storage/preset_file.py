@@ -1,6 +1,6 @@
-"""What is on the page as a preset file to download, with the verdict in its first lines. No viser here.
+"""A preset file for download: the settings as TOML, with the verdict in comment lines at its beginning.
 
-The verdict is computed from the text that follows it, so that the file says what it holds.
+The verdict is computed from the TOML text of the same file.
 """
 
 import math
@@ -18,7 +18,7 @@ UNJUDGED = (
 
 
 def document(settings: Settings) -> bytes:
-    """A preset as a TOML file; the verdict in its first lines is computed from the text that follows them."""
+    """The preset file of some settings."""
     text = preset.dumps(effective(settings))
     read_back = preset.loads(text, source="this file")
     start = PRINTED_START if settings.printed.initial_values else ""
@@ -46,7 +46,7 @@ def verdict_comments(shown: Preset) -> str:
 
 
 def file_name(name: str, shown: Preset, shipped: Preset) -> str:
-    """The name of the download: the preset's own, marked if it was changed."""
+    """The name of the file: the preset's name, marked if the preset was changed."""
     stem = name.rpartition(":")[2]
     return f"{stem}.toml" if shown == shipped else f"{stem}-changed.toml"
 

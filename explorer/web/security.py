@@ -1,9 +1,9 @@
-"""Who may talk to the page: this machine's own browser, from the page's own address. Checked against viser 1.1.1.
+"""Only a browser on this machine, at the page's own address, may talk to the page. Checked against viser 1.1.1.
 
-viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), lets any client open a public
-tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of this, so this file wraps
-`websockets.asyncio.server.serve`, which viser calls, and takes out or replaces the message handlers in question.
-Everything here leans on viser's inside: read it again whenever the pinned version moves.
+viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), and lets any client open a
+public tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of this. This module
+wraps `websockets.asyncio.server.serve`, which viser calls, and removes or replaces the message handlers in question.
+All of it depends on viser's inside: check it again whenever the pinned version changes.
 """
 
 import contextlib
@@ -26,8 +26,8 @@ CHECKED_AGAINST = "1.1.1"
 NAMES = ("127.0.0.1", "localhost")
 ADDRESS = "127.0.0.1"
 MAX_MESSAGE = 2**24
-"""Bytes of one message from a browser; viser allows 50 MB. The largest honest one is a text box's: who pastes ten
-megabytes into it should be told so, and not lose the connection."""
+"""Bytes of one message from a browser; viser allows 50 MB. The largest honest message is that of a text box: whoever
+pastes ten megabytes should see a sentence, and not lose the connection."""
 UNUSED_MESSAGES = (
     _messages.FileTransferStartUpload,
     _messages.FileTransferPart,
@@ -35,7 +35,7 @@ UNUSED_MESSAGES = (
     _messages.GuiFormSubmitMessage,
 )
 LOST_LINES = ("opening handshake failed", "connection rejected (403 Forbidden)")
-"""What websockets logs, with a traceback, for a request we refuse on purpose."""
+"""What websockets logs, with a traceback, for a request that is refused on purpose."""
 
 log = logging.getLogger(__name__)
 
@@ -49,7 +49,7 @@ def open_server(host: str, port: int) -> viser.ViserServer:
     _refuse_busy(port)
     with _guarded_serve(), contextlib.redirect_stdout(io.StringIO()):  # viser prints a table where we want one line
         server = viser.ViserServer(host=ADDRESS, port=port, verbose=False)
-    if port not in (0, server.get_port()):  # taken in the meantime: viser has silently moved on to the next one
+    if port not in (0, server.get_port()):  # taken meanwhile: viser has silently taken the next one
         server.stop()
         raise ValueError(_busy(port))
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
@@ -65,8 +65,8 @@ def close_server(server: viser.ViserServer) -> None:
 
 
 def accept_values_only(client: viser.ClientHandle) -> None:
-    """Let this client set the values of its own controls and the places of its own gizmos, and nothing else; say so
-    when it sends what is no value."""
+    """Let this client set the values of its own controls and the poses of its own gizmos, and nothing else; notify it
+    when it sends anything that is no value."""
     connection = client.gui._websock_interface
     (update,) = connection._incoming_handlers[_messages.GuiUpdateMessage]
 
@@ -88,7 +88,7 @@ def accept_values_only(client: viser.ClientHandle) -> None:
 
 
 def refusal(request: Request, port: int) -> str | None:
-    """Why a request is not served, or None. Every request names our Host; a websocket must also come from our page."""
+    """Why a request is refused, None if it is not. It must name our Host; a websocket must also come from our page."""
     hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
     if len(hosts) != 1 or hosts[0].lower() not in {f"{name}:{port}" for name in NAMES}:
         return "This page answers only to its own address on this machine."
@@ -117,7 +117,7 @@ def add_headers(response: Response, port: int) -> None:
 
 @contextlib.contextmanager
 def _guarded_serve():
-    """While a server is being made, viser's call of `serve` goes through our checks."""
+    """While a server is made, viser's call of `serve` goes through the checks of this module."""
     serve = websockets.asyncio.server.serve
 
     def guarded(handler: Any, host: str, port: int, *, process_request: Callable, **options: Any) -> Any:
@@ -132,7 +132,7 @@ def _guarded_serve():
 
 
 def _checked(process_request: Callable) -> Callable[[ServerConnection, Request], Response | None]:
-    """viser's HTTP answers, behind our refusals and with our headers."""
+    """viser's HTTP answers, with refusals before them and with security headers."""
     logging.getLogger("websockets.server").addFilter(lambda record: record.getMessage() not in LOST_LINES)
 
     def answer(connection: ServerConnection, request: Request) -> Response | None:
@@ -147,7 +147,7 @@ def _checked(process_request: Callable) -> Callable[[ServerConnection, Request],
 
 
 def _place_gizmos_by_numbers_only(client: viser.ClientHandle) -> None:
-    """viser stores the pose that a browser says a gizmo has, whatever it is, and stumbles over it at the next move."""
+    """viser stores any pose that a browser sends for a gizmo, and fails on it at the next move."""
     connection = client.gui._websock_interface
     (update,) = connection._incoming_handlers[_messages.TransformControlsUpdateMessage]
 
@@ -162,7 +162,7 @@ def _place_gizmos_by_numbers_only(client: viser.ClientHandle) -> None:
 
 
 def _numbers(sent: Any, count: int) -> bool:
-    """Whether a browser has sent so many finite numbers."""
+    """Whether a value from a browser is a tuple of `count` finite numbers."""
     return (
         isinstance(sent, tuple)
         and len(sent) == count
@@ -171,7 +171,7 @@ def _numbers(sent: Any, count: int) -> bool:
 
 
 def _refuse_busy(port: int) -> None:
-    """Try the port before viser does, with the option a server would set (else a port just left looks busy)."""
+    """Try the port before viser does, with SO_REUSEADDR as servers set it: otherwise a port just freed looks busy."""
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -185,7 +185,7 @@ def _busy(port: int) -> str:
 
 
 def _drop_unused(gui: viser.GuiApi) -> None:
-    """The page has no forms, whose messages viser would pass on to every other visitor. Uploads it would collect
-    without limit and store as any control's value: `explorer.uploads` takes its own, for its buttons, and no other."""
+    """Refuse viser's forms, whose messages it passes on to every other visitor and which the page does not use, and its
+    uploads, which it collects without limit as the value of any control: `web.uploads` takes them for its buttons."""
     for message in UNUSED_MESSAGES:
         gui._websock_interface.unregister_handler(message)

@@ -1,10 +1,9 @@
-"""Files that a visitor hands over: few, small, one at a time, and nothing about them believed. Checked against viser
-1.1.1.
+"""Uploads: one small file at a time from each visitor, and nothing about it is trusted. Checked against viser 1.1.1.
 
 viser collects whatever a browser sends, for any control and without limit, and makes it that control's value. Here a
-transfer is taken only for a button made by `Uploads.button`, only if it says beforehand how large it is and that is
-little enough, and only as many bytes as it said; parts come in order; a transfer that stalls gives way to the next.
-Names are for reading only: no file is ever opened by one.
+transfer is accepted only for a button made by `Uploads.button`, and only if it states a size that is small enough. It
+must send exactly as many bytes as stated, with its parts in order. A transfer that stalls gives way to the next one.
+The names of files are only displayed: no file is opened by its name.
 """
 
 import threading
@@ -18,20 +17,20 @@ from viser import _messages
 MAX_BYTES = 20_000_000
 """Of one file: some 100 000 lines of a log."""
 MAX_PART = 2**20
-"""viser's page sends half of this at once."""
+"""Bytes of one part; viser's page sends half of that."""
 MAX_PARTS = 64
 MAX_TOGETHER = 4
-"""Files on their way at a moment, of all visitors: at most 80 MB are held for them."""
+"""Transfers at a time, over all visitors: they hold at most 80 MB."""
 STALLED = 20.0
-"""s without a part, after which a transfer is given up."""
+"""s without a part, after which a transfer is dropped."""
 LONGEST_NAME = 80
 Receive = Callable[[str, bytes], None]
-"""(name for reading, bytes)"""
+"""Receives (name for display, content)."""
 
 
 @dataclass(eq=False)
 class Transfer:
-    """One file on its way."""
+    """One file that is being uploaded."""
 
     uuid: str
     button: str
@@ -44,14 +43,14 @@ class Transfer:
 
 
 class Traffic:
-    """How many files are on their way, over all visitors; one that is not heard of any more does not count."""
+    """Counts the transfers of all visitors; stalled ones do not count."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._heard: dict[int, float] = {}
 
     def enter(self, visitor: int) -> bool:
-        """Whether there is room for a file of this visitor's."""
+        """Whether this visitor may begin a transfer; it then counts."""
         now = time.monotonic()
         with self._lock:
             self._heard = {one: heard for one, heard in self._heard.items() if now - heard < STALLED}
@@ -61,13 +60,13 @@ class Traffic:
             return True
 
     def hear(self, visitor: int) -> None:
-        """A part has come."""
+        """A part of this visitor's file has arrived."""
         with self._lock:
             if visitor in self._heard:
                 self._heard[visitor] = time.monotonic()
 
     def leave(self, visitor: int) -> None:
-        """The visitor's file has come, or will not."""
+        """The transfer of this visitor has ended."""
         with self._lock:
             self._heard.pop(visitor, None)
 
@@ -76,7 +75,7 @@ TRAFFIC = Traffic()
 
 
 class Uploads:
-    """The buttons of one visitor, and the one file that may be on its way."""
+    """The upload buttons of one visitor, and the one transfer that may be running."""
 
     def __init__(self, gui: viser.GuiApi, do: Callable[[Callable[[], None]], None]) -> None:
         """`do` leaves an action for the session's loop."""
@@ -92,7 +91,7 @@ class Uploads:
             wire.register_handler(message, handler)  # type: ignore[arg-type]
 
     def button(self, label: str, receive: Receive, refuse: Callable[[str], None], *, hint: str) -> None:
-        """A button that hands over a file; `refuse` is told why one was not taken. Both in the session's loop."""
+        """A button that uploads a file. `receive`, or `refuse` with the reason, is called in the session's loop."""
         made = self._gui.add_upload_button(label, hint=hint)
         self._of[made._impl.uuid] = receive, refuse
 
@@ -111,7 +110,7 @@ class Uploads:
         self._transfer = Transfer(message.transfer_uuid, button, name, size, parts)
 
     def _why_not(self, name: str, size: object, parts: object) -> str | None:
-        """Why a file is not taken; None if it is, and then there is room for it."""
+        """Why a file is refused; None if it is accepted, and it then counts."""
         if type(size) is not int or type(parts) is not int or size <= 0 or parts <= 0:
             return f"{name}: the file is empty"
         if size > MAX_BYTES:
@@ -153,7 +152,7 @@ class Uploads:
         self._do(lambda: receive(transfer.name, content))
 
     def _refuse(self, button: str, uuid: str, size: object, reason: str) -> None:
-        """Say why; and let the page have its button back, which it keeps until it hears of the last byte."""
+        """Report the reason. The page enables its button again when it hears of the last byte."""
         refuse, whole = self._of[button][1], size if type(size) is int else 0
         self._acknowledge(button, uuid, whole, whole)
         self._do(lambda: refuse(reason))
@@ -171,7 +170,7 @@ class Uploads:
 
 
 def readable(name: object) -> str:
-    """A file's name as far as it may be shown: no folders, nothing invisible, not too long."""
+    """A file's name for display: without folders and invisible characters, and not too long."""
     text = name if isinstance(name, str) else ""
     last = text[-4 * LONGEST_NAME :].replace("\\", "/").rpartition("/")[2]
     return "".join(c for c in last if c.isprintable())[-LONGEST_NAME:].strip() or "file"

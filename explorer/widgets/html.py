@@ -1,4 +1,4 @@
-"""Sentences and small tables below controls, as HTML with everything escaped."""
+"""Sentences and small tables below controls, as HTML with all text escaped."""
 
 import html
 from collections.abc import Iterable, Sequence
@@ -8,12 +8,12 @@ CELL = '<{0} style="text-align:left;padding:0.1em 0.6em 0.1em 0;vertical-align:t
 
 
 def bullets(sentences: Iterable[str]) -> str:
-    """One line each."""
+    """One line for each sentence."""
     return "".join(f"<div>• {html.escape(sentence)}</div>" for sentence in sentences)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table with a line of names above it."""
+    """A table with a row of column names."""
     lines = [_row("th", head) if head else "", *(_row("td", row) for row in rows)]
     return f'<table style="border-collapse:collapse;font-variant-numeric:tabular-nums">{"".join(lines)}</table>'
 

@@ -1,4 +1,4 @@
-"""What panels need of the dock: all that is chosen, read and shown as one value."""
+"""What panels use of the dock: all settings, read and written as one value."""
 
 from typing import Protocol
 
@@ -9,9 +9,9 @@ class Page(Protocol):
     """The dock, for the panels in it."""
 
     def read(self) -> Settings:
-        """What is chosen. Raises Refused if it is no valid input, and the visitor has been told."""
+        """What is chosen. Raises InvalidInputError if that is no valid input; the page then says why."""
         ...
 
     def write(self, settings: Settings) -> None:
-        """Show something else."""
+        """Show other settings."""
         ...

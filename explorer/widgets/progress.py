@@ -1,4 +1,4 @@
-"""What is being worked on, how far it is, and a button to stop it; above the verdict, and only while there is work."""
+"""The running job: its name, its progress and a button to stop it. Shown above the verdict while there is a job."""
 
 import html
 
@@ -17,7 +17,7 @@ class ProgressPanel:
         self._button.visible = False
 
     def draw(self) -> None:
-        """Show how far the job at work is."""
+        """Show the progress of the running job."""
         job = self._jobs.running
         if (job is not None) != self._shown:
             self._shown = job is not None

@@ -121,7 +121,7 @@ class ComparePanel:
         self._picture, self._changed = picture, False
         if not (self.pinned or self.seeds or self._running_seeds or self.enabled):
             return comparison.NOTHING
-        run = comparison.run_of(picture)
+        run = comparison.inputs_of(picture)
         if self._running_seeds is not None and self._running_seeds[0] != run:
             self._stop_seeds()
         if "EKF" in self.enabled and self._baselines_compiled and self._is_missing("EKF", run):
@@ -147,7 +147,7 @@ class ComparePanel:
                 self._differences,
                 text.differences(shown.pinned, picture, choices, differences.figures(shown.pinned, picture)),
             )
-        run = comparison.run_of(picture) if self.enabled else None
+        run = comparison.inputs_of(picture) if self.enabled else None
         refusals = [self.baseline_results.refusal(name, run) for name in NAMES if name in self.enabled] if run else []
         _assign(
             self._table,
@@ -175,7 +175,7 @@ class ComparePanel:
         picture = self._picture
         if picture is None:
             return
-        run, seed_count = comparison.run_of(picture), int(count)
+        run, seed_count = comparison.inputs_of(picture), int(count)
 
         def work(progress: Callable[[float], None], cancelled: Callable[[], bool]) -> Ensemble:
             return ensemble.seeds(
@@ -211,7 +211,7 @@ class ComparePanel:
         picture = self._picture
         if picture is None or self._background.running is not None:
             return
-        run = comparison.run_of(picture)
+        run = comparison.inputs_of(picture)
         for name in NAMES:
             if name in self.enabled and self._is_missing(name, run):
                 self._compute(name, picture, run)

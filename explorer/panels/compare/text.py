@@ -108,8 +108,8 @@ def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int
     lines += _row(["NEES (3 expected)", *(f"<b>{_number(column.nees)}</b>" for column in columns)])
     lines += _row(["its 95 % band", *(f"{_number(c.nees_low)} – {_number(c.nees_high)}" for c in columns)])
     lines += _row(["inside it", *(_percent(column.nees_inside) for column in columns)])
-    lines += _row(["σ achieved (RMS)", *(f"<b>{_metres(column.reached)}</b>" for column in columns)])
-    lines += _row(["σ that P claims", *(_metres(column.believed) for column in columns)])
+    lines += _row(["σ achieved (RMS)", *(f"<b>{_metres(column.achieved)}</b>" for column in columns)])
+    lines += _row(["σ that P claims", *(_metres(column.estimated) for column in columns)])
     lines += _row(["σ predicted, lifted", *(_metres(column.lifted) for column in columns)])
     lines += _row(["σ predicted, nonlinear", *(_metres(column.cramer_rao) for column in columns)])
     text = (

@@ -151,7 +151,7 @@ def basin_text(picture: Picture, result: Basin) -> str:
 
 def legend(result: Basin) -> str:
     """The scale with its ends in seconds, and the sign of what never settles."""
-    limits, text = basin.ends(result), ""
+    limits, text = basin.settling_span(result), ""
     if limits is not None:
         stops = ",".join(palette.SETTLING_SCALE)
         text = COLOUR_SCALE.format(first=f"{limits[0]:.3g} s", last=f"{limits[1]:.3g} s", stops=stops)

@@ -216,7 +216,7 @@ def test_agreement_is_what_its_definition_says(mode: str, slow: Picture) -> None
     assert found.nees == pytest.approx(np.mean(nees), rel=1e-6)
     value, variance = seen.estimate.innovation[seen.measurements.range_time >= 0.75 * seen.preset.duration].T
     assert found.nis == pytest.approx(np.mean(value**2 / variance))
-    assert found.reached == pytest.approx(np.sqrt(np.mean(np.sum(error**2, axis=1))), rel=0.01)
+    assert found.achieved == pytest.approx(np.sqrt(np.mean(np.sum(error**2, axis=1))), rel=0.01)
     if mode == "constant":
         assert found.nees < 1.5  # the shipped gains are far too cautious about the noise that there is
 

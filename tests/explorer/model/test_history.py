@@ -4,7 +4,7 @@ import msgspec
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.model.history import DEPTH, MOMENT, History, differing
+from explorer.model.history import MAX_STEPS, MOMENT, History, differing
 from explorer.model.settings import Settings
 from rangenav import preset
 from rangenav.motion import World
@@ -127,6 +127,6 @@ def test_the_same_again_is_no_step():
 
 def test_only_so_many_steps_are_kept():
     history = History()
-    for k in range(3 * DEPTH):
+    for k in range(3 * MAX_STEPS):
         history.record(_at(1.0 + k * 1e-3), 10.0 * k)
-    assert history.depth[0] == DEPTH - 1
+    assert history.depth[0] == MAX_STEPS - 1

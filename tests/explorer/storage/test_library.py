@@ -216,7 +216,7 @@ def test_too_much_is_refused(kept: Library, monkeypatch: pytest.MonkeyPatch):
 
 
 def test_the_trash_forgets_the_oldest(kept: Library, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(trash, "MAX_KEPT", 3)
+    monkeypatch.setattr(trash, "MAX_FILES", 3)
     name = kept.add("path", b"0")
     for k in range(1, 6):
         kept.save(name, str(k).encode(), known={edition(str(k - 1).encode())})

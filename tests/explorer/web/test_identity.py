@@ -112,7 +112,7 @@ def test_a_new_tab_takes_the_lowest_slot_that_nobody_has(page: Page):
 def test_a_browser_that_keeps_nothing_has_no_key_and_nobody_waits_for_ever(
     page: Page, storage: Storage, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(identity, "PATIENCE", 0.5)
+    monkeypatch.setattr(identity, "ANSWER_TIMEOUT", 0.5)
     tab, session_key = page.join(storage)
     assert session_key is None
     page.leave(tab)
@@ -146,7 +146,7 @@ def test_a_tab_that_goes_away_while_it_is_asked_is_no_error(page: Page):
 def test_a_connection_that_answers_is_alive_and_one_that_is_stuck_or_gone_is_not(
     page: Page, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(identity, "PONG_PATIENCE", 0.5)
+    monkeypatch.setattr(identity, "PONG_TIMEOUT", 0.5)
     tab, _ = page.join(Storage())
     alive = max(page.server.get_clients())
     assert identity.connected(page.server, alive)

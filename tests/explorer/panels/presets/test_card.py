@@ -77,10 +77,10 @@ def test_certificates_come_one_after_the_other_and_are_remembered():
     certifier, came = Certifier(), threading.Semaphore(0)
     contents = [preset.dumps(SHIPPED[name]).encode() for name in ("paper-slow", "soft")] + [b"not a preset"]
     for content in contents:
-        assert certifier.find(content, lambda: came.release()) is None
+        assert certifier.certificate(content, lambda: came.release()) is None
     for _ in contents:
         assert came.acquire(timeout=60)
-    first, second, third = (certifier.find(content, lambda: None) for content in contents)
+    first, second, third = (certifier.certificate(content, lambda: None) for content in contents)
     assert isinstance(first, certificate.Certificate)
     assert first.certified
     assert isinstance(second, certificate.Certificate)
