@@ -171,7 +171,7 @@ def test_the_slot_of_a_tab_that_is_dead_but_not_yet_dropped_goes_to_its_successo
     assert slots.take(BROWSER, 1) == 1
     began = time.monotonic()
     assert slots.take(BROWSER, 2, wanted=1) == 1
-    assert time.monotonic() - began >= identity.LEAVING, "it was given time to write its last work"
+    assert time.monotonic() - began >= identity.LEAVE_TIMEOUT, "it was given time to write its last work"
     assert not slots.has(1)
     assert slots.has(2)
     slots.free(1)  # dropped at last
@@ -185,7 +185,7 @@ def test_a_successor_waits_until_the_last_work_is_written_and_no_longer():
     threading.Timer(0.2, slots.free, [1]).start()
     began = time.monotonic()
     assert slots.take(BROWSER, 2) == 1
-    assert 0.1 < time.monotonic() - began < identity.LEAVING
+    assert 0.1 < time.monotonic() - began < identity.LEAVE_TIMEOUT
 
 
 def test_browsers_do_not_share_slots_and_a_browser_has_not_endlessly_many():
