@@ -75,7 +75,7 @@ def _printed(preset: Preset, truth: Motion, analysed: Analysis) -> Json:
 def _twin(found: Twin) -> Json:
     return {
         "kind": found.kind,
-        "words": found.words,
+        "words": found.summary,
         "mismatch": found.mismatch,
         "nearest": found.nearest,
         "farthest": found.farthest,

@@ -114,7 +114,7 @@ def describe_depth(picture: Picture) -> tuple[str, ...]:
 def describe_twin(picture: Picture) -> tuple[str, ...]:
     """Sentences: the twin, or why there is none; and what the printed condition certifies."""
     found = picture.details
-    twin = f"Twin: {found.twin.words}." if isinstance(found.twin, Twin) else f"{found.twin.reason}."
+    twin = f"Twin: {found.twin.summary}." if isinstance(found.twin, Twin) else f"{found.twin.reason}."
     return twin[0].upper() + twin[1:], found.printed.words
 
 

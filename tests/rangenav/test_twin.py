@@ -265,7 +265,7 @@ def test_senseless_wishes_are_refused_in_one_sentence(chosen: dict, sentence: st
 def test_a_lever_arm_that_is_left_out_is_told():
     sensors = replace(HOVER.sensors, unmodelled=replace(HOVER.sensors.unmodelled, lever_arm=(0.0, 0.3, 0.4)))
     note = "; so it is for an antenna at the body's origin, and here a lever arm of 0.5 m is left out"
-    assert found(replace(HOVER, sensors=sensors)).words == found(HOVER).words + note
+    assert found(replace(HOVER, sensors=sensors)).summary == found(HOVER).summary + note
     paper = preset.load("paper")
     assert refused(replace(paper, sensors=sensors)).reason == refused(paper).reason + note
 
