@@ -6,7 +6,6 @@ signal: waypoints lie on it, and sums of sines keep its strongest frequencies.
 
 import math
 from collections.abc import Callable
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -14,13 +13,12 @@ from numpy import ndarray as Array
 
 from rangenav.signals import (
     AXES,
-    Family,
     Flown,
     Formula,
     MinimumSnap,
     Multisine,
     Polynomials,
-    Sum,
+    Signal,
     Tone,
     Turning,
     Waypoint,
@@ -29,60 +27,39 @@ from rangenav.signals import (
 from rangenav.signals.multisine import MAX_FREQUENCY
 from rangenav.signals.polynomials import from_minimum_snap
 
-FamilyName = Literal["multisine", "formula", "waypoints", "minimum-snap", "polynomials", "constant", "flown", "given"]
-"""What a visitor may choose. A constant is a Multisine with nothing but an offset; “given” is a signal from a file."""
+Conversion = Callable[[Signal, float], Turning]
+"""From a signal and the duration of a flight (s) to a signal of one family that equals or resembles it."""
+REST_DURATION = 1.0
+"""s: over this a body that is flown is at rest, when its angular velocity is converted into a family."""
 POINTS = 12
 SAMPLES, TONES_PER_AXIS = 512, 2
 LEAST_SHARE = 0.02
-"""Share of the strongest tone of an axis; weaker tones are left out."""
+"""Of an axis's strongest tone: weaker tones are left out."""
 DECIMALS = 3
-"""Of converted points: millimetres, readable in their table."""
+"""Of the coordinates of points: millimetres, readable where they are typed."""
 
 
-def family_of(signal: Turning) -> FamilyName:
-    """The family of a signal."""
-    match signal:
-        case Multisine():
-            return "multisine"
-        case Formula():
-            return "formula"
-        case Waypoints():
-            return "waypoints"
-        case MinimumSnap():
-            return "minimum-snap"
-        case Polynomials():
-            return "polynomials"
-        case Flown():
-            return "flown"
-        case Sum():
-            return "given"
+def converted(signal: Turning, convert: Conversion, duration: float) -> Turning:
+    """A signal of another family that equals or resembles the given one over a flight (s).
+
+    A flown body has no angular velocity of its own without a path: it is converted as a body at rest.
+    """
+    return convert(Multisine(), REST_DURATION) if isinstance(signal, Flown) else convert(signal, duration)
 
 
-def converted(signal: Turning, kind: FamilyName, duration: float) -> Turning:
-    """A signal of the family `kind` that equals or resembles a signal over a flight (s)."""
-    if kind == "flown" or kind == "constant" or isinstance(signal, Flown):
-        return _constant_or_flown(signal, kind)
-    makers: dict[FamilyName, Callable[[Family, float], Family]] = {
-        "multisine": sines,
-        "formula": formula,
-        "waypoints": waypoints,
-        "minimum-snap": minimum_snap,
-        "polynomials": polynomials,
-    }
-    return makers[kind](signal, duration)  # type: ignore[arg-type]
+def constant(signal: Signal, duration: float) -> Multisine:
+    """The signal's value at t = 0."""
+    del duration
+    return Multisine(offset=_rounded(signal(np.zeros(()))))
 
 
-def _constant_or_flown(signal: Turning, kind: FamilyName) -> Turning:
-    """Conversions to and from a flown attitude, and to a constant."""
-    if kind == "flown":
-        return Flown()
-    zero = Multisine()
-    if kind in ("constant", "multisine"):
-        return zero if isinstance(signal, Flown) else Multisine(offset=_rounded(signal(np.zeros(()))))
-    return converted(zero, kind, 1.0)
+def flown(signal: Signal, duration: float) -> Flown:
+    """What flying the path takes, without yaw."""
+    del signal, duration
+    return Flown()
 
 
-def sines(signal: Family, duration: float) -> Multisine:
+def sines(signal: Signal, duration: float) -> Multisine:
     """The strongest tones of the signal over its period, or over the flight."""
     if isinstance(signal, Multisine):
         return signal
@@ -109,7 +86,7 @@ def _strongest(line: Array, axis: str, fundamental: float) -> list[Tone]:
     ]
 
 
-def formula(signal: Family, duration: float) -> Formula:
+def formula(signal: Signal, duration: float) -> Formula:
     """Sines as a formula, term by term; anything else through its sines."""
     if isinstance(signal, Formula):
         return signal
@@ -124,7 +101,7 @@ def _term(tone: Tone) -> str:
     return f"{amplitude}*sin({tone.frequency!r}*t{phase})"
 
 
-def waypoints(signal: Family, duration: float) -> Waypoints:
+def waypoints(signal: Signal, duration: float) -> Waypoints:
     """Points where the signal passes: closed over its period, or open over the flight."""
     if isinstance(signal, Waypoints):
         return signal
@@ -133,7 +110,7 @@ def waypoints(signal: Family, duration: float) -> Waypoints:
     return Waypoints(points=_points_on(signal, duration), period=signal.period or None)
 
 
-def minimum_snap(signal: Family, duration: float) -> MinimumSnap:
+def minimum_snap(signal: Signal, duration: float) -> MinimumSnap:
     """The minimum-snap curve through the same points, or through points where the signal passes."""
     if isinstance(signal, MinimumSnap):
         return signal
@@ -142,7 +119,7 @@ def minimum_snap(signal: Family, duration: float) -> MinimumSnap:
     return MinimumSnap(points=_points_on(signal, duration), period=signal.period or None)
 
 
-def polynomials(signal: Family, duration: float) -> Polynomials:
+def polynomials(signal: Signal, duration: float) -> Polynomials:
     """A minimum-snap curve piece by piece, or such a curve through points where the signal passes."""
     if isinstance(signal, Polynomials):
         return signal
@@ -152,7 +129,7 @@ def polynomials(signal: Family, duration: float) -> Polynomials:
     return from_minimum_snap(curve)
 
 
-def _points_on(signal: Family, duration: float) -> tuple[Waypoint, ...]:
+def _points_on(signal: Signal, duration: float) -> tuple[Waypoint, ...]:
     """Twelve points over the period, the first not repeated, or over the flight."""
     time = np.linspace(0, duration, POINTS) if not signal.period else np.arange(POINTS) * (signal.period / POINTS)
     time = np.round(time, DECIMALS)

@@ -5,9 +5,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import cast
 
-from explorer.model.conversion import FamilyName
 from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
-from explorer.panels.motion.families import SignalSlot
+from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS
+from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Dial, LogDial, Number, Vector
@@ -17,13 +17,6 @@ from rangenav.preset import MAX_DURATION, MIN_DURATION
 from rangenav.signals import Flown, Signal, Turning
 
 ANGULAR_VELOCITY = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
-FAMILIES: dict[FamilyName, str] = {
-    "multisine": "sines",
-    "constant": "constant",
-    "formula": "formulas",
-    "waypoints": "keyframes",
-    "flown": "flown: as a multirotor must",
-}
 FAMILY_HINT = (
     "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
     "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."
@@ -166,7 +159,7 @@ class _AngularVelocity:
         self.section = section = Section(form, "Angular velocity ω(t), body axes", expanded=False)
         with section:
             form.gui.add_markdown(NO_EFFECT)
-            self.signal_editor = SignalEditor(form, ANGULAR_VELOCITY, FAMILIES, hint=FAMILY_HINT)
+            self.signal_editor = SignalEditor(form, ANGULAR_VELOCITY, ANGULAR_VELOCITY_LABELS, hint=FAMILY_HINT)
             self._start_section = start = Section(form, "Initial attitude R(0)", expanded=True)
             with start:
                 hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."

@@ -7,9 +7,9 @@ from typing import cast
 import msgspec
 import numpy as np
 
-from explorer.model.conversion import FamilyName
 from explorer.model.settings import Drafts
-from explorer.panels.motion.families import SignalSlot
+from explorer.panels.motion.families import PATH_LABELS, ROWS
+from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Choice, Number, Switch, Vector
 from explorer.widgets.form import Form, Section
@@ -19,17 +19,9 @@ from rangenav.signals import Family, Multisine, Signal, Sum, Tone
 
 PATH = SignalSlot(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), step=0.01, open_tones=1)
 WIGGLE = SignalSlot(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), step=0.01, open_tones=0)
-FAMILIES: dict[FamilyName, str] = {
-    "multisine": "sines",
-    "formula": "formulas",
-    "waypoints": "waypoints",
-    "minimum-snap": "minimum snap",
-    "polynomials": "polynomials",
-}
 FAMILY_HINT = (
-    "sines: tones on each axis; formulas: an expression in t; waypoints: a smooth curve (C⁸) through timed points; "
-    "minimum snap: what flight planners make, which lowers what this needs; polynomials: pieces as in flight files. "
-    "What is entered in one is kept while another is in use."
+    "; ".join(f"{row.path_label}: {row.path_hint}" for row in ROWS if row.path_label)
+    + ". What is entered in one is kept while another is in use."
 )
 FIRST_WIGGLE = Multisine(tones=(Tone(axis="z", amplitude=0.1, frequency=6.0),))
 """Of the axis that planar paths lack."""
@@ -43,12 +35,12 @@ class PathPanel:
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Path p(t), inertial axes")
         with section:
-            self.base_editor = SignalEditor(form, PATH, FAMILIES, hint=FAMILY_HINT)
+            self.base_editor = SignalEditor(form, PATH, PATH_LABELS, hint=FAMILY_HINT)
             self._wiggle_section = Section(form)
             with self._wiggle_section:
                 hint = "A second signal added to the path, of any family: a planar path may need only a little of it."
                 self._has_wiggle = Switch(self._wiggle_section, "plus a wiggle", hint=hint)
-            self._wiggle_editor = SignalEditor(form, WIGGLE, FAMILIES, hint=FAMILY_HINT, visible=False)
+            self._wiggle_editor = SignalEditor(form, WIGGLE, PATH_LABELS, hint=FAMILY_HINT, visible=False)
             self._sum_offset = _SumOffset(form)
 
     def read(self, duration: float) -> Signal:

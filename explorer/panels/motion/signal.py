@@ -1,48 +1,33 @@
-"""One signal on the page: its family, and that family's editor. Families not in use keep what was entered."""
+"""One signal on the page: the menu of families, and the editor of the family in use. The others keep what was entered."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
 
-from explorer.model.conversion import FamilyName, converted, family_of
-from explorer.panels.motion.families import Editor, SignalSlot, from_file
-from explorer.panels.motion.families.constant import ConstantEditor
-from explorer.panels.motion.families.formulas import FlownEditor, FormulaEditor
+from explorer.model.conversion import converted
+from explorer.panels.motion.families import BY_NAME, FROM_FILE, FROM_FILE_LABEL, family_name
+from explorer.panels.motion.families.editor import Editor, SignalSlot
 from explorer.panels.motion.families.from_file import FileSignalEditor
-from explorer.panels.motion.families.points import PointsEditor, minimum_snap_editor, waypoints_editor
-from explorer.panels.motion.families.polynomials import PolynomialsEditor
-from explorer.panels.motion.families.sines import SinesEditor
+from explorer.panels.motion.families.points import PointsEditor
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Turning, Waypoint
-
-EDITORS: dict[FamilyName, Callable[[Form, SignalSlot], Any]] = {
-    "multisine": SinesEditor,
-    "formula": FormulaEditor,
-    "waypoints": waypoints_editor,
-    "minimum-snap": minimum_snap_editor,
-    "polynomials": PolynomialsEditor,
-    "constant": ConstantEditor,
-    "flown": FlownEditor,
-    "given": FileSignalEditor,
-}
 
 
 class SignalEditor:
     """A dropdown of families, and below it the editor of the chosen one; the others are made when first needed."""
 
     def __init__(
-        self, form: Form, slot: SignalSlot, labels: Mapping[FamilyName, str], *, hint: str, visible: bool = True
+        self, form: Form, slot: SignalSlot, labels: Mapping[str, str], *, hint: str, visible: bool = True
     ) -> None:
         self._form, self._slot, self._labels, self._visible = form, slot, labels, visible
         self._section = section = Section(form)
         with section:
             self.family_menu = Choice(section, "family", labels, hint=hint)
-        self.editors: dict[FamilyName, Editor] = {}
-        self._last_valid: dict[FamilyName, Turning] = {}
+        self.editors: dict[str, Editor] = {}
+        self._last_valid: dict[str, Turning] = {}
         """The last good signal of each family."""
         self._base: Turning | None = None
-        self._current_family: FamilyName = next(iter(labels))
+        self._current_family: str = next(iter(labels))
         self._signal: Turning = Multisine()
 
     def read(self, duration: float) -> Turning:
@@ -104,15 +89,15 @@ class SignalEditor:
             self._show_editor(self._current_family, self._signal)
         self._visible = visible
 
-    def _switch(self, family: FamilyName, duration: float) -> None:
+    def _switch(self, family: str, duration: float) -> None:
         draft = self._last_valid.get(family)
         if draft is None:
             with self._section.catching():
                 try:
-                    draft = converted(self._signal, family, duration)
+                    draft = converted(self._signal, BY_NAME[family].convert, duration)
                 except ValueError as error:
                     self.family_menu.show(self._current_family)
-                    raise ValueError(f"cannot be drawn up as {self._labels[family]}: {error}") from None
+                    raise ValueError(f"it cannot be converted into {self._labels[family]}: {error}") from None
         if family in self.editors and family in self._last_valid:
             self.editors[self._current_family].show(False)  # what was typed in the other is still there, right or wrong
             self.editors[family].show(True)
@@ -120,7 +105,7 @@ class SignalEditor:
         else:
             self._show_editor(family, draft)
 
-    def _show_editor(self, family: FamilyName, signal: Turning) -> None:
+    def _show_editor(self, family: str, signal: Turning) -> None:
         """Bring a family's editor forward; while nothing is shown, only note which it will be."""
         self._current_family, self._signal = family, signal
         self._last_valid[family] = signal
@@ -131,20 +116,26 @@ class SignalEditor:
                 editor.show(False)
         if family not in self.editors:
             with self._section:
-                self.editors[family] = EDITORS[family](self._form, self._slot)
+                self.editors[family] = self._new_editor(family)
         self.editors[family].write(signal, self._base_of(family))
         self.editors[family].show(True)
 
-    def _base_of(self, family: FamilyName) -> Turning | None:
+    def _new_editor(self, family: str) -> Editor:
+        if family == FROM_FILE:
+            return FileSignalEditor(self._form)
+        return BY_NAME[family].editor(self._form, self._slot)
+
+    def _base_of(self, family: str) -> Turning | None:
         """What the preset says, if the editor of this family can show it."""
         return self._base if self._base is not None and self._family_name(self._base) == family else None
 
-    def _family_name(self, signal: Turning) -> FamilyName:
-        """A Multisine without tones or drift is a constant, where constants can be chosen."""
+    def _family_name(self, signal: Turning) -> str:
+        """The family that the menu shows for a signal: a Multisine of nothing but an offset is a constant where the
+        menu offers constants, and a signal whose family the menu does not offer is one from a file."""
         constant = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)
-        family = "constant" if constant and "constant" in self._labels else family_of(signal)
-        return family if family in self._labels else "given"
+        name = "constant" if constant and "constant" in self._labels else family_name(signal)
+        return name if name in self._labels else FROM_FILE
 
-    def _offer_families(self, *kinds: FamilyName) -> None:
-        """The families there are, and what a file brought if it is none of them."""
-        self.family_menu.offer({**self._labels, "given": from_file.LABEL} if "given" in kinds else self._labels)
+    def _offer_families(self, *names: str) -> None:
+        """Offer the families of the menu and, if one of the names is that of a signal from a file, that as well."""
+        self.family_menu.offer({**self._labels, FROM_FILE: FROM_FILE_LABEL} if FROM_FILE in names else self._labels)

@@ -9,9 +9,9 @@ from hypothesis import HealthCheck, given, reject
 from hypothesis import settings as tried
 from hypothesis import strategies as st
 
-from explorer.model.conversion import family_of
 from explorer.model.settings import Drafts, Printed, Settings
 from explorer.panels.dock import Dock
+from explorer.panels.motion.families import family_name
 from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, Text, Vector
 from explorer.widgets.form import InvalidInputError
 from rangenav import axes
@@ -39,7 +39,7 @@ FAMILIES = st.one_of(
 )
 PATHS = st.one_of(FAMILIES, st.builds(Sum, base=FAMILIES, wiggle=FAMILIES, offset=VECTORS, drift=VECTORS))
 TURNINGS = st.one_of(
-    FAMILIES.filter(lambda signal: family_of(signal) in ("multisine", "formula", "waypoints")),
+    FAMILIES.filter(lambda signal: family_name(signal) in ("multisine", "formula", "waypoints")),
     st.builds(Flown, yaw=st.sampled_from(("0", "sin(t)", "-(t)"))),
 )
 BLOCKS = st.builds(Blocks, xi=SIZES, position=SIZES, velocity=SIZES, gravity=SIZES)
@@ -94,9 +94,9 @@ PARTS: dict[str, st.SearchStrategy[Any]] = {
 
 def _kept(shown: Turning | None, found: list[Any]) -> tuple[Any, ...]:
     """Drafts as the page leaves them: one of each family that is not in use."""
-    each = {family_of(draft): draft for draft in found}
+    each = {family_name(draft): draft for draft in found}
     if shown is not None:
-        each.pop(family_of(shown), None)
+        each.pop(family_name(shown), None)
     return tuple(each.values())
 
 

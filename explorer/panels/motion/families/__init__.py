@@ -1,34 +1,132 @@
-"""One editor for each family of signals. All are made, shown, read and written alike.
+"""The families of signals on the page: one row for each, from which menus, editors, hints and conversions follow.
 
-editor = Editor(sheet, place, lasts=...)   its own sections, below what is there already
-editor.write(signal, base)       show a signal; base is the preset's if that is of this family, else None
-editor.read()                    the signal; raises Refused after saying why beside the control
-editor.show(visible)             hidden, it keeps what was typed
+To add a family, add it to the union in rangenav.signals.families, and a row here.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any
 
-from rangenav.signals import Turning
+from explorer.model import conversion
+from explorer.model.conversion import Conversion
+from explorer.panels.motion.families.constant import ConstantEditor
+from explorer.panels.motion.families.editor import SignalSlot
+from explorer.panels.motion.families.formulas import FlownEditor, FormulaEditor
+from explorer.panels.motion.families.points import minimum_snap_editor, waypoints_editor
+from explorer.panels.motion.families.polynomials import PolynomialsEditor
+from explorer.panels.motion.families.sines import SinesEditor
+from explorer.widgets.form import Form
+from rangenav.signals import Flown, Formula, MinimumSnap, Multisine, Polynomials, Sum, Turning, Waypoints
 
 
 @dataclass(frozen=True, kw_only=True)
-class SignalSlot:
-    """What tells the edited signals apart on the page."""
+class FamilyRow:
+    """What the page has to know of one family."""
 
-    unit: str
-    amplitude: tuple[float, float]
-    frequency: tuple[float, float]
-    """Ranges of sliders; a value beyond them widens them."""
-    step: float
-    """Of boxes, in the unit."""
-    open_tones: int
-    """Tones whose sliders are open at first; the labels of the others show their formula all the same."""
+    name: str
+    """The family's `kind` in a file. A constant, which is a Multisine of nothing but an offset, has its own name."""
+    type: type[Turning]
+    description: str
+    """What a signal of this family is called in a sentence."""
+    editor: Callable[[Form, SignalSlot], Any]
+    """Makes the family's editor."""
+    convert: Conversion
+    path_label: str = ""
+    """How the menu of paths offers it; empty if no path is of this family."""
+    path_hint: str = ""
+    """What the family is, for the hint of that menu."""
+    angular_velocity_label: str = ""
+    """How the menu of angular velocities offers it; empty if that menu does not."""
 
 
-class Editor(Protocol):
-    """What all editors offer."""
+ROWS = (
+    FamilyRow(
+        name="multisine",
+        type=Multisine,
+        description="sines",
+        editor=SinesEditor,
+        convert=conversion.sines,
+        path_label="sines",
+        path_hint="tones on each axis",
+        angular_velocity_label="sines",
+    ),
+    FamilyRow(
+        name="constant",
+        type=Multisine,
+        description="a constant",
+        editor=ConstantEditor,
+        convert=conversion.constant,
+        angular_velocity_label="constant",
+    ),
+    FamilyRow(
+        name="formula",
+        type=Formula,
+        description="formulas",
+        editor=FormulaEditor,
+        convert=conversion.formula,
+        path_label="formulas",
+        path_hint="an expression in t",
+        angular_velocity_label="formulas",
+    ),
+    FamilyRow(
+        name="waypoints",
+        type=Waypoints,
+        description="a curve through points",
+        editor=waypoints_editor,
+        convert=conversion.waypoints,
+        path_label="waypoints",
+        path_hint="a smooth curve (C⁸) through timed points",
+        angular_velocity_label="keyframes",
+    ),
+    FamilyRow(
+        name="minimum-snap",
+        type=MinimumSnap,
+        description="a minimum-snap curve",
+        editor=minimum_snap_editor,
+        convert=conversion.minimum_snap,
+        path_label="minimum snap",
+        path_hint="what flight planners make, which lowers what this needs",
+    ),
+    FamilyRow(
+        name="polynomials",
+        type=Polynomials,
+        description="polynomials",
+        editor=PolynomialsEditor,
+        convert=conversion.polynomials,
+        path_label="polynomials",
+        path_hint="pieces as in flight files",
+    ),
+    FamilyRow(
+        name="flown",
+        type=Flown,
+        description="flown",
+        editor=FlownEditor,
+        convert=conversion.flown,
+        angular_velocity_label="flown: as a multirotor must",
+    ),
+)
+BY_NAME = {row.name: row for row in ROWS}
+PATH_LABELS = {row.name: row.path_label for row in ROWS if row.path_label}
+ANGULAR_VELOCITY_LABELS = {row.name: row.angular_velocity_label for row in ROWS if row.angular_velocity_label}
+FROM_FILE, FROM_FILE_LABEL = "from-file", "as in the file"
+"""Name and label of a signal that has no editor where it is, such as a sum as an angular velocity."""
 
-    def read(self) -> Turning: ...
-    def write(self, signal: Turning, base: Turning | None) -> None: ...
-    def show(self, visible: bool) -> None: ...
+
+def family_name(signal: Turning) -> str:
+    """The name of the signal's family; that of a sum is FROM_FILE."""
+    return FROM_FILE if isinstance(signal, Sum) else _row(signal).name
+
+
+def description(signal: Turning) -> str:
+    """What kind of signal it is, for a sentence."""
+    if isinstance(signal, Sum):
+        return f"{description(signal.base)} plus {description(signal.wiggle)}"
+    return _row(signal).description
+
+
+def _row(signal: Turning) -> FamilyRow:
+    """The first row of the signal's type. Raises KeyError for a type without a row, which a test rules out."""
+    for row in ROWS:
+        if row.type is type(signal):
+            return row
+    raise KeyError(f"{type(signal).__name__} has no row in the table of families")

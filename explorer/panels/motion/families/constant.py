@@ -1,6 +1,6 @@
 """A constant: three numbers."""
 
-from explorer.panels.motion.families import SignalSlot
+from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Vector
 from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from explorer.panels.motion.families import SignalSlot
+from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Text, Vector, short
 from explorer.widgets.form import Form, InvalidInputError, Section
 from rangenav.signals import AXES, Flown, Formula

@@ -1,20 +1,11 @@
-"""A signal that only a file can bring, such as a sum as an angular velocity: it is named, and kept as it is."""
+"""The editor of a signal that no other editor shows, such as a sum as an angular velocity: it is named and kept."""
 
 import html
 
-from explorer.panels.motion.families import SignalSlot
+from explorer.panels.motion.families import description
 from explorer.widgets.form import Form, Section
-from rangenav.signals import Multisine, Sum, Turning
+from rangenav.signals import Multisine, Turning
 
-LABEL = "as in the file"
-NAMES = {
-    "Multisine": "sines",
-    "Formula": "formulas",
-    "Waypoints": "a curve through points",
-    "MinimumSnap": "a minimum-snap curve",
-    "Polynomials": "polynomials",
-    "Flown": "flown",
-}
 LINE = (
     '<div style="padding:0.1em 0.9em 0.6em;font-size:0.85em">Here: {}. It has no controls and is kept as it is; '
     "another family starts from what it does.</div>"
@@ -22,9 +13,9 @@ LINE = (
 
 
 class FileSignalEditor:
-    """What there is, in words."""
+    """The signal's description."""
 
-    def __init__(self, form: Form, slot: SignalSlot) -> None:
+    def __init__(self, form: Form) -> None:
         self._section = section = Section(form)
         self._signal: Turning = Multisine()
         with section:
@@ -35,17 +26,10 @@ class FileSignalEditor:
         return self._signal
 
     def write(self, signal: Turning, base: Turning | None) -> None:
-        """Keep a signal."""
+        """Show the description of a signal."""
         self._signal = signal
         self._line.content = LINE.format(html.escape(description(signal)))
 
     def show(self, visible: bool) -> None:
         """Show or hide it."""
         self._section.show(visible)
-
-
-def description(signal: Turning) -> str:
-    """What kind of signal it is."""
-    if isinstance(signal, Sum):
-        return f"{description(signal.base)} plus {description(signal.wiggle)}"
-    return NAMES[type(signal).__name__]

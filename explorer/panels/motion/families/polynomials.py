@@ -1,10 +1,11 @@
-"""Polynomials: one piece per line, as in uav_trajectories files; jumps at knots are named under them."""
+"""Polynomials: one piece per line, as in uav_trajectories files. Jumps at the knots are named below the text."""
 
 import html
 from typing import Literal
 
 from explorer.model import palette
-from explorer.panels.motion.families import SignalSlot, table
+from explorer.panels.motion.families.editor import SignalSlot
+from explorer.panels.motion.families.table import Table
 from explorer.widgets.controls import Choice, Text
 from explorer.widgets.form import Form, Section
 from rangenav.signals import Piece, Polynomials, polynomials
@@ -19,10 +20,12 @@ ENDS: dict[Literal["hold", "repeat"], str] = {"hold": "hold: it stays where it i
 
 
 class PolynomialsEditor:
-    """The pieces as text, and what happens after the last."""
+    """The pieces as text, and what the signal does after the last piece."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
-        self._table = _table()
+        self._pieces: tuple[Piece, ...] = ()
+        self._text_of_pieces, self._formatted = "", self._pieces
+        """The text of the pieces, and the pieces that the text was last made of."""
         self._section = section = Section(form)
         with section:
             hint = "After the last piece the signal holds where it is, or begins anew."
@@ -37,13 +40,18 @@ class PolynomialsEditor:
     def read(self) -> Polynomials:
         """The pieces as typed."""
         with self._section.catching():
-            signal = Polynomials(pieces=self._table.parse(_without_header(self._text.read())), ends=self._ends.read())
+            text = _without_header(self._text.read())
+            if text != self._text_of_pieces:
+                self._pieces, self._text_of_pieces = TABLE.parse(text, self._formatted), text
+            signal = Polynomials(pieces=self._pieces, ends=self._ends.read())
         self._show_jumps(polynomials.complaints(signal))
         return signal
 
     def write(self, signal: Polynomials, base: Polynomials | None) -> None:
         """Show pieces."""
-        self._text.write(self._table.format(signal.pieces), _table().format(base.pieces) if base else None)
+        self._pieces = self._formatted = signal.pieces
+        self._text_of_pieces = TABLE.format(signal.pieces)
+        self._text.write(self._text_of_pieces, TABLE.format(base.pieces) if base else None)
         self._ends.write(signal.ends, base and base.ends)
 
     def show(self, visible: bool) -> None:
@@ -51,7 +59,7 @@ class PolynomialsEditor:
         self._section.show(visible)
 
     def _show_jumps(self, jumps: tuple[str, ...]) -> None:
-        """Jumps are no error, a file may have them; but nobody can fly them."""
+        """Name the jumps at the knots. A jump is no error, for a file may have one; but no vehicle can fly it."""
         more = len(jumps) - MAX_JUMPS
         lines = [f"▲ {html.escape(line)}" for line in jumps[:MAX_JUMPS]]
         lines += [f"… and {more} more"] if more > 0 else []
@@ -62,12 +70,8 @@ class PolynomialsEditor:
         self._jumps.visible = bool(lines)
 
 
-def _table() -> table.Table[Piece]:
-    return table.Table[Piece](COLUMNS, _piece, _cells)
-
-
 def _without_header(text: str) -> str:
-    """Lines but a first one of names; and no comma at their ends."""
+    """The lines without the header, if the first one is a header, and without commas at their ends."""
     lines = text.split("\n")
     if lines and lines[0].lower().startswith("duration"):
         lines[0] = ""
@@ -86,3 +90,6 @@ def _coefficients(values: tuple[float, ...]) -> Coefficients:
 
 def _cells(piece: Piece) -> list[float]:
     return [piece.duration, *piece.x, *piece.y, *piece.z, *piece.yaw]
+
+
+TABLE = Table(COLUMNS, _piece, _cells)

@@ -6,7 +6,7 @@ from typing import Literal
 
 import msgspec
 
-from explorer.panels.motion.families import SignalSlot
+from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Dial, Vector
 from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine, Tone

@@ -1,67 +1,61 @@
-"""A table as text, one row per line: readable numbers, and behind every line that was not touched its exact row."""
+"""A table as text, one row per line, with readable numbers: a line that nobody touched stands for its exact row."""
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 R = TypeVar("R")
 DIGITS = 6
+"""Significant digits of a number in the text."""
 MAX_LINES = 5000
-"""Lines looked at; more are refused before any is read."""
+"""A text of more lines is refused before any line is read."""
 MAX_QUOTE = 40
-"""Characters of a line that a sentence repeats."""
+"""Characters of a line that an error message quotes."""
 
 
+@dataclass(frozen=True)
 class Table(Generic[R]):
-    """Text and rows of the same table."""
+    """How rows are written as lines of text, and lines read as rows. It holds no rows."""
 
-    def __init__(
-        self, columns: Sequence[str], row: Callable[[list[float]], R], cells: Callable[[R], Sequence[float]]
-    ) -> None:
-        self._columns, self._row, self._cells = tuple(columns), row, cells
-        self._exact: dict[str, R] = {}
-        self._last: tuple[str, tuple[R, ...]] = ("", ())
-
-    @property
-    def points(self) -> tuple[R, ...]:
-        """The rows of the text that was formatted or parsed last."""
-        return self._last[1]
+    columns: Sequence[str]
+    row: Callable[[list[float]], R]
+    """Makes a row of the numbers of a line. Raises ValueError for numbers that make none."""
+    cells: Callable[[R], Sequence[float]]
+    """The numbers of a row."""
 
     def format(self, rows: Sequence[R]) -> str:
-        """Text for the rows; they are kept, digits and all, for when it comes back."""
-        lines = [self._line(row) for row in rows]
-        self._exact = dict(zip(lines, rows, strict=True))
-        if len(self._exact) < len(rows):  # two rows that look alike and are not: all their digits, then
-            lines = ["  ".join(repr(value) for value in self._cells(row)) for row in rows]
-            self._exact = dict(zip(lines, rows, strict=True))
-        self._last = "\n".join(lines), tuple(rows)
-        return self._last[0]
+        """The text of the rows."""
+        return "\n".join(self._lines(rows))
 
-    def parse(self, text: str) -> tuple[R, ...]:
-        """The rows of a text. Raises ValueError naming line and rule."""
-        if text == self._last[0]:
-            return self._last[1]
+    def parse(self, text: str, formatted: Sequence[R] = ()) -> tuple[R, ...]:
+        """The rows of a text. A line that `format` wrote for one of the rows `formatted` is that row to the last digit.
+
+        Raises ValueError with the line's number and the rule that it breaks.
+        """
+        exact = dict(zip(self._lines(formatted), formatted, strict=True))
         lines = text.split("\n")
         if len(lines) > MAX_LINES:
             raise ValueError(f"at most {MAX_LINES} lines, got {len(lines)}")
-        rows = tuple(self._parsed(k, line.strip()) for k, line in enumerate(lines, 1) if line.strip())
-        self._last = text, rows
-        return rows
+        numbered = ((number, line.strip()) for number, line in enumerate(lines, 1) if line.strip())
+        return tuple(exact[line] if line in exact else self._parsed(number, line) for number, line in numbered)
 
-    def _line(self, row: R) -> str:
-        return "  ".join(f"{value:.{DIGITS}g}" for value in self._cells(row))
+    def _lines(self, rows: Sequence[R]) -> list[str]:
+        """A line for each row; with all digits where fewer would make two lines equal."""
+        lines = ["  ".join(f"{value:.{DIGITS}g}" for value in self.cells(row)) for row in rows]
+        if len(set(lines)) < len(rows):
+            return ["  ".join(repr(value) for value in self.cells(row)) for row in rows]
+        return lines
 
-    def _parsed(self, k: int, line: str) -> R:
-        if line in self._exact:
-            return self._exact[line]
+    def _parsed(self, number: int, line: str) -> R:
         cells = line.replace(",", " ").replace(";", " ").split()
-        expected = f"{len(self._columns)} numbers, {' '.join(self._columns)}"
-        if len(cells) != len(self._columns):
-            raise ValueError(f"line {k}: expected {expected}, got {len(cells)} in “{line[:MAX_QUOTE]}”")
+        if len(cells) != len(self.columns):
+            expected = f"{len(self.columns)} numbers, {' '.join(self.columns)}"
+            raise ValueError(f"line {number}: expected {expected}, got {len(cells)} in “{line[:MAX_QUOTE]}”")
         try:
-            return self._row([_number(cell) for cell in cells])
+            return self.row([_number(cell) for cell in cells])
         except ValueError as error:
-            raise ValueError(f"line {k}: {error}") from None
+            raise ValueError(f"line {number}: {error}") from None
 
 
 def _number(cell: str) -> float:

@@ -1,0 +1,34 @@
+"""What the editors of all families of signals offer, and what an editor knows of the signal that it edits.
+
+editor = SinesEditor(form, slot)   its own sections, below the controls that are there already
+editor.write(signal, base)         show a signal; base is the preset's signal if that is of this family, else None
+editor.read()                      the signal; raises InvalidInputError after showing the reason below the control
+editor.show(visible)               a hidden editor keeps what was typed
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from rangenav.signals import Turning
+
+
+@dataclass(frozen=True, kw_only=True)
+class SignalSlot:
+    """What tells the edited signals (path, wiggle, angular velocity) apart on the page."""
+
+    unit: str
+    amplitude: tuple[float, float]
+    frequency: tuple[float, float]
+    """Ranges of the sliders; a value beyond them widens them."""
+    step: float
+    """Step of the boxes, in the unit."""
+    open_tones: int
+    """The first so many tones show their sliders at once; the labels of the others show their formulas all the same."""
+
+
+class Editor(Protocol):
+    """What all editors offer."""
+
+    def read(self) -> Turning: ...
+    def write(self, signal: Turning, base: Turning | None) -> None: ...
+    def show(self, visible: bool) -> None: ...
