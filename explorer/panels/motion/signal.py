@@ -1,4 +1,4 @@
-"""One signal on the page: the menu of families, and the editor of the family in use. The others keep what was entered."""
+"""One signal on the page: the menu of families, and the editor of the family in use. The others keep what was typed."""
 
 from collections.abc import Mapping
 

@@ -34,7 +34,7 @@ class BundlePanel:
         self._section = section = Section(form, "Download with certificate", expanded=False)
         with section:
             form.buttons("formats", {"all": self._all, "none": self._none}, hint=ALL_HINT)
-            self._formats = {
+            self.formats = {
                 row.name: Switch(section, row.label, hint=FORMAT_HINT.format(row.hint)) for row in choices()
             }
             self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
@@ -43,17 +43,17 @@ class BundlePanel:
         form.command("Export as a zip", self._export)
 
     def _all(self) -> None:
-        for switch in self._formats.values():
+        for switch in self.formats.values():
             switch.show(True)
 
     def _none(self) -> None:
-        for switch in self._formats.values():
+        for switch in self.formats.values():
             switch.show(False)
 
     def _export(self) -> None:
         with self._section.answering():
             settings, even_uncertified = self._page.read(), self._even_uncertified.read()
-            names = tuple(name for name, switch in self._formats.items() if switch.read())
+            names = tuple(name for name, switch in self.formats.items() if switch.read())
         shown = effective(settings)
         stem = file_name(settings.origin, shown, self._catalog.presets[settings.origin]).removesuffix(".toml")
         self._result_line.visible = False

@@ -3,7 +3,6 @@
 import dataclasses
 import html
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import msgspec
@@ -11,69 +10,29 @@ import pytest
 import viser
 
 from explorer.model import compute
-from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, effective
 from explorer.panels import verdict
-from explorer.panels.dock import Dock, SessionActions
+from explorer.panels.dock import Dock
 from explorer.panels.presets.printed import MISPRINTS
 from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.sensors import CUSTOM, SensorChoice, SensorsPanel
 from explorer.storage import preset_file
-from explorer.storage.catalog import Catalog
-from explorer.storage.certifier import Certifier
-from explorer.storage.library import Library
-from explorer.web.security import open_server
 from explorer.widgets.controls import Dial, LogDial, Vector
 from explorer.widgets.form import Complaint, Form, InvalidInputError, Section
 from rangenav import analysis, certificate, preset, sensors
 from rangenav.attitude import Schedule
 from rangenav.certificate.figures import Figures
 from rangenav.repair import Repair
-from rangenav.sensors import Effects, Noise, Sensors
+from rangenav.sensors import Noise, Sensors
 from rangenav.sensors.sensor_sets import CATALOGUE, SensorSet
 from rangenav.signals import Multisine, Tone
+from tests.support.page_settings import EVERYTHING, SHIPPED
 from tests.support.refreshed import refreshed
-from tests.support.wire import Wire
-
-SHIPPED = preset.shipped()
 
 
 def _nothing() -> None:
-    """For controls that nobody moves."""
-
-
-def _unsent(name: str, content: bytes) -> None:
-    """For downloads that nobody asks for."""
-
-
-def _unsaid(title: str, sentence: str) -> None:
-    """For notices that nobody needs."""
-
-
-@pytest.fixture(scope="module")
-def client() -> Iterator[viser.ClientHandle]:
-    server = open_server("127.0.0.1", 0)
-    visitor = Wire(server.get_port())
-    visitor.wait_for(server.get_clients, "the connection")
-    (found,) = server.get_clients().values()
-    yield found
-    visitor.close()
-    server.stop()
-
-
-@pytest.fixture(scope="module")
-def dock(client: viser.ClientHandle) -> Dock:
-    actions = SessionActions(
-        restart_preset=_nothing, show_paper_figures=_nothing, download_preset=_nothing, send=_unsent, notify=_unsaid
-    )
-    catalog, jobs = Catalog(SHIPPED, Library(), Certifier()), Jobs(_nothing)
-    return Dock(Form(client.gui, _nothing), catalog, "paper-slow", actions, jobs, History())
-
-
-@pytest.fixture(scope="module")
-def section(client: viser.ClientHandle) -> Section:
-    return Section(Form(client.gui, _nothing))
+    """For a form whose controls nobody moves."""
 
 
 def _computed(name: str, **printed: bool) -> compute.Picture:
@@ -111,19 +70,6 @@ def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(doc
     )
     dock.write(settings)
     assert refreshed(dock) == settings
-
-
-EVERYTHING = Effects(
-    gyro_bias=(0.1 / 3, -0.2, 1e-9),
-    accel_bias=(0.1, 1 / 7, -0.3),
-    range_bias=-0.123456789,
-    outlier_probability=1 / 3,
-    outlier_size=99.5,
-    dropout_probability=0.95,
-    burst_start=5.25,
-    burst_length=1 / 7,
-    lever_arm=(0.1, -0.05, 1e-5),
-)
 
 
 def _with_sensors(name: str, **changes: Any) -> Settings:
@@ -313,10 +259,6 @@ def test_printed_switches_that_are_on_are_labelled():
 def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):
     assert off in MISPRINTS[switch].consequence(_computed("paper-slow"))
     assert on in MISPRINTS[switch].consequence(_computed("paper-slow", **{switch: True}))
-
-
-def test_every_departure_has_a_row():
-    assert set(MISPRINTS) == set(Printed.__struct_fields__)
 
 
 def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_very_file():

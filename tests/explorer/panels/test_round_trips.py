@@ -5,127 +5,27 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import HealthCheck, given, reject
+from hypothesis import HealthCheck, given
 from hypothesis import settings as tried
 from hypothesis import strategies as st
 
-from explorer.model.settings import Drafts, Printed, Settings
+from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
-from explorer.panels.motion.families import family_name
 from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, Text, Vector
 from explorer.widgets.form import InvalidInputError
 from rangenav import axes
-from rangenav.attitude import AttitudeGains, Schedule
-from rangenav.cascade import Gains, Guess
-from rangenav.motion import World
-from rangenav.riccati import Blocks, RiccatiGains
-from rangenav.sensors import Noise, Sensors
-from rangenav.signals import Family, Flown, Multisine, Sum, Turning
+from rangenav.signals import Multisine
 from rangenav.vehicle import CATALOGUE
-from tests.explorer.panels.test_panels import EVERYTHING, SHIPPED, client, dock
+from tests.support.page_settings import SHIPPED, page_settings
 from tests.support.refreshed import refreshed
-from tests.support.signal_examples import EXAMPLES
 
-__all__ = ["client", "dock"]  # fixtures
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 """The websocket's threads do, while hypothesis draws."""
-NUMBERS = st.floats(-1e3, 1e3)
-VECTORS = st.tuples(NUMBERS, NUMBERS, NUMBERS)
-SIZES = st.floats(1e-3, 10.0)
-SIGMAS = st.one_of(st.just(0.0), st.floats(1e-6, 1.0))
-FAMILIES = st.one_of(
-    st.sampled_from([signal for signal in EXAMPLES.values() if isinstance(signal, Family)]),
-    st.builds(Multisine, offset=VECTORS),
-)
-PATHS = st.one_of(FAMILIES, st.builds(Sum, base=FAMILIES, wiggle=FAMILIES, offset=VECTORS, drift=VECTORS))
-TURNINGS = st.one_of(
-    FAMILIES.filter(lambda signal: family_name(signal) in ("multisine", "formula", "waypoints")),
-    st.builds(Flown, yaw=st.sampled_from(("0", "sin(t)", "-(t)"))),
-)
-BLOCKS = st.builds(Blocks, xi=SIZES, position=SIZES, velocity=SIZES, gravity=SIZES)
-GAINS = st.builds(
-    Gains,
-    mode=st.sampled_from(("constant", "noise-matched")),
-    riccati=st.builds(RiccatiGains, q=st.floats(1e-3, 1e5), v=BLOCKS, p0=BLOCKS),
-    attitude=st.builds(
-        AttitudeGains,
-        k1=st.floats(1e-3, 1e3),
-        rho1=SIZES,
-        rho2=SIZES,
-        schedule=st.none() | st.builds(Schedule, steady=st.just(1e-3), halfway=st.floats(1e-4, 1.0)),
-    ),
-)
-SENSORS = st.builds(
-    Sensors,
-    imu_rate=st.floats(200, 900),
-    mag_rate=st.floats(20, 200),
-    range_rate=st.floats(20, 200),
-    noise=st.builds(
-        Noise, gyro=SIGMAS, accel=SIGMAS, mag=SIGMAS, range=SIGMAS, imu_unit=st.sampled_from(("sample", "density"))
-    ),
-    unmodelled=st.sampled_from((Sensors().unmodelled, EVERYTHING)),
-)
-GUESSES = st.builds(
-    Guess,
-    state=st.sampled_from(("zero", "truth", "offset")),
-    position_offset=VECTORS,
-    attitude_axis=st.tuples(st.floats(0.1, 2), NUMBERS, NUMBERS),
-    attitude_angle=st.floats(-3.1, 3.1),
-)
-WORLDS = st.builds(
-    World,
-    anchor=VECTORS,
-    gravity=st.sampled_from(((0.0, 0.0, 9.81), (0.0, 0.1, -9.7))),
-    magnetic=st.just((1.0, 0.0, 0.0)),
-)
-PARTS: dict[str, st.SearchStrategy[Any]] = {
-    "path": PATHS,
-    "angular_velocity": TURNINGS,
-    "initial_rotation": st.tuples(*[st.floats(-3, 3)] * 3),
-    "duration": st.floats(16, 30),
-    "world": WORLDS,
-    "sensors": SENSORS,
-    "gains": GAINS,
-    "guess": GUESSES,
-    "seed": st.integers(0, 2**53 - 1),
-    "vehicle": st.sampled_from(CATALOGUE),
-}
-
-
-def _kept(shown: Turning | None, found: list[Any]) -> tuple[Any, ...]:
-    """Drafts as the page leaves them: one of each family that is not in use."""
-    each = {family_name(draft): draft for draft in found}
-    if shown is not None:
-        each.pop(family_name(shown), None)
-    return tuple(each.values())
-
-
-@st.composite
-def chosen(draw: st.DrawFn) -> Settings:
-    """Settings as a visitor could have made them."""
-    origin = draw(st.sampled_from(sorted(SHIPPED)))
-    parts = draw(st.fixed_dictionaries({}, optional=PARTS))
-    p = SHIPPED[origin]
-    try:
-        p = msgspec.structs.replace(p, **parts)
-    except ValueError:  # too fast for these rates, and the like: no settings
-        reject()
-    path, few = p.path, st.lists(FAMILIES, max_size=4)
-    base, wiggle = (path.base, path.wiggle) if isinstance(path, Sum) else (path, None)
-    drafts = Drafts(
-        path=_kept(base, draw(few)),
-        wiggle=_kept(wiggle, draw(few)),
-        angular_velocity=_kept(p.angular_velocity, draw(st.lists(TURNINGS, max_size=4))),
-    )
-    switches = draw(st.builds(Printed, model=st.booleans(), initial_values=st.booleans()))
-    return Settings(origin=origin, preset=p, time_scale=draw(st.floats(0.1, 10)), printed=switches, drafts=drafts)
-
-
 FEW = tried(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 @FEW
-@given(chosen(), chosen())
+@given(page_settings(), page_settings())
 def test_settings_are_read_back_as_they_were_written_whatever_was_there_before(
     dock: Dock, before: Settings, settings: Settings
 ):
@@ -139,13 +39,13 @@ def test_settings_are_read_back_as_they_were_written_whatever_was_there_before(
 
 
 @FEW
-@given(chosen())
+@given(page_settings())
 def test_settings_survive_the_file_they_are_kept_in(settings: Settings):
     assert msgspec.json.decode(msgspec.json.encode(settings), type=Settings) == settings
 
 
 @FEW
-@given(chosen())
+@given(page_settings())
 def test_axes_named_anew_twice_are_the_old_ones_and_are_shown_as_such(dock: Dock, settings: Settings):
     assert axes.flipped(axes.flipped(settings.preset)) == settings.preset
     dock.write(settings)

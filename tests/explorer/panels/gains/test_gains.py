@@ -17,11 +17,9 @@ from explorer.panels.gains import summary
 from explorer.widgets.form import InvalidInputError
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
-from tests.explorer.panels.test_panels import SHIPPED, client, dock
-from tests.explorer.panels.test_round_trips import chosen
+from tests.support.page_settings import SHIPPED, page_settings
 from tests.support.refreshed import refreshed
 
-__all__ = ["client", "dock"]  # fixtures
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 """The websocket's threads do, while hypothesis draws."""
 FEW = tried(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
@@ -66,7 +64,7 @@ def _in_letters(dock: Dock) -> None:
 
 
 @FEW
-@given(chosen(), chosen())
+@given(page_settings(), page_settings())
 def test_switching_there_and_back_any_number_of_times_changes_no_bit(dock: Dock, before: Settings, settings: Settings):
     dock.gains.use_units("paper")
     dock.write(before)

@@ -11,9 +11,10 @@ from msgspec.structs import replace
 from explorer.server import SessionServer
 from explorer.storage.autosave import SavedWork
 from rangenav.attitude import Schedule
-from tests.explorer.panels.motion.test_editor import NOT_SHOWN
 from tests.support.waiting_visitor import Editing, newest
 from tests.support.wire import Storage, Wire
+
+NOT_SHOWN = "Not shown"
 
 LETTERS, WORDS = "in the paper's letters", "in physical words"
 STIFF = "▲ The attitude filter is stiff"

@@ -20,10 +20,9 @@ from rangenav import attitude, so3
 from rangenav.attitude import SCHEDULED, AttitudeGains, Schedule
 from rangenav.gains import Gains
 from rangenav.motion import World
-from tests.explorer.panels.test_panels import SHIPPED, client, dock
+from tests.support.page_settings import SHIPPED
 from tests.support.refreshed import refreshed
 
-__all__ = ["client", "dock"]  # fixtures
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 """The websocket's threads do, while hypothesis draws."""
 FEW = tried(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
