@@ -7,11 +7,13 @@ from typing import Any, NamedTuple
 import msgspec
 
 from explorer.model.compute import Picture
+from rangenav.number_format import percent, quantity, significant
 from rangenav.preset import Preset
 
 NOTABLE = 0.005
 """Relative: a smaller change of a figure is not listed."""
 MAX_CHOICES = 6
+NOT_REACHED = "not reached"
 MIN_FACTOR = 10.0
 """A larger change is given as a factor, a smaller one in percent."""
 
@@ -93,12 +95,13 @@ def _value(value: Any) -> str:
         return f"({', '.join(_value(entry) for entry in value)})"
     if value is None:
         return "none"
-    return f"{value:.4g}" if isinstance(value, float) else str(value)
+    return significant(value, 4) if isinstance(value, float) else str(value)
 
 
 def _sentence(figure: Figure, before: float | None, after: float | None) -> str:
     x, y = _number(before), _number(after)
-    text = f"{figure.name} {_said(x)} → {_said(y)} {figure.unit}".rstrip()
+    first, second = (quantity(value, otherwise=NOT_REACHED) for value in (x, y))
+    text = f"{figure.name} {first} → {second} {figure.unit}".rstrip()
     return f"{text} ({_how_much(x, y)})" if x > 0 and y > 0 and math.isfinite(x + y) and figure.name != "rank" else text
 
 
@@ -106,12 +109,8 @@ def _number(value: float | None) -> float:
     return math.nan if value is None or not math.isfinite(value) else float(value)
 
 
-def _said(value: float) -> str:
-    return "not reached" if math.isnan(value) else f"{value:.3g}"
-
-
 def _how_much(x: float, y: float) -> str:
     ratio = y / x
     if not 1 / MIN_FACTOR < ratio < MIN_FACTOR:
-        return f"{ratio:.3g} times as much" if ratio > 1 else f"{1 / ratio:.3g} times less"
-    return f"{abs(ratio - 1):.0%} {'more' if ratio > 1 else 'less'}" if abs(ratio - 1) >= 0.01 else "about 1 %"
+        return f"{significant(ratio)} times as much" if ratio > 1 else f"{significant(1 / ratio)} times less"
+    return f"{percent(abs(ratio - 1))} {'more' if ratio > 1 else 'less'}" if abs(ratio - 1) >= 0.01 else "about 1 %"

@@ -10,6 +10,7 @@ from explorer.model.compute import Picture
 from explorer.widgets.form import Complaint
 from rangenav import sensors
 from rangenav.model import STATES
+from rangenav.number_format import quantity
 from rangenav.vehicle import FREE
 
 VERDICT_STYLES = {
@@ -73,13 +74,8 @@ def _head(picture: Picture) -> tuple[str, str, str, str]:
 
 
 def number(value: float, unit: str = "") -> str:
-    """Three digits and the unit; what is not determined says so."""
-    if not math.isfinite(value):
-        return "not determined"
-    if unit == "m" and abs(value) < ROUND_OFF:
-        value = 0.0
-    said = f"{value:.0f}" if 1e3 <= abs(value) < 1e4 else f"{value:.3g}".replace("e+0", "e").replace("e+", "e")
-    return f"{said} {unit}".rstrip()
+    """The value with its unit. A length that is rounding is 0."""
+    return quantity(0.0 if unit == "m" and abs(value) < ROUND_OFF else value, unit)
 
 
 def chips(picture: Picture) -> str:
@@ -143,7 +139,7 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
         f"position {_since(summary.settle_position_s, '0.3 m')}; attitude {_since(summary.settle_attitude_s, '5°')}"
     )
     steady = (
-        f"<b>{number(summary.steady_position, 'm')}</b>, {number(summary.steady_velocity, 'm/summary')}, "
+        f"<b>{number(summary.steady_position, 'm')}</b>, {number(summary.steady_velocity, 'm/s')}, "
         f"{number(summary.steady_gravity, 'm/s²')}, <b>{number(summary.steady_attitude_deg)}°</b>; "
         f"peak {number(summary.peak_position, 'm')}"
     )
@@ -173,5 +169,5 @@ def _flyable(picture: Picture) -> list[str]:
 def _demands(picture: Picture) -> str:
     limits = picture.limits
     thrust = f"<b>{limits.thrust_to_weight:.3g} times the weight</b> in thrust"
-    rate = f"{number(limits.speed, 'm/summary')}, {number(math.degrees(limits.body_rate))}°/s"
+    rate = f"{number(limits.speed, 'm/s')}, {number(math.degrees(limits.body_rate))}°/s"
     return f"{thrust}, {rate}, {number(limits.anchor_distance_min, 'm')} from the anchor at the nearest"

@@ -3,10 +3,9 @@
 The verdict is computed from the TOML text of the same file.
 """
 
-import math
-
 from explorer.model.settings import Settings, effective
 from rangenav import analysis, preset
+from rangenav.number_format import quantity
 from rangenav.preset import Preset
 
 PRINTED_START = (
@@ -32,13 +31,14 @@ def verdict_comments(shown: Preset) -> str:
     if not found.verdict.judged:
         return UNJUDGED
     met = "met" if found.mu >= needed.mu else "NOT met"
+    lifted, nonlinear = (quantity(end.position, "m", digits=4) for end in (found.lifted_end, found.nonlinear_end))
     lines = [
         f"verdict: {found.verdict.word}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); "
         f"required mu {met}",
         f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
         f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
-        f"predicted 1-sigma position at the end of the worst window: {_metres(found.lifted_end.position)} lifted, "
-        f"{_metres(found.nonlinear_end.position)} nonlinear; required {needed.position_sigma:g} m",
+        f"predicted 1-sigma position at the end of the worst window: {lifted} lifted, "
+        f"{nonlinear} nonlinear; required {needed.position_sigma:g} m",
         f"it assumes {analysis.noise_note(shown.sensors)}",
     ]
     lines += [f"blind: {direction.words}" for direction in found.directions]
@@ -49,7 +49,3 @@ def file_name(name: str, shown: Preset, shipped: Preset) -> str:
     """The name of the file: the preset's name, marked if the preset was changed."""
     stem = name.rpartition(":")[2]
     return f"{stem}.toml" if shown == shipped else f"{stem}-changed.toml"
-
-
-def _metres(sigma: float) -> str:
-    return f"{sigma:.4g} m" if math.isfinite(sigma) else "not determined"

@@ -15,10 +15,13 @@ import viser
 
 from explorer.widgets.form import Section, Wake
 from rangenav.inputs import Vec3
+from rangenav.number_format import significant
 
 WIDEN = 1.25
 """A slider that must show a value outside its range is widened to this much more than the value."""
 LOG_DIGITS, MAX_EXPONENT = 2, 300
+DIGITS = 4
+"""Significant digits of a value in a caption."""
 CHANGED = " •"
 MAX_SHOWN_TEXT = 20_000
 """Characters; a browser that is sent megabytes for one box stands still."""
@@ -129,7 +132,7 @@ class LogDial(Control[float]):
     ) -> None:
         low, high = (round(math.log10(limit), LOG_DIGITS) for limit in limits)
         self._symbol, self._unit, self._zero = symbol, unit, zero_at_left
-        marks = ((low, "0" if zero_at_left else short(limits[0])), (high, short(limits[1])))
+        marks = ((low, "0" if zero_at_left else significant(limits[0], DIGITS)), (high, significant(limits[1], DIGITS)))
         hint = f"{hint} The slider and its box hold the power of ten." + (
             " Far left: none at all." if zero_at_left else ""
         )
@@ -159,7 +162,7 @@ class LogDial(Control[float]):
         self._say(value)
 
     def _say(self, value: float) -> None:
-        self._caption(f"{self._symbol} = {short(value)} {self._unit}".rstrip())
+        self._caption(f"{self._symbol} = {significant(value, DIGITS)} {self._unit}".rstrip())
 
 
 class Number(Control[float]):
@@ -267,11 +270,6 @@ class Text(Control[str]):
         """Show a text."""
         if value != self._box.value:  # while it is being typed, nothing is sent back
             self._box.value = value
-
-
-def short(value: float) -> str:
-    """Four digits, and no more characters than they need."""
-    return f"{value:.4g}".replace("e-0", "e-").replace("e+0", "e")
 
 
 def when_moved(handle: viser.GuiInputHandle, wake: Wake) -> None:

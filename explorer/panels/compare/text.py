@@ -1,7 +1,6 @@
 """The words and tables of the Compare tab, as HTML. Names of presets and of files are a visitor's text: escaped."""
 
 import html
-import math
 from collections.abc import Iterable
 
 from explorer.model import palette
@@ -9,6 +8,7 @@ from explorer.model.comparison import Baseline
 from explorer.model.compute import Picture
 from explorer.model.consistency import RunConsistency
 from rangenav.ensemble import Ensemble, spread
+from rangenav.number_format import NEVER, percent, quantity, significant
 from rangenav.record import Summary
 
 """The run on view."""
@@ -58,8 +58,8 @@ def seeds(picture: Picture, runs: Ensemble | None, message: str) -> str:
         _row(
             [
                 name,
-                f"<b>{_with_unit(middle.median, unit)}</b>",
-                f"{_with_unit(middle.low, unit)} – {_with_unit(middle.high, unit)}",
+                f"<b>{quantity(middle.median, unit, otherwise=NEVER)}</b>",
+                " – ".join(quantity(end, unit, otherwise=NEVER) for end in (middle.low, middle.high)),
             ]
         )
         for name, middle, unit in ((name, spread(values), unit) for name, values, unit in rows)
@@ -92,26 +92,26 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
 
 
 def _estimator_row(name: str, color: str, summary: Summary, steps: int, cost: float) -> str:
-    settled = "never" if summary.settle_position_s is None else f"{summary.settle_position_s:.3g} s"
-    steady = f"<b>{_number(summary.steady_position)} m</b>, {_number(summary.steady_attitude_deg)}°"
+    settled = quantity(summary.settle_position_s, "s", otherwise=NEVER)
+    steady = f"<b>{significant(summary.steady_position)} m</b>, {significant(summary.steady_attitude_deg)}°"
     seed_text = _milliseconds(summary, steps)
     ratio = f" ({seed_text / cost:.2g}×)" if cost > 0 and name != "cascade" else ""
-    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{seed_text:.3g} ms{ratio}"])
+    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{quantity(seed_text, 'ms')}{ratio}"])
 
 
 def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int, *, matched: bool) -> str:
     """Innovations and errors against what P expects, and predicted against achieved σ, over the last quarter."""
     columns = [run] if of_seeds is None else [run, of_seeds]
     lines = _head(["last quarter", "this run", *([f"{count} seeds"] if of_seeds is not None else [])])
-    lines += _row(["NIS (1 expected)", *(f"<b>{_number(column.nis)}</b>" for column in columns)])
-    lines += _row(["inside its 95 % band", *(_percent(column.nis_inside) for column in columns)])
-    lines += _row(["NEES (3 expected)", *(f"<b>{_number(column.nees)}</b>" for column in columns)])
-    lines += _row(["its 95 % band", *(f"{_number(c.nees_low)} – {_number(c.nees_high)}" for c in columns)])
-    lines += _row(["inside it", *(_percent(column.nees_inside) for column in columns)])
-    lines += _row(["σ achieved (RMS)", *(f"<b>{_metres(column.achieved)}</b>" for column in columns)])
-    lines += _row(["σ that P claims", *(_metres(column.estimated) for column in columns)])
-    lines += _row(["σ predicted, lifted", *(_metres(column.lifted) for column in columns)])
-    lines += _row(["σ predicted, nonlinear", *(_metres(column.cramer_rao) for column in columns)])
+    lines += _row(["NIS (1 expected)", *(f"<b>{significant(column.nis)}</b>" for column in columns)])
+    lines += _row(["inside its 95 % band", *(percent(column.nis_inside) for column in columns)])
+    lines += _row(["NEES (3 expected)", *(f"<b>{significant(column.nees)}</b>" for column in columns)])
+    lines += _row(["its 95 % band", *(f"{significant(c.nees_low)} – {significant(c.nees_high)}" for c in columns)])
+    lines += _row(["inside it", *(percent(column.nees_inside) for column in columns)])
+    lines += _row(["σ achieved (RMS)", *(f"<b>{quantity(column.achieved, 'm')}</b>" for column in columns)])
+    lines += _row(["σ that P claims", *(quantity(column.estimated, "m") for column in columns)])
+    lines += _row(["σ predicted, lifted", *(quantity(column.lifted, "m") for column in columns)])
+    lines += _row(["σ predicted, nonlinear", *(quantity(column.cramer_rao, "m") for column in columns)])
     text = (
         "Bands here are of single values; many seeds have one of their mean, which is narrow."
         if of_seeds is None
@@ -142,19 +142,3 @@ def _row(cells: list[str]) -> str:
 
 def _milliseconds(summary: Summary, steps: int) -> float:
     return summary.microseconds_per_step * steps / 1e3
-
-
-def _with_unit(value: float, unit: str) -> str:
-    return _number(value) if math.isinf(value) else f"{_number(value)} {unit}"
-
-
-def _percent(share: float) -> str:
-    return "–" if math.isnan(share) else f"{share:.0%}"
-
-
-def _metres(value: float) -> str:
-    return f"{_number(value)} m" if math.isfinite(value) else "not determined"
-
-
-def _number(value: float) -> str:
-    return "–" if math.isnan(value) else "never" if math.isinf(value) else f"{value:.3g}"

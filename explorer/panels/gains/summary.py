@@ -12,10 +12,11 @@ from explorer.model.gain_units import context_of, with_page_labels
 from explorer.model.settings import GainUnits
 from explorer.panels.gains.paper_units import BLOCKS
 from explorer.panels.gains.physical_units import labelled_values
-from explorer.widgets.controls import short
+from explorer.widgets.controls import DIGITS
 from explorer.widgets.html import NOTE, table
 from rangenav import attitude
 from rangenav.gains import Gains
+from rangenav.number_format import significant
 
 MODE_TEXTS = {
     "constant": "q and V stay as they are set, as the theorem assumes.",
@@ -54,10 +55,13 @@ def rates(picture: Picture, units: GainUnits = "paper") -> str:
             (gains.schedule.steady, picture.attitude_time_constants),
         ]
     printed = ", <b>as printed</b>" if picture.settings.printed.attitude_rate else ""
-    rows = [(f"at k1 = {short(k1)}", ", ".join(f"{one:.3g}" for one in constants) + " s") for k1, constants in ends]
+    rows = [
+        (f"at k1 = {significant(k1, DIGITS)}", ", ".join(f"{one:.3g}" for one in constants) + " s")
+        for k1, constants in ends
+    ]
     text = f"time constants of a small attitude error{printed}:{table((), rows)}"
     weight = f"ρ2·|g|² = <b>{gains.rho2 * gravity_squared:.3g}</b> (|g|² = {gravity_squared:.1f})"
-    text += f"{weight} beside ρ1 = {short(gains.rho1)}"
+    text += f"{weight} beside ρ1 = {significant(gains.rho1, DIGITS)}"
     warning = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
     if warning is None:
         return NOTE.format(text)
@@ -77,7 +81,7 @@ def in_other_units(picture: Picture, units: GainUnits) -> str:
         entries = labelled_values(gains, context) if units == "paper" else _paper_values(gains)
     except ValueError as error:
         return NOTE.format(html.escape(f"not told: {with_page_labels(str(error))}"))
-    cells = [(label, f"{short(value)} {unit}".rstrip()) for label, value, unit in entries]
+    cells = [(label, f"{significant(value, DIGITS)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
     heading = f"at the path's typical {context.at.distance:.3g} m from the anchor and {context.at.speed:.3g} m/s"

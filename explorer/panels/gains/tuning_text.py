@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from explorer.model.compute import Picture
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, point_text
+from rangenav.number_format import signed
 from rangenav.preset import Preset
 from rangenav.tradeoff import Point
 from rangenav.tune import STARTS, Tuned
@@ -48,7 +49,7 @@ def summary(tuned: Tuned, runs: int) -> str:
     held_before, held_after = tuned.held_out_before.objective(w), tuned.held_out_after.objective(w)
     points = (tuned.before, tuned.after, tuned.held_out_before, tuned.held_out_after)
     table_rows = [(figure.name, *(f"{figure.of(point):.3g}" for point in points)) for figure in FIGURES]
-    table_rows.append(("J, lower is better", *(_signed(J) for J in (before, after, held_before, held_after))))
+    table_rows.append(("J, lower is better", *(signed(J) for J in (before, after, held_before, held_after))))
     return _verdict_text(tuned, runs, held_after - held_before) + _table(table_rows) + _random_starts(tuned)
 
 
@@ -97,12 +98,8 @@ def picked(point: Point, held_out_change: Point | None, tuned: Tuned, shown: Pic
 
 
 def _figures_text(point: Point, steadiness: float) -> str:
-    objective = _signed(point.objective(steadiness))
+    objective = signed(point.objective(steadiness))
     return f"position {point_text(POSITION, point)}; attitude {point_text(ATTITUDE, point)}; J {objective}"
-
-
-def _signed(number: float) -> str:
-    return f"{number:.3f}".replace("-", "−")
 
 
 def _table(table_rows: Sequence[Sequence[str]]) -> str:

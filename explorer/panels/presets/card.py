@@ -9,6 +9,7 @@ from numpy import ndarray as Array
 
 from explorer.model import palette
 from explorer.storage.certifier import CertificateOrReason
+from rangenav.number_format import quantity
 from rangenav.preset import Preset
 
 SIDE, MARGIN, POINTS = 92, 7, 240
@@ -134,5 +135,5 @@ def _figures(preset: Preset, certificate_or_reason: CertificateOrReason | None) 
         mu = f"μ ≥ {excitation.lower:.3g} {unit}"
     else:
         mu = f"μ = {excitation.found:.3g} {unit}, on sampled windows"
-    sigma_text = "not determined" if sigma is None else f"{sigma:.3g} m"
+    sigma_text = quantity(sigma, "m")
     return f"<br>{mu}<br>predicted σ {sigma_text} (required {requirement.position_sigma:.3g} m)"

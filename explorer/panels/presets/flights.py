@@ -9,6 +9,7 @@ from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets, table
 from rangenav.flight_summary import ObserverSummary
 from rangenav.formats import Flight, ImportResult
+from rangenav.number_format import NOT_DETERMINED, quantity
 
 SIGNS = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
 WORLD_SOURCES: dict[WorldSource, str] = {
@@ -136,6 +137,4 @@ def _contents(flight: Flight) -> str:
 
 
 def _number(value: float | None, unit: str = "", reason: str = "") -> str:
-    if value is None or not math.isfinite(value):
-        return f"not determined ({reason})" if reason else "not determined"
-    return f"{value:.3g} {unit}".rstrip()
+    return quantity(value, unit, otherwise=f"{NOT_DETERMINED} ({reason})" if reason else NOT_DETERMINED)

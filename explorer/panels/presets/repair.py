@@ -4,7 +4,6 @@ The motion before is A, as in the Compare tab, the changed one B: drawings and f
 accepted, both in every plot and in 3-D.
 """
 
-import math
 from functools import partial
 
 import msgspec
@@ -18,6 +17,7 @@ from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.page import Page
 from rangenav import repair
 from rangenav.certificate.figures import Figures
+from rangenav.number_format import quantity, significant
 from rangenav.progress import Cancelled, Progress
 from rangenav.repair import ChangeKind, Repair
 
@@ -148,15 +148,15 @@ def figures(result: Repair) -> str:
             (
                 "required",
                 "",
-                f"μ ≥ {result.after.requirement.mu:.3g}, σ ≤ {result.after.requirement.position_sigma:g} m",
+                f"μ ≥ {significant(result.after.requirement.mu)}, σ ≤ {result.after.requirement.position_sigma:g} m",
             ),
         ),
     )
 
 
 def _mu(figure: Figures) -> str:
-    return f"{figure.mu:.3g}" if figure.mu > ROUNDING else "nothing"
+    return significant(figure.mu) if figure.mu > ROUNDING else "nothing"
 
 
 def _sigma(figure: Figures) -> str:
-    return f"{figure.sigma:.3g} m" if math.isfinite(figure.sigma) else "blind"
+    return quantity(figure.sigma, "m", otherwise="blind")

@@ -3,8 +3,9 @@
 density n (unit/√Hz)     standard deviation per sample σ = n √(IMU rate)
 """
 
-from explorer.widgets.controls import LogDial, Switch, short
+from explorer.widgets.controls import DIGITS, LogDial, Switch
 from explorer.widgets.form import Form, Section
+from rangenav.number_format import significant
 from rangenav.sensors import Noise, Unit, given_as
 
 OTHER_UNIT: dict[Unit, tuple[Unit, str]] = {"sample": ("density", "/√Hz"), "density": ("sample", " per sample")}
@@ -98,6 +99,7 @@ class NoiseFolder:
         """What gyro and accelerometer noise are in the other unit."""
         unit, name = OTHER_UNIT[noise.imu_unit]
         other = given_as(noise, unit, rate=rate)
-        line = f"at {rate:g} Hz: {short(other.gyro)} rad/s{name}, {short(other.accel)} m/s²{name}"
+        gyro, accel = (significant(sigma, DIGITS) for sigma in (other.gyro, other.accel))
+        line = f"at {rate:g} Hz: {gyro} rad/s{name}, {accel} m/s²{name}"
         if line != self.other_unit_line.content:
             self.other_unit_line.content = line

@@ -3,8 +3,9 @@
 import msgspec
 
 from explorer.panels.motion.families.editor import SignalSlot
-from explorer.widgets.controls import Text, Vector, short
+from explorer.widgets.controls import DIGITS, Text, Vector
 from explorer.widgets.form import Form, InvalidInputError, Section
+from rangenav.number_format import significant
 from rangenav.signals import AXES, Flown, Formula
 from rangenav.signals.expressions import MAX_LENGTH
 from rangenav.signals.formula import IDENTITY
@@ -66,9 +67,9 @@ class FormulaEditor:
         """What stands between the formulas and the path."""
         signal, parts = self._signal, []
         if signal.slower != 1:
-            parts.append(f"run {short(signal.slower)} times slower")
+            parts.append(f"run {significant(signal.slower, DIGITS)} times slower")
         if signal.mix != IDENTITY:
-            rows = "; ".join(" ".join(short(value) for value in row) for row in signal.mix)
+            rows = "; ".join(" ".join(significant(value, DIGITS) for value in row) for row in signal.mix)
             parts.append(f"multiplied by [{rows}]")
         self._line.content = f"The formulas are {' and '.join(parts)}." if parts else ""
         self._line.visible = self._forget_button.visible = bool(parts)
