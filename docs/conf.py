@@ -85,4 +85,5 @@ def setup(app):
     app.connect("autodoc-process-signature", docstrings.shorten)
     app.connect("autodoc-skip-member", docstrings.skip)
 
+
 suppress_warnings = ["ref.python"]  # `range` in a signature is Python's, not one of the fields of that name

@@ -12,7 +12,7 @@ from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import Preset
 from rangenav.sensors import Sensors, effects
-from rangenav.signals import Flown, Polynomials, Signal, Sum, Turning
+from rangenav.signals import AngularVelocity, Flown, Polynomials, Signal, Sum
 from rangenav.signals.polynomials import Coefficients
 
 FLIP = np.diag([1.0, -1.0, -1.0])
@@ -86,7 +86,7 @@ def flipped_signal(signal: Signal) -> Signal:
     return msgspec.structs.replace(turned, pieces=pieces)
 
 
-def flipped_turning(turning: Turning) -> Turning:
+def flipped_turning(turning: AngularVelocity) -> AngularVelocity:
     """An angular velocity in the other axes; flown, the yaw about a z axis that points the other way."""
     if isinstance(turning, Flown):
         return Flown(yaw=negated(turning.yaw))

@@ -15,7 +15,7 @@ from numpy import ndarray as Array
 from rangenav import so3
 from rangenav.inputs import Input, Vec3, require
 from rangenav.results import result
-from rangenav.signals import Flown, Signal, Turning, multirotor
+from rangenav.signals import AngularVelocity, Flown, Signal, multirotor
 from rangenav.signals.multirotor import Attitude
 
 COLLINEAR_SINE = 1e-3
@@ -95,7 +95,13 @@ def time_grid(duration: float, rate: float) -> Float[Array, "n"]:
 
 
 def simulate(
-    path: Signal, angular_velocity: Turning, *, world: World, initial_rotation: Vec3, duration: float, rate: float
+    path: Signal,
+    angular_velocity: AngularVelocity,
+    *,
+    world: World,
+    initial_rotation: Vec3,
+    duration: float,
+    rate: float,
 ) -> Motion:
     """The truth at `rate` (Hz) for `duration` (s); initial_rotation is a rotation vector (rad): R(0) = exp([r]x).
 

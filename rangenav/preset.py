@@ -17,7 +17,7 @@ from rangenav.motion import World
 from rangenav.observability import quadrature
 from rangenav.provenance import Source
 from rangenav.sensors import MODELLED, Effects, Sensors
-from rangenav.signals import Flown, Signal, Turning, refuse_fallen, refuse_wild, refuse_work
+from rangenav.signals import AngularVelocity, Flown, Signal, refuse_fallen, refuse_wild, refuse_work
 from rangenav.vehicle import FREE, Vehicle
 
 FORMAT_VERSION = 1
@@ -71,7 +71,7 @@ class Preset(Input, frozen=True, kw_only=True):
     """R(0) as a rotation vector (rad)."""
     path: Signal
     """m, inertial frame."""
-    angular_velocity: Turning
+    angular_velocity: AngularVelocity
     """rad/s, body frame; or flown, and then the path decides the attitude and initial_rotation is not asked."""
     world: World = World()
     sensors: Sensors = Sensors()
@@ -140,7 +140,7 @@ def loads(text: str, *, source: str) -> Preset:
 
 def dumps(preset: Preset) -> str:
     """TOML text that `loads` turns into an equal preset; arrays of numbers stand on one line each."""
-    return NUMBER_ARRAY.sub(lambda found: "[" + ", ".join(found[1].replace(",", "").split()) + "]", _encoded(preset))
+    return NUMBER_ARRAY.sub(lambda match: "[" + ", ".join(match[1].replace(",", "").split()) + "]", _encoded(preset))
 
 
 def _encoded(preset: Preset) -> str:

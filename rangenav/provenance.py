@@ -84,7 +84,7 @@ def restriction(source: Source | None, path: Signal) -> str | None:
     return f"the path's snap was not in {source.file} but comes from fitting: {source.unjudged}"
 
 
-def words(source: Source, path: Signal) -> str:
+def description(source: Source, path: Signal) -> str:
     """Where the path comes from, as one clause."""
     came = f"imported from {source.file} ({source.format})"
     if edited(source, path):

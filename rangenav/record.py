@@ -20,7 +20,7 @@ from rangenav.observability import excitation
 from rangenav.preset import Preset
 from rangenav.results import result
 from rangenav.sensors import Measurements, Sensors, measure
-from rangenav.signals import Signal, Turning
+from rangenav.signals import AngularVelocity, Signal
 
 SETTLED_POSITION = 0.3
 """m; an error counts as settled once it stays below this to the end."""
@@ -34,7 +34,7 @@ class TruthInputs(Input, frozen=True, kw_only=True):
     """What decides the truth: the part of a preset that neither noise nor observers know."""
 
     path: Signal
-    angular_velocity: Turning
+    angular_velocity: AngularVelocity
     world: World
     initial_rotation: Vec3
     """rad"""

@@ -27,7 +27,7 @@ USUAL_GRAVITY = (9.7, 9.9)
 
 
 @result
-class Still:
+class Rest:
     """A rest at the start of a record."""
 
     seconds: float
@@ -45,7 +45,7 @@ class Still:
     """Directions are in the frame of the file's own attitude; else z along gravity and x towards magnetic north."""
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """What it tells, with the evidence."""
         size, bias = float(np.linalg.norm(self.gravity)), np.degrees(np.linalg.norm(self.gyro_bias))
         dip = np.degrees(np.arcsin(np.clip(np.dot(self.gravity, self.magnetic) / size, -1, 1)))
@@ -57,7 +57,7 @@ class Still:
         )
 
 
-def still_seconds(flight: Flight) -> float:
+def rest_seconds(flight: Flight) -> float:
     """How long the record is still from its first sample on (s); 0 if it starts moving."""
     step = float(np.median(np.diff(flight.time)))
     width = max(1, min(round(AVERAGED / step), len(flight.time)))
@@ -73,7 +73,7 @@ def still_seconds(flight: Flight) -> float:
     return seconds if seconds >= LEAST else 0.0
 
 
-def still(flight: Flight, seconds: float) -> Still:
+def rest_of(flight: Flight, seconds: float) -> Rest:
     """What a rest of so many seconds tells. Raises ValueError if there is no magnetometer or nothing to average."""
     rest = flight.time - flight.time[0] <= seconds
     mag = None if flight.mag is None else flight.mag[rest]
@@ -90,7 +90,7 @@ def still(flight: Flight, seconds: float) -> Still:
         force = np.mean(to_inertial(rotation, accel[known]), axis=0)
         field = np.nanmean(to_inertial(rotation, mag[known]), axis=0)
         aligned = True
-    return Still(
+    return Rest(
         seconds=seconds,
         gravity=_vec(-force),
         magnetic=_vec(field / np.linalg.norm(field)),
@@ -106,11 +106,11 @@ def noise_at_rest(flight: Flight) -> tuple[float, float, float] | None:
 
     None if the record does not start at rest, or has no magnetometer.
     """
-    seconds = still_seconds(flight)
+    seconds = rest_seconds(flight)
     if seconds == 0 or flight.mag is None:
         return None
     try:
-        rest = still(flight, seconds)
+        rest = rest_of(flight, seconds)
     except ValueError:
         return None
     return rest.gyro_noise, rest.accel_noise, float(np.linalg.norm(rest.gyro_bias))
@@ -128,17 +128,17 @@ def world_of(
         gravity, magnetic = given or own  # type: ignore[misc]
         source = "as given" if given else "as the file says"
         return World(gravity=gravity, magnetic=magnetic, anchor=anchor), (), f"gravity and field {source}"
-    seconds = still_seconds(flight)
+    seconds = rest_seconds(flight)
     if seconds == 0:
         evidence = "the record does not start still, so nothing tells them"
         return None, (_question(None, evidence),), ""
     try:
-        found = still(flight, seconds)
+        rest = rest_of(flight, seconds)
     except ValueError as error:
         return None, (_question(None, str(error)),), ""
     if not confirmed:
-        return None, (_question("still", found.words),), ""
-    return World(gravity=found.gravity, magnetic=found.magnetic, anchor=anchor), (), found.words
+        return None, (_question("still", rest.summary),), ""
+    return World(gravity=rest.gravity, magnetic=rest.magnetic, anchor=anchor), (), rest.summary
 
 
 def _question(suggestion: str | None, evidence: str) -> Question:

@@ -13,6 +13,7 @@ from numpy import ndarray as Array
 
 from rangenav.signals import (
     AXES,
+    AngularVelocity,
     Flown,
     Formula,
     MinimumSnap,
@@ -20,14 +21,13 @@ from rangenav.signals import (
     Polynomials,
     Signal,
     Tone,
-    Turning,
     Waypoint,
     Waypoints,
 )
 from rangenav.signals.multisine import MAX_FREQUENCY
 from rangenav.signals.polynomials import from_minimum_snap
 
-Conversion = Callable[[Signal, float], Turning]
+Conversion = Callable[[Signal, float], AngularVelocity]
 """From a signal and the duration of a flight (s) to a signal of one family that equals or resembles it."""
 REST_DURATION = 1.0
 """s: over this a body that is flown is at rest, when its angular velocity is converted into a family."""
@@ -39,7 +39,7 @@ DECIMALS = 3
 """Of the coordinates of points: millimetres, readable where they are typed."""
 
 
-def converted(signal: Turning, convert: Conversion, duration: float) -> Turning:
+def converted(signal: AngularVelocity, convert: Conversion, duration: float) -> AngularVelocity:
     """A signal of another family that equals or resembles the given one over a flight (s).
 
     A flown body has no angular velocity of its own without a path: it is converted as a body at rest.

@@ -11,7 +11,7 @@ from rangenav import axes, signals
 from rangenav.attitude import Schedule
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.preset import Preset
-from rangenav.signals import Family, Turning
+from rangenav.signals import AngularVelocity, Family
 
 GainUnits = Literal["paper", "physical"]
 """The units in which gains are shown. They change no result, so they are not part of Settings and not undone."""
@@ -44,7 +44,7 @@ class Drafts(Input, frozen=True, kw_only=True):
 
     path: tuple[Family, ...] = ()
     wiggle: tuple[Family, ...] = ()
-    angular_velocity: tuple[Turning, ...] = ()
+    angular_velocity: tuple[AngularVelocity, ...] = ()
     schedule: Schedule = Schedule()
     """The schedule of k1 while it is switched off."""
 

@@ -139,7 +139,7 @@ def _windows(path: Signal, window: float, start: Array, known: Enclosure, turn: 
     there = known.at(found.edge[:-1] + length / 2)
     error = np.concatenate([[0.0], np.cumsum(_quadrature(known)[there] * length ** (2 * GAUSS + 1))])
     shifted = NEAR * until + (knots.SAME if knots.has_pieces(path) else 0.0)  # s, that edges were put together
-    evaluated = EPSILON * (ARITHMETIC + knots.bandwidth_besides(path, until) * until)
+    evaluated = EPSILON * (ARITHMETIC + knots.smooth_bandwidth(path, until) * until)
     return _Grid(
         turn=turn,
         start=start,

@@ -126,7 +126,7 @@ def _smooth(jumps: schema.Jumps) -> Check:
 
 def _source(came: Source, preset: Preset) -> Check:
     why = provenance.restriction(came, preset.path)
-    words = provenance.words(came, preset.path) if why is None else why
+    words = provenance.description(came, preset.path) if why is None else why
     return Check(name="source", met=why is None, proven=True, words=words)
 
 

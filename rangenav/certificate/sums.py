@@ -96,7 +96,7 @@ def first_starts(window: float, end: float, edges: Float[Array, "e"]) -> Float[A
 
 def cells(path: Signal, until: float, turn: float) -> int:
     """Cells that the fastest tone asks for, besides those that starts and knots make, and in any case some."""
-    return math.ceil(max(FIRST_CELLS * TURN, knots.bandwidth_besides(path, until) * until) / turn)
+    return math.ceil(max(FIRST_CELLS * TURN, knots.smooth_bandwidth(path, until) * until) / turn)
 
 
 def most_nodes(path: Signal) -> float:

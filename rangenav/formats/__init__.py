@@ -60,8 +60,8 @@ def parse(
     """Understand the bytes of a file, as `read` does. `source` names the file in messages."""
     reader = _readable(format).reader
     assert reader is not None
-    found = reader(data, ReadOptions(source=source, confirm=confirm, knots=knots))
-    return replace(found, sha256=hashlib.sha256(data).hexdigest())
+    result = reader(data, ReadOptions(source=source, confirm=confirm, knots=knots))
+    return replace(result, sha256=hashlib.sha256(data).hexdigest())
 
 
 def guess(name: str, head: str) -> str:

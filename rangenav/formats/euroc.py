@@ -58,8 +58,8 @@ def read_folder(path: Path, *, confirm: Mapping[str, str]) -> ImportResult:
     root = path / "mav0" if (path / "mav0").is_dir() else path
     names = {name: root / name / "data.csv" for name in (IMU, TRUTH, MAG, UWB)}
     require(names[IMU].is_file(), f"{path}: no {IMU}/data.csv in it")
-    found = {name: text.contents(file) for name, file in names.items() if file.is_file()}
-    return parse(found, source=path.name, confirm=confirm)
+    contents = {name: text.contents(file) for name, file in names.items() if file.is_file()}
+    return parse(contents, source=path.name, confirm=confirm)
 
 
 def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> ImportResult:
@@ -99,8 +99,8 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> ImportResul
     require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
     findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; ns, m, z-up as the format has it"]
     rate = spacing(time, table, findings)
-    curve = spline_fit.knotted(time, position, spacing=knots, source=source)
-    findings.append(curve.words)
+    curve = spline_fit.fit(time, position, spacing=knots, source=source)
+    findings.append(curve.summary)
     return ImportResult(
         source=source,
         format="euroc",
@@ -111,7 +111,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> ImportResul
         findings=tuple(findings),
         path=curve.path,
         derivatives="fit",
-        fitted=curve.words,
+        fitted=curve.summary,
         fit_error=curve.largest,
         unjudged=spline_fit.unjudged(time, position),
     )
@@ -177,10 +177,10 @@ def _ranges(table: Table) -> tuple[Array, Array]:
 def _onto(time: Array, table: Table, names: tuple[str, ...]) -> Array:
     """Rows of another sensor on the IMU's stamps; NaN where it has none within half an IMU step."""
     stamps, values = _seconds(table), _columns(table, names)
-    found = np.full((len(time), len(names)), np.nan)
+    aligned = np.full((len(time), len(names)), np.nan)
     steps = np.diff(time)
     if not np.isfinite(steps).any():
-        return found
+        return aligned
     half = max(float(np.nanmedian(steps)) / 2, 0.0)
     k = (
         np.clip(np.searchsorted(stamps, time), 1, len(stamps) - 1)
@@ -190,5 +190,5 @@ def _onto(time: Array, table: Table, names: tuple[str, ...]) -> Array:
     if len(stamps) > 1:
         k = np.where(np.abs(stamps[k - 1] - time) <= np.abs(stamps[k] - time), k - 1, k)
     near = np.abs(stamps[k] - time) <= half
-    found[near] = values[k[near]]
-    return found
+    aligned[near] = values[k[near]]
+    return aligned

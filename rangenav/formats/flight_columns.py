@@ -70,7 +70,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
         findings.append("the magnetometer's columns are empty")
     time = (raw.time[kept] - raw.time[kept][0]) * factors["time"]
     rate = spacing(time, _rows(table, kept), findings)
-    found = None if questions else _flight(raw, kept, ranged, time, factors, frame, findings)
+    recorded = None if questions else _flight(raw, kept, ranged, time, factors, frame, findings)
     return ImportResult(
         source=table.source,
         format=raw.format,
@@ -80,7 +80,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
         frame=frame,
         findings=tuple(findings),
         questions=tuple(questions),
-        flight=found,
+        flight=recorded,
     )
 
 
@@ -104,9 +104,9 @@ def _kept(
     if again.any():
         said.append(f"stamps repeat or go back on {lines(raw.table.lines[again])}")
     if said:
-        given = answer(confirm, "lines", DROP)
-        findings.append(" and ".join(said) + (": dropped, as asked" if given else ""))
-        if given is None:
+        answered = answer(confirm, "lines", DROP)
+        findings.append(" and ".join(said) + (": dropped, as asked" if answered else ""))
+        if answered is None:
             evidence = " and ".join(said)
             asks = "what to do with broken lines"
             questions.append(
@@ -126,15 +126,15 @@ def _factors(
         values = getattr(raw, kind)
         if values is None:
             continue
-        stated, given = raw.stated.get(kind), answer(confirm, kind, tuple(known))
+        stated, answered = raw.stated.get(kind), answer(confirm, kind, tuple(known))
         columns = values[kept] if values.ndim == 2 else values[kept][:, None]
         guess = units.guess(kind, columns, time=time, turning=turning[kept])
-        chosen = given or stated
-        if given is None and (stated != units.SI[kind] or _doubtful(kind, guess)):
+        chosen = answered or stated
+        if answered is None and (stated != units.SI[kind] or _doubtful(kind, guess)):
             questions.append(_unit_question(kind, stated, guess))
             chosen = stated or guess.unit
         factors[kind] = known.get(chosen or units.SI[kind], 1.0)
-        how = "as confirmed" if given else f'the file says "{stated}"' if stated else "not stated"
+        how = "as confirmed" if answered else f'the file says "{stated}"' if stated else "not stated"
         findings.append(f"{units.WORDS[kind]}: {chosen or 'unit unknown'}, {how}")
     return factors
 
@@ -159,9 +159,9 @@ def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Questio
 
 
 def _frame(raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question]) -> Frame:
-    given = answer(confirm, "frame", FRAMES)
-    if given is not None or raw.frame is not None:
-        return "z-down" if (given or raw.frame) == "z-down" else "z-up"
+    answered = answer(confirm, "frame", FRAMES)
+    if answered is not None or raw.frame is not None:
+        return "z-down" if (answered or raw.frame) == "z-down" else "z-up"
     rest = raw.accel[kept][: max(1, int(np.sum(kept) // 50))].mean(axis=0)
     axis = int(np.argmax(np.abs(rest)))
     up = axis == 2 and rest[2] > 0

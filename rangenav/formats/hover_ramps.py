@@ -69,7 +69,7 @@ class HoverRamps:
         return own
 
 
-def ramped(path: Signal, duration: float, *, window: float, ramp: float = RAMP) -> HoverRamps:
+def with_ramps(path: Signal, duration: float, *, window: float, ramp: float = RAMP) -> HoverRamps:
     """The path with its ramps. Raises ValueError if they leave less than one window (s) of steady flight."""
     ends = np.array([0.0, duration])
     if max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) < AT_REST:
@@ -98,8 +98,8 @@ def yaw(turning: object, course: HoverRamps, t: Float[Array, "n"]) -> list[Float
     if not isinstance(turning, Flown):
         return [np.zeros(len(t)) for _ in range(4)]
     own = course.own_time(t)
-    asked = formula.derivatives(turning.yaw, own[:, 0], 3)
-    return chained([np.broadcast_to(part, t.shape) for part in asked], own)
+    angle = formula.derivatives(turning.yaw, own[:, 0], 3)
+    return chained([np.broadcast_to(part, t.shape) for part in angle], own)
 
 
 def attitude(course: HoverRamps, turning: object, gravity: Vec3, t: Float[Array, "n"]) -> Attitude:
@@ -109,12 +109,12 @@ def attitude(course: HoverRamps, turning: object, gravity: Vec3, t: Float[Array,
     c, s, zero = np.cos(angle), np.sin(angle), np.zeros(len(t))
     turn = np.stack([c, -s, zero, s, c, zero, zero, zero, zero + 1], axis=-1).reshape(-1, 3, 3)
     axis = np.array([0.0, 0.0, 1.0])
-    seen = np.einsum("nij,ni->nj", turn, tilt.angular_velocity)
-    seen_rate = np.einsum("nij,ni->nj", turn, tilt.angular_acceleration)
+    rate_turned = np.einsum("nij,ni->nj", turn, tilt.angular_velocity)
+    acceleration_turned = np.einsum("nij,ni->nj", turn, tilt.angular_acceleration)
     return Attitude(
         rotation=tilt.rotation @ turn,
-        angular_velocity=seen + rate[:, None] * axis,
-        angular_acceleration=seen_rate + second[:, None] * axis - rate[:, None] * np.cross(axis, seen),
+        angular_velocity=rate_turned + rate[:, None] * axis,
+        angular_acceleration=acceleration_turned + second[:, None] * axis - rate[:, None] * np.cross(axis, rate_turned),
     )
 
 
@@ -126,7 +126,7 @@ def _tilt(course: HoverRamps, gravity: Vec3, t: Array) -> Attitude:
         (t > last, last, _pieces(course, last, course.end)),
     ]
     parts.append((~(t < first) & ~(t > last), course.ramp / 2, course.path))
-    found = Attitude(
+    tilt = Attitude(
         rotation=np.empty((len(t), 3, 3)),
         angular_velocity=np.empty((len(t), 3)),
         angular_acceleration=np.empty((len(t), 3)),
@@ -136,8 +136,8 @@ def _tilt(course: HoverRamps, gravity: Vec3, t: Array) -> Attitude:
             continue
         part = multirotor.attitude(Flown(), signal, gravity, t[inside] - begin)
         for name in ("rotation", "angular_velocity", "angular_acceleration"):
-            getattr(found, name)[inside] = getattr(part, name)
-    return found
+            getattr(tilt, name)[inside] = getattr(part, name)
+    return tilt
 
 
 def _pieces(course: HoverRamps, begin: float, end: float) -> Polynomials | None:

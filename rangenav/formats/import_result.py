@@ -39,7 +39,7 @@ class Question:
     evidence: str
 
     @property
-    def words(self) -> str:
+    def text(self) -> str:
         """The question as one clause, with the flag that answers it."""
         answer = f"{self.flag} {self.suggestion or '|'.join(self.options)}"
         return f"{self.asks}? {self.evidence}: {answer}"
@@ -74,13 +74,13 @@ class ImportResult:
     """Of the file's bytes; empty for a folder."""
 
 
-def settled(found: ImportResult, *, also: tuple[Question, ...] = ()) -> ImportResult:
+def settled(result: ImportResult, *, also: tuple[Question, ...] = ()) -> ImportResult:
     """The same, if nothing is open. Raises ValueError with every open question, its evidence and its flag."""
-    open_questions = (*found.questions, *also)
+    open_questions = (*result.questions, *also)
     if open_questions:
-        asked = "; ".join(question.words for question in open_questions)
-        raise ValueError(f"{found.source}: not used before this is answered: {asked}")
-    return found
+        questions = "; ".join(question.text for question in open_questions)
+        raise ValueError(f"{result.source}: not used before this is answered: {questions}")
+    return result
 
 
 def gravity(frame: Frame) -> Vec3:
@@ -90,13 +90,13 @@ def gravity(frame: Frame) -> Vec3:
 
 def answer(confirm: Mapping[str, str], key: str, options: tuple[str, ...]) -> str | None:
     """The answer to a question, None if there is none. Raises ValueError if it is none of the options."""
-    given = confirm.get(key)
-    rule = f"{key} must be one of {', '.join(options)}, got {given!r}"
-    require(given is None or given in options, rule)
-    return given
+    answered = confirm.get(key)
+    rule = f"{key} must be one of {', '.join(options)}, got {answered!r}"
+    require(answered is None or answered in options, rule)
+    return answered
 
 
-def spacing(time: Float[Array, "n"], found: Table, findings: list[str]) -> float | None:
+def spacing(time: Float[Array, "n"], table: Table, findings: list[str]) -> float | None:
     """The median rate (Hz) of stamps that increase, with gaps said; None for a single row."""
     if len(time) < 2:
         return None
@@ -105,7 +105,7 @@ def spacing(time: Float[Array, "n"], found: Table, findings: list[str]) -> float
     gaps = np.flatnonzero(steps > GAP * usual)
     if len(gaps):
         worst = int(gaps[np.argmax(steps[gaps])])
-        places = lines(found.lines[gaps + 1])
+        places = lines(table.lines[gaps + 1])
         count = "1 gap" if len(gaps) == 1 else f"{len(gaps)} gaps"
         findings.append(f"{count}, the longest {steps[worst]:.3g} s (usual {usual:.3g} s): before {places}")
     return 1 / usual if usual > 0 else None
@@ -125,8 +125,8 @@ def lines(numbers: Array) -> str:
     return f"lines {named} … {int(numbers[-1])} ({len(numbers)} in all)"
 
 
-def increasing(time: Float[Array, "n"], found: Table) -> None:
+def increasing(time: Float[Array, "n"], table: Table) -> None:
     """Raise ValueError naming the lines whose stamps do not increase."""
     bad = repeated(time)
     if bad.any():
-        raise ValueError(f"{found.source}: stamps must increase: they repeat or go back on {lines(found.lines[bad])}")
+        raise ValueError(f"{table.source}: stamps must increase: they repeat or go back on {lines(table.lines[bad])}")

@@ -126,9 +126,9 @@ def _grouped(table: Table) -> tuple[dict[str, dict[str, int]], dict[str, str], l
         if unit is None and tail in SUFFIXES:
             plain, unit = head, SUFFIXES[tail]
         for kind, pattern in NAMES.items():
-            found = pattern.fullmatch(plain)
-            if found:
-                axis = found[1] if kind not in ("time", "range") else kind
+            match = pattern.fullmatch(plain)
+            if match:
+                axis = match[1] if kind not in ("time", "range") else kind
                 rule = f"{table.source}: two columns could be {kind} {axis}: {name[:40]!r} is the second"
                 require(axis not in groups.setdefault(kind, {}), rule)
                 groups[kind][axis] = column
@@ -163,8 +163,8 @@ def _needed(table: Table, groups: dict[str, dict[str, int]], kind: str) -> Float
 
 def _stated_frame(table: Table) -> Frame | None:
     for comment in table.comments:
-        if found := FRAME.fullmatch(comment):
-            return "z-up" if found[1] == "z-up" else "z-down"
+        if match := FRAME.fullmatch(comment):
+            return "z-up" if match[1] == "z-up" else "z-down"
     return None
 
 
@@ -172,12 +172,12 @@ def _world(table: Table) -> dict[str, Vec3]:
     """Gravity, field and anchor from the comments in front."""
     world: dict[str, Vec3] = {}
     for comment in table.comments:
-        if found := WORLD.fullmatch(comment):
+        if match := WORLD.fullmatch(comment):
             try:
-                x, y, z = (float(part) for part in found.groups()[1:])
+                x, y, z = (float(part) for part in match.groups()[1:])
             except ValueError:
-                raise ValueError(f"{table.source}: {found[1]} must be three numbers, got {comment[:60]!r}") from None
+                raise ValueError(f"{table.source}: {match[1]} must be three numbers, got {comment[:60]!r}") from None
             fine = all(abs(value) <= LARGEST for value in (x, y, z))
-            require(fine, f"{table.source}: {found[1]} must be three finite numbers, got {comment[:60]!r}")
-            world[found[1]] = (x, y, z)
+            require(fine, f"{table.source}: {match[1]} must be three finite numbers, got {comment[:60]!r}")
+            world[match[1]] = (x, y, z)
     return world

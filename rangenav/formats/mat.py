@@ -35,13 +35,13 @@ LEAST_RATE, MOST_RATE = 1.0, 1e5
 
 def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a file, or its questions. Raises ValueError saying what is missing or does not fit."""
-    found = mat5.arrays(data, source=source)
-    parts = {kind: _named(found, kind, source) for kind in NAMES}
+    variables = mat5.arrays(data, source=source)
+    parts = {kind: _named(variables, kind, source) for kind in NAMES}
     for kind, values in parts.items():
         bounded = values is None or not np.any(np.abs(values) > text.LARGEST)  # NaN is a missing number
         require(bounded, f"{source}: {kind} must be finite and not exceed {text.LARGEST:g}")
     gyro, accel = _wide(parts["gyro"], 3, "gyro", source), _wide(parts["accel"], 3, "accel", source)
-    names = ", ".join(sorted(found)[:12]) or "none"
+    names = ", ".join(sorted(variables)[:12]) or "none"
     if gyro is None or accel is None:
         raise ValueError(f"{source}: no arrays for gyro and accel; its numeric variables are {names}")
     count = len(gyro)
@@ -53,7 +53,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
     for kind, values in {"accel": accel, **vectors}.items():
         require(values is None or len(values) == count, f"{source}: {kind} must have the {count} rows of gyro")
     quaternion, moving = vectors["quaternion"], parts["moving"]
-    broad = set(found) >= BROAD
+    broad = set(variables) >= BROAD
     time = _time(parts, count, source)
     return flight_columns.flight(
         FlightColumns(
@@ -75,10 +75,10 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
     )
 
 
-def _named(found: dict[str, Array], kind: str, source: str) -> Array | None:
-    names = [name for name in NAMES[kind] if name in found]
+def _named(variables: dict[str, Array], kind: str, source: str) -> Array | None:
+    names = [name for name in NAMES[kind] if name in variables]
     require(len(names) <= 1, f"{source}: {' and '.join(names)} could both be the {kind}")
-    return found[names[0]] if names else None
+    return variables[names[0]] if names else None
 
 
 def _wide(values: Array | None, width: int, kind: str, source: str) -> Array | None:

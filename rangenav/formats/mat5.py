@@ -31,7 +31,7 @@ def arrays(data: bytes, *, source: str) -> dict[str, Array]:
     marker = data[126:128]
     require(marker in (b"IM", b"MI"), f"{source}: not a MATLAB v5 file (v7.3 is HDF5: save it with -v7 instead)")
     order = "<" if marker == b"IM" else ">"
-    found: dict[str, Array] = {}
+    variables: dict[str, Array] = {}
     left, at, count = MAX_UNPACKED, HEADER, 0
     while at + 8 <= len(data):
         kind, size = struct.unpack_from(order + "II", data, at)
@@ -51,8 +51,8 @@ def arrays(data: bytes, *, source: str) -> dict[str, Array]:
         if kind == MATRIX and len(body) > 0:
             name, values = _matrix(body, order, source)
             if values is not None:
-                found[name] = values
-    return found
+                variables[name] = values
+    return variables
 
 
 def _unpacked(body: memoryview, limit: int, source: str) -> bytes:

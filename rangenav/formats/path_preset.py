@@ -8,7 +8,7 @@ from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import MAX_DURATION, MAX_TITLE, MIN_DURATION, Preset, Requirement
 from rangenav.provenance import MAX_FILE, MAX_WORDS, Format, Source, fingerprint
-from rangenav.signals import Flown, Multisine, Turning
+from rangenav.signals import AngularVelocity, Flown, Multisine
 
 WINDOW = 6.0
 """s, as in the shipped presets; half the flight where that is shorter."""
@@ -18,28 +18,28 @@ SAME_LENGTH = 1e-6
 """Share by which a duration may be rounded up."""
 
 
-def as_preset(found: ImportResult, *, duration: float | None = None, anchor: Vec3 = (0.0, 0.0, 0.0)) -> Preset:
+def as_preset(result: ImportResult, *, duration: float | None = None, anchor: Vec3 = (0.0, 0.0, 0.0)) -> Preset:
     """The preset of a path that was read. Raises ValueError for open questions, or a file that holds no path."""
-    settled(found)
-    if found.path is None:
-        raise ValueError(f"{found.source}: holds a recorded flight and no path: ask `rangenav log` about it")
-    longest = min(found.duration, MAX_DURATION)
+    settled(result)
+    if result.path is None:
+        raise ValueError(f"{result.source}: holds a recorded flight and no path: ask `rangenav log` about it")
+    longest = min(result.duration, MAX_DURATION)
     length = longest if duration is None else duration
-    known = f"duration must lie between {MIN_DURATION:g} s and the file's {longest:.6g} s, got {length:g} s"
-    require(MIN_DURATION <= length <= longest * (1 + SAME_LENGTH), f"{found.source}: {known}")
-    path, origin = found.path, source(found)
+    rule = f"duration must lie between {MIN_DURATION:g} s and the file's {longest:.6g} s, got {length:g} s"
+    require(MIN_DURATION <= length <= longest * (1 + SAME_LENGTH), f"{result.source}: {rule}")
+    path, origin = result.path, source(result)
     world = World(
-        gravity=gravity(found.frame),
-        magnetic=(MAGNETIC, 0.0, -MAGNETIC if found.frame == "z-up" else MAGNETIC),
+        gravity=gravity(result.frame),
+        magnetic=(MAGNETIC, 0.0, -MAGNETIC if result.frame == "z-up" else MAGNETIC),
         anchor=anchor,
     )
 
-    def made(turning: Turning) -> Preset:
+    def made(turning: AngularVelocity) -> Preset:
         return Preset(
-            title=Path(found.source).stem[:MAX_TITLE] or "imported",
-            story=f"Imported from {found.format}."
-            if found.derivatives == "file"
-            else f"Imported from {found.format}; its snap is the fit's, not the flight's.",
+            title=Path(result.source).stem[:MAX_TITLE] or "imported",
+            story=f"Imported from {result.format}."
+            if result.derivatives == "file"
+            else f"Imported from {result.format}; its snap is the fit's, not the flight's.",
             duration=length,
             path=path,
             angular_velocity=turning,
@@ -52,23 +52,23 @@ def as_preset(found: ImportResult, *, duration: float | None = None, anchor: Vec
         return made(Flown())
     except ValueError as error:
         if "flown" not in str(error):
-            raise ValueError(f"{found.source}: {error}") from None
+            raise ValueError(f"{result.source}: {error}") from None
     try:
         return made(Multisine())
     except ValueError as error:
-        raise ValueError(f"{found.source}: {error}") from None
+        raise ValueError(f"{result.source}: {error}") from None
 
 
-def source(found: ImportResult) -> Source:
+def source(result: ImportResult) -> Source:
     """Where the path comes from. Raises ValueError for a file that holds none."""
-    if found.path is None:
-        raise ValueError(f"{found.source}: holds no path")
+    if result.path is None:
+        raise ValueError(f"{result.source}: holds no path")
     return Source(
-        file="".join(c if c.isprintable() else "?" for c in found.source)[-MAX_FILE:] or "?",
-        sha256=found.sha256,
-        format=cast(Format, found.format),
-        derivatives=found.derivatives,
-        fitted=found.fitted[:MAX_WORDS],
-        unjudged=(found.unjudged or "")[:MAX_WORDS],
-        path_sha256=fingerprint(found.path),
+        file="".join(c if c.isprintable() else "?" for c in result.source)[-MAX_FILE:] or "?",
+        sha256=result.sha256,
+        format=cast(Format, result.format),
+        derivatives=result.derivatives,
+        fitted=result.fitted[:MAX_WORDS],
+        unjudged=(result.unjudged or "")[:MAX_WORDS],
+        path_sha256=fingerprint(result.path),
     )

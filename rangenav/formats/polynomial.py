@@ -132,11 +132,11 @@ def fitted(preset: Preset) -> tuple[HoverRamps, Polynomials]:
     if own is not None and len(own.pieces) <= MAX_SEGMENTS:
         length = sum(piece.duration for piece in own.pieces)
         if length <= preset.duration * (1 + 1e-9):
-            course = hover_ramps.ramped(own, length, window=0.0)
+            course = hover_ramps.with_ramps(own, length, window=0.0)
             if course.ramp == 0:
                 return course, own
     step = 2 * np.pi / path.bandwidth_until(preset.duration) / PER_TURN if path.period != 0 else np.inf
-    course = hover_ramps.ramped(path, preset.duration, window=window)
+    course = hover_ramps.with_ramps(path, preset.duration, window=window)
     ramp_pieces = max(RAMP_PIECES, int(np.ceil(course.ramp / step))) if course.ramp else 0
     left = MAX_SEGMENTS - 2 * ramp_pieces
     longest = max(left, 0) * step

@@ -71,8 +71,8 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> ImportResu
     findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; m, s, z-up, body → world as the format has it"]
     rate = spacing(time, table, findings)
     derivatives = [_derivative(table, names, word, findings) for names, word in zip(DERIVATIVES, WORDS, strict=True)]
-    given = [position, *(one for one in derivatives if one is not None)]
-    for values in given:
+    columns = [position, *(one for one in derivatives if one is not None)]
+    for values in columns:
         require(float(np.abs(values).max()) <= LARGEST, f"{source}: position or a derivative exceeds {LARGEST:g} (SI)")
     _check_quaternion(table, findings)
     path, fit_error, fitted, unjudged = path_through(time - time[0], position, derivatives, knots, source, findings)
@@ -102,7 +102,7 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Outpu
     if attitude == "preset":
         course = hover_ramps.HoverRamps(path=turned.path, duration=turned.duration, ramp=0.0)
     else:
-        course = hover_ramps.ramped(turned.path, turned.duration, window=window)
+        course = hover_ramps.with_ramps(turned.path, turned.duration, window=window)
     t = np.append(np.arange(0, course.end - 1e-9, 1 / RATE), course.end)
     rotation, rate, second = _attitude(turned, course, t, attitude)
     p, v, a, j, s = (course(t, order) for order in range(5))
@@ -162,9 +162,9 @@ def path_through(
     """The path, its largest distance from the file's positions (m), what was fitted, and why it is not judged."""
     velocity, acceleration, jerk, snap = derivatives
     if velocity is None or acceleration is None or jerk is None:
-        found = spline_fit.knotted(time, position, spacing=knots, source=source)
-        findings.append(found.words)
-        return found.path, found.largest, found.words, UNJUDGED
+        curve = spline_fit.fit(time, position, spacing=knots, source=source)
+        findings.append(curve.summary)
+        return curve.path, curve.largest, curve.summary, UNJUDGED
     fit = fitted(time, np.stack([position, velocity, acceleration, jerk], axis=1), snap, source=source)
     said = f"pieces of degree 7 every {fit.stride} rows, {1e3 * fit.distance:.2g} mm from the file's positions at most"
     if fit.snap is None:
@@ -180,7 +180,7 @@ def fitted(
     time: Float[Array, "n"], derivatives: Float[Array, "n 4 3"], snap: Float[Array, "n 3"] | None, *, source: str
 ) -> ReferenceFit:
     """Pieces through every so many rows: the longest that agree with the snap (else the jerk) as well as any do."""
-    found: list[tuple[float, ReferenceFit]] = []
+    fits: list[tuple[float, ReferenceFit]] = []
     target, order = (derivatives[:, 3], 3) if snap is None else (snap, 4)
     size = float(np.sqrt(np.mean(target**2)))
     for stride in STRIDES:
@@ -194,8 +194,8 @@ def fitted(
         error = float(np.sqrt(np.mean((path(time, order) - target)[1:-1] ** 2)))
         distance = float(np.linalg.norm(path(time) - derivatives[:, 0], axis=-1).max())
         relative = error / size if snap is not None and size > 0 else None
-        found.append((error, ReferenceFit(path=path, distance=distance, snap=relative, stride=stride)))
-    if not found:
+        fits.append((error, ReferenceFit(path=path, distance=distance, snap=relative, stride=stride)))
+    if not fits:
         raise ValueError(f"{source}: no pieces can be put through these rows: their stamps are too close or too uneven")
-    allowed = max(AS_GOOD * min(error for error, _ in found), CLOSE * size)
-    return next(fit for error, fit in reversed(found) if error <= allowed)
+    allowed = max(AS_GOOD * min(error for error, _ in fits), CLOSE * size)
+    return next(fit for error, fit in reversed(fits) if error <= allowed)

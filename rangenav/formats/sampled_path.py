@@ -55,12 +55,12 @@ def from_arrays(
     require(frame in ("z-up", "z-down"), f"frame must be z-up or z-down, got {frame!r}")
     time = increasing_array("time", time, ("n",))
     require(len(time) >= reference.LEAST_ROWS, f"{len(time)} samples are no path: at least {reference.LEAST_ROWS}")
-    given = _samples(len(time), (position, velocity, acceleration, jerk, snap))
+    samples = _samples(len(time), (position, velocity, acceleration, jerk, snap))
     findings = [f"{len(time)} samples over {time[-1] - time[0]:.4g} s", *_gaps(time)]
     if time[0] != 0:
         findings.append(f"the first sample is at {time[0]:.6g} s, which is t = 0 of the path")
     path, largest, fitted, unjudged = reference.path_through(
-        time - time[0], given[0], list(given[1:]), knots, name, findings
+        time - time[0], samples[0], list(samples[1:]), knots, name, findings
     )
     return ImportResult(
         source=name,
@@ -75,7 +75,7 @@ def from_arrays(
         fitted=fitted,
         fit_error=largest,
         unjudged=unjudged,
-        sha256=hashlib.sha256(b"".join(part.tobytes() for part in (time, *given) if part is not None)).hexdigest(),
+        sha256=hashlib.sha256(b"".join(part.tobytes() for part in (time, *samples) if part is not None)).hexdigest(),
     )
 
 

@@ -37,37 +37,37 @@ class SplineFit:
     """m"""
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """What became of the positions."""
         near = f"{1e3 * self.largest:.3g} mm from the file's positions at most ({1e3 * self.rms:.2g} mm rms)"
         return f"path through knots every {self.spacing:g} s, {near}"
 
 
-def knotted(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> SplineFit:
+def fit(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> SplineFit:
     """The curve through knots `spacing` apart (s), or as far apart as it can be to stay within a centimetre.
 
     It starts and ends at rest, as every such curve does: a record that begins in flight is met less well there.
     """
     if spacing is not None:
-        return _knotted(time, position, spacing, source)
+        return _fit_with(time, position, spacing, source)
     length = float(time[-1] - time[0])
     tried = [wide for wide in SPACINGS if length / wide < MAX_POINTS - 1] or [length / (MAX_POINTS - 2)]
-    found: list[SplineFit] = []
+    fits: list[SplineFit] = []
     refusal = None
     for wide in tried:
         try:
-            found.append(_knotted(time, position, wide, source))
+            fits.append(_fit_with(time, position, wide, source))
         except ValueError as error:  # too few samples for knots as close as this, or too short for knots as wide
             refusal = error
             continue
-        if found[-1].largest <= CLOSE:
+        if fits[-1].largest <= CLOSE:
             break
-    if not found and refusal is not None:
+    if not fits and refusal is not None:
         raise refusal
-    return min(found, key=lambda one: one.largest)
+    return min(fits, key=lambda one: one.largest)
 
 
-def _knotted(time: Array, position: Array, spacing: float, source: str) -> SplineFit:
+def _fit_with(time: Array, position: Array, spacing: float, source: str) -> SplineFit:
     require_within("spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
     length = float(time[-1] - time[0])
     count = int(length / spacing) + 1

@@ -199,10 +199,10 @@ def rows() -> tuple[Format, ...]:
 
 def row(name: str) -> Format:
     """The format of a name. Raises ValueError naming those there are."""
-    found = next((row for row in rows() if row.name == name), None)
-    require(found is not None, f"{name}: no such format; there are {names(rows())}")
-    assert found is not None
-    return found
+    chosen = next((row for row in rows() if row.name == name), None)
+    require(chosen is not None, f"{name}: no such format; there are {names(rows())}")
+    assert chosen is not None
+    return chosen
 
 
 def writable() -> tuple[Format, ...]:

@@ -98,19 +98,19 @@ def table(
     )
 
 
-def columns(found: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:
+def columns(table: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:
     """Columns by their names. Raises ValueError naming those that are not there."""
-    missing = [name for name in wanted if name not in found.names]
-    require(not missing, f"{found.source}: no column named {', '.join(missing)}")
-    return found.values[:, [found.names.index(name) for name in wanted]]
+    missing = [name for name in wanted if name not in table.names]
+    require(not missing, f"{table.source}: no column named {', '.join(missing)}")
+    return table.values[:, [table.names.index(name) for name in wanted]]
 
 
-def refuse_missing(values: Float[Array, "n c"], found: Table, what: str) -> None:
+def refuse_missing(values: Float[Array, "n c"], table: Table, what: str) -> None:
     """Raise ValueError naming the first line where a number that cannot be done without is missing."""
     missing = np.asarray(np.isnan(values).any(axis=-1))
     if missing.any():
-        line = int(found.lines[int(np.argmax(missing))])
-        raise ValueError(f"{found.source}, line {line}: {what} is missing or not a number ({_count(missing)} in all)")
+        line = int(table.lines[int(np.argmax(missing))])
+        raise ValueError(f"{table.source}, line {line}: {what} is missing or not a number ({_count(missing)} in all)")
 
 
 def _count(missing: Array) -> str:

@@ -1,6 +1,7 @@
 """TUM trajectories: `t x y z qx qy qz qw`, seconds, blanks between, # for comments. Which way z points is not said.
 
-Read: positions only, as a curve through knots (see `knotted`); written: the true poses of a run, z-up, relative time.
+Read: positions only, as a curve through knots (see `spline_fit`). Written: the true poses of a run, z-up, in seconds
+from its beginning.
 """
 
 from collections.abc import Mapping
@@ -35,8 +36,8 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
     off = np.abs(np.linalg.norm(table.values[:, 4:], axis=-1) - 1) > 1e-2
     if off.any():
         findings.append(f"{int(off.sum())} quaternions are not of unit length; the path does not need them")
-    curve = spline_fit.knotted(time, position, spacing=knots, source=source)
-    findings.append(curve.words)
+    curve = spline_fit.fit(time, position, spacing=knots, source=source)
+    findings.append(curve.summary)
     frame = answer(confirm, "frame", FRAMES)
     question = Question(
         key="frame",
@@ -57,7 +58,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
         questions=() if frame else (question,),
         path=curve.path,
         derivatives="fit",
-        fitted=curve.words,
+        fitted=curve.summary,
         fit_error=curve.largest,
         unjudged=spline_fit.unjudged(time, position),
     )

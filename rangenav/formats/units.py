@@ -56,8 +56,8 @@ class Guess:
 
 def split(name: str) -> tuple[str, str | None]:
     """A column's name without its unit, and the unit in brackets if there is one: `Gyroscope X (deg/s)`."""
-    found = BRACKETED.search(name)
-    return (name[: found.start()].strip(), spelled(found[1].strip())) if found else (name.strip(), None)
+    match = BRACKETED.search(name)
+    return (name[: match.start()].strip(), spelled(match[1].strip())) if match else (name.strip(), None)
 
 
 def spelled(unit: str) -> str:
@@ -118,14 +118,14 @@ def _gyro(gyro: Array, time: Array, turning: Array | None) -> Guess:
     running = np.concatenate([np.zeros((1, 3)), np.cumsum(np.nan_to_num(gyro), axis=0)])
     mean = (running[k + lag] - running[k]) / lag
     middle = (turning[k] + turning[k + lag]) / 2
-    told = -np.cross(mean, middle) * (time[k + lag] - time[k])[:, None]
-    seen = turning[k + lag] - turning[k]
-    known = np.isfinite(told).all(axis=-1) & np.isfinite(seen).all(axis=-1)
-    told, seen = told[known], seen[known]
-    power = float(np.sum(told**2))
+    predicted = -np.cross(mean, middle) * (time[k + lag] - time[k])[:, None]
+    turned = turning[k + lag] - turning[k]
+    known = np.isfinite(predicted).all(axis=-1) & np.isfinite(turned).all(axis=-1)
+    predicted, turned = predicted[known], turned[known]
+    power = float(np.sum(predicted**2))
     if power == 0 or not math.isfinite(power):
         return Guess(unit=None, evidence="nothing turns in this record")
-    slope = float(np.sum(told * seen)) / power
+    slope = float(np.sum(predicted * turned)) / power
     named = {unit: abs(slope / factor - 1) for unit, factor in UNITS["gyro"].items()}
     unit = min(named, key=lambda one: named[one])
     said = f"the field turns {slope:.3g} times as fast as the gyro says"

@@ -205,7 +205,7 @@ def _running(path: Signal, first: float, last: float) -> _Sums | None:
 
     Windows share nearly all of it, so thousands of them cost one pass over the path and two cells each.
     """
-    bandwidth, count = knots.bandwidth_besides(path, last), max(CELL_NODES, knots.degree(path) - 3)
+    bandwidth, count = knots.smooth_bandwidth(path, last), max(CELL_NODES, knots.degree(path) - 3)
     cells = 1 + CELLS_PER_RADIAN * bandwidth * (last - first)
     if not count * (cells + knots.most(path, last - first)) <= MAX_EVALUATIONS:
         return None

@@ -41,7 +41,7 @@ def count(path: Signal, window: float, until: float) -> int:
 def refuse(path: Signal, window: float, until: float) -> None:
     """Raise ValueError, before any work is done, if some window between 0 and `until` (s) has too many nodes."""
     if knots.has_pieces(path):
-        _refuse_tones(window, knots.bandwidth_besides(path, until))
+        _refuse_tones(window, knots.smooth_bandwidth(path, until))
         _refuse_pieces(*_fullest(path, window, until))
     else:
         _refuse_tones(window, path.bandwidth_until(until))
@@ -54,7 +54,7 @@ def nodes(
     first, last = float(np.min(start)), float(np.max(start)) + window
     if not knots.has_pieces(path):
         return _composite(window, path.bandwidth_until(last))
-    _refuse_tones(window, knots.bandwidth_besides(path, last))
+    _refuse_tones(window, knots.smooth_bandwidth(path, last))
     edges = _edges(path, first, last)
     begin = np.searchsorted(edges, start, side="right")
     panels = int((np.searchsorted(edges, start + window) - begin).max()) + 1
@@ -100,7 +100,7 @@ def _edges(path: Signal, first: float, last: float) -> Array:
         most <= MAX_KNOTS, f"a signal may have {MAX_KNOTS} knots in {last - first:g} s, this one has up to {most:.0f}"
     )
     found = knots.knots(path, first, last)
-    bandwidth = knots.bandwidth_besides(path, last)
+    bandwidth = knots.smooth_bandwidth(path, last)
     if bandwidth > 0:
         longest = PANEL_TURN / bandwidth
         even = np.arange(math.floor(first / longest) + 1, math.ceil(last / longest)) * longest
@@ -111,7 +111,7 @@ def _edges(path: Signal, first: float, last: float) -> Array:
 def _panel_nodes(path: Signal, edges: Array, window: float, panels: int, raised: int) -> int:
     """Exact for the polynomials, and fine enough for the tones beside them on the longest panel."""
     degree = max(knots.degree(path), 2) + raised  # 2: the drop in D
-    turn = knots.bandwidth_besides(path, float(edges[-1])) * min(window, float(np.diff(edges).max()))
+    turn = knots.smooth_bandwidth(path, float(edges[-1])) * min(window, float(np.diff(edges).max()))
     mixed = MIXED_NODES + math.ceil(NODES_PER_RADIAN * turn) if turn > 0 else 0
     return max(degree + 1 + mixed, math.ceil(LEAST_NODES / panels))
 

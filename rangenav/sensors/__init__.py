@@ -13,7 +13,7 @@ from rangenav.sensors.noise import (
     Noise,
     Unit,
     density,
-    given_as,
+    in_unit,
     per_sample,
 )
 from rangenav.sensors.suite import Sensors, active_effects, effect_sentences
@@ -38,7 +38,7 @@ __all__ = [
     "distance",
     "effect_sentences",
     "effects",
-    "given_as",
+    "in_unit",
     "measure",
     "per_sample",
 ]

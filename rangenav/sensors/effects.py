@@ -230,13 +230,13 @@ class Effects(Input, frozen=True, kw_only=True):
 @cache
 def rows() -> Mapping[str, Effect]:
     """The row of every field, in the order of the fields. Raises TypeError for a field without one."""
-    found: dict[str, Effect] = {}
+    every: dict[str, Effect] = {}
     for name, annotation in get_type_hints(Effects, include_extras=True).items():
         rows_of_field = [row for row in getattr(annotation, "__metadata__", ()) if isinstance(row, Effect)]
         if len(rows_of_field) != 1:
             raise TypeError(f"Effects.{name}: a field needs one Effect in its annotation, got {len(rows_of_field)}")
-        found[name] = rows_of_field[0]
-    return found
+        every[name] = rows_of_field[0]
+    return every
 
 
 MODELLED = Effects()

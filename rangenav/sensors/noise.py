@@ -58,7 +58,7 @@ def density(sigma: float, rate: float) -> float:
     return sigma / math.sqrt(rate)
 
 
-def given_as(noise: Noise, unit: Unit, *, rate: float) -> Noise:
+def in_unit(noise: Noise, unit: Unit, *, rate: float) -> Noise:
     """The same noise with gyro and accel in the unit, for an IMU at `rate` (Hz); the very same if it is so given."""
     if noise.imu_unit == unit:
         return noise

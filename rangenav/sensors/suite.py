@@ -2,7 +2,7 @@
 
 from rangenav.inputs import Input, require, require_within
 from rangenav.sensors.effects import MODELLED, Effects, sentences
-from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, given_as
+from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, in_unit
 
 
 class Sensors(Input, frozen=True, kw_only=True):
@@ -23,14 +23,14 @@ class Sensors(Input, frozen=True, kw_only=True):
         )
         require_within("range_rate", self.range_rate, MIN_RATE, MAX_RATE, "Hz")
         try:
-            given_as(self.noise, "sample", rate=self.imu_rate)
+            in_unit(self.noise, "sample", rate=self.imu_rate)
         except ValueError as error:
             raise ValueError(f"{error} per sample at {self.imu_rate:g} Hz") from None
 
     @property
     def sigma(self) -> Noise:
         """The noise per sample, however it was given: what everything that computes reads."""
-        return given_as(self.noise, "sample", rate=self.imu_rate)
+        return in_unit(self.noise, "sample", rate=self.imu_rate)
 
     @property
     def arriving(self) -> float:

@@ -27,11 +27,12 @@ from rangenav.signals.multisine import AXES, Multisine, Tone
 from rangenav.signals.polynomials import Piece, Polynomials
 from rangenav.signals.waypoints import MinimumSnap, Waypoint, Waypoints
 
-Turning = Signal | Flown
+AngularVelocity = Signal | Flown
 """What an angular velocity may be: a signal of its own, or what flying the path takes."""
 
 __all__ = [
     "AXES",
+    "AngularVelocity",
     "Attitude",
     "Family",
     "Flown",
@@ -43,7 +44,6 @@ __all__ = [
     "Signal",
     "Sum",
     "Tone",
-    "Turning",
     "Waypoint",
     "Waypoints",
     "centred",

@@ -98,12 +98,12 @@ def _check_words(text: str) -> None:
     position, depth, wanted, function = 0, 0, True, ""
     end = len(text.rstrip(" \t"))
     while position < end:
-        found = TOKEN.match(text, position)
-        if found is None:
+        match = TOKEN.match(text, position)
+        if match is None:
             column = position + len(text[position:]) - len(text[position:].lstrip(" \t")) + 1
             raise _at(column, _strange(text[column - 1]))
-        kind = str(found.lastgroup)
-        word, column, position = found[kind], found.start(kind) + 1, found.end()
+        kind = str(match.lastgroup)
+        word, column, position = match[kind], match.start(kind) + 1, match.end()
         if function and word != "(":
             raise _at(column, f"{function} needs parentheses, as in {function}(t)")
         function = ""
@@ -187,12 +187,12 @@ class _Translation:
 
 def _number(value: float, column: int) -> Node:
     try:
-        found = float(value)
+        number = float(value)
     except OverflowError:
-        found = math.inf
-    if not math.isfinite(found):
+        number = math.inf
+    if not math.isfinite(number):
         raise _at(column, "this number is too large")
-    return Node("number", value=found)
+    return Node("number", value=number)
 
 
 def _power(base: Node, exponent: Node, column: int) -> Node:

@@ -129,13 +129,13 @@ class Formula(
     @property
     def period(self) -> float | None:
         """The common period (s) of all that bends, 0 if nothing does, None if something does not repeat."""
-        found: set[float] = set()
+        repeating: set[float] = set()
         for axis in AXES:
             part = frequencies(expressions.parse(getattr(self, axis)))
             if part is None:
                 return None
-            found |= part
-        common = common_period(sorted(found))
+            repeating |= part
+        common = common_period(sorted(repeating))
         return None if common is None else common * self.slower
 
     @property
@@ -189,13 +189,13 @@ class Formula(
 def derivatives(text: str, t: Float[Array, "*n"], highest: int) -> Float[Array, "order *n"]:
     """A scalar formula and its derivatives up to the highest order, at times t (s). Raises ValueError if not finite."""
     series = _series(expressions.parse(text), t, highest)
-    found = np.zeros((highest + 1, *t.shape))
+    values = np.zeros((highest + 1, *t.shape))
     for k, coefficient in enumerate(series):
-        found[k] = coefficient * math.factorial(k)
-    wild = ~(np.abs(found) <= MAX_DERIVATIVE).all(axis=0)
+        values[k] = coefficient * math.factorial(k)
+    wild = ~(np.abs(values) <= MAX_DERIVATIVE).all(axis=0)
     if wild.any():
         raise ValueError(f"{shortened(text)} is not finite at t = {float(t[wild][0]):g} s")
-    return found
+    return values
 
 
 def _size(coefficient: object) -> Array | float:
@@ -228,8 +228,8 @@ def _bandwidth(text: str, time: float) -> float:
     sizes = [float(np.max(np.abs(series[k]))) * math.factorial(k) if k < len(series) else 0.0 for k in range(11)]
     if not 0 < sizes[2] < math.inf:
         return 0.0 if sizes[2] == 0 else math.inf
-    found = max((sizes[k] / sizes[2]) ** (1 / (k - 2)) for k in BANDWIDTH_ORDERS)
-    return found if math.isfinite(found) else math.inf
+    highest = max((sizes[k] / sizes[2]) ** (1 / (k - 2)) for k in BANDWIDTH_ORDERS)
+    return highest if math.isfinite(highest) else math.inf
 
 
 @lru_cache(maxsize=CACHED)
@@ -248,5 +248,5 @@ def _bound(text: str, order: int) -> float:
     if order >= len(series):
         return 0.0
     with np.errstate(all="ignore"):
-        found = series[order] * float(math.factorial(order))
-    return found.magnitude() if isinstance(found, Interval) else abs(float(found))
+        enclosure = series[order] * float(math.factorial(order))
+    return enclosure.magnitude() if isinstance(enclosure, Interval) else abs(float(enclosure))

@@ -79,9 +79,9 @@ def _outward(low: Any, high: Any) -> Interval:
     return Interval(np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high))
 
 
-def _unless(known: Array, found: Interval) -> Interval:
+def _unless(known: Array, enclosure: Interval) -> Interval:
     """`found` where it is known, else [−∞, ∞]."""
-    return Interval(np.where(known, found.low, -np.inf), np.where(known, found.high, np.inf))
+    return Interval(np.where(known, enclosure.low, -np.inf), np.where(known, enclosure.high, np.inf))
 
 
 def _padded(low: Any, high: Any) -> Interval:

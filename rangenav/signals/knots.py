@@ -30,13 +30,13 @@ def has_pieces(signal: Signal) -> bool:
 
 def knots(signal: Signal, first: float, last: float) -> Float[Array, "k"]:
     """All knots strictly between two times (s), repetitions included, increasing."""
-    found = np.sort(np.concatenate([np.zeros(0), *(piecewise.between(p, first, last) for p in pieces(signal))]))
-    return found[np.diff(found, prepend=-np.inf) > SAME]
+    times = np.sort(np.concatenate([np.zeros(0), *(piecewise.knots_between(p, first, last) for p in pieces(signal))]))
+    return times[np.diff(times, prepend=-np.inf) > SAME]
 
 
 def most(signal: Signal, length: float) -> float:
     """A bound on how many knots a stretch of `length` seconds has, known before any is made."""
-    return sum(piecewise.most_between(p, length) for p in pieces(signal))
+    return sum(piecewise.most_knots_between(p, length) for p in pieces(signal))
 
 
 def degree(signal: Signal) -> int:
@@ -44,15 +44,15 @@ def degree(signal: Signal) -> int:
     return max((len(p.tables) - 1 for p in pieces(signal)), default=0)
 
 
-def bandwidth_besides(signal: Signal, time: float) -> float:
+def smooth_bandwidth(signal: Signal, time: float) -> float:
     """The highest frequency (rad/s), from 0 to a time (s), in the parts that are no polynomials; 0 without such."""
     return max((part.bandwidth_until(time) for part in signal.parts() if part.piecewise() is None), default=0.0)
 
 
 def bounds_between(signal: Signal, order: int, time: Float[Array, "n"]) -> Float[Array, "n"]:
     """Bounds on a derivative's norm (order 2 or more) from each time (s) to the knots before and after it."""
-    found = np.zeros(len(time))
+    bounds = np.zeros(len(time))
     for part in signal.parts():
         made = part.piecewise()
-        found += part.bound(order) if made is None else piecewise.hulls(made, order, time)
-    return found
+        bounds += part.bound(order) if made is None else piecewise.hulls(made, order, time)
+    return bounds

@@ -54,9 +54,9 @@ def _repeating(node: Node) -> frozenset[float] | None:
 
 
 def _union(parts: Iterable[frozenset[float] | None]) -> frozenset[float] | None:
-    found: frozenset[float] = frozenset()
+    union: frozenset[float] = frozenset()
     for part in parts:
         if part is None:
             return None
-        found |= part
-    return found
+        union |= part
+    return union

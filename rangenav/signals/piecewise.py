@@ -47,83 +47,83 @@ def pieces(knots: Float[Array, "k"], coefficients: Float[Array, "d m 3"], *, rep
     return Pieces(knots=knots, tables=tuple(tables), repeats=repeats)
 
 
-def evaluate(found: Pieces, t: Float[Array, "*n"], order: int) -> Float[Array, "*n 3"]:
+def evaluate(curve: Pieces, t: Float[Array, "*n"], order: int) -> Float[Array, "*n 3"]:
     """The derivative of the given order at times t (s)."""
     t = np.asarray(t, dtype=float)
-    if order >= len(found.tables):
+    if order >= len(curve.tables):
         return np.zeros((*t.shape, 3))
-    table = _axes_first(found.tables[order])  # times last: three long rows are added up, not many rows of three
+    table = _axes_first(curve.tables[order])  # times last: three long rows are added up, not many rows of three
     flat = t.ravel()
     every = np.empty((len(flat), 3))
     for first in range(0, len(flat), CHUNK):
         time = flat[first : first + CHUNK]
-        piece, local = _place(found, time)
+        piece, local = _place(curve, time)
         value = table[-1].take(piece, axis=1)
         term = np.empty_like(value)
         for coefficient in table[-2::-1]:
             value *= local
             value += coefficient.take(piece, axis=1, out=term, mode="clip")
-        if order > 0 and not found.repeats:
-            value[:, (time < found.knots[0]) | (time > found.knots[-1])] = 0.0
+        if order > 0 and not curve.repeats:
+            value[:, (time < curve.knots[0]) | (time > curve.knots[-1])] = 0.0
         every[first : first + CHUNK] = value.T
     return every.reshape(*t.shape, 3)
 
 
-def jet(found: Pieces, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
+def jet(curve: Pieces, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
     """The signal and its derivatives up to the highest order at times t (s), a third of the work of one by one.
 
     Each piece is developed anew about each of its times, by dividing by (t − t*) again and again (Horner's scheme).
     """
     every = np.empty((highest + 1, len(t), 3))
-    table = _axes_first(found.tables[0])
-    degree, count = len(table) - 1, len(found.knots) - 1
+    table = _axes_first(curve.tables[0])
+    degree, count = len(table) - 1, len(curve.knots) - 1
     rows = table.reshape(-1, count)
     for first in range(0, len(t), CHUNK):
         time = t[first : first + CHUNK]
-        piece, local = _place(found, time)
+        piece, local = _place(curve, time)
         coefficients = rows.take(piece, axis=1).reshape(degree + 1, 3, len(time))
         step = np.empty_like(coefficients[0])
         for order in range(min(highest, degree) + 1):
             for j in range(degree - 1, order - 1, -1):
                 np.multiply(coefficients[j + 1], local, out=step)
                 coefficients[j] += step
-        if not found.repeats:
-            coefficients[1:, :, (time < found.knots[0]) | (time > found.knots[-1])] = 0.0
+        if not curve.repeats:
+            coefficients[1:, :, (time < curve.knots[0]) | (time > curve.knots[-1])] = 0.0
         for order in range(highest + 1):
             inside = every[order, first : first + CHUNK]
             inside[:] = math.factorial(order) * coefficients[order].T if order <= degree else 0.0
     return every
 
 
-def between(found: Pieces, first: float, last: float) -> Float[Array, "k"]:
+def knots_between(curve: Pieces, first: float, last: float) -> Float[Array, "k"]:
     """The knots strictly between two times (s), with all their repetitions."""
-    knots = found.knots
-    if found.repeats:
+    knots = curve.knots
+    if curve.repeats:
         turns = np.arange(
-            math.floor((first - knots[0]) / found.duration), math.floor((last - knots[0]) / found.duration) + 1
+            math.floor((first - knots[0]) / curve.duration), math.floor((last - knots[0]) / curve.duration) + 1
         )
-        knots = (knots[:-1] + turns[:, None] * found.duration).ravel()
+        knots = (knots[:-1] + turns[:, None] * curve.duration).ravel()
     return knots[(knots > first) & (knots < last)]
 
 
-def most_between(found: Pieces, length: float) -> float:
+def most_knots_between(curve: Pieces, length: float) -> float:
     """No stretch of so many seconds has more knots than this."""
-    count = len(found.knots)
-    return (count - 1) * (length / found.duration + 2) if found.repeats else count
+    count = len(curve.knots)
+    return (count - 1) * (length / curve.duration + 2) if curve.repeats else count
 
 
-def jumps(found: Pieces, orders: range = JUMP_ORDERS) -> Float[Array, "k o 3"]:
+def jumps(curve: Pieces, orders: range = JUMP_ORDERS) -> Float[Array, "k o 3"]:
     """The derivatives after each knot minus those before; at the ends the signal stops, or begins anew."""
-    length = np.diff(found.knots)
-    every = np.zeros((len(found.knots), len(orders), 3))
+    length = np.diff(curve.knots)
+    every = np.zeros((len(curve.knots), len(orders), 3))
     for column, order in enumerate(orders):
-        if order >= len(found.tables):
+        if order >= len(curve.tables):
             break
-        table = found.tables[order]
+        table = curve.tables[order]
         before, after = _horner(table, length), table[0]
         steps = every[:, column]
         steps[1:-1] = after[1:] - before[:-1]
-        if found.repeats:
+        if curve.repeats:
             steps[0] = steps[-1] = after[0] - before[-1]
         elif order == 0:  # standing still at either end keeps the position and ends the derivatives
             steps[0] = steps[-1] = 0.0
@@ -132,32 +132,32 @@ def jumps(found: Pieces, orders: range = JUMP_ORDERS) -> Float[Array, "k o 3"]:
     return every
 
 
-def bound(found: Pieces, order: int) -> float:
+def bound(curve: Pieces, order: int) -> float:
     """A bound on the derivative's norm at every t; infinite if a lower one jumps, as no number bounds its rate."""
-    lower = range(min(order, len(found.tables)))
-    largest = np.linalg.norm(jumps(found, lower), axis=-1).max(axis=0)
-    if any(size > JUMP_ROUNDING * hull(found, k) for k, size in zip(lower, largest, strict=True)):
+    lower = range(min(order, len(curve.tables)))
+    largest = np.linalg.norm(jumps(curve, lower), axis=-1).max(axis=0)
+    if any(size > JUMP_ROUNDING * hull(curve, k) for k, size in zip(lower, largest, strict=True)):
         return math.inf
-    return hull(found, order) if order < len(found.tables) else 0.0
+    return hull(curve, order) if order < len(curve.tables) else 0.0
 
 
-def hull(found: Pieces, order: int) -> float:
+def hull(curve: Pieces, order: int) -> float:
     """The largest norm of any Bernstein coefficient of the derivative."""
-    return float(_hull_of_each(found, order).max())
+    return float(_hull_of_each(curve, order).max())
 
 
-def hulls(found: Pieces, order: int, t: Float[Array, "n"]) -> Float[Array, "n"]:
+def hulls(curve: Pieces, order: int, t: Float[Array, "n"]) -> Float[Array, "n"]:
     """The same for the piece that each time (s) lies in alone; 0 where the signal stands still."""
-    if order >= len(found.tables):
+    if order >= len(curve.tables):
         return np.zeros(len(t))
-    sizes = _hull_of_each(found, order)[_place(found, t)[0]]
-    if order > 0 and not found.repeats:
-        sizes[(t < found.knots[0]) | (t > found.knots[-1])] = 0.0
+    sizes = _hull_of_each(curve, order)[_place(curve, t)[0]]
+    if order > 0 and not curve.repeats:
+        sizes[(t < curve.knots[0]) | (t > curve.knots[-1])] = 0.0
     return sizes
 
 
-def _hull_of_each(found: Pieces, order: int) -> Float[Array, "m"]:
-    corners = bernstein(found.tables[order], np.diff(found.knots))
+def _hull_of_each(curve: Pieces, order: int) -> Float[Array, "m"]:
+    corners = bernstein(curve.tables[order], np.diff(curve.knots))
     return np.linalg.norm(corners, axis=-1).max(axis=0) * (1 + 1e-12)
 
 
@@ -181,12 +181,12 @@ def _horner(table: Array, local: Array) -> Array:
     return value
 
 
-def _place(found: Pieces, time: Array) -> tuple[Array, Array]:
+def _place(curve: Pieces, time: Array) -> tuple[Array, Array]:
     """The piece of each time, and how far into it (s)."""
-    first, last = found.knots[0], found.knots[-1]
-    time = first + np.mod(time - first, last - first) if found.repeats else np.clip(time, first, last)
-    piece = np.searchsorted(found.knots[1:-1], time, side="right")
-    return piece, time - found.knots[piece]
+    first, last = curve.knots[0], curve.knots[-1]
+    time = first + np.mod(time - first, last - first) if curve.repeats else np.clip(time, first, last)
+    piece = np.searchsorted(curve.knots[1:-1], time, side="right")
+    return piece, time - curve.knots[piece]
 
 
 def _axes_first(table: Float[Array, "d m 3"]) -> Float[Array, "d 3 m"]:

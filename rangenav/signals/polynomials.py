@@ -108,19 +108,19 @@ class Jumps:
 
 def jumps(signal: Polynomials) -> Jumps:
     """The jumps C⁰ to C⁴. At the ends the signal stands still before and after, or meets its own beginning."""
-    found = _pieces(signal)
-    return Jumps(time=found.knots, step=piecewise.jumps(found))
+    curve = _pieces(signal)
+    return Jumps(time=curve.knots, step=piecewise.jumps(curve))
 
 
 def complaints(signal: Polynomials, *, inside: tuple[float, float] = (-math.inf, math.inf)) -> tuple[str, ...]:
     """A sentence for each knot (strictly inside some seconds) where position or velocity jumps: none can fly that."""
-    found = jumps(signal)
+    jumped = jumps(signal)
     sentences = []
-    for k, time in enumerate(found.time):
+    for k, time in enumerate(jumped.time):
         if not inside[0] < time < inside[1]:
             continue
         for order, (name, least, unit) in COMPLAINTS.items():
-            steps = np.abs(found.step[k, order])
+            steps = np.abs(jumped.step[k, order])
             if steps.max() >= least:
                 axis = "xyz"[int(np.argmax(steps))]
                 sentences.append(f"{name} jumps by {steps.max():.2g} {unit} along {axis} at t = {time:.2f} s")
@@ -130,15 +130,15 @@ def complaints(signal: Polynomials, *, inside: tuple[float, float] = (-math.inf,
 
 def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
     """The same curve as polynomials; before a first waypoint later than t = 0 it stands still."""
-    found = curve.piecewise()
-    late = float(found.knots[0])
-    require(late == 0 or not found.repeats, f"to repeat as pieces a curve must begin at t = 0, not at {late:g} s")
-    made = [_piece(length, table) for length, table in zip(np.diff(found.knots), _by_piece(found), strict=True)]
+    parts = curve.piecewise()
+    late = float(parts.knots[0])
+    require(late == 0 or not parts.repeats, f"to repeat as pieces a curve must begin at t = 0, not at {late:g} s")
+    made = [_piece(length, table) for length, table in zip(np.diff(parts.knots), _by_piece(parts), strict=True)]
     if late > 0:
         standing = np.zeros((8, 3))
-        standing[0] = found.tables[0][0, 0]
+        standing[0] = parts.tables[0][0, 0]
         made.insert(0, _piece(late, standing))
-    return Polynomials(pieces=tuple(made), ends="repeat" if found.repeats else "hold")
+    return Polynomials(pieces=tuple(made), ends="repeat" if parts.repeats else "hold")
 
 
 def _mixed_piece(piece: Piece, matrix: Array, shift: Array) -> Piece:
@@ -154,8 +154,8 @@ def _slowed_piece(piece: Piece, factor: float) -> Piece:
     return Piece(duration=piece.duration * factor, x=x, y=y, z=z, yaw=yaw)
 
 
-def _by_piece(found: Pieces) -> Float[Array, "m 8 3"]:
-    return found.tables[0].transpose(1, 0, 2)
+def _by_piece(parts: Pieces) -> Float[Array, "m 8 3"]:
+    return parts.tables[0].transpose(1, 0, 2)
 
 
 def _piece(duration: float, table: Float[Array, "8 3"]) -> Piece:

@@ -195,14 +195,14 @@ def fitted(time: Float[Array, "n"], value: Float[Array, "n 3"], *, degree: int, 
         raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven") from None
     coefficients = np.stack([spline(s[:-1], nu=j) / (math.factorial(j) * scale**j) for j in range(degree + 1)])
     coefficients[0] += value[0]  # left out of the fit: a far-off place costs no digits, and standing still is exact
-    found = piecewise.pieces(time, coefficients, repeats=closed)
+    curve = piecewise.pieces(time, coefficients, repeats=closed)
     spread = float(np.ptp(value, axis=0).max())
     miss = max(
-        float(np.abs(spline(s) - (value - value[0])).max()), float(np.abs(piecewise.jumps(found, range(1))).max())
+        float(np.abs(spline(s) - (value - value[0])).max()), float(np.abs(piecewise.jumps(curve, range(1))).max())
     )
     if not miss <= MISS * spread + 1e-12 * float(np.abs(value).max()):
         raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven")
-    return found
+    return curve
 
 
 def _closed(s: Float[Array, "n"], value: Float[Array, "n 3"], degree: int) -> BSpline:
@@ -215,15 +215,15 @@ def _closed(s: Float[Array, "n"], value: Float[Array, "n 3"], degree: int) -> BS
     count, half = len(s) - 1, (degree - 1) // 2
     around = np.arange(-degree, count + degree + 1)
     knots = s[around % count] + (s[-1] - s[0]) * (around // count)
-    found = BSpline.design_matrix(s[:-1], knots, degree)
+    matrix = BSpline.design_matrix(s[:-1], knots, degree)
     row = np.repeat(np.arange(count), degree + 1)
-    column = (found.indices - half) % count  # the splines that reach a point are those about its own number
+    column = (matrix.indices - half) % count  # the splines that reach a point are those about its own number
     k = np.arange(count)
     folded = np.where(2 * k < count, 2 * k, 2 * (count - k) - 1)
     row, column = folded[row], folded[column]
     width = int(np.abs(row - column).max())
     band = np.zeros((2 * width + 1, count))
-    np.add.at(band, (width + row - column, column), found.data)
+    np.add.at(band, (width + row - column, column), matrix.data)
     right = np.empty((count, 3))
     right[folded] = value[:-1]
     solution = solve_banded((width, width), band, right)[folded]

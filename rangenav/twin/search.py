@@ -149,9 +149,9 @@ def _straight(flight: _Flight, matrix: Array) -> tuple[Array, Array]:
     return change @ flight.start, change @ flight.velocity
 
 
-def _rms(flight: _Flight, found: Twin) -> float:
+def _rms(flight: _Flight, twin: Twin) -> float:
     """m between both motions, RMS over the flight."""
-    return ambiguity.rms(found.shift, found.drift, flight.duration)
+    return ambiguity.rms(twin.shift, twin.drift, flight.duration)
 
 
 def _compared(
@@ -191,11 +191,11 @@ def _searched(flight: _Flight, exact: Twin | None, tolerance: float, apart: floa
     """A twin that is not exact, or the refusal of any."""
     time = symmetry.moments(flight.duration)
     position, acceleration = flight.path(time) - flight.anchor, flight.path(time, 2)
-    found = ambiguity.search(position, acceleration, time, flight.duration, apart=apart)
-    worst = [_worst(flight, shift, drift) for shift, drift in zip(found.shift, found.drift, strict=True)]
+    candidates = ambiguity.search(position, acceleration, time, flight.duration, apart=apart)
+    worst = [_worst(flight, shift, drift) for shift, drift in zip(candidates.shift, candidates.drift, strict=True)]
     best = int(np.argmin(worst))
     if worst[best] <= tolerance:
-        shift, drift = found.shift[best], found.drift[best]
+        shift, drift = candidates.shift[best], candidates.drift[best]
         return _compared(flight, "nearby", shift, drift, text.displacement(shift, drift))
     felt = ambiguity.sensitivity(position, time, flight.duration)
     return _refusal(flight, exact, felt, worst[best], tolerance, apart)

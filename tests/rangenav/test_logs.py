@@ -193,9 +193,9 @@ def resting(seconds=5.0, *, rate=100.0, tilt=(0.3, -0.2, 0.9), truth=True, frame
 @pytest.mark.parametrize("frame", ["z-up", "z-down"])
 def test_a_still_start_tells_gravity_field_and_noise_in_the_frame_of_the_truth(frame):
     flight = resting(frame=frame)
-    seconds = rest.still_seconds(flight)
+    seconds = rest.rest_seconds(flight)
     assert seconds == pytest.approx(5.0, abs=0.2)
-    found = rest.still(flight, seconds)
+    found = rest.rest_of(flight, seconds)
     sign = -1.0 if frame == "z-up" else 1.0
     np.testing.assert_allclose(found.gravity, [0, 0, sign * 9.81], atol=0.01)
     wanted = FIELD if frame == "z-up" else FIELD * [1, -1, -1]
@@ -204,13 +204,13 @@ def test_a_still_start_tells_gravity_field_and_noise_in_the_frame_of_the_truth(f
     assert found.accel_noise == pytest.approx(0.02, rel=0.1)
     np.testing.assert_allclose(found.gyro_bias, [0.004, -0.003, 0.002], atol=3e-4)
     assert found.aligned
-    assert "s are still and give gravity 9.8" in found.words
-    assert "in the frame of the file's attitude" in found.words
+    assert "s are still and give gravity 9.8" in found.summary
+    assert "in the frame of the file's attitude" in found.summary
 
 
 @pytest.mark.parametrize("frame", ["z-up", "z-down"])
 def test_without_a_truth_the_world_is_laid_by_gravity_and_magnetic_north(frame):
-    found = rest.still(resting(truth=False, frame=frame), 4.0)
+    found = rest.rest_of(resting(truth=False, frame=frame), 4.0)
     sign = 1.0 if frame == "z-up" else -1.0
     assert found.gravity[:2] == (0.0, 0.0)
     assert found.gravity[2] == pytest.approx(-sign * 9.81, abs=0.01)
@@ -235,7 +235,7 @@ def test_the_world_is_asked_for_and_not_assumed():
 
 def test_a_record_that_starts_moving_has_no_rest_to_tell_the_world():
     _, flight = flown("paper-slow")
-    assert rest.still_seconds(flight) == 0.0
+    assert rest.rest_seconds(flight) == 0.0
     _, questions, _ = rest.world_of(
         recorded_flight.replace(flight, gravity=None), anchor=(0.0, 0.0, 0.0), confirmed=True
     )
@@ -256,7 +256,7 @@ def rms(values, where):
 
 
 def test_broads_rest_tells_berlins_gravity_and_field():
-    found = rest.still(broad(), rest.still_seconds(broad()))
+    found = rest.rest_of(broad(), rest.rest_seconds(broad()))
     assert np.linalg.norm(found.gravity) == pytest.approx(9.813, abs=0.02)
     assert found.gravity[2] < -9.8
     dip = np.degrees(np.arcsin(-found.magnetic[2]))
@@ -282,7 +282,7 @@ def test_on_a_real_imu_with_ranges_of_5_cm_the_observer_finds_its_place(anchor):
 
 
 def test_where_broads_motion_ends_the_imu_alone_says_so_and_the_observer_loses_its_place():
-    still = rest.still(broad(), rest.still_seconds(broad()))
+    still = rest.rest_of(broad(), rest.rest_seconds(broad()))
     noise = (still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias)))
     flight = recorded_flight.between(recorded_flight.with_ranges(broad(), ANCHORS[0], sigma=0.05, seed=0), 36.3, 154.2)
     found = seen(flight, 6.0, range_sigma=0.05, noise=noise)
@@ -297,7 +297,7 @@ def test_where_broads_motion_ends_the_imu_alone_says_so_and_the_observer_loses_i
 
 
 def test_before_broads_motion_begins_no_window_is_informative():
-    still = rest.still(broad(), rest.still_seconds(broad()))
+    still = rest.rest_of(broad(), rest.rest_seconds(broad()))
     noise = (still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias)))
     found = seen(recorded_flight.between(broad(), 0.0, 35.0), 6.0, noise=noise)
     assert (found.verdict, int(found.rank.max())) == ("blind", 5)

@@ -18,7 +18,7 @@ from rangenav.motion import World
 from rangenav.preset import Preset
 from rangenav.riccati import Blocks, RiccatiGains
 from rangenav.sensors import MODELLED, Effects, Noise, Sensors
-from rangenav.signals import Family, Flown, Multisine, Sum, Turning
+from rangenav.signals import AngularVelocity, Family, Flown, Multisine, Sum
 from rangenav.vehicle import CATALOGUE
 from tests.support.signal_examples import EXAMPLES
 
@@ -116,7 +116,7 @@ if set(FIELDS) | WITHOUT_CONTROLS != set(Preset.__struct_fields__):
     raise TypeError(f"Preset: {set(FIELDS) ^ set(Preset.__struct_fields__) ^ WITHOUT_CONTROLS} not drawn, or no field")
 
 
-def _as_kept(used: Turning | None, drafts: list[Any]) -> tuple[Any, ...]:
+def _as_kept(used: AngularVelocity | None, drafts: list[Any]) -> tuple[Any, ...]:
     """Drafts as the page leaves them: one of each family that is not in use."""
     each = {family_name(draft): draft for draft in drafts}
     if used is not None:

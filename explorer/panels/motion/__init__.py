@@ -14,7 +14,7 @@ from explorer.widgets.controls import Dial, LogDial, Number, Vector
 from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3, require_within
 from rangenav.preset import MAX_DURATION, MIN_DURATION
-from rangenav.signals import Flown, Signal, Turning
+from rangenav.signals import AngularVelocity, Flown, Signal
 
 ANGULAR_VELOCITY = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
 FAMILY_HINT = (
@@ -32,7 +32,7 @@ class MotionChoice:
     """What this tab decides."""
 
     path: Signal
-    angular_velocity: Turning
+    angular_velocity: AngularVelocity
     initial_rotation: Vec3
     time_scale: float
     duration: float
@@ -165,7 +165,7 @@ class _AngularVelocity:
                 hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
                 self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))
 
-    def read(self, duration: float) -> tuple[Turning, Vec3]:
+    def read(self, duration: float) -> tuple[AngularVelocity, Vec3]:
         angular_velocity = self.signal_editor.read(duration)
         self._start_section.show(not isinstance(angular_velocity, Flown))
         with self._start_section.catching():
@@ -176,5 +176,5 @@ class _AngularVelocity:
         self._rotation.write(choice.initial_rotation, base.initial_rotation)
         self._start_section.show(not isinstance(choice.angular_velocity, Flown))
 
-    def drafts(self) -> tuple[Turning, ...]:
-        return cast(tuple[Turning, ...], self.signal_editor.drafts())
+    def drafts(self) -> tuple[AngularVelocity, ...]:
+        return cast(tuple[AngularVelocity, ...], self.signal_editor.drafts())

@@ -10,7 +10,7 @@ from explorer.panels.motion.families.points import PointsEditor
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3
-from rangenav.signals import Multisine, Turning, Waypoint
+from rangenav.signals import AngularVelocity, Multisine, Waypoint
 
 
 class SignalEditor:
@@ -24,13 +24,13 @@ class SignalEditor:
         with section:
             self.family_menu = Choice(section, "family", labels, hint=hint)
         self.editors: dict[str, Editor] = {}
-        self._last_valid: dict[str, Turning] = {}
+        self._last_valid: dict[str, AngularVelocity] = {}
         """The last good signal of each family."""
-        self._base: Turning | None = None
+        self._base: AngularVelocity | None = None
         self._current_family: str = next(iter(labels))
-        self._signal: Turning = Multisine()
+        self._signal: AngularVelocity = Multisine()
 
-    def read(self, duration: float) -> Turning:
+    def read(self, duration: float) -> AngularVelocity:
         """The signal; another family just chosen starts from its own draft, or from what was there."""
         with self._section.catching():
             family = self.family_menu.read()
@@ -39,7 +39,9 @@ class SignalEditor:
         self._signal = self._last_valid[family] = self.editors[family].read()
         return self._signal
 
-    def write(self, signal: Turning, base: Turning | None, drafts: tuple[Turning, ...] = ()) -> None:
+    def write(
+        self, signal: AngularVelocity, base: AngularVelocity | None, drafts: tuple[AngularVelocity, ...] = ()
+    ) -> None:
         """Show a signal, and keep drafts of others."""
         self._base = base
         self._last_valid = {self._family_name(draft): draft for draft in drafts}
@@ -51,7 +53,7 @@ class SignalEditor:
                 self.editors[other].write(valid, self._base_of(other))
         self._show_editor(family, signal)
 
-    def drafts(self) -> tuple[Turning, ...]:
+    def drafts(self) -> tuple[AngularVelocity, ...]:
         """The last good signals of the families not in use, as far as they can be told from constants again."""
         used = self._current_family, self._family_name(self._signal)
         return tuple(
@@ -60,12 +62,12 @@ class SignalEditor:
             if family not in used and family == self._family_name(valid)
         )
 
-    def replace(self, signal: Turning) -> None:
+    def replace(self, signal: AngularVelocity) -> None:
         """Show a signal in place of the one that is there; what the preset says stays what it was."""
         self.write(signal, self._base, self.drafts())
 
     @property
-    def signal(self) -> Turning:
+    def signal(self) -> AngularVelocity:
         """As last read or written."""
         return self._signal
 
@@ -105,7 +107,7 @@ class SignalEditor:
         else:
             self._show_editor(family, draft)
 
-    def _show_editor(self, family: str, signal: Turning) -> None:
+    def _show_editor(self, family: str, signal: AngularVelocity) -> None:
         """Bring a family's editor forward; while nothing is shown, only note which it will be."""
         self._current_family, self._signal = family, signal
         self._last_valid[family] = signal
@@ -125,11 +127,11 @@ class SignalEditor:
             return FileSignalEditor(self._form)
         return BY_NAME[family].editor(self._form, self._slot)
 
-    def _base_of(self, family: str) -> Turning | None:
+    def _base_of(self, family: str) -> AngularVelocity | None:
         """What the preset says, if the editor of this family can show it."""
         return self._base if self._base is not None and self._family_name(self._base) == family else None
 
-    def _family_name(self, signal: Turning) -> str:
+    def _family_name(self, signal: AngularVelocity) -> str:
         """The family that the menu shows for a signal: a Multisine of nothing but an offset is a constant where the
         menu offers constants, and a signal whose family the menu does not offer is one from a file."""
         constant = isinstance(signal, Multisine) and not signal.tones and signal.drift == (0.0, 0.0, 0.0)

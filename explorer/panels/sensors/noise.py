@@ -6,7 +6,7 @@ density n (unit/√Hz)     standard deviation per sample σ = n √(IMU rate)
 from explorer.widgets.controls import DIGITS, LogDial, Switch
 from explorer.widgets.form import Form, Section
 from rangenav.number_format import significant
-from rangenav.sensors import Noise, Unit, given_as
+from rangenav.sensors import Noise, Unit, in_unit
 
 OTHER_UNIT: dict[Unit, tuple[Unit, str]] = {"sample": ("density", "/√Hz"), "density": ("sample", " per sample")}
 
@@ -91,14 +91,14 @@ class NoiseFolder:
     def _in_unit(self, noise: Noise, unit: Unit, rate: float) -> Noise:
         """The same noise in the other unit; switched back with nothing changed it is the old one to the last bit."""
         before, last = noise, self._converted
-        noise = last[0] if last and last[1:] == (rate, noise) else given_as(noise, unit, rate=rate)
+        noise = last[0] if last and last[1:] == (rate, noise) else in_unit(noise, unit, rate=rate)
         self._converted = (before, rate, noise)
         return noise
 
     def _describe_other_unit(self, noise: Noise, rate: float) -> None:
         """What gyro and accelerometer noise are in the other unit."""
         unit, name = OTHER_UNIT[noise.imu_unit]
-        other = given_as(noise, unit, rate=rate)
+        other = in_unit(noise, unit, rate=rate)
         gyro, accel = (significant(sigma, DIGITS) for sigma in (other.gyro, other.accel))
         line = f"at {rate:g} Hz: {gyro} rad/s{name}, {accel} m/s²{name}"
         if line != self.other_unit_line.content:

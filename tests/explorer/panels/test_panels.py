@@ -94,7 +94,7 @@ def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_
     folder = dock.sensors.noise
     folder.as_density.show(True)
     turned = refreshed(dock).preset.sensors
-    assert turned.noise == sensors.given_as(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
+    assert turned.noise == sensors.in_unit(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
     assert folder.groups["density"]._folder.visible
     assert not folder.groups["sample"]._folder.visible
     assert "at 200 Hz: 0.3333 rad/s per sample" in folder.other_unit_line.content
@@ -109,7 +109,7 @@ def test_as_a_density_the_noise_is_kept_when_the_rate_changes_and_then_turned_ba
     dock.sensors.imu_rate.show(800.0)
     assert refreshed(dock).preset.sensors.noise == noise
     dock.sensors.noise.as_density.show(False)
-    assert refreshed(dock).preset.sensors.noise == sensors.given_as(noise, "sample", rate=800.0)
+    assert refreshed(dock).preset.sensors.noise == sensors.in_unit(noise, "sample", rate=800.0)
 
 
 def _pick(panel: SensorsPanel, name: str) -> None:

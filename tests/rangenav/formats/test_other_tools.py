@@ -113,7 +113,7 @@ def test_gtsam_flies_the_reference_file_and_feels_the_specific_force_with_gravit
     runner = gtsam.ScenarioRunner(scenario, params, 0.01, gtsam.imuBias.ConstantBias())
     t = np.arange(25, 1950, 61) / 100  # on the file's own stamps: GTSAM interpolates between them
     if attitude == "flown":
-        course = hover_ramps.ramped(p.path, p.duration, window=p.requirement.window)
+        course = hover_ramps.with_ramps(p.path, p.duration, window=p.requirement.window)
         body = hover_ramps.attitude(course, p.angular_velocity, p.world.gravity, t)
     else:
         course = p.path
@@ -161,7 +161,7 @@ def test_what_cflib_sends_a_crazyflie_is_the_path_to_the_precision_of_its_floats
         x, y, z, yaw = (numbers[k : k + 8] for k in (0, 8, 16, 24))
         pieces.append(polynomials.Piece(duration=numbers[32], x=x, y=y, z=z, yaw=yaw))
     flown = polynomials.Polynomials(pieces=tuple(pieces))
-    course = hover_ramps.ramped(upright(p).path, written.steady[1], window=p.requirement.window)
+    course = hover_ramps.with_ramps(upright(p).path, written.steady[1], window=p.requirement.window)
     t = np.linspace(0, course.end, 500)
     assert np.linalg.norm(flown(t) - course(t), axis=-1).max() < 3e-4
     start = np.linspace(written.steady[0], written.steady[1] - p.requirement.window, 9)

@@ -21,7 +21,7 @@ FLYABLE = ("paper-slow", "soft", "lissajous", "helix", "tilted-circle")
 
 def course_of(name):
     p = upright(preset.load(name))
-    return p, hover_ramps.ramped(p.path, p.duration, window=p.requirement.window)
+    return p, hover_ramps.with_ramps(p.path, p.duration, window=p.requirement.window)
 
 
 @pytest.mark.parametrize("name", FLYABLE)
@@ -62,11 +62,11 @@ def test_between_its_ramps_a_ramped_path_is_the_path_itself_and_nowhere_leaves_i
 
 
 def test_a_path_that_rests_at_its_ends_needs_no_ramps_and_one_too_short_for_them_is_refused():
-    course = hover_ramps.ramped(EXAMPLES["waypoints"], 12.0, window=6.0)
+    course = hover_ramps.with_ramps(EXAMPLES["waypoints"], 12.0, window=6.0)
     assert (course.ramp, course.end, course.steady) == (0.0, 12.0, (0.0, 12.0))
     rule = "ramps of 2 s leave 5 s of the path, less than its window of 6 s: fly longer"
     with pytest.raises(ValueError, match=exactly(rule)):
-        hover_ramps.ramped(preset.load("soft").path, 7.0, window=6.0)
+        hover_ramps.with_ramps(preset.load("soft").path, 7.0, window=6.0)
 
 
 @pytest.mark.parametrize("yaw", ["0", "0.7", "sin(t)/2"])

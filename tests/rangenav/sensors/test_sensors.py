@@ -197,7 +197,7 @@ def test_the_first_noise_of_seed_1_is_what_it_was():
 def test_noise_per_sample_and_its_density_are_one_noise_at_one_rate(sigma, rate):
     assert sensors.per_sample(sensors.density(sigma, rate), rate) == pytest.approx(sigma, rel=1e-15)
     given_both = Noise(gyro=sigma, accel=2 * sigma, mag=0.3, range=0.4)
-    as_density = sensors.given_as(given_both, "density", rate=rate)
+    as_density = sensors.in_unit(given_both, "density", rate=rate)
     assert as_density == Noise(
         gyro=sensors.density(sigma, rate),
         accel=sensors.density(2 * sigma, rate),
@@ -205,8 +205,8 @@ def test_noise_per_sample_and_its_density_are_one_noise_at_one_rate(sigma, rate)
         range=0.4,
         imu_unit="density",
     )
-    assert sensors.given_as(as_density, "density", rate=7.0) is as_density
-    assert sensors.given_as(given_both, "sample", rate=7.0) is given_both
+    assert sensors.in_unit(as_density, "density", rate=7.0) is as_density
+    assert sensors.in_unit(given_both, "sample", rate=7.0) is given_both
 
 
 def test_with_a_density_a_faster_imu_is_noisier_sample_by_sample_and_mag_and_range_are_not():

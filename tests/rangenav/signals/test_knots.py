@@ -67,8 +67,8 @@ def test_a_sum_has_the_knots_of_both_parts_and_those_they_share_once():
     tones = Multisine(tones=(Tone(axis="x", amplitude=1.0, frequency=3.0),))
     mixed = Sum(base=WAYPOINTS, wiggle=tones)
     np.testing.assert_array_equal(knots.knots(mixed, 0.5, 9.0), knots.knots(WAYPOINTS, 0.5, 9.0))
-    assert knots.bandwidth_besides(mixed, 10.0) == 3.0
-    assert knots.bandwidth_besides(WAYPOINTS, 10.0) == 0.0
+    assert knots.smooth_bandwidth(mixed, 10.0) == 3.0
+    assert knots.smooth_bandwidth(WAYPOINTS, 10.0) == 0.0
     assert not knots.has_pieces(tones)
     assert knots.has_pieces(mixed)
 

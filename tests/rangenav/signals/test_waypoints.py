@@ -139,10 +139,10 @@ def test_coincident_points_are_allowed_and_a_curve_through_one_place_stands_stil
 
 
 def test_two_thousand_waypoints_are_fitted_in_a_fraction_of_a_second():
-    began = time.perf_counter()
+    began = time.process_time()
     many = Waypoints(points=timed(seed=9, count=2000, end=600.0))
     many(np.linspace(0, 600, 4000), 4)
-    assert time.perf_counter() - began < 1.0
+    assert time.process_time() - began < 1.0
 
 
 def test_moving_retiming_adding_and_deleting_give_new_values():

@@ -16,7 +16,7 @@ from explorer.panels.motion.families.points import minimum_snap_editor, waypoint
 from explorer.panels.motion.families.polynomials import PolynomialsEditor
 from explorer.panels.motion.families.sines import SinesEditor
 from explorer.widgets.form import Form
-from rangenav.signals import Flown, Formula, MinimumSnap, Multisine, Polynomials, Sum, Turning, Waypoints
+from rangenav.signals import AngularVelocity, Flown, Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +25,7 @@ class FamilyRow:
 
     name: str
     """The family's `kind` in a file. A constant, which is a Multisine of nothing but an offset, has its own name."""
-    type: type[Turning]
+    type: type[AngularVelocity]
     description: str
     """What a signal of this family is called in a sentence."""
     editor: Callable[[Form, SignalSlot], Any]
@@ -112,19 +112,19 @@ FROM_FILE, FROM_FILE_LABEL = "from-file", "as in the file"
 """Name and label of a signal that has no editor where it is, such as a sum as an angular velocity."""
 
 
-def family_name(signal: Turning) -> str:
+def family_name(signal: AngularVelocity) -> str:
     """The name of the signal's family; that of a sum is FROM_FILE."""
     return FROM_FILE if isinstance(signal, Sum) else _row(signal).name
 
 
-def description(signal: Turning) -> str:
+def description(signal: AngularVelocity) -> str:
     """What kind of signal it is, for a sentence."""
     if isinstance(signal, Sum):
         return f"{description(signal.base)} plus {description(signal.wiggle)}"
     return _row(signal).description
 
 
-def _row(signal: Turning) -> FamilyRow:
+def _row(signal: AngularVelocity) -> FamilyRow:
     """The first row of the signal's type. Raises KeyError for a type without a row, which a test rules out."""
     for row in ROWS:
         if row.type is type(signal):

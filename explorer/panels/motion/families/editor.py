@@ -9,7 +9,7 @@ editor.show(visible)               a hidden editor keeps what was typed
 from dataclasses import dataclass
 from typing import Protocol
 
-from rangenav.signals import Turning
+from rangenav.signals import AngularVelocity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +29,6 @@ class SignalSlot:
 class Editor(Protocol):
     """What all editors offer."""
 
-    def read(self) -> Turning: ...
-    def write(self, signal: Turning, base: Turning | None) -> None: ...
+    def read(self) -> AngularVelocity: ...
+    def write(self, signal: AngularVelocity, base: AngularVelocity | None) -> None: ...
     def show(self, visible: bool) -> None: ...

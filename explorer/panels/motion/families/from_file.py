@@ -4,7 +4,7 @@ import html
 
 from explorer.panels.motion.families import description
 from explorer.widgets.form import Form, Section
-from rangenav.signals import Multisine, Turning
+from rangenav.signals import AngularVelocity, Multisine
 
 LINE = (
     '<div style="padding:0.1em 0.9em 0.6em;font-size:0.85em">Here: {}. It has no controls and is kept as it is; '
@@ -17,15 +17,15 @@ class FileSignalEditor:
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form)
-        self._signal: Turning = Multisine()
+        self._signal: AngularVelocity = Multisine()
         with section:
             self._line = form.gui.add_html("")
 
-    def read(self) -> Turning:
+    def read(self) -> AngularVelocity:
         """The signal as it was written."""
         return self._signal
 
-    def write(self, signal: Turning, base: Turning | None) -> None:
+    def write(self, signal: AngularVelocity, base: AngularVelocity | None) -> None:
         """Show the description of a signal."""
         self._signal = signal
         self._line.content = LINE.format(html.escape(description(signal)))
