@@ -66,7 +66,7 @@ def case(name: str, seed: int, *, cold: bool) -> Case:
     shipped = preset.load(name)
     sensors = msgspec.structs.replace(shipped.sensors, imu_rate=RATE, mag_rate=RATE, range_rate=RATE)
     p = msgspec.structs.replace(shipped, duration=DURATION, sensors=sensors)
-    course = record.course_of(p)
+    course = record.truth_inputs(p)
     truth, z = record.simulated(course), record.measured(course, sensors, seed)
     start = cascade.start(p.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=p.world)
     return Case(

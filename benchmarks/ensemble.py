@@ -56,7 +56,7 @@ def main() -> None:
 
 def _loop(p: Preset, count: int) -> None:
     """One run for each of some random starts, on one record."""
-    course = record.course_of(p)
+    course = record.truth_inputs(p)
     truth, z = record.simulated(course), record.measured(course, p.sensors, p.seed)
     setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
     for rotation in Rotation.random(count, random_state=0).as_matrix():

@@ -178,7 +178,7 @@ def analysis(
     ranges = accuracy.ranged(path, at, window, range_rate)
 
     def predicted(kind: accuracy.Problem, moment: rows.Moment) -> Accuracy:
-        return accuracy.told(ranges, world, sigma=range_sigma, kind=kind, at=moment, share=arriving)
+        return accuracy.of_ranges(ranges, world, sigma=range_sigma, kind=kind, at=moment, share=arriving)
 
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
     return Analysis(

@@ -18,27 +18,29 @@ RHO_RANGE = (1e-6, 1e3)
 HALFWAY_RANGE = (1e-4, 1.0)
 MEMORY_RANGE = (1e-3, 1e2)
 MISALIGNED = 1.0
-"""s at the start, when nothing is known: a quarter turn's."""
+"""s at the start, where nothing is known: that of an error of 90°."""
 STIFF = 1.0
-"""The fastest rate times a step. There one step takes the whole error away, and with it all of a sample's noise goes
-into the estimate; at 2 Heun's method is unstable."""
+"""The fastest rate times a step. At 1 a single step removes the whole error, and adds the whole noise of a sample to
+the estimate; at 2 Heun's method is unstable."""
 
 
 class Schedule(Input, frozen=True, kw_only=True):
-    """k1 high while the measured vectors disagree with the expected ones, low once they agree; outside the theorem.
+    """k1 is high while the measured vectors differ from the expected ones, and low once they coincide.
 
         k1(s) = steady (k1/steady)^(s²/(s² + halfway²)),   ṡ = (c − s)/memory,   s(0) = 1
         c = [ρ1 (1 − m_y·R̂ᵀm) + ρ2|g|² |ĝ_B − R̂ᵀg|²/(|ĝ_B|² + |g|²)] / (ρ1 + ρ2|g|²)
-    c is the weighted mean of 1 − cos of the two angles (the second stays below 2 however wrong ĝ_B is). Near the
-    undesired equilibria, half turns, σ fades and c does not: there k1 stays high. The theorem assumes a constant k1.
+
+    c is the weighted mean of 1 − cos of the two angles (the second term stays below 2 however wrong ĝ_B is). Near the
+    undesired equilibria, errors of 180°, σ vanishes and c does not: there k1 stays high. The theorem assumes a constant
+    k1 and does not cover a schedule.
     """
 
     steady: float = 0.5
-    """1/s: k1 when the vectors agree, not above k1 itself."""
+    """1/s: k1 where the vectors coincide, not above k1 itself."""
     halfway: float = 0.02
     """The misalignment s at which k1 is halfway between its ends, in equal ratios."""
     memory: float = 2.0
-    """s, of the low-pass that takes the magnetometer's noise out of s."""
+    """s, the time constant of the low-pass that removes the magnetometer's noise from s."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -54,7 +56,8 @@ class AttitudeGains(Input, frozen=True, kw_only=True):
     """1/s for unit vectors; under a schedule its upper end."""
     rho1: float = 1.0
     rho2: float = 0.01
-    """Multiplies |g|² ≈ 96: about 1/|g|² weighs gravity like the unit magnetic vector; 1 is stiff at low rates."""
+    """Multiplies |g|² ≈ 96: with about 1/|g|² gravity weighs as much as the unit magnetic vector; 1 is stiff at low
+    rates."""
     schedule: Schedule | None = None
     """None: k1 is constant, as in the paper."""
 
@@ -81,7 +84,7 @@ def innovation(
     gains: AttitudeGains,
     world: World,
 ) -> Float[Array, "3"]:
-    """σ (body axes): what turns the estimate towards the measured vectors."""
+    """σ (body axes): k1 σ is the angular velocity that turns the estimate towards the measured vectors."""
     sigma = gains.rho1 * np.cross(mag, rotation.T @ np.asarray(world.magnetic))
     return sigma + gains.rho2 * np.cross(gravity_body, rotation.T @ np.asarray(world.gravity))
 
@@ -94,7 +97,7 @@ def disagreement(
     gains: AttitudeGains,
     world: World,
 ) -> float:
-    """c of `Schedule`: how far the measured vectors are from the expected ones, 0 to 2 without noise."""
+    """c of `Schedule`: how far the measured vectors are from the expected ones; 0 to 2 without noise."""
     gravity = rotation.T @ np.asarray(world.gravity)
     weight = gains.rho2 * (gravity @ gravity)
     magnetic = 1 - mag @ rotation.T @ np.asarray(world.magnetic)
@@ -136,12 +139,12 @@ def step(
         return misaligned if plan is None else towards + np.exp(-h / plan.memory) * (misaligned - towards)
 
     plan = gains.schedule
-    seen = disagreement(rotation, mag[0], gravity_body[0], gains=gains, world=world)
+    misalignment = disagreement(rotation, mag[0], gravity_body[0], gains=gains, world=world)
     start = rate(rotation, misaligned, 0)
     trial = rotation @ so3.exp(h * start)
-    end = rate(trial, relaxed(seen), 1)
-    seen = (seen + disagreement(trial, mag[1], gravity_body[1], gains=gains, world=world)) / 2
-    return rotation @ so3.exp(h / 2 * (start + end)), relaxed(seen)
+    end = rate(trial, relaxed(misalignment), 1)
+    misalignment = (misalignment + disagreement(trial, mag[1], gravity_body[1], gains=gains, world=world)) / 2
+    return rotation @ so3.exp(h / 2 * (start + end)), relaxed(misalignment)
 
 
 def decay_matrix(gains: AttitudeGains, world: World) -> Float[Array, "3 3"]:
@@ -153,7 +156,7 @@ def decay_matrix(gains: AttitudeGains, world: World) -> Float[Array, "3 3"]:
 def time_constants(gains: AttitudeGains, world: World, form: ModelForm = "derived") -> Float[Array, "3"]:
     """The three time constants (s) of a small attitude error, slowest first; printed ones are twice as long.
 
-    Under a schedule these are the ones at its lower end, where a small error finds it.
+    Under a schedule they are those of its lower end, where k1 is for a small error.
     """
     M = decay_matrix(gains, world)
     rates = gain(gains, 0.0) * np.linalg.eigvalsh(np.trace(M) * np.eye(3) - M)
@@ -163,8 +166,8 @@ def time_constants(gains: AttitudeGains, world: World, form: ModelForm = "derive
 def stiffness(gains: AttitudeGains, world: World, *, imu_rate: float, mag_rate: float) -> str | None:
     """One sentence if the gains are too high for the sensors' rates (Hz), None if they are not.
 
-    A step of the IMU is held against the fastest rate, and the magnetometer's against its own share k1ρ1 alone: in
-    between samples gravity goes on correcting.
+    The IMU's step is compared with the fastest rate. The magnetometer's step is compared with its own part k1ρ1 alone,
+    because gravity corrects between its samples, too.
     """
     fastest = gains.k1 * float(np.trace(decay_matrix(gains, world)))  # M has rank two: one rate is k1 tr M itself
     held_against = (

@@ -18,7 +18,7 @@ from rangenav.signals.polynomials import Coefficients
 FLIP = np.diag([1.0, -1.0, -1.0])
 NO_SHIFT = np.zeros(3)
 ALONG = 1e-9
-"""Share of gravity that may lie beside z."""
+"""Share of gravity that may lie across z."""
 
 
 def z_up(world: World) -> bool:
@@ -75,7 +75,7 @@ def flipped_vector(vector: Vec3) -> Vec3:
 
 
 def flipped_signal(signal: Signal) -> Signal:
-    """The signal in the other axes, still of its own family; the yaw of its pieces is about the other z."""
+    """The signal in the other axes, of the same family; the yaw of its pieces is about the other z."""
     if isinstance(signal, Sum):
         parts = {name: flipped_signal(getattr(signal, name)) for name in ("base", "wiggle")}
         return msgspec.structs.replace(signal.mapped(FLIP, NO_SHIFT), **parts)

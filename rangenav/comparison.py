@@ -1,7 +1,8 @@
-"""Estimators side by side on one record: the cascade, its refinement, and the extended Kalman filter.
+"""Estimators compared on one record: the cascade, its refinement, and the extended Kalman filter.
 
-The filter is asked twice: from the cascade's own start, and from the truth with a small covariance, which nobody has
-but which shows how good it is where it works. Errors are `rangenav.errors.Errors` for all of them: in body axes.
+The filter runs twice: from the cascade's own start, and from the truth with a small covariance. Nobody has that second
+start; it shows how accurate the filter is where it converges. The errors of all of them are `rangenav.errors.Errors`,
+in body axes.
 """
 
 import time
@@ -22,23 +23,23 @@ EKF, EKF_TRUTH = "EKF, the cascade's start", "EKF, started at the truth"
 TRUTH_SIGMA = 0.1
 """m, m/s and rad: 1 σ with which the filter starts at the truth."""
 WRONG_PLACE = 5.0
-"""A final error of so many of its own σ belongs to another minimum."""
+"""With a final error of more of its own σ than this, an estimator is in another minimum."""
 
 
 @result
 class Candidate:
-    """What one estimator made of the record."""
+    """The result of one estimator on the record."""
 
     name: str
     estimate: Estimate
     errors: Errors
     summary: Summary
     words: str
-    """How it went, in one sentence."""
+    """One sentence on how it ended."""
 
 
 def compare(of: Record) -> tuple[Candidate, ...]:
-    """All contenders on one record. Times are of this one run: of the first ever, compiling included."""
+    """All candidates on one record. The times are of this one run; those of the first run ever include compiling."""
     moved, setting = of.truth.motion, _setting(of)
     truth = (moved.position[0], moved.velocity[0], moved.rotation[0])
     near = np.eye(STATES) * TRUTH_SIGMA**2
@@ -60,7 +61,7 @@ def refined(of: Record) -> Candidate:
     """The whole record refined, starting from the cascade's last estimate."""
     began = time.perf_counter()
     found = refine.refine(of.measurements, of.estimate, _setting(of))
-    return _contender(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
+    return _candidate(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
 
 
 def filtered(of: Record) -> Candidate:
@@ -77,24 +78,24 @@ def _setting(of: Record) -> ObserverConfig:
 def _filtered(name: str, run: Callable[[], Track], of: Record) -> Candidate:
     began = time.perf_counter()
     track = run()
-    return _contender(name, track, of, time.perf_counter() - began)
+    return _candidate(name, track, of, time.perf_counter() - began)
 
 
-def _contender(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Candidate:
+def _candidate(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Candidate:
     with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
         found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
         summary = record.summarise(estimate, found, seconds)
-        told = _words(estimate, found, summary)
+        by_truth = _words(estimate, found, summary)
         if words is None:
-            words = told
-        elif summary.settle_position_s is None:  # converged, maybe, but to what?
-            words = f"{words}; {told}"
+            words = by_truth
+        elif summary.settle_position_s is None:  # perhaps it converged, but not to the truth
+            words = f"{words}; {by_truth}"
     return Candidate(name=name, estimate=estimate, errors=found, summary=summary, words=words)
 
 
 def _words(estimate: Estimate, errors: Errors, summary: Summary) -> str:
-    """Settled, in a wrong place, or not a number: told from the truth, so for simulated records only."""
+    """Settled, in a wrong place, or not a number; the truth decides, so this is for simulated records only."""
     lost = np.flatnonzero(~np.isfinite(errors.position))
     if len(lost):
         return f"not a number from t = {estimate.time[lost[0]]:.3g} s on"

@@ -1,10 +1,11 @@
-"""Does the observer know how wrong it is? Normalised squares of its innovations and errors, with chi-square bands.
+"""Consistency: does the observer's covariance match its errors? Normalised squares with chi-square bands.
 
-    NIS  = (y − ŷ)²/S,  S = P₁₁ + R       1 on average if P and R are true
+    NIS  = (y − ŷ)²/S,  S = P₁₁ + R       1 on average if P and R are right
     NEES = eᵀ P⁻¹ e,  e = p̂ − p           3 on average, the degrees of freedom of a position
-The mean of N independent ones with k degrees of freedom lies between the 2.5 and 97.5 % points of χ²(N k)/N. Above the
-band the observer is too sure of itself, below it too cautious. With constant gains P follows from the chosen q and v
-and not from the noise (paper, eq. 8): only noise-matched gains claim to be inside.
+
+The mean of N independent values with k degrees of freedom lies between the 2.5 and 97.5 % points of χ²(N k)/N. Above
+the band the covariance is too small, below it too large. With constant gains P follows from the chosen q and v and not
+from the noise (paper, eq. 8); only noise-matched gains are meant to be inside the band.
 """
 
 import numpy as np
@@ -15,9 +16,9 @@ from scipy.special import gammaincinv
 from rangenav.results import result
 
 SHARE = 0.95
-"""Of the values of a consistent observer lie inside the band."""
+"""The share of the values of a consistent observer that lie inside the band."""
 WINDOWS = 500
-"""As many as a plot can show."""
+"""Values at most, as many as a plot can show."""
 
 
 @result
@@ -40,12 +41,12 @@ class Consistency:
 
     @property
     def above(self) -> float:
-        """Share of the values above it: errors larger than the observer thinks."""
+        """Share of the values above the band: errors larger than the covariance says."""
         return self._share(self.mean > self.high)
 
     @property
     def words(self) -> str:
-        """The same for reading."""
+        """The shares as a sentence."""
         if np.isnan(self.inside):
             return "nothing to judge by"
         below = self._share(self.mean < self.low)
@@ -80,7 +81,7 @@ def errors(error: Float[Array, "n d"], covariance: Float[Array, "n d d"]) -> Flo
 
 
 def _positive(P: Float[Array, "n d d"]) -> Bool[Array, "n"]:
-    """Where P is positive definite; Cholesky says so of all at once three times sooner, and not of which."""
+    """Where P is positive definite. Cholesky decides it for all of them at once in a third of the time, if all are."""
     try:
         np.linalg.cholesky(P)
     except np.linalg.LinAlgError:
@@ -91,7 +92,7 @@ def _positive(P: Float[Array, "n d d"]) -> Bool[Array, "n"]:
 def sliding(square: Float[Array, "m"], time: Float[Array, "m"], *, window: float, freedom: int = 1) -> Consistency:
     """The mean over the last `window` seconds, at up to 500 times from the first whole window on.
 
-    The band takes the values for independent, which innovations of a consistent observer are and errors are not.
+    The band assumes that the values are independent. The innovations of a consistent observer are, its errors are not.
     """
     ends = np.flatnonzero(time >= (time[0] if len(time) else 0.0) + window)
     ends = ends[np.unique(np.linspace(0, len(ends) - 1, WINDOWS).round().astype(int))] if len(ends) else ends

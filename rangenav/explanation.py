@@ -19,7 +19,7 @@ Json = dict[str, Any]
 def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
     """All there is to say of a preset and its twin."""
     analysed = analyse(preset)
-    truth = record.simulated(record.course_of(preset)).motion
+    truth = record.simulated(record.truth_inputs(preset)).motion
     stopped = frozen.frozen(truth, analysed.gramian_at, windowed=analysed.rank)
     shaken = ellipsoid.ellipsoid(preset.path, analysed.mu_at, preset.requirement.window)
     return {

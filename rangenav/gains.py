@@ -1,4 +1,4 @@
-"""What a person chooses of the cascade: its gains (paper, eq. 8–9), and the guess it starts from."""
+"""What a person chooses of the cascade: its gains (paper, eq. 8–9) and its initial guess."""
 
 import math
 from typing import Literal
@@ -10,21 +10,21 @@ from rangenav.inputs import Input, Vec3, require
 from rangenav.riccati import RiccatiGains
 
 MAX_OFFSET = 1e4
-"""m, m/s, m/s²; a guess further off is no guess."""
+"""m, m/s, m/s²: the longest offset of a guess."""
 
 
 class Gains(Input, frozen=True, kw_only=True):
     """All gains of the cascade."""
 
     mode: Literal["constant", "noise-matched"] = "constant"
-    """noise-matched takes q and v from the sensors' noise at the estimate, and reminds it of ξ1 = ½|p|², which the lift
-    forgets; the theorem assumes constant gains and no reminder."""
+    """noise-matched: q and v follow from the sensors' noise at the estimate, and the estimate is corrected with the
+    constraint ξ1 = ½|p|², which the lift does not keep. The theorem assumes constant gains and no such correction."""
     riccati: RiccatiGains = RiccatiGains()
     attitude: AttitudeGains = AttitudeGains()
 
 
 class Guess(Input, frozen=True, kw_only=True):
-    """Where the observer starts: x̂(0) and R̃(0) = R(0) R̂(0)ᵀ = exp(angle [axis]x)."""
+    """The observer's start: x̂(0) and the attitude error R̃(0) = R(0) R̂(0)ᵀ = exp(angle [axis]x)."""
 
     state: Literal["zero", "truth", "offset"] = "zero"
     """zero: x̂ = 0; truth: the lifted true state; offset: the lift of the truth plus the offsets below."""

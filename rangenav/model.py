@@ -1,8 +1,10 @@
 """The lifted 13-state model (paper, eq. 5–7): ẋ = 𝒜(ω, a) x + b, y = ½d² = x[0].
 
 x = (ξ1, ξ2, ξ3, ξ4, p_B, v_B, g_B) with ξ1 = ½|p|², ξ2 = p·v, ξ3 = |v|² + p·g, ξ4 = 3 v·g, p relative to the anchor:
+
     ξ̇1 = ξ2,  ξ̇2 = ξ3 + a·p,  ξ̇3 = ξ4 + 2a·v,  ξ̇4 = 3a·g + 3|g|²,
     ṗ_B = −ω×p_B + v_B,  v̇_B = −ω×v_B + g_B + a,  ġ_B = −ω×g_B.
+
 The printed paper has |g|² for 3|g|² (C_5 = 0): an observer built on it never converges, even from the truth.
 """
 
@@ -25,7 +27,7 @@ ModelForm = Literal["derived", "printed"]
 def lift(
     position: Float[Array, "*n 3"], velocity: Float[Array, "*n 3"], gravity: Float[Array, "*n 3"]
 ) -> Float[Array, "*n 13"]:
-    """The 13-state of a position (relative to the anchor), velocity and gravity given in one common frame."""
+    """The 13-state of a position (relative to the anchor), velocity and gravity in one common frame."""
 
     def dot(u: Array, w: Array) -> Array:
         return np.einsum("...i,...i->...", u, w)[..., None]  # a third of the time of np.sum over three columns
@@ -43,7 +45,7 @@ def true_state(motion: Motion, *, world: World) -> Float[Array, "n 13"]:
 
 
 def input_4(gravity_norm: float, form: ModelForm = "derived") -> float:
-    """The constant input into ξ4 (m²/s⁴): 3|g|²; the printed B_m gives |g|², see README "Departures"."""
+    """The constant input into ξ4 (m²/s⁴): 3|g|²; the printed B_m gives |g|² (see docs/departures.md)."""
     return (3.0 if form == "derived" else 1.0) * gravity_norm**2
 
 

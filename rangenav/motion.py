@@ -1,7 +1,7 @@
 """The truth on a time grid (paper, eq. 1): ṗ = v, v̇ = g + R a, Ṙ = R [ω]x.
 
-The path fixes position to snap; the angular velocity is integrated on the group, so R stays a rotation, unless the body
-is flown: then its attitude follows from the path as well.
+The path determines position to snap. The angular velocity is integrated on the group, so R stays a rotation. A `Flown`
+body has no angular velocity of its own: its attitude follows from the path.
 The apparent acceleration (specific force) is what an accelerometer feels: a = Rᵀ(p̈ − g).
 """
 
@@ -105,7 +105,8 @@ def simulate(
 ) -> Motion:
     """The truth at `rate` (Hz) for `duration` (s); initial_rotation is a rotation vector (rad): R(0) = exp([r]x).
 
-    Flown, the path alone decides the attitude, and initial_rotation is not asked. Raises ValueError where it has none.
+    For `Flown` the path alone determines the attitude, and initial_rotation is not used. Raises ValueError if such an
+    attitude does not exist.
     """
     time = time_grid(duration, rate)
     if isinstance(angular_velocity, Flown):
@@ -129,7 +130,7 @@ def simulate(
 
 @lru_cache(maxsize=8)
 def _turning(angular_velocity: Signal, initial_rotation: Vec3, duration: float, rate: float) -> Attitude:
-    """Attitude has nothing to do with the path: while somebody drags the path it is found here."""
+    """Cached by its own inputs: the attitude does not depend on the path, which changes while somebody drags it."""
     time, start = time_grid(duration, rate), so3.exp(np.asarray(initial_rotation, dtype=float))
     body = Attitude(
         rotation=integrate(angular_velocity, start, time),

@@ -1,4 +1,4 @@
-"""The gains in physical words: what noise, prior and time constants the paper's q, v, p0, k1, ρ1, ρ2 stand for.
+"""The gains in physical units: the noise, prior and time constants that the paper's q, v, p0, k1, ρ1, ρ2 stand for.
 
 At a typical distance d from the anchor and speed s, with range rate f_d, IMU rate f and g, m from the world:
     q    = f_d / (d²σ² + ½σ⁴)                           range noise σ: the variance of y = ½d²
@@ -7,9 +7,11 @@ At a typical distance d from the anchor and speed s, with range rate f_d, IMU ra
     v_p, v_g = position_factor ⅔ d² σ_ω² / f,  ⅔ |g|² σ_ω² / f       gyro noise as p × η, g × η
     p0   = b²/3 of a box of half-width b;  p0_ξ = xi_factor × the mean variance of ξ1…ξ4 in the boxes
     1/T  = k1 ρ1 |m|² 2w sin²θ / (1 + w + √((1−w)² + 4w cos²θ)),  w = ρ2|g|²/(ρ1|m|²),  θ between m and g
-Twelve numbers stand for twelve: what has no physical name is a factor that is kept (1: as the noise says), so paper →
-physical → paper changes nothing. The second time constant is not asked: with the first and w it follows, and found from
-both, k1ρ1 and k1ρ2 would be roots of a quadratic that loses half of its digits where they are equal.
+
+Twelve numbers stand for twelve. A gain without a physical quantity becomes a factor (1: as the noise says), so paper →
+physical → paper changes nothing. The second time constant is no input: it follows from the first one and w. Computed
+from both time constants, k1ρ1 and k1ρ2 would be roots of a quadratic, which loses half of its digits where they are
+equal.
 """
 
 import math
@@ -29,13 +31,13 @@ from rangenav.sensors import Sensors
 from rangenav.signals import Signal
 
 NEAREST = 0.1
-"""m; a path that stays nearer to the anchor than this counts as this far: a typical distance must tell something."""
+"""m; the least typical distance from the anchor: the variance of y = ½d² vanishes with it."""
 MOMENTS = 500
 """Points of a path whose mean square makes it typical."""
 ROUNDING = 1e-12
 """A gain that misses an end of its range by this share, the rounding of a conversion, is that end."""
 SIZES = (1e-30, 1e30)
-"""Of any physical word. All that valid gains stand for lies far inside, and no fourth power of these overflows."""
+"""Of any physical quantity. What valid gains stand for lies far inside, and no fourth power of these overflows."""
 T = TypeVar("T")
 
 
@@ -54,7 +56,7 @@ class Typical(Input, frozen=True, kw_only=True):
 
 
 class PhysicalGains(Input, frozen=True, kw_only=True):
-    """The gains of the cascade, in physical words; noise is the standard deviation of one sample, as in `Noise`."""
+    """The gains of the cascade in physical units; noise is the standard deviation of one sample, as in `Noise`."""
 
     mode: Literal["constant", "noise-matched"] = "constant"
     range_sigma: float
@@ -78,7 +80,7 @@ class PhysicalGains(Input, frozen=True, kw_only=True):
     attitude_time: float
     """s, the slowest time constant of a small attitude error; under a schedule, that at its upper end."""
     gravity_weight: float
-    """ρ2|g|²/(ρ1|m|²): what the direction of gravity counts beside that of the magnetic field."""
+    """ρ2|g|²/(ρ1|m|²): the weight of the direction of gravity relative to that of the magnetic field."""
     rho1: float
     """Kept as it is: only the products k1ρ1 and k1ρ2 do anything."""
     schedule: Schedule | None = None
@@ -102,7 +104,7 @@ def typical(path: Signal, world: World, duration: float) -> Typical:
 
 
 def to_physical(gains: Gains, at: Typical, *, world: World, sensors: Sensors) -> PhysicalGains:
-    """What the paper's gains stand for."""
+    """The physical quantities that the paper's gains stand for."""
     riccati, attitude = gains.riccati, gains.attitude
     v, p0 = riccati.v, riccati.p0
     accel2 = v.xi / _accel_into_xi(at, world)
@@ -128,7 +130,7 @@ def to_physical(gains: Gains, at: Typical, *, world: World, sensors: Sensors) ->
 
 
 def to_paper(chosen: PhysicalGains, at: Typical, *, world: World, sensors: Sensors) -> Gains:
-    """The paper's gains that stand for this. Raises ValueError naming what asks for a gain outside its range."""
+    """The paper's gains for these quantities. Raises ValueError naming one that needs a gain outside its range."""
     p = chosen
     accel2, gyro2 = p.accel_sigma**2 / sensors.imu_rate, p.gyro_sigma**2 / sensors.imu_rate
     variance = at.distance**2 * p.range_sigma**2 + p.range_sigma**4 / 2
@@ -167,11 +169,11 @@ def to_paper(chosen: PhysicalGains, at: Typical, *, world: World, sensors: Senso
     )
 
 
-def keeping(found: Gains, known: Iterable[Gains], at: Typical, *, world: World, sensors: Sensors) -> Gains:
-    """What `to_paper` found, with each gain that it would have found for a known one too taken from there.
+def keep_known(found: Gains, known: Iterable[Gains], at: Typical, *, world: World, sensors: Sensors) -> Gains:
+    """The gains that `to_paper` found, with known gains in place of those that differ from them by rounding only.
 
-    A round trip through physical words costs last bits. So of gains that were put into words, of which some were then
-    changed, those that no changed word touches come back as they were, and all of them if none was changed.
+    A round trip through physical units changes last bits. Where a person changed some of the physical quantities, the
+    gains that do not depend on them are exactly those from before, and all of them are if nothing was changed.
     """
     kept = found
     for one in known:
@@ -191,7 +193,7 @@ def _kept(kept: T, found: T, known: T, trip: T) -> T:
 
 
 def _range_sigma(variance: float, distance: float) -> float:
-    """The σ with d²σ² + ½σ⁴ = variance, written without a difference."""
+    """The σ with d²σ² + ½σ⁴ = variance, computed without a difference."""
     return math.sqrt(2 * variance / (distance**2 + math.sqrt(distance**4 + 2 * variance)))
 
 
@@ -211,7 +213,7 @@ def _xi_variance(p: float, v: float, g: float) -> float:
 
 
 def _slow_share(weight: float, world: World) -> float:
-    """The slowest rate over k1ρ1: M's smaller nonzero eigenvalue over ρ1, the root written without a difference."""
+    """The slowest rate over k1ρ1: M's smaller nonzero eigenvalue over ρ1, the root computed without a difference."""
     m, g = np.asarray(world.magnetic), np.asarray(world.gravity)
     sizes = _length(world.magnetic) * _length(world.gravity)
     sine2, cosine2 = float(np.sum(np.cross(m, g) ** 2)) / sizes**2, float(m @ g) ** 2 / sizes**2
@@ -223,9 +225,9 @@ def _length(vector: tuple[float, float, float]) -> float:
     return math.hypot(*vector)
 
 
-def _within(asked: str, name: str, value: float, limits: tuple[float, float]) -> float:
+def _within(quantity: str, name: str, value: float, limits: tuple[float, float]) -> float:
     """The value, or an end of the range that it misses by rounding only."""
     low, high = limits
     close = low * (1 - ROUNDING) <= value <= high * (1 + ROUNDING)
-    require(close, f"{asked} asks for {name} = {value:g}, which must lie between {low:g} and {high:g}")
+    require(close, f"{quantity} asks for {name} = {value:g}, which must lie between {low:g} and {high:g}")
     return min(max(value, low), high)

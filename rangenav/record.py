@@ -1,4 +1,4 @@
-"""One run of a preset: the truth, what the sensors saw, what the observers made of it, and how well they did."""
+"""One run of a preset: the truth, the measurements, the observers' estimate, and its errors."""
 
 import math
 import time
@@ -26,12 +26,12 @@ SETTLED_POSITION = 0.3
 """m; an error counts as settled once it stays below this to the end."""
 SETTLED_ATTITUDE = math.radians(5)
 DIVERGED_STD = 1e2
-"""m; with a larger 1-σ of the observer's own position the estimate says nothing: unobservable, covariance diverges."""
+"""m; with a larger 1-σ of its own position the observer counts as diverged, as it does on an unobservable motion."""
 CACHED = 4
 
 
 class TruthInputs(Input, frozen=True, kw_only=True):
-    """What decides the truth: the part of a preset that neither noise nor observers know."""
+    """What determines the truth: the part of a preset without noise and observers."""
 
     path: Signal
     angular_velocity: AngularVelocity
@@ -71,13 +71,13 @@ class Summary:
     final_gravity: float
     final_attitude_deg: float
     diverged: bool
-    """The covariance has grown past what it could tell."""
+    """The observer's own 1-σ of the position has grown beyond DIVERGED_STD."""
     microseconds_per_step: float
 
 
 @result
 class Outcome:
-    """What the observers made of one record."""
+    """The observers' result on one record."""
 
     estimate: Estimate
     errors: Errors
@@ -86,7 +86,7 @@ class Outcome:
 
 @result
 class Record:
-    """Everything one run produced."""
+    """All results of one run."""
 
     preset: Preset
     truth: Truth
@@ -104,8 +104,8 @@ def run(preset: Preset, *, form: model.ModelForm = "derived") -> Record:
 
 def run_seed(preset: Preset, seed: int, *, form: model.ModelForm = "derived") -> Record:
     """As `run`, with another seed."""
-    p, course = preset, course_of(preset)
-    truth, measurements = simulated(course), measured(course, p.sensors, seed)
+    p, inputs = preset, truth_inputs(preset)
+    truth, measurements = simulated(inputs), measured(inputs, p.sensors, seed)
     outcome = observed(truth, measurements, p.world, p.sensors, p.gains, p.guess, form)
     return Record(
         preset=p,
@@ -118,8 +118,8 @@ def run_seed(preset: Preset, seed: int, *, form: model.ModelForm = "derived") ->
     )
 
 
-def course_of(preset: Preset) -> TruthInputs:
-    """What of a preset decides its truth."""
+def truth_inputs(preset: Preset) -> TruthInputs:
+    """The part of a preset that determines its truth."""
     return TruthInputs(
         path=preset.path,
         angular_velocity=preset.angular_velocity,
@@ -131,29 +131,29 @@ def course_of(preset: Preset) -> TruthInputs:
 
 
 @lru_cache(maxsize=CACHED)
-def simulated(course: TruthInputs) -> Truth:
+def simulated(inputs: TruthInputs) -> Truth:
     """The truth on the IMU's clock."""
     moved = motion.simulate(
-        course.path,
-        course.angular_velocity,
-        world=course.world,
-        initial_rotation=course.initial_rotation,
-        duration=course.duration,
-        rate=course.rate,
+        inputs.path,
+        inputs.angular_velocity,
+        world=inputs.world,
+        initial_rotation=inputs.initial_rotation,
+        duration=inputs.duration,
+        rate=inputs.rate,
     )
-    return Truth(motion=moved, state=model.true_state(moved, world=course.world))
+    return Truth(motion=moved, state=model.true_state(moved, world=inputs.world))
 
 
 @lru_cache(maxsize=CACHED)
-def measured(course: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
-    """As `drawn`; the last few are kept."""
-    return drawn(course, sensors, seed)
+def measured(inputs: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
+    """The same as `drawn`; the last few records are cached."""
+    return drawn(inputs, sensors, seed)
 
 
-def drawn(course: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
+def drawn(inputs: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
     """One noisy record; the same seed gives the same record to the last bit."""
     rng = np.random.default_rng(seed)
-    return measure(simulated(course).motion, path=course.path, world=course.world, sensors=sensors, rng=rng)
+    return measure(simulated(inputs).motion, path=inputs.path, world=inputs.world, sensors=sensors, rng=rng)
 
 
 def observed(
@@ -165,7 +165,7 @@ def observed(
     guess: Guess,
     form: model.ModelForm,
 ) -> Outcome:
-    """What the observers make of a record, and how long that took; never cached, so the time is true."""
+    """The observers' result on a record, with the time it took; never cached, so the time is measured."""
     start = cascade.start(guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=world)
     began = time.perf_counter()
     estimate = cascade.observe(

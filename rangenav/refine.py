@@ -1,16 +1,21 @@
 """The whole record refined: an iterated Kalman smoother, Gauss–Newton on the nonlinear nine-state problem.
 
     minimise over x_k:  Σ (d − |p − p_anchor|)²/σ_d² + Σ |m_y − Rᵀm|²/σ_m² + Σ |w_a|²/q_a + Σ |w_ω|²/q_ω
-with x_k⁺ = f(x_k) ⊕ (w_a, w_ω). Attitude is kept as R_k = exp([φ_k]x) R̂_k and R̂_k turned by the gyro: in that derotated
-frame the errors have the transition of a free particle and noise that is the same at every step. Each pass
-filters the errors about the last trajectory forward and comes back by the modified Bryson–Frazier adjoint.
-Gauss–Newton converges from near by only, and near is what the cascade gives from any start: its last estimate starts
-the extended Kalman filter on the record run backwards, and where that has been the first pass is linearised.
-Rejected: carrying the cascade's last estimate back by the gyro and accelerometer alone. It drifts by metres: 16
-passes instead of 7 over 20 s of the paper's path, and of 60 s one record in ten converges instead of all.
-Wrong minima give themselves away: at the right one the ranges' residuals are 1 σ to within 1/√(2n). Where they are
-more, the record is smoothed again from a filter that trusts the last estimate more, then less; the best fit is kept.
-Where even the nonlinear problem has two solutions (a circle and its mirror image) the fit cannot tell them apart.
+
+with x_k⁺ = f(x_k) ⊕ (w_a, w_ω). Attitude is R_k = exp([φ_k]x) R̂_k, with R̂_k turned by the gyro. In that derotated
+frame the errors have the transition of a free particle, and their noise is the same at every step. Each pass filters
+the errors about the last trajectory forward in time, and smooths them backward by the modified Bryson–Frazier adjoint.
+
+Gauss–Newton converges only from near the minimum. The cascade's last estimate is near it, from any start of the
+cascade. An extended Kalman filter starts at that estimate and runs over the reversed record; its trajectory is where
+the first pass is linearised. Rejected: integrating gyro and accelerometer alone backwards from the last estimate. That
+drifts by metres: 16 passes instead of 7 over 20 s of the paper's path, and over 60 s one record in ten converges
+instead of all.
+
+A wrong minimum shows in the fit. At the right one the ranges' residuals are 1 σ to within 1/√(2n). Where the residuals
+are larger, the record is smoothed again, from a filter that trusts the last estimate more, and then from one that
+trusts it less; the best fit is the result. Where the nonlinear problem itself has two solutions (a circle and its
+mirror image), both fit equally well.
 """
 
 import math
@@ -33,24 +38,26 @@ from rangenav.sensors import Measurements
 from rangenav.strapdown import STATES, Attached, Track
 
 START_SIGMA = (0.5, 0.5, 0.1)
-"""m, m/s, rad of the cascade's last estimate, for the filter that runs back; 0.3 to 1 m serve alike, 3 m is worse."""
+"""m, m/s, rad of the cascade's last estimate, for the filter on the reversed record; 0.3 to 1 m are equally good, 3 m
+is worse."""
 TRUST = (1.0, 0.3, 4.0)
 """Factors of START_SIGMA, one after the other while the fit is poor. A circle with a ripple of 6 cm across its plane
 has its mirror image as a second minimum: of 20 records the first start ends in a wrong place in 3, the second in none;
 of 20 of the repaired eight, in 2 and in none."""
 POOR = 4.0
-"""Standard deviations of the fit above 1 from which it is not chance."""
+"""A fit that exceeds 1 by more standard deviations than this is not chance."""
 REACH = (1.0, 1.0, 0.3)
-"""m, m/s, rad: about so far one pass may move the first state; 1 σ of a prior about the trajectory it starts from, so
-that it holds back what the ranges do not tell and biases nothing that they do. 10 m is as good where motions are
-observable and lets weak ones jump about; to take back a pass that raises the cost ends in wrong places more often."""
+"""m, m/s, rad: 1 σ of a prior about the trajectory that a pass starts from, about how far one pass may move the first
+state. It limits what the ranges do not determine, and does not bias what they do. 10 m is as good for observable
+motions; with 10 m weak ones jump about. Rejected: undoing a pass that raises the cost, which ends in a wrong minimum
+more often."""
 PRIOR_SIGMA = (10.0, 10.0, 1.0)
-"""The same for the covariance that is reported, wide enough to decide nothing that the record tells."""
+"""The same for the covariance that is reported, wide enough not to affect what the record determines."""
 MAX_PASSES = 30
 SMALL_STEP = 1e-4
 """m and rad; the passes end when no sample moves by more. The refined position is good to 1e-2 m."""
 WORST_FIT = 1.5
-"""The residuals of ranges should be 1 σ; beyond this the minimum is another one, or the noise is not what was said."""
+"""The ranges' residuals should be 1 σ. With a larger fit the minimum is wrong, or the noise is larger than stated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,7 +65,7 @@ class Pass:
     """One Gauss–Newton pass."""
 
     cost: float
-    """Of the trajectory it started from, per scalar measurement; about 1 at the minimum that is sought."""
+    """Of the trajectory that the pass started from, per scalar measurement; about 1 at the right minimum."""
     step: float
     """m: the farthest that any sample's position moved."""
     turn: float
@@ -92,20 +99,26 @@ class Refinement:
 
 
 def refine(measurements: Measurements, estimate: Estimate, setting: ObserverConfig) -> Refinement:
-    """Refine a record that the cascade has observed, starting from its last estimate; from more starts if the fit is
-    poor, which takes as much longer."""
-    found: list[Refinement] = []
+    """Refine a record that the cascade has observed, starting from its last estimate.
+
+    If the fit is poor, the refinement is computed from up to two more starts, and takes as much longer.
+    Raises ValueError for arrays of the wrong shape or type, stamps out of order, numbers that are not finite, a record
+    without ranges, or one that is too long.
+    """
+    refined: list[Refinement] = []
     for trust in TRUST:
-        found.append(smooth(measurements, started(measurements, estimate, setting, trust), setting))
-        if found[-1].fit <= 1 + POOR / math.sqrt(2 * len(measurements.range)):
+        refined.append(smooth(measurements, started(measurements, estimate, setting, trust), setting))
+        if refined[-1].fit <= 1 + POOR / math.sqrt(2 * len(measurements.range)):
             break
-    best = min(found, key=lambda one: one.fit if math.isfinite(one.fit) else math.inf)
-    return replace(best, starts=len(found))
+    best = min(refined, key=lambda one: one.fit if math.isfinite(one.fit) else math.inf)
+    return replace(best, starts=len(refined))
 
 
 def started(measurements: Measurements, estimate: Estimate, setting: ObserverConfig, trust: float = 1.0) -> Track:
-    """Where the first pass is linearised: the filter, run back from the cascade's last estimate, which is taken to be
-    good to `trust` times START_SIGMA."""
+    """The trajectory about which the first pass is linearised, inertial axes.
+
+    It is the filter's on the reversed record, from the cascade's last estimate with an error of `trust` × START_SIGMA.
+    """
     covariance = np.diag(np.repeat(np.square(trust * np.array(START_SIGMA)), 3))
     rotation = estimate.rotation[-1]
     position = np.asarray(setting.world.anchor) + to_inertial(rotation, estimate.state[-1, POSITION])
@@ -115,7 +128,7 @@ def started(measurements: Measurements, estimate: Estimate, setting: ObserverCon
 
 
 def smooth(measurements: Measurements, nominal: Track, setting: ObserverConfig) -> Refinement:
-    """Gauss–Newton passes from any trajectory on the record's IMU samples."""
+    """Gauss–Newton passes from any trajectory with one row for each IMU sample. Raises ValueError as `refine` does."""
     z = strapdown.check(measurements)
     nominal = strapdown.check_track(nominal, len(z.time))
     p, attached = strapdown.parameters(setting), strapdown.attach(z)
@@ -147,7 +160,7 @@ class _Trajectory(NamedTuple):
 
 
 class _Workspace(NamedTuple):
-    """What the forward half leaves for the backward half; see the kernel."""
+    """What the forward half of a pass stores for the backward half; see the kernel."""
 
     errors: Array
     covariances: Array

@@ -22,7 +22,7 @@ Json = dict[str, Any]
 def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
     """What `rangenav analyze --json` prints."""
     window = found.windows.window
-    truth = record.simulated(record.course_of(preset))
+    truth = record.simulated(record.truth_inputs(preset))
     return {
         "preset": name,
         "duration": preset.duration,

@@ -1,8 +1,9 @@
 """The Riccati observer (paper, eq. 8): ẋ̂ = 𝒜x̂ + b + K(y − 𝒞x̂), K = P𝒞ᵀQ, Ṗ = 𝒜P + P𝒜ᵀ − P𝒞ᵀQ𝒞P + V.
 
-Here Q is inverse measurement noise and V process noise. The plain form below is written to be read and to be a witness;
-`kernels` holds the compiled one. Both split each step: corrections are closed-form rank one, the prediction is an exact
-polynomial. An explicit Runge–Kutta on the Riccati equation blows up for ordinary gains (q = 100, p0 = 100 at 1 kHz).
+Here Q is the inverse of the measurement noise, V the process noise. The functions below are the reference
+implementation, for reading and as a witness; `kernels` has the compiled one. Both split each step: a correction is a
+closed-form rank-one update, the prediction an exact polynomial. An explicit Runge–Kutta method on the Riccati equation
+diverges for ordinary gains (q = 100, p0 = 100 at 1 kHz).
 """
 
 import numpy as np
@@ -16,13 +17,14 @@ from rangenav.kernels.layout import CONSISTENCY_TIME, ROUNDING
 Q_RANGE = (1e-3, 1e5)
 V_RANGE = (1e-6, 1e2)
 P0_RANGE = (1e-3, 1e4)
-"""The stated ranges of the gains, in which P keeps its sign over 10⁶ steps; v = 0 is refused by the lower end."""
+"""The ranges of the gains, in which P stays positive over 10⁶ steps; the lower end refuses v = 0."""
 
 
 class Blocks(Input, frozen=True, kw_only=True):
-    """One number for each block of the state: ξ1…ξ4, position, velocity, gravity."""
+    """One number for each block of the state: ξ, position, velocity, gravity."""
 
     xi: float
+    """Of ξ1 = ½|p|², ξ2 = p·v, ξ3 = |v|² + p·g, ξ4 = 3 v·g."""
     position: float
     velocity: float
     gravity: float
@@ -35,9 +37,9 @@ class Blocks(Input, frozen=True, kw_only=True):
 class RiccatiGains(Input, frozen=True, kw_only=True):
     """q (inverse range-noise density), v (process noise density) and p0 (initial covariance) of the Riccati observer.
 
-    The defaults were searched for on the paper's path (200 Hz) and its slowed form (50 and 200 Hz) with the default
-    noise: .035 m steady on the first, .13 m and .085 m on the second, and 1 mm at 10 s without noise.
-    The paper prints none.
+    The defaults come from a search on the paper's path (200 Hz) and its slowed form (50 and 200 Hz) with the default
+    noise. The steady position error is .035 m on the first, .13 m and .085 m on the second, and 1 mm at 10 s without
+    noise. The paper states no gains.
     """
 
     q: float = 5e3
@@ -83,7 +85,7 @@ def predict(
 def correct(
     x: Float[Array, "13"], P: Float[Array, "13 13"], y: float, variance: float
 ) -> tuple[Float[Array, "13"], Float[Array, "13 13"]]:
-    """State and covariance after y = ½d² was measured with the given variance (m⁴): a rank-one update."""
+    """State and covariance after a measurement of y = ½d² with this variance (m⁴): a rank-one update."""
     gain = P[:, 0] / (P[0, 0] + variance)
     return x + gain * (y - x[0]), P - np.outer(gain, P[0])
 
@@ -91,7 +93,10 @@ def correct(
 def remind(
     x: Float[Array, "13"], P: Float[Array, "13 13"], h: float
 ) -> tuple[Float[Array, "13"], Float[Array, "13 13"]]:
-    """State and covariance reminded of ξ1 = ½|p|², once in h seconds; noise-matched only, see CONSISTENCY_TIME."""
+    """State and covariance after a correction with the constraint ξ1 = ½|p|², applied once in h seconds.
+
+    For noise-matched gains only, see CONSISTENCY_TIME.
+    """
     position, spread = x[model.POSITION], float(np.trace(P[model.POSITION, model.POSITION]))
     row = np.zeros(model.STATES)
     row[0], row[model.POSITION] = 1.0, -position

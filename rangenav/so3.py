@@ -56,7 +56,7 @@ def angle(rotation: Float[Array, "*n 3 3"]) -> Float[Array, "*n"]:
 
 
 def _axis_near_pi(rotation: Array, sine_axis: Array) -> Array:
-    """Near π, vee(R) fades; the symmetric part (R + Rᵀ)/2 = cos θ I + (1 − cos θ) uuᵀ still tells u up to its sign."""
+    """Near π, vee(R) fades; the symmetric part (R + Rᵀ)/2 = cos θ I + (1 − cos θ) uuᵀ determines u up to its sign."""
     symmetric = (rotation + np.swapaxes(rotation, -1, -2)) / 2
     cosine = (np.trace(rotation, axis1=-2, axis2=-1) - 1)[..., None, None] / 2
     outer = symmetric - cosine * np.eye(3)

@@ -30,8 +30,8 @@ MAX_SAMPLES = 150_000
 """IMU samples of a record (12 minutes at 200 Hz); a smoother keeps some 1.5 kB for each."""
 MAX_RANGES = 300_000
 LEAST_SIGMA = {"gyro": 1e-5, "accel": 1e-3, "mag": 1e-3, "range": 1e-3}
-"""Smaller noise is taken as this much (units as in `sensors.Noise`): the integration errs by about as much itself, and
-zero variances leave nothing to weigh."""
+"""Smaller noise counts as this much (units as in `sensors.Noise`): the integration's own error is about as large, and
+with zero variances no weights exist."""
 
 
 @result
@@ -58,7 +58,7 @@ class Track:
 
 
 class Attached(NamedTuple):
-    """Each range given to an IMU sample: the one at its stamp, or the next one."""
+    """The IMU sample at which each range is applied: the one at its stamp, or the next one."""
 
     kept: slice
     """The ranges that lie within the IMU's record."""
@@ -103,8 +103,8 @@ def attach(measurements: Measurements) -> Attached:
 
 def parameters(setting: ObserverConfig) -> Strapdown:
     """The world and the sensors' noise in the kernels' terms."""
-    world, given = setting.world, setting.sensors
-    sigma = {name: max(float(getattr(given.sigma, name)), least) for name, least in LEAST_SIGMA.items()}
+    world, carried = setting.world, setting.sensors
+    sigma = {name: max(float(getattr(carried.sigma, name)), least) for name, least in LEAST_SIGMA.items()}
     magnetic = np.asarray(world.magnetic, dtype=float)
     across = np.cross(magnetic, np.eye(3)[np.argmin(np.abs(magnetic))])
     across /= np.linalg.norm(across)
@@ -114,8 +114,8 @@ def parameters(setting: ObserverConfig) -> Strapdown:
         across2=_floats(np.cross(magnetic, across)),
         range_variance=sigma["range"] ** 2,
         mag_variance=sigma["mag"] ** 2,
-        accel_density=sigma["accel"] ** 2 / given.imu_rate,
-        gyro_density=sigma["gyro"] ** 2 / given.imu_rate,
+        accel_density=sigma["accel"] ** 2 / carried.imu_rate,
+        gyro_density=sigma["gyro"] ** 2 / carried.imu_rate,
     )
 
 
@@ -153,10 +153,10 @@ def reversed_track(track: Track) -> Track:
 
 
 def lifted(track: Track, measurements: Measurements, world: World) -> Estimate:
-    """The track as the cascade's result: the 13-state in body axes, covariances to first order, innovations of y = ½d².
+    """The track as an `Estimate`: the 13-state in body axes, covariances to first order, innovations of y = ½d².
 
-    So `errors.of`, `record.summarise` and the plots take it. Its position error is then the cascade's, of
-    p_B = R̂ᵀ(p̂ − p_anchor): turning everything about the anchor changes no range, and no p_B either.
+    `errors.of`, `record.summarise` and the plots then treat it as they treat the cascade. The position error is that of
+    p_B = R̂ᵀ(p̂ − p_anchor): a turn of everything about the anchor changes no range, and no p_B either.
     """
     gravity = np.broadcast_to(np.asarray(world.gravity, dtype=float), track.position.shape)
     relative = track.position - np.asarray(world.anchor)
@@ -180,7 +180,7 @@ def lifted(track: Track, measurements: Measurements, world: World) -> Estimate:
 
 
 def _flipped(covariance: Float[Array, "n 9 9"]) -> Float[Array, "n 9 9"]:
-    """Velocity errors have changed their sign."""
+    """The covariance of a velocity that has changed its sign."""
     covariance[:, VELOCITY, :] *= -1
     covariance[:, :, VELOCITY] *= -1
     return covariance

@@ -82,7 +82,7 @@ def front(seen: tuple[Point, ...], settle: Measure, steady: Measure) -> tuple[Po
 
 def runs(preset: Preset, first: int, count: int) -> list[TrainingRun]:
     """Records of `count` seeds; all but the first begin about an axis of their own, as far from the true attitude."""
-    course = record.course_of(preset)
+    course = record.truth_inputs(preset)
     truth, rng = record.simulated(course), np.random.default_rng(first)
     axes = rng.standard_normal((count, 3))  # normal in R³: no preferred direction
     axes[0] = preset.guess.attitude_axis

@@ -57,7 +57,7 @@ class Vehicle(Input, frozen=True, kw_only=True, omit_defaults=True):
 
 
 FREE = Vehicle(name="free")
-"""Nothing is forbidden: for learning what a motion does before asking who can fly it."""
+"""No limits: to study what a motion does before choosing a vehicle."""
 CRAZYFLIE = Vehicle(
     name="Crazyflie 2.1",
     thrust_to_weight=1.95,  # ours: gym-pybullet-drones' model says 2.25 (cf2x.urdf), with a fresh battery
@@ -83,7 +83,7 @@ HAND_HELD = Vehicle(
     anchor_distance_min=0.05,
 )
 CATALOGUE = (FREE, HAND_HELD, CRAZYFLIE, FIVE_INCH)
-"""To choose from."""
+"""The vehicles to choose from."""
 WORDS = {
     "thrust_to_weight": ("thrust", "times the weight"),
     "speed": ("speed", "m/s"),
@@ -101,7 +101,7 @@ WORDS = {
 
 @result
 class Demands:
-    """What a motion asks for over time."""
+    """What a motion demands over time."""
 
     thrust_to_weight: Float[Array, "n"]
     speed: Float[Array, "n"]
@@ -187,13 +187,13 @@ def demands(motion: Motion, *, world: World) -> Demands:
 
 def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ...]:
     """The limits of a vehicle that a motion breaks, the most broken one first."""
-    asked = demands(motion, world=world)
+    demanded = demands(motion, world=world)
     found = []
     for limit in WORDS:
         allowed = bound(vehicle, limit)
         if allowed is None:
             continue
-        quantity = getattr(asked, limit.removesuffix("_min").removesuffix("_max"))
+        quantity = getattr(demanded, limit.removesuffix("_min").removesuffix("_max"))
         least = limit.endswith("_min")
         where = quantity < allowed if least else quantity > allowed
         if where.any():
@@ -204,12 +204,12 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
 
 def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
     """What a motion asks for of every limited quantity, for reading; of the height only where it is limited."""
-    asked = demands(motion, world=world)
+    demanded = demands(motion, world=world)
     found = []
     for limit, (name, unit) in WORDS.items():
         allowed = bound(vehicle, limit)
         if allowed is not None or not limit.startswith("height"):
-            quantity = getattr(asked, limit.removesuffix("_min").removesuffix("_max"))
+            quantity = getattr(demanded, limit.removesuffix("_min").removesuffix("_max"))
             least = limit.endswith("_min")
             worst = int(np.argmin(quantity) if least else np.argmax(quantity))
             factor = math.degrees(1) if limit == "tilt" else 1.0
@@ -238,5 +238,5 @@ def _break(limit: str, allowed: float, reached: float, at: float, where: Array) 
     factor = math.degrees(1) if limit == "tilt" else 1.0
     relation = "below the least" if limit.endswith("_min") else "above the most"
     kept = f" ({THRUST_MARGIN:.0%} kept in hand)" if limit == "thrust_to_weight" else ""
-    said = f"{name} {factor * reached:.3g} {unit} at t = {at:.2f} s, {relation} allowed, {factor * allowed:.3g}{kept}"
-    return Break(limit=limit, allowed=allowed, reached=reached, at=at, where=where, words=said)
+    text = f"{name} {factor * reached:.3g} {unit} at t = {at:.2f} s, {relation} allowed, {factor * allowed:.3g}{kept}"
+    return Break(limit=limit, allowed=allowed, reached=reached, at=at, where=where, words=text)

@@ -36,7 +36,7 @@ def setup_of(shown: Preset) -> Setup:
     """The setup of a preset whose path has its time scale and printed initial values applied."""
     usual = Guess()
     guess = replace(shown.guess, attitude_axis=usual.attitude_axis, attitude_angle=usual.attitude_angle)
-    return Setup(record.course_of(shown), shown.sensors, shown.seed, shown.gains, guess)
+    return Setup(record.truth_inputs(shown), shown.sensors, shown.seed, shown.gains, guess)
 
 
 def slowest(found: Basin) -> int:

@@ -60,7 +60,7 @@ NOTHING = Comparison()
 def inputs_of(picture: Picture) -> RunInputs:
     """The inputs of the run that a picture shows."""
     p = picture.preset
-    return RunInputs(record.course_of(p), p.sensors, p.seed, p.gains, p.guess, form_of(picture))
+    return RunInputs(record.truth_inputs(p), p.sensors, p.seed, p.gains, p.guess, form_of(picture))
 
 
 def form_of(picture: Picture) -> ModelForm:
@@ -75,7 +75,7 @@ def run_baseline(name: Name, picture: Picture) -> Candidate:
     """
     run = Record(
         preset=picture.preset,
-        truth=record.simulated(record.course_of(picture.preset)),
+        truth=record.simulated(record.truth_inputs(picture.preset)),
         measurements=picture.measurements,
         estimate=picture.estimate,
         errors=picture.errors,

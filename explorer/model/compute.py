@@ -29,7 +29,7 @@ from rangenav.model import ModelForm
 from rangenav.motion import Limits, Motion
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
-from rangenav.record import Outcome, Summary, TruthInputs, course_of
+from rangenav.record import Outcome, Summary, TruthInputs, truth_inputs
 from rangenav.sensors import Measurements, Sensors
 from rangenav.vehicle import Break, Vehicle
 
@@ -77,7 +77,7 @@ class Picture:
 def compute(settings: Settings) -> Picture:
     """Compute everything the page draws. Raises ValueError with one sentence if that is impossible."""
     p, printed = effective(settings), settings.printed
-    course, found = course_of(p), analyse(p)
+    course, found = truth_inputs(p), analyse(p)
     phi, phi_printed = _phi(course)
     outcome, position = _observed(
         course, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"

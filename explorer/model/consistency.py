@@ -102,7 +102,7 @@ def of_seeds(runs: Ensemble, found: Analysis) -> RunConsistency:
         nees_inside=_inside(nees, part),
         cramer_rao=cramer_rao,
         lifted=lifted,
-        estimated=_rms(reached.believed[end]),
+        estimated=_rms(reached.estimated[end]),
         achieved=float(np.sqrt(np.mean(np.square(runs.steady_position)))),
     )
 

@@ -57,7 +57,7 @@ def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
         horizon=how_long(preset),
         functions=_functions(preset.path, preset.world.gravity, found.gramian_at, needed.window),
         twin=twin.twin(preset, turn=turn),
-        printed=_printed(record.course_of(preset), needed.window, found.mu, found.mu_floor, needed.mu, found.rank),
+        printed=_printed(record.truth_inputs(preset), needed.window, found.mu, found.mu_floor, needed.mu, found.rank),
     )
 
 
@@ -81,7 +81,7 @@ def frozen_summary(preset: Preset) -> str:
     if not LOADED.is_set():
         return ""
     found = analyse(preset)
-    return _frozen(record.course_of(preset), found.gramian_at, found.rank)
+    return _frozen(record.truth_inputs(preset), found.gramian_at, found.rank)
 
 
 @lru_cache(maxsize=CACHED)

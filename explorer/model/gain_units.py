@@ -105,7 +105,7 @@ def in_paper_units(words: PhysicalGains, context: GainContext, known: Iterable[G
     its gain to the last bit. Raises ValueError if a gain is outside its range."""
     at, rest = context.at, {"world": context.world, "sensors": context.sensors}
     unscheduled = [replace(one, mode="constant", attitude=replace(one.attitude, schedule=None)) for one in known]
-    return physical_gains.keeping(physical_gains.to_paper(words, at, **rest), unscheduled, at, **rest)
+    return physical_gains.keep_known(physical_gains.to_paper(words, at, **rest), unscheduled, at, **rest)
 
 
 def with_page_labels(sentence: str) -> str:

@@ -187,7 +187,7 @@ def _sigma(found: accuracy.Accuracy) -> schema.Sigma:
 
 def flown(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
     """What the motion asks for on the IMU's samples, and whether the preset's vehicle can do that."""
-    moved = record.simulated(record.course_of(preset)).motion
+    moved = record.simulated(record.truth_inputs(preset)).motion
     asked = vehicle.demands(moved, world=preset.world)
     broken = vehicle.broken(moved, preset.vehicle, world=preset.world)
     limits = schema.Extremes(

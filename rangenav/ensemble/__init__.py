@@ -1,4 +1,4 @@
-"""Many runs of one preset: many seeds, many starts, a sphere of starts, and what was predicted beside what is reached.
+"""Many runs of one preset: many seeds, many starts, a sphere of starts, and predicted against achieved accuracy.
 
     seeds(preset, count)        what noise alone changes
     starts(preset, count, rng)  what the start changes: x̂ = 0 and R̂(0) uniform on SO(3)

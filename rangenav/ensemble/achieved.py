@@ -1,7 +1,7 @@
-"""Predicted accuracy beside the one reached over many seeds.
+"""The accuracy that was predicted, compared with the accuracy achieved over many seeds.
 
-The predictions (analysis) know one window of ranges and no IMU noise; the observer remembers earlier windows and has
-IMU noise: it may do better or worse than the Cramér–Rao bound of the window.
+The predictions (`analysis`) use the ranges of one window and no IMU noise. The observer has IMU noise, and uses earlier
+windows as well: its error may be smaller or larger than the Cramér–Rao bound of the window.
 """
 
 import numpy as np
@@ -23,14 +23,14 @@ class Achieved:
     """Of the window's ranges alone, nonlinear; NaN where they do not determine the position."""
     lifted: Float[Array, "w"]
     """The same of the lifted problem."""
-    reached: Float[Array, "w"]
-    """Root mean square over the runs."""
-    believed: Float[Array, "w"]
-    """The observer's own, median over the runs."""
+    achieved: Float[Array, "w"]
+    """Root mean square error over the runs."""
+    estimated: Float[Array, "w"]
+    """The observer's own 1-σ, median over the runs."""
 
 
 def achieved(runs: Ensemble, found: Analysis) -> Achieved:
-    """What was predicted, what was reached and what the observer believes; both arguments from the same preset."""
+    """The predicted, the achieved and the estimated accuracy; both arguments must come from the same preset."""
     windows = found.windows
     time = windows.start + windows.window
     rms = np.sqrt(np.mean(runs.position**2, axis=0))
@@ -38,6 +38,6 @@ def achieved(runs: Ensemble, found: Analysis) -> Achieved:
         time=time,
         cramer_rao=windows.sigma_nonlinear,
         lifted=windows.sigma_lifted,
-        reached=np.interp(time, runs.time, rms),
-        believed=np.interp(time, runs.time, runs.band("sigma").median),
+        achieved=np.interp(time, runs.time, rms),
+        estimated=np.interp(time, runs.time, runs.band("sigma").median),
     )

@@ -1,8 +1,8 @@
 """A sphere of starts: how long the attitude takes from R̃(0) = exp(angle [axis]x), for axes all around.
 
-"Almost global" (paper, theorem) hides that starts near the undesired equilibria linger, half turns about the
-eigenvectors of M = ρ1 mmᵀ + ρ2 ggᵀ; here one sees where they are and how large. One record, one x̂, one attitude filter
-for each axis.
+The theorem says "almost global". Near the undesired equilibria, errors of 180° about the eigenvectors of
+M = ρ1 mmᵀ + ρ2 ggᵀ, a start converges late; a sphere of starts shows where these regions are and how large. All starts
+share one record and one x̂, with one attitude filter for each axis.
 """
 
 import numpy as np
@@ -24,7 +24,7 @@ GOLDEN_ANGLE = np.pi * (3 - np.sqrt(5))
 
 @result
 class Basin:
-    """What became of each start, a row for each axis."""
+    """How each start settles, a row for each axis."""
 
     angle: float
     """rad, of R̃(0)."""
@@ -55,8 +55,8 @@ def basin(
     require_within("angle", angle, 0.0, np.pi + 1e-12, "rad")
     require(1 <= axes <= MAX_AXES, f"the number of axes must lie between 1 and {MAX_AXES}, got {axes}")
     refuse_work(preset, axes)
-    course = record.course_of(preset)
-    truth, z = record.simulated(course), record.drawn(course, preset.sensors, preset.seed)
+    inputs = record.truth_inputs(preset)
+    truth, z = record.simulated(inputs), record.drawn(inputs, preset.sensors, preset.seed)
     axis, chosen = sphere(axes), grid(len(z.time))
     rotations = so3.exp(-angle * axis) @ truth.motion.rotation[0]
     size = batch(len(z.time))

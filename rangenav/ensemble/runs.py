@@ -26,18 +26,18 @@ from rangenav.sensors import Measurements
 GRID = 401
 """Times at which errors are kept: as many as a plot can tell apart."""
 STARTS_PER_RECORD = 10
-"""Random starts that share one record of measurements and so one x̂, which does not know the attitude."""
+"""Random starts that share one record of measurements and so one x̂, which does not depend on the attitude."""
 BATCH = 64_000
 """Attitudes (starts × samples) kept at once: 5 MB, and a dozen starts share the 2 ms of their x̂."""
 HOLD = 1.0
 """s at the end of a run over which an error must stay small to count as held."""
 TENTHS = (0.1, 0.5, 0.9)
 SHARED_FIGURES = ("steady_position", "steady_velocity", "steady_gravity", "peak_position")
-"""Of a summary, those that the attitude has no part in."""
+"""Figures of a summary that do not depend on the attitude."""
 
 
 class Spread(NamedTuple):
-    """The middle of many figures; infinite where that many runs never got there."""
+    """The middle of many figures; infinite where too few runs settle."""
 
     low: float
     """A tenth of the runs lie below."""
@@ -59,7 +59,7 @@ class Band:
 
 @result
 class Ensemble:
-    """What became of each run, a row for each; errors as in `record`: norms in body axes, SI, attitude in rad."""
+    """The results of each run, a row for each; errors as in `record`: norms in body axes, SI, attitude in rad."""
 
     time: Float[Array, "t"]
     """s, the grid of the curves."""
@@ -186,12 +186,12 @@ def _samples(truth: Truth) -> int:
 
 def _truth(preset: Preset, count: int) -> Truth:
     refuse_work(preset, count)
-    return record.simulated(record.course_of(preset))
+    return record.simulated(record.truth_inputs(preset))
 
 
 def _observed(preset: Preset, truth: Truth, seed: int, form: model.ModelForm) -> tuple[Measurements, Outcome]:
     """One run, drawn anew: the records that the page keeps stay where they are."""
-    z = record.drawn(record.course_of(preset), preset.sensors, seed)
+    z = record.drawn(record.truth_inputs(preset), preset.sensors, seed)
     return z, record.observed(truth, z, preset.world, preset.sensors, preset.gains, preset.guess, form)
 
 

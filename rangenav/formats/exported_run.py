@@ -47,7 +47,7 @@ class ExportedRun:
 
 def run_of(preset: Preset) -> ExportedRun:
     """The preset's run, in its own frame and with its own seed."""
-    course = record.course_of(preset)
+    course = record.truth_inputs(preset)
     truth, z, world = (
         record.simulated(course).motion,
         record.measured(course, preset.sensors, preset.seed),

@@ -1,1 +1,1 @@
-"""What a motion lets one range tell: excitation, Gramian, rank, blind directions, accuracy (paper, eq. 11–12)."""
+"""What one range determines of a motion: excitation, Gramian, rank, blind directions, accuracy (paper, eq. 11–12)."""

@@ -1,4 +1,4 @@
-"""Predicted accuracy: how well a window of noisy ranges could tell position, velocity and gravity, without IMU noise.
+"""Predicted accuracy: how well noisy ranges in a window determine position, velocity and gravity, without IMU noise.
 
 y = ½d² has variance d²σ² + ½σ⁴, so the lifted information is Σ hᵀh/(d²σ² + ½σ⁴): the weighted least-squares
 covariance. The nonlinear one, rows/(dσ), is a Cramér–Rao bound. Results are 1-σ as sqrt(trace) of each block.
@@ -22,7 +22,7 @@ from rangenav.signals import Signal
 NULL_SHARE = 1e-6
 """A block whose share in every unseen direction is below this is determined although the whole state is not."""
 NEAREST = 1e-9
-"""m; at the anchor itself a range has no direction: its row is zero, and is divided by this instead of by nothing."""
+"""m; at the anchor a range has no direction: its row is zero, and is divided by this instead of by zero."""
 Problem = Literal["lifted", "nonlinear"]
 LIFTED_BLOCKS = (slice(4, 7), slice(7, 10), slice(10, 13))
 NONLINEAR_BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
@@ -54,9 +54,9 @@ def predict(
 ) -> Accuracy:
     """Accuracy at the start or the end of one window, from its ranges at `rate` (Hz) with noise sigma (m).
 
-    Where only a share of them arrives, now this one and now that, it is the accuracy of the expected information.
+    If only a random share of the ranges arrives, this is the accuracy of the expected information.
     """
-    return told(ranged(path, start, window, rate), world, sigma=sigma, kind=kind, at=at, share=share)
+    return of_ranges(ranged(path, start, window, rate), world, sigma=sigma, kind=kind, at=at, share=share)
 
 
 def ranged(path: Signal, start: float, window: float, rate: float) -> Visit:
@@ -68,8 +68,8 @@ def ranged(path: Signal, start: float, window: float, rate: float) -> Visit:
     return rows.visit_at(path, starts, window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
 
-def told(seen: Visit, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0) -> Accuracy:
-    """Accuracy from one range, with noise sigma (m), at each time of the one window seen, or from a share of them."""
+def of_ranges(seen: Visit, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0) -> Accuracy:
+    """Accuracy from one range, with noise sigma (m), at each time of a visit of one window, or from a share of them."""
     values = sigmas(seen, np.full(seen.tau.shape, share), world, sigma=sigma, kind=kind, at=at)[0]
     return Accuracy(position=float(values[0]), velocity=float(values[1]), gravity=float(values[2]))
 
@@ -130,7 +130,7 @@ def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
     Where 1/|R⁻¹| exceeds the tolerance times |R|, every singular value counts, and a triangle is inverted ten times as
     fast as it is decomposed.
     """
-    missing = R.shape[-1] - R.shape[-2]  # fewer ranges than unknowns: rows of zeros tell nothing
+    missing = R.shape[-1] - R.shape[-2]  # fewer ranges than unknowns: rows of zeros add no information
     R = (np.pad(R, ((0, 0), (0, missing), (0, 0))) if missing > 0 else R) * scale
     size = np.linalg.norm(R, axis=(1, 2))
     regular = np.abs(np.diagonal(R, axis1=1, axis2=2)).min(axis=1) > RANK_TOLERANCE * size

@@ -1,8 +1,10 @@
 """The straight-line difference that changes the range least: a search along the nonlinear null space.
 
 Two motions with the same IMU record and the same attitude have the same p̈, so they differ by Δp + Δv s and by nothing
-else. What one range thinks of it is
+else. The range differs by
+
     e(s) = |q(s) + Δp + Δv s| − |q(s)|,   q = p − p_anchor,
+
 and its derivative at 0 is q̂ᵀ[Δp + Δv s]: the nonlinear rows (rows.nonlinear) without gravity, which is known here.
 Differences are measured by their RMS over the flight, in the orthonormal basis {1, √3 (2s/T − 1)} on each axis.
 """
@@ -28,7 +30,7 @@ EASIER, HARDER = 0.2, 8.0
 NEAREST = 1e-9
 """m; at the anchor itself a range has no direction: its row is zero, and is divided by this instead of by nothing."""
 BLIND = 1e-7
-"""Metres of range for a metre of difference: below it the range does not feel that difference to first order."""
+"""Metres of range for a metre of difference: below this the range does not change to first order."""
 UNKNOWNS = 6
 EVERYWHERE = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
 """The 26 ways from a cube's centre to its corners, edges and faces."""
@@ -48,12 +50,12 @@ class Ambiguities:
 
 @result
 class Sensitivity:
-    """What the range feels of straight-line differences, to first order."""
+    """How the range changes with straight-line differences, to first order."""
 
     singular: Float[Array, "6"]
     """RMS metres of range for each metre (RMS) of difference, descending."""
     shift: Float[Array, "3"]
-    """m: of the least felt difference of 1 m RMS, at the flight's start."""
+    """m, at the flight's start: of the difference of 1 m RMS that changes the range least."""
     drift: Float[Array, "3"]
     """m/s: how that difference goes on."""
 
@@ -79,10 +81,12 @@ def search(
     *,
     apart: float,
 ) -> Ambiguities:
-    """Differences of at least `apart` (m, RMS) that leave the range alone as well as can be found.
+    """Differences of at least `apart` (m, RMS) that change the range least.
 
-    It starts at mirrors and half turns about the axes of position and acceleration, at the directions that the range
-    feels, both ways, and at steps of `apart` every way.
+    position (m, relative to the anchor) and acceleration (m/s²) are in inertial axes, time is in s. The search starts
+    at the mirror images and turns by 180° about the principal axes of position and acceleration, at the directions in
+    which the range changes, both ways, and at steps of `apart` in 26 directions.
+    Raises ValueError for arrays of other shapes, stamps that do not increase, or numbers that are not finite.
     """
     time, position, duration = _flight(time, position, duration)
     acceleration = finite_array("acceleration", acceleration, position.shape)

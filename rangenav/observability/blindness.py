@@ -1,4 +1,4 @@
-"""Blind directions in words: what no range in a window can tell, from the null spaces of Gramian and snap."""
+"""Blind directions: what no range in a window determines, from the null spaces of the Gramian and of the snap."""
 
 import numpy as np
 import scipy.linalg
@@ -21,7 +21,7 @@ BLOCKS = {"position": POSITION, "velocity": VELOCITY, "gravity": GRAVITY}
 
 @result
 class Direction:
-    """One inertial direction and what cannot be told along it."""
+    """One inertial direction, and what the ranges do not determine along it."""
 
     vector: Float[Array, "3"]
     kinds: tuple[str, ...]
@@ -79,9 +79,10 @@ def name(vector: Float[Array, "3"]) -> str:
 
 def _words(vector: Array, kinds: list[str]) -> str:
     along = name(vector)
-    told = [kind for kind in kinds if kind != "snap"]
+    undetermined = [kind for kind in kinds if kind != "snap"]
     sentences = [f"nothing excites {along}: the path has no snap along it"] if "snap" in kinds else []
-    if told:
-        what = told[0] if len(told) == 1 else ", ".join(told[:-1]) + " and " + told[-1]
+    if undetermined:
+        *others, last = undetermined
+        what = f"{', '.join(others)} and {last}" if others else last
         sentences.append(f"{what} along {along} cannot be told")
     return "; ".join(sentences)

@@ -1,7 +1,7 @@
 """The excitation of one window as an ellipsoid: {x : xᵀ W⁻¹ x ≤ 1}, W = ∫_t^{t+δ} p⁗ p⁗ᵀ ds (paper, Proposition 1).
 
-Its semi-axes are √λᵢ (m/s^3.5): how strongly the window shakes each direction. Where it is flat nothing excites the
-estimate, and μ is the square of its least semi-axis.
+Its semi-axes are √λᵢ (m/s^3.5): how strongly the window excites each direction. Where the ellipsoid is flat nothing
+excites the estimate, and μ is the square of its least semi-axis.
 """
 
 import numpy as np
@@ -39,8 +39,8 @@ class Ellipsoid:
 def ellipsoid(path: Signal, start: float, window: float) -> Ellipsoid:
     """The excitation of the window [start, start + window] (s)."""
     values, axes = excitation.directions(path, start, window)
-    told = values > blindness.UNEXCITED * values[-1]
-    values = np.where(told, values, 0.0)
+    excited = values > blindness.UNEXCITED * values[-1]
+    values = np.where(excited, values, 0.0)
     axes = axes * np.where(axes[np.abs(axes).argmax(axis=0), range(3)] < 0, -1.0, 1.0)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
     return Ellipsoid(start=start, window=window, eigenvalues=values, axes=axes, words=_words(values, axes))

@@ -31,7 +31,7 @@ class Frozen:
     turned: int
     """Of 13, in axes turned by the gyro, fixed in inertia."""
     words: str
-    """Both beside the windowed rank, and why they mislead."""
+    """Both ranks, the rank of the window, and why the frozen ones mislead."""
 
 
 def rank(gyro: Float[Array, "3"], accel: Float[Array, "3"]) -> int:
@@ -54,7 +54,7 @@ def rank(gyro: Float[Array, "3"], accel: Float[Array, "3"]) -> int:
 
 
 def frozen(motion: Motion, time: float, *, windowed: int) -> Frozen:
-    """The frozen ranks at the sample nearest to a time (s), beside the rank of the window that starts there."""
+    """The frozen ranks at the sample nearest to a time (s), and the rank of the window that starts there."""
     k = int(np.argmin(np.abs(motion.time - time)))
     gyro, accel = motion.angular_velocity[k], motion.apparent_acceleration[k]
     body, at = rank(gyro, accel), float(motion.time[k])

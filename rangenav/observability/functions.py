@@ -1,7 +1,7 @@
 """The 13 functions of one window: {1, τ, τ²/2, τ³/6, D, τD, ½τ²D}, D = p(t+τ) − p(t) − τ v(t) − ½τ² g (paper, eq. 7).
 
 A window is observable exactly when they are linearly independent on it. Where they are not, each relation among them is
-a change of the state that no range of the window can tell.
+a change of the state that changes no range of the window.
 """
 
 import numpy as np
@@ -45,7 +45,7 @@ class Functions:
     rank: int
     """How many of them are linearly independent."""
     null: Float[Array, "m 13"]
-    """Changes of the 13 coordinates (SI) that no range of the window feels; each has a 1 where the others have 0."""
+    """Changes of the 13 coordinates (SI) that change no range of the window; each has a 1 where the others have 0."""
     relations: tuple[str, ...]
     """The same as relations of the functions: each of the dependent ones in terms of those before it."""
     unseen: tuple[str, ...]

@@ -2,8 +2,8 @@
 
 A path of analytic functions that is observable at all is so on every window, however short; but its singular values
 fall with the ninth power and more of the length, and below rounding (1e-13) no computer, and long before that no range,
-sees them. So the shortest window of rank 13 says what could be told without noise, the shortest with σ below the
-requirement what can be told with this one.
+resolves them. So the shortest window of rank 13 says how long to fly without noise, the shortest with σ below the
+requirement how long with this noise.
 """
 
 import math
@@ -27,7 +27,7 @@ SHORT, LONG = 14, 12
 SHORTEST, EIGHTH = 1 / 200, 1 / 8
 """Of the longest, which is the whole flight if that can be integrated."""
 STARTS = 4
-"""Windows over which the worst is taken at each length, beside the chosen one: spread evenly over the flight."""
+"""Windows over which the worst is taken at each length, besides the chosen one: spread evenly over the flight."""
 HALVINGS = 4
 """Of the gap between the last length that does not hold and the first that does: its 16th is left."""
 FEW_RANGES = 32

@@ -1,4 +1,4 @@
-"""The paper's persistency of excitation as printed beside the derived one, and what the difference certifies.
+"""The paper's persistency of excitation as printed, compared with the derived condition.
 
 derived   φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗,   ∫(Rφ)(Rφ)ᵀ ≥ μ I₃   (inertial axes)
 printed   φ = ä − ω×ȧ − 2ω×(ω×a),                  ∫φφᵀ ≥ μ I₃         (body axes)
@@ -32,7 +32,7 @@ class PrintedAndDerived:
     mu_printed: float
     """The least of `least_printed`."""
     false_certificate: bool
-    """Whether the printed condition, and not the derived one, holds for what the Gramian cannot tell."""
+    """Whether the printed condition, and not the derived one, holds where the Gramian is singular."""
     words: str
 
 

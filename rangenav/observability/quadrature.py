@@ -1,4 +1,4 @@
-"""Where in its windows a path is looked at: Gauss–Legendre nodes whose panels end at the path's knots.
+"""Where a path is evaluated in its windows: Gauss–Legendre nodes whose panels end at the path's knots.
 
 Between neighbouring knots a path of pieces is a polynomial of degree d. A row has degree d + 2 (½τ²D) and its square
 2(d + 2), so d + 3 nodes on each panel integrate the Gramian to rounding; the snap has d − 4, so d − 3 nodes integrate

@@ -1,4 +1,4 @@
-"""Output rows in closed form: what one range at time s says about the state at time t, without an ODE or an attitude.
+"""Output rows in closed form: how one range at time s depends on the state at time t, without an ODE or an attitude.
 
 In axes fixed in inertia, with τ = s − t and D = p(s) − p(t) − τ v(t) − ½τ² g = ∫_t^s (s−r) a_I(r) dr,
     𝒞Φ(s, t) = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ]                     (lifted, 13; paper eq. 7)

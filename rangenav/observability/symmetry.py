@@ -1,4 +1,4 @@
-"""Turns and mirrors about the anchor that no accelerometer notices: orthogonal O with O p̈(s) = p̈(s) throughout.
+"""Turns and mirrors about the anchor that change no accelerometer reading: orthogonal O with O p̈(s) = p̈(s) throughout.
 
 Then q' = O q, q = p − p_anchor, has the same range and the same p̈. How many directions n have n·p̈ ≡ 0 decides:
     3 (hover, line)      every turn about the anchor
@@ -28,7 +28,7 @@ def moments(duration: float) -> Float[Array, "k"]:
     return np.sort((np.arange(NODES) + 0.5) * GOLDEN % 1.0) * duration
 
 
-def still(path: Signal, duration: float) -> Float[Array, "m 3"]:
+def unaccelerated(path: Signal, duration: float) -> Float[Array, "m 3"]:
     """An orthonormal basis of the directions along which nothing accelerates, over a flight of `duration` (s).
 
     Raises ValueError for a path that is no signal, or a duration that is not positive.
@@ -45,7 +45,7 @@ def mirror(normal: Float[Array, "3"]) -> Float[Array, "3 3"]:
 
 
 def allowed(turn: Float[Array, "3"], directions: Float[Array, "m 3"]) -> Float[Array, "3"]:
-    """The part of a turn (rad, a rotation vector) that no accelerometer notices, by `still` directions."""
+    """The part of a turn (rad, a rotation vector) that changes no accelerometer reading; from `unaccelerated`."""
     if len(directions) == 3:
         return turn
     if len(directions) < 2:

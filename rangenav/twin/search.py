@@ -83,7 +83,7 @@ def turn_towards(preset: Preset, point: Vec3, *, time: float) -> Vec3:
     refuse_nonfinite("point", point)
     anchor = np.asarray(preset.world.anchor)
     here, there = preset.path(np.array(time)) - anchor, np.asarray(point) - anchor
-    return _vec(symmetry.turn_towards(here, there, symmetry.still(preset.path, preset.duration)))
+    return _vec(symmetry.turn_towards(here, there, symmetry.unaccelerated(preset.path, preset.duration)))
 
 
 @lru_cache(maxsize=CACHED)
@@ -114,7 +114,7 @@ def _flight(path: Signal, world: World, duration: float, range_rate: float) -> _
         position=path(time) - anchor,
         start=path(np.zeros(())) - anchor,
         velocity=path(np.zeros(()), 1),
-        unaccelerated=symmetry.still(path, duration),
+        unaccelerated=symmetry.unaccelerated(path, duration),
     )
 
 

@@ -53,8 +53,8 @@ def test_the_analysis_is_the_same():
 
 def test_a_flown_body_turns_with_its_axes():
     soft = msgspec.structs.replace(SHIPPED["soft"], angular_velocity=Flown(yaw="0.4*sin(t)"))
-    here = record.simulated(record.course_of(soft)).motion
-    there = record.simulated(record.course_of(axes.flipped(soft))).motion
+    here = record.simulated(record.truth_inputs(soft)).motion
+    there = record.simulated(record.truth_inputs(axes.flipped(soft))).motion
     assert np.allclose(there.rotation, FLIP @ here.rotation @ FLIP, atol=1e-12)
     assert np.allclose(there.angular_velocity, here.angular_velocity @ FLIP, atol=1e-12)
 

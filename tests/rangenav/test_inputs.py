@@ -14,7 +14,7 @@ import rangenav
 from rangenav import preset
 from rangenav.inputs import Input, Vec3
 from rangenav.motion import World
-from rangenav.record import TruthInputs, course_of
+from rangenav.record import TruthInputs, truth_inputs
 from rangenav.signals import Multisine, Piece, Polynomials, Tone, Waypoint, Waypoints
 from tests.support.refusals import exactly
 
@@ -73,7 +73,7 @@ def test_lists_and_numbers_of_numpy_make_the_value_of_the_file(name):
 
 
 def test_what_is_cached_by_its_input_is_found_again():
-    course = course_of(preset.load("paper"))
+    course = truth_inputs(preset.load("paper"))
     table = {course: "found"}
     again = TruthInputs(**{name: as_numpy(getattr(course, name)) for name in course.__struct_fields__})
     assert table[again] == "found"

@@ -82,7 +82,7 @@ def test_switching_to_and_fro_many_times_does_not_wander(gains):
 def test_gains_that_nobody_changed_in_words_are_kept_to_the_last_bit(gains, at, world, rates):
     words = physical_gains.to_physical(gains, at, world=world, sensors=rates)
     found = physical_gains.to_paper(words, at, world=world, sensors=rates)
-    assert physical_gains.keeping(found, [Gains(), gains], at, world=world, sensors=rates) == gains
+    assert physical_gains.keep_known(found, [Gains(), gains], at, world=world, sensors=rates) == gains
 
 
 @given(every_gain, st.floats(0.5, 0.9))
@@ -92,7 +92,7 @@ def test_a_changed_word_changes_its_gain_and_no_bit_of_the_others(gains, share):
     if gains.attitude.k1 * share < K1_RANGE[0] * 1.01 or gains.attitude.schedule is not None:
         return
     found = physical_gains.to_paper(fewer, AT, world=WORLD, sensors=SENSORS)
-    kept = physical_gains.keeping(found, [gains], AT, world=WORLD, sensors=SENSORS)
+    kept = physical_gains.keep_known(found, [gains], AT, world=WORLD, sensors=SENSORS)
     assert kept == replace(gains, attitude=replace(gains.attitude, k1=found.attitude.k1))
     assert found.attitude.k1 == pytest.approx(gains.attitude.k1 * share, rel=1e-12)
 

@@ -68,7 +68,7 @@ def refused(p: Preset, **chosen) -> Refusal:
 def recorded(p: Preset):
     """What its sensors measure without noise."""
     silent = replace(p.sensors, noise=SILENT)
-    return record.measured(record.course_of(p), silent, 0)
+    return record.measured(record.truth_inputs(p), silent, 0)
 
 
 @pytest.mark.parametrize("name", [file.stem for file in preset.shipped_files()])
@@ -225,7 +225,7 @@ def test_dragging_brings_a_twin_as_near_to_the_pointer_as_any_allowed_turn_does(
     for p in (HOVER, LINE, flying(lengthwise)):
         other = found(p, turn=turn_towards(p, target, time=time))
         reached = np.linalg.norm(other.path(np.array(time)) - target)
-        if len(symmetry.still(p.path, p.duration)) == 3:
+        if len(symmetry.unaccelerated(p.path, p.duration)) == 3:
             q = p.path(np.array(time)) - np.asarray(p.world.anchor)
             aim = np.asarray(target) - p.world.anchor
             assert reached == pytest.approx(abs(np.linalg.norm(aim) - np.linalg.norm(q)), abs=1e-6)
@@ -320,6 +320,6 @@ def test_the_rms_distance_of_a_straight_difference_is_that_of_its_samples():
     ],
 )
 def test_directions_along_which_nothing_accelerates_are_counted(path: Signal, count: int):
-    directions = symmetry.still(path, 20.0)
+    directions = symmetry.unaccelerated(path, 20.0)
     assert directions.shape == (count, 3)
     assert np.abs(path(np.linspace(0, 20, 999), 2) @ directions.T).max(initial=0.0) < 1e-9

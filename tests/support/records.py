@@ -60,7 +60,7 @@ def scene(
         guess=replace(p.guess, state=guess),
         requirement=replace(p.requirement, window=window),
     )
-    truth, z = record.simulated(record.course_of(p)), record.measured(record.course_of(p), sensors, seed)
+    truth, z = record.simulated(record.truth_inputs(p)), record.measured(record.truth_inputs(p), sensors, seed)
     start = cascade.start(p.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=p.world)
     return Scene(preset=p, truth=truth, measurements=z, start=start)
 

@@ -53,7 +53,7 @@ def plus_minus(metres: float | None) -> str:
 
 def flight_lines(preset: Preset) -> list[str]:
     """Whether the preset's vehicle can fly the motion, what stops it, and what the motion demands."""
-    moved = record.simulated(record.course_of(preset)).motion
+    moved = record.simulated(record.truth_inputs(preset)).motion
     broken = vehicle.broken(moved, preset.vehicle, world=preset.world)
     limits = motion.limits(moved, world=preset.world)
     name = preset.vehicle.name

@@ -210,7 +210,7 @@ def test_a_fit_has_no_verdict_to_differ_from(slow: Picture) -> None:
 def test_agreement_is_what_its_definition_says(mode: str, slow: Picture) -> None:
     seen = altered(slow, gains=Gains(mode=mode))  # pyright: ignore[reportArgumentType]
     found, part = consistency.of_run(seen), seen.motion.time >= 0.75 * seen.preset.duration
-    truth = record.simulated(record.course_of(seen.preset)).state
+    truth = record.simulated(record.truth_inputs(seen.preset)).state
     error, P = (seen.estimate.state - truth)[part, 4:7], seen.estimate.covariance[part, 0]
     nees = [e @ np.linalg.inv(p) @ e for e, p in zip(error, P, strict=True)]
     assert found.nees == pytest.approx(np.mean(nees), rel=1e-6)

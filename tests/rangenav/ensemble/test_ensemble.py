@@ -133,7 +133,7 @@ def test_a_random_start_is_the_run_that_starts_there():
     np.testing.assert_array_equal(found.seed, p.seed + np.arange(12) // 10)
     for k in (0, 4, 11):
         seed = int(found.seed[k])
-        truth, z = record.simulated(record.course_of(p)), record.measured(record.course_of(p), p.sensors, seed)
+        truth, z = record.simulated(record.truth_inputs(p)), record.measured(record.truth_inputs(p), p.sensors, seed)
         start = cascade.Start(state=np.zeros(13), rotation=rotations[k])
         setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         estimate = cascade.observe(z, start, setting)
@@ -151,7 +151,7 @@ def test_the_sphere_of_starts_begins_at_its_angle_and_settles_as_each_axis_would
         guess = replace(p.guess, attitude_axis=tuple(found.axis[k].tolist()), attitude_angle=2.5)
         alone = record.run(replace(p, guess=guess)).errors.attitude
         np.testing.assert_allclose(found.final[k], alone[-1], atol=1e-9)  # the same start but for its last digit
-        expected = record.settled(record.simulated(record.course_of(p)).motion.time, alone, record.SETTLED_ATTITUDE)
+        expected = record.settled(record.simulated(record.truth_inputs(p)).motion.time, alone, record.SETTLED_ATTITUDE)
         assert found.settle[k] == (np.inf if expected is None else expected)
 
 
@@ -170,7 +170,7 @@ def test_near_a_half_turn_starts_linger_on_the_whole_sphere():
 def test_about_the_slowest_axis_many_starts_follow_the_closed_form():
     """About the eigenvector of M's largest eigenvalue λ the error stays on its axis: θ̇ = −k1 (tr M − λ) sin θ."""
     p = silenced(shortened("paper", 6.0))
-    truth, z = record.simulated(record.course_of(p)), record.drawn(record.course_of(p), p.sensors, 0)
+    truth, z = record.simulated(record.truth_inputs(p)), record.drawn(record.truth_inputs(p), p.sensors, 0)
     eigenvalues, axes = np.linalg.eigh(attitude.decay_matrix(p.gains.attitude, p.world))
     rate = p.gains.attitude.k1 * (eigenvalues[0] + eigenvalues[1])
     angle = np.array([0.5, 2.0, 3.0, 3.1])  # closer to π the saddle magnifies the error of the integration
@@ -196,8 +196,8 @@ def test_predicted_and_reached_accuracy_stand_at_the_ends_of_the_windows():
     both = ensemble.achieved(six, found)
     np.testing.assert_array_equal(both.time, found.windows.start + found.windows.window)
     assert both.time[-1] == pytest.approx(8.0)
-    assert both.reached[-1] == pytest.approx(np.sqrt(np.mean(six.position[:, -1] ** 2)), rel=1e-12)
-    assert both.believed[-1] == np.sort(six.sigma[:, -1])[2]
+    assert both.achieved[-1] == pytest.approx(np.sqrt(np.mean(six.position[:, -1] ** 2)), rel=1e-12)
+    assert both.estimated[-1] == np.sort(six.sigma[:, -1])[2]
     np.testing.assert_array_equal(both.cramer_rao, found.windows.sigma_nonlinear)
     assert np.all(both.cramer_rao < 1.1 * both.lifted)  # a bound, by a quadrature good to 7 % near the anchor
 
@@ -293,6 +293,6 @@ def test_too_much_work_is_refused_in_one_sentence(work, sentence):
 def test_the_errors_of_attitudes_are_angles_of_the_true_against_the_estimated():
     p = shortened("paper", 1.0)
     found = ensemble.basin(p, 0.7, 3)
-    truth = record.simulated(record.course_of(p)).motion
+    truth = record.simulated(record.truth_inputs(p)).motion
     start = so3.exp(-0.7 * found.axis[1]) @ truth.rotation[0]
     assert so3.angle(truth.rotation[0] @ start.T) == pytest.approx(found.attitude[1, 0])

@@ -76,7 +76,7 @@ def test_a_run_turned_over_feels_and_measures_the_same(name):
     assert (down.frame, up.frame) == ("z-down", "z-up")
     assert up.gravity == (0.0, 0.0, -9.81)
     felt = motion.apparent(up.rotation, up.acceleration, gravity=np.array(up.gravity))
-    truth = record.simulated(record.course_of(p)).motion.apparent_acceleration
+    truth = record.simulated(record.truth_inputs(p)).motion.apparent_acceleration
     np.testing.assert_allclose(frames.vector(frames.FRD_FLU, felt), truth, atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(up.accel, axis=-1), np.linalg.norm(down.accel, axis=-1), rtol=1e-15)
     distance = np.linalg.norm(up.position - np.array(up.anchor), axis=-1)
@@ -92,8 +92,8 @@ def test_a_preset_turned_over_is_the_same_flight(kind, turning):
     if turning == "flown":
         changes["angular_velocity"] = Flown(yaw="sin(t) + 0.3")
     p = preset.msgspec.structs.replace(soft, **changes)
-    old = record.simulated(record.course_of(p)).motion
-    new = record.simulated(record.course_of(upright(p))).motion
+    old = record.simulated(record.truth_inputs(p)).motion
+    new = record.simulated(record.truth_inputs(upright(p))).motion
     F = frames.Z_UP_Z_DOWN
     np.testing.assert_allclose(new.position, old.position @ F, atol=1e-12)
     np.testing.assert_allclose(new.snap, old.snap @ F, atol=1e-9)

@@ -117,7 +117,7 @@ def test_gtsam_flies_the_reference_file_and_feels_the_specific_force_with_gravit
         body = hover_ramps.attitude(course, p.angular_velocity, p.world.gravity, t)
     else:
         course = p.path
-        truth = record.simulated(record.course_of(p)).motion
+        truth = record.simulated(record.truth_inputs(p)).motion
         k = np.rint(t * p.sensors.imu_rate).astype(int)
         body = hover_ramps.Attitude(
             rotation=truth.rotation[k],

@@ -19,14 +19,14 @@ from tests.support.signal_examples import EXAMPLES
 FLYABLE = ("paper-slow", "soft", "lissajous", "helix", "tilted-circle")
 
 
-def course_of(name):
+def truth_inputs(name):
     p = upright(preset.load(name))
     return p, hover_ramps.with_ramps(p.path, p.duration, window=p.requirement.window)
 
 
 @pytest.mark.parametrize("name", FLYABLE)
 def test_a_ramped_path_starts_and_stops_at_hover_and_is_smooth_where_it_joins(name):
-    p, course = course_of(name)
+    p, course = truth_inputs(name)
     ends = np.array([0.0, course.end])
     for order in range(1, 5):
         assert np.abs(course(ends, order)).max() < 1e-12
@@ -41,7 +41,7 @@ def test_a_ramped_path_starts_and_stops_at_hover_and_is_smooth_where_it_joins(na
 @pytest.mark.parametrize("name", FLYABLE)
 def test_derivatives_of_a_ramped_path_are_those_of_its_positions(name):
     """Each order against central differences of the one below it."""
-    _, course = course_of(name)
+    _, course = truth_inputs(name)
     t, h = np.linspace(0.05, course.end - 0.05, 701), 1e-4
     for order in range(1, 5):
         difference = (course(t + h, order - 1) - course(t - h, order - 1)) / (2 * h)
@@ -51,7 +51,7 @@ def test_derivatives_of_a_ramped_path_are_those_of_its_positions(name):
 
 @pytest.mark.parametrize("name", FLYABLE)
 def test_between_its_ramps_a_ramped_path_is_the_path_itself_and_nowhere_leaves_it(name):
-    p, course = course_of(name)
+    p, course = truth_inputs(name)
     begin, end = course.steady
     t = np.linspace(begin, end, 300)
     np.testing.assert_allclose(course(t), p.path(t - course.ramp / 2), atol=1e-12)
@@ -71,7 +71,7 @@ def test_a_path_that_rests_at_its_ends_needs_no_ramps_and_one_too_short_for_them
 
 @pytest.mark.parametrize("yaw", ["0", "0.7", "sin(t)/2"])
 def test_the_attitude_flown_carries_the_thrust_and_turns_as_it_says(yaw):
-    p, course = course_of("paper-slow")
+    p, course = truth_inputs("paper-slow")
     t = np.linspace(0.01, course.end - 0.01, 900)
     body = hover_ramps.attitude(course, Flown(yaw=yaw), p.world.gravity, t)
     felt = motion.apparent(body.rotation, course(t, 2), gravity=np.array(p.world.gravity))
@@ -147,7 +147,7 @@ def test_polynomials_that_were_read_are_written_as_they_are(tmp_path):
 
 @pytest.mark.parametrize("name", ["paper-slow", "soft"])
 def test_a_reference_file_is_read_back_as_the_path_it_came_from(name, tmp_path):
-    p, course = course_of(name)
+    p, course = truth_inputs(name)
     formats.export(preset.load(name), "reference", tmp_path / "x.csv")
     found = formats.read(tmp_path / "x.csv", "reference")
     assert found.unjudged is None
@@ -169,7 +169,7 @@ def test_the_presets_own_attitude_can_be_asked_for(tmp_path):
     header, *rows = (tmp_path / "x.csv").read_text().split()
     names, values = header.split(","), np.array([[float(v) for v in row.split(",")] for row in rows])
     q = values[:, [names.index(f"q_{a}") for a in "wxyz"]]
-    truth = record.simulated(record.course_of(upright(p))).motion
+    truth = record.simulated(record.truth_inputs(upright(p))).motion
     np.testing.assert_allclose(frames.to_rotation(q), truth.rotation[::2], atol=1e-9)
 
 

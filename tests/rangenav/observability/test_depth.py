@@ -288,14 +288,14 @@ def test_a_generic_moment_is_frozen_at_11_whatever_its_size_and_axes(turn, angle
 
 
 def test_the_frozen_test_misleads_in_both_directions_and_says_so():
-    slow = record.simulated(record.course_of(SLOW)).motion
+    slow = record.simulated(record.truth_inputs(SLOW)).motion
     said = frozen.frozen(slow, 3.0, windowed=13)
     assert (said.body, said.turned) == (11, 5)
     assert said.time == pytest.approx(3.0, abs=0.003)
     assert said.words.startswith(
         "Frozen at 3 s: rank 11 of 13 in body axes, 5 in turned axes, so it calls unobservable"
     )
-    hover = record.simulated(record.course_of(HOVER)).motion
+    hover = record.simulated(record.truth_inputs(HOVER)).motion
     said = frozen.frozen(hover, 3.0, windowed=5)
     assert said.body == 11
     assert "more than the 5 of the window from here" in said.words
@@ -366,7 +366,7 @@ def test_each_outcome_has_its_sentence(mu: float, mu_printed: float, rank: int, 
 
 def test_the_four_signals_are_those_of_the_chosen_switches():
     p = preset.load("circle")
-    truth = record.simulated(record.course_of(p)).motion
+    truth = record.simulated(record.truth_inputs(p)).motion
     start = np.array([0.0, 5.0])
     found = printed.compare(truth, start, 6.0, mu=0.0, floor=1.0, required=1.0, rank=11)
     body = excitation.phi(truth)

@@ -365,7 +365,7 @@ def test_accuracy_by_triangles_is_accuracy_by_singular_vectors():
         distance2 = np.sum((seen.place - np.asarray(soft.world.anchor)[:, None]) ** 2, axis=1)[0]
         matrix = rows.nonlinear_of(seen, soft.world.anchor, "end")[0] / (0.1 * np.sqrt(distance2))[:, None]
         covariance = np.linalg.inv(matrix.T @ matrix)  # nine unknowns, condition 1e9 at worst: seven digits are left
-        found = accuracy.told(seen, soft.world, sigma=0.1, kind="nonlinear", at="end")
+        found = accuracy.of_ranges(seen, soft.world, sigma=0.1, kind="nonlinear", at="end")
         for k, value in enumerate((found.position, found.velocity, found.gravity)):
             block = slice(3 * k, 3 * k + 3)
             assert value == pytest.approx(math.sqrt(np.trace(covariance[block, block])), rel=1e-6)

@@ -27,7 +27,7 @@ NAMES = tuple(row.name for row in ROWS.values() if row.name)
 def measured(*, seed=0, noise=SILENT, duration=20.0, rate=200.0, **effects):
     """The slow path's record with some effects on."""
     chosen = Sensors(range_rate=rate, noise=noise, unmodelled=Effects(**effects))
-    return record.measured(record.course_of(replace(SLOW, duration=duration)), chosen, seed)
+    return record.measured(record.truth_inputs(replace(SLOW, duration=duration)), chosen, seed)
 
 
 def assert_same(a, b, *names):
@@ -153,7 +153,7 @@ def test_a_lever_arm_moves_the_range_to_the_antenna(range_rate):
     course = replace(SLOW, angular_velocity=Multisine(offset=turning), initial_rotation=initial, duration=9.0)
     chosen = Sensors(imu_rate=100.0, mag_rate=100.0, range_rate=range_rate, noise=SILENT)
     z = record.measured(
-        record.course_of(replace(course, sensors=chosen)), replace(chosen, unmodelled=Effects(lever_arm=arm)), 0
+        record.truth_inputs(replace(course, sensors=chosen)), replace(chosen, unmodelled=Effects(lever_arm=arm)), 0
     )
     attitude = Rotation.from_rotvec(initial) * Rotation.from_rotvec(np.outer(z.range_time, turning))
     antenna_at = SLOW.path(z.range_time) + attitude.apply(arm)
@@ -326,7 +326,7 @@ def test_the_plain_observer_agrees_on_a_record_with_everything_on(mode):
     """As on clean records the two differ by rounding, which outliers of metres do not enlarge past a micrometre."""
     chosen = Sensors(unmodelled=EVERYTHING)
     p = replace(SLOW, duration=8.0, sensors=chosen, gains=replace(SLOW.gains, mode=mode))
-    truth, z = record.simulated(record.course_of(p)), record.measured(record.course_of(p), chosen, 3)
+    truth, z = record.simulated(record.truth_inputs(p)), record.measured(record.truth_inputs(p), chosen, 3)
     start = cascade.start(p.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=p.world)
     setting = cascade.ObserverConfig(world=p.world, sensors=chosen, gains=p.gains)
     fast, plainly = cascade.observe(z, start, setting), reference.observe(z, start, setting)

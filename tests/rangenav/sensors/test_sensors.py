@@ -179,7 +179,7 @@ def chosen_times(chosen, time):
 def test_every_shipped_preset_measures_what_it_did_before_there_were_unmodelled_effects(name):
     """To the last bit: a seed that somebody has noted keeps its meaning."""
     p = preset.load(name)
-    z, moved = record.run(p).measurements, record.simulated(record.course_of(p)).motion
+    z, moved = record.run(p).measurements, record.simulated(record.truth_inputs(p)).motion
     for sensor, expected in as_first_published(moved, p.path, p.world, p.sensors, p.seed).items():
         np.testing.assert_array_equal(getattr(z, sensor), expected, err_msg=sensor)
 
