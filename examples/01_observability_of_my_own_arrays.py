@@ -26,31 +26,32 @@ def derivative(order: int) -> np.ndarray:
 
 
 # %%
-# From positions alone the path is a smooth curve near the samples. Every function of :mod:`rangenav.observability`
-# takes it; here 15 windows of 6 s.
-fitted = sampled_path.from_arrays(time, derivative(0), name="my flight")
-start = np.linspace(0.0, fitted.duration - 6.0, 15)
-windows = spectrum.window_spectra(fitted.path, (0.0, 0.0, -9.81), start, 6.0)
-print(fitted.fitted)
+# From positions alone the path is a smooth curve near the samples. A preset holds it together with the world: here an
+# anchor half a metre from the origin. Every function of :mod:`rangenav.observability` takes the path; here 15 windows
+# of 6 s.
+fit = sampled_path.from_arrays(time, derivative(0), name="my flight")
+mine = path_preset.as_preset(fit, anchor=(0.5, 0.0, 0.0))
+start = np.linspace(0.0, mine.duration - 6.0, 15)
+windows = spectrum.window_spectra(mine.path, mine.world.gravity, start, 6.0)
+print(fit.fitted)
 print("rank, of 13, on each window:", *windows.rank)
 
 # %%
 # But a curve near positions has a snap of its own, so its excitation says nothing about the flight: it is not judged.
-mine = path_preset.as_preset(fitted, anchor=(0.5, 0.0, 0.0))
 print(analysis.analyse(mine).verdict)
 
 # %%
 # With the derivatives up to the snap, as a planner knows them, the path is the motion itself.
-known = sampled_path.from_arrays(
+motion = sampled_path.from_arrays(
     time, derivative(0), velocity=derivative(1), acceleration=derivative(2), jerk=derivative(3), snap=derivative(4)
 )
-for name, path in (("fitted to positions", fitted.path), ("all derivatives", known.path)):
+known = path_preset.as_preset(motion, anchor=(0.5, 0.0, 0.0))
+for name, path in (("fitted to positions", mine.path), ("all derivatives", known.path)):
     print(f"least excitation, {name}: {excitation.eigenvalues(path, start, 6.0)[:, 0].min():.2f} m²/s⁷")
 
 # %%
 # So it is judged. How long must one fly? A window of 6 s has full rank, but half a metre takes nearly 10 s.
-flown = path_preset.as_preset(known, anchor=(0.5, 0.0, 0.0))
-print(analysis.how_long(flown).words)
+print(analysis.how_long(known).words)
 for window in (6.0, 10.0):
-    found = analysis.analyse(analysis.with_window(flown, window, source="my flight"))
+    found = analysis.analyse(analysis.with_window(known, window, source="my flight"))
     print(f"{window:g} s: {found.verdict}, rank {found.rank}, predicted 1-σ position {found.lifted_end.position:.3g} m")

@@ -49,7 +49,7 @@ print(f"{1e6 * seconds / len(z.time):.0f} µs per step, checks included")
 # %%
 # A sample that cannot be is refused in one sentence, and the state stays usable.
 try:
-    cascade.step(state, sample._replace(time=state.time + 0.005, gyro=[0.0, 0.0]))
+    cascade.step(state, Sample(state.time + 0.005, [0.0, 0.0], z.accel[-1], z.mag[-1], [], []))
 except ValueError as error:
     print("refused:", error)
 

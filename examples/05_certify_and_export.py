@@ -31,7 +31,7 @@ for check in found.checks:
 exported = certified_export.write(
     chosen, "polynomial", folder / "mine.csv", name="mine", otherwise="uncertified=True writes it all the same"
 )
-print("written:", *(path.name for path in exported.output.files), exported.certificate.name)
+print("in the folder:", *sorted(path.name for path in folder.iterdir()))
 for note in exported.notes:
     print("  ", note)
 

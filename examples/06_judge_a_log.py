@@ -26,17 +26,21 @@ formats.export(chosen, "log", log)
 read = formats.settled(formats.read(log, "log"))
 for finding in read.findings:
     print(finding)
+flight = read.flight
+if flight is None:
+    raise SystemExit("the file holds a path and no recorded flight")
 
 # %%
 # Windows of 12 s and of 6 s: this motion needs the longer ones.
 for window in (12.0, 6.0):
-    judged = logs.informative(read.flight, window=window, range_sigma=0.1, requirement=0.15, noise=None)
+    judged = logs.informative(flight, window=window, range_sigma=0.1, requirement=0.15, noise=None)
     print(f"{judged.verdict}: {judged.words}")
 
 # %%
-# The observer on the same record. The file has a true position, so the error is known.
-sensors = logs.sensors_of(read.flight, range_sigma=0.1)
-observed = logs.observe(read.flight, chosen.world, sensors=sensors)
-error = observed.position_error
-for quarter, part in enumerate(np.array_split(error, 4), start=1):
-    print(f"quarter {quarter}: position error {np.sqrt(np.nanmean(part**2)):.2f} m (rms)")
+# The observer on the same record. Where the file has a true position, the error is known.
+sensors = logs.sensors_of(flight, range_sigma=0.1)
+observed = logs.observe(flight, chosen.world, sensors=sensors)
+print("the vehicle is at last at", np.round(observed.position[-1], 2), "m")
+if observed.position_error is not None:
+    for quarter, part in enumerate(np.array_split(observed.position_error, 4), start=1):
+        print(f"quarter {quarter}: position error {np.sqrt(np.nanmean(part**2)):.2f} m (rms)")

@@ -8,6 +8,8 @@ it, linearise it.
 
 # %%
 # A model of your own: a vehicle whose attitude and position are known functions of time, and what its sensors measure.
+from typing import Any
+
 import control
 import numpy as np
 
@@ -40,10 +42,9 @@ both = control.interconnect(
 # %%
 # From x̂ = 0 and an attitude that is 60° off; the truth is known, so the error is, too.
 start = cascade.Start(state=np.zeros(13), rotation=so3.exp(np.array([0.0, np.pi / 3, 0.0])))
+begin: Any = control_system.initial_state(start, config)
 time = np.linspace(0.0, 6.0, 13)
-response = control.input_output_response(
-    both, time, 0, control_system.initial_state(start, config), solve_ivp_kwargs={"method": "LSODA", "rtol": 1e-6}
-)
+response = control.input_output_response(both, time, 0, begin, solve_ivp_kwargs={"method": "LSODA", "rtol": 1e-6})
 for k in range(0, len(time), 2):
     rotation = so3.exp(turning * time[k])
     truth = rotation.T @ chosen.path(time[k : k + 1])[0]

@@ -1,5 +1,8 @@
 """What an array may be that a caller gives: converted where it holds numbers, else refused in one sentence."""
 
+# pyright: reportArgumentType=false
+# Values of the wrong type are what this file is about.
+
 import numpy as np
 import pytest
 

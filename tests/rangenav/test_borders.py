@@ -1,6 +1,9 @@
 """What a caller gives to an observer or to a question about a path is checked before it is used: nothing ends the
 interpreter, every refusal is one sentence, and whatever holds the right numbers gives what arrays of float64 give."""
 
+# pyright: reportArgumentType=false, reportCallIssue=false
+# Arguments of the wrong type are what this file is about.
+
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,8 @@
 """The observer as a system of python-control gives what `cascade.observe` gives, and connects with other systems."""
 
+# pyright: reportArgumentType=false
+# python-control infers from the defaults 0.0 of its arguments that arrays are not allowed there.
+
 import control
 import numpy as np
 import pytest

@@ -1,5 +1,8 @@
 """A value made in Python is the value that its file gives: the same types, equal, with the same hash, or refused."""
 
+# pyright: reportArgumentType=false
+# Values of the wrong type are what this file is about.
+
 import importlib
 import pkgutil
 from collections.abc import Iterator
