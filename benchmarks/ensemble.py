@@ -1,7 +1,7 @@
-"""Ensembles in threads beside the same runs one after the other: many seeds, random starts, a sphere of starts.
+"""Ensembles in threads, compared with the same runs one after the other: many seeds, random starts, a sphere of starts.
 
-The peer is the library's own single run in a loop; for starts and axes it is one run for each, because that is how one
-would do it without knowing that x̂ serves them all.
+The loop calls the library's single run. It makes one run for each start or axis, as a program must that does not know
+that x̂ is the same for all of them.
 """
 
 from collections.abc import Callable
@@ -16,9 +16,9 @@ from rangenav.preset import Preset
 
 SEEDS, STARTS, AXES = 100, 1000, 300
 PART = 10
-"""The loops run this part of the work, and their time is multiplied."""
+"""The loops do one part in this many of the work, and their time is multiplied by it."""
 ROUNDS = 5
-MOST_SECONDS = 1.0
+MAX_SECONDS = 1.0
 """For 100 seeds of the page's first preset, 20 s at 200 Hz."""
 
 
@@ -40,15 +40,15 @@ def main() -> None:
         name: {"seconds": seconds[name], "ratio": PART * seconds[f"{name}, loop"] / seconds[name]} for name in counts
     }
     rows = [
-        (f"{counts[name]} {name}", f"{found['seconds']:.2f} s", f"{found['ratio']:.1f} ×")
-        for name, found in figures.items()
+        (f"{counts[name]} {name}", f"{result['seconds']:.2f} s", f"{result['ratio']:.1f} ×")
+        for name, result in figures.items()
     ]
     report(
         "ensemble",
         title="Ensembles beside the same runs one after the other",
-        columns=("what", "ours", "loop takes"),
+        columns=("what", "rangenav", "loop takes"),
         rows=rows,
-        targets=[Target(name="100 seeds", value=seconds["seeds"], bound=MOST_SECONDS, at_least=False, unit=" s")],
+        targets=[Target(name="100 seeds", value=seconds["seeds"], bound=MAX_SECONDS, at_least=False, unit=" s")],
         notes=["as many threads as cores; the peer is record.run_seed, or one observe for each start, in a loop"],
         figures={**figures, "versions": versions("numpy", "numba")},
     )
@@ -58,11 +58,11 @@ def _loop(p: Preset, count: int) -> None:
     """One run for each of some random starts, on one record."""
     course = record.truth_inputs(p)
     truth, z = record.simulated(course), record.measured(course, p.sensors, p.seed)
-    setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
+    observer_config = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
     for rotation in Rotation.random(count, random_state=0).as_matrix():
-        estimate = cascade.observe(z, cascade.Start(state=np.zeros(13), rotation=rotation), setting)
-        found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-        record.summarise(estimate, found, 0.0)
+        estimate = cascade.observe(z, cascade.Start(state=np.zeros(13), rotation=rotation), observer_config)
+        result = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+        record.summarise(estimate, result, 0.0)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,12 @@
-"""How good estimators are and from where they converge: cascade, its refinement, our EKF, GTSAM's EKF and batch.
+"""Accuracy and convergence of the cascade, its refinement, the library's EKF, and GTSAM's EKF and batch.
 
-20 s, everything at 200 Hz with the default noise. Steady: RMS over the last half, medians over seeds, position in body
-axes. The cascade starts at x̂ = 0 with R̂ a quarter turn off, the refinement from the cascade, the filters at the truth,
-the batch where our smoother starts. Random starts: position and velocity off by 2 m and 2 m/s (1 σ on each axis), any
-attitude; a start converged if position and attitude are within 0.5 m and 5° (RMS over the last quarter).
+A record lasts 20 s, with all sensors at 200 Hz and the default noise. Accuracy is the RMS error over the last half, the
+median of several seeds, with the position in body axes. The cascade starts at x̂ = 0 with R̂ wrong by 90°. The refinement
+starts from the cascade's estimate, the filters start at the truth, and the batch starts where the refinement does.
+
+Convergence is counted over random starts: position and velocity are wrong by 2 m and 2 m/s (1 σ on each axis), and the
+attitude is uniformly random. A start has converged if position and attitude are within 0.5 m and 5° (RMS over the last
+quarter).
 """
 
 import argparse
@@ -13,7 +16,7 @@ from dataclasses import dataclass
 
 import msgspec
 import numpy as np
-from cases import DURATION, FAR, NEAR, RATE, Case, Found, case
+from cases import DURATION, RANDOM_START_COVARIANCE, RATE, TRUE_START_COVARIANCE, Case, Result, case
 from rich.progress import track
 from timing import Target, missing, report, versions
 
@@ -21,8 +24,8 @@ from rangenav import baselines, cascade, record, refine, strapdown
 from rangenav.gains import Gains
 
 PATHS = ("paper", "paper-slow", "lissajous", "soft")
-SEEDS, STARTS, COLD_BATCHES = 10, 20, 10
-NEAR_POSITION, NEAR_ATTITUDE = 0.5, 5.0
+SEEDS, STARTS, RANDOM_BATCHES = 10, 20, 10
+CONVERGED_POSITION, CONVERGED_ATTITUDE = 0.5, 5.0
 MATCHED = Gains(mode="noise-matched")
 LOW = msgspec.structs.replace(MATCHED, attitude=msgspec.structs.replace(MATCHED.attitude, k1=0.5))
 CONSTANT, NOISE_MATCHED, LOW_K1 = (
@@ -30,7 +33,7 @@ CONSTANT, NOISE_MATCHED, LOW_K1 = (
     "cascade, noise-matched",
     "the same with k1 = 0.5",
 )
-EKF, REFINED = "our EKF", "refinement"
+EKF, REFINED = "rangenav EKF", "refinement"
 GTSAM_EKF, BATCH_50, BATCH_200 = "GTSAM EKF", "GTSAM batch, 50 Hz keys", "GTSAM batch, 200 Hz keys"
 BOUNDS = {
     ("paper", REFINED): 0.025,
@@ -38,44 +41,49 @@ BOUNDS = {
     ("paper", NOISE_MATCHED): 0.045,
     ("paper-slow", NOISE_MATCHED): 0.075,
 }
-MOST_DEGREES, MOST_MILLISECONDS, MOST_APART = 0.4, 50.0, 1e-3
-NAVLIE = "navlie does not install here; MATH.md §10 has for its EKF .047 m/.34°, 550–770 µs per step, 6–12 of 16 starts"
+MAX_DEGREES, MAX_MILLISECONDS, MAX_DIFFERENCE = 0.4, 50.0, 1e-3
+NAVLIE = "not run here: navlie; its EKF was measured once at 0.047 m and 0.34°, 550–770 µs per step, 6–12 of 16 starts"
 
 
-def by_cascade(gains: Gains | None = None) -> Callable[[Case], Found]:
-    """The cascade with the given gains, or the preset's."""
+def by_cascade(gains: Gains | None = None) -> Callable[[Case], Result]:
+    """The cascade with these gains, or with the preset's."""
 
-    def run(c: Case) -> Found:
+    def run(c: Case) -> Result:
         began = time.process_time()
-        estimate = cascade.observe(c.measurements, c.start, c.setting(gains))
+        estimate = cascade.observe(c.measurements, c.start, c.observer_config(gains))
         seconds = time.process_time() - began
-        return Found(position=estimate.position(c.preset.world), rotation=estimate.rotation, seconds=seconds)
+        return Result(position=estimate.position(c.preset.world), rotation=estimate.rotation, seconds=seconds)
 
     return run
 
 
-def by_refinement(c: Case) -> Found:
-    """The smoother, started by the cascade with the preset's gains; its time is its own."""
-    estimate = cascade.observe(c.measurements, c.start, c.setting())
+def by_refinement(c: Case) -> Result:
+    """The refinement of the cascade's estimate with the preset's gains; the cascade's time is not counted."""
+    estimate = cascade.observe(c.measurements, c.start, c.observer_config())
     began = time.process_time()
-    refined = refine.refine(c.measurements, estimate, c.setting()).track
-    return Found(position=refined.position, rotation=refined.rotation, seconds=time.process_time() - began)
+    refined = refine.refine(c.measurements, estimate, c.observer_config()).track
+    return Result(position=refined.position, rotation=refined.rotation, seconds=time.process_time() - began)
 
 
-def by_ekf(c: Case) -> Found:
-    """Our extended Kalman filter."""
+def by_ekf(c: Case) -> Result:
+    """The library's extended Kalman filter."""
     began = time.process_time()
-    filtered = baselines.filtered(c.measurements, c.near(), FAR if c.cold else NEAR, c.setting())
-    return Found(position=filtered.position, rotation=filtered.rotation, seconds=time.process_time() - began)
+    filtered = baselines.filtered(
+        c.measurements,
+        c.initial_state(),
+        RANDOM_START_COVARIANCE if c.random_start else TRUE_START_COVARIANCE,
+        c.observer_config(),
+    )
+    return Result(position=filtered.position, rotation=filtered.rotation, seconds=time.process_time() - began)
 
 
-def by_gtsam_ekf(c: Case) -> Found:
-    """GTSAM's, with range and magnetometer."""
+def by_gtsam_ekf(c: Case) -> Result:
+    """GTSAM's extended Kalman filter, with range and magnetometer."""
     import gtsam_ekf
 
-    position, velocity, rotation = c.near()
+    position, velocity, rotation = c.initial_state()
     first = gtsam_ekf.start(rotation, position, velocity)
-    sigma = tuple(np.sqrt(np.diag(FAR if c.cold else NEAR))[[6, 0, 3]])
+    sigma = tuple(np.sqrt(np.diag(RANDOM_START_COVARIANCE if c.random_start else TRUE_START_COVARIANCE))[[6, 0, 3]])
     began = time.process_time()
     positions, rotations = [position], [rotation]
     for ekf in gtsam_ekf.steps(c.preset, c.measurements, first, use=gtsam_ekf.USES[2], sigma=sigma):
@@ -83,30 +91,32 @@ def by_gtsam_ekf(c: Case) -> Found:
         positions.append(state.position())
         rotations.append(state.attitude().matrix())
     seconds = time.process_time() - began
-    return Found(position=np.array(positions), rotation=np.array(rotations), seconds=seconds)
+    return Result(position=np.array(positions), rotation=np.array(rotations), seconds=seconds)
 
 
-def by_gtsam_batch(every: int) -> Callable[[Case], Found]:
-    """GTSAM's graph: from where our smoother starts, or cold by dead reckoning from the random start."""
+def by_gtsam_batch(every: int) -> Callable[[Case], Result]:
+    """GTSAM's graph, from where the refinement starts, or from dead reckoning after a random start."""
     import gtsam_batch
 
-    def run(c: Case) -> Found:
-        first = _dead_reckoned(c) if c.cold else _started(c)
+    def run(c: Case) -> Result:
+        first = _dead_reckoned(c) if c.random_start else _started(c)
         start = gtsam_batch.Trajectory(first.position, first.velocity, first.rotation)
         began = time.process_time()
         solved, _ = gtsam_batch.solve(c.preset, c.measurements, start, every=every)
         seconds = time.process_time() - began
-        return Found(position=solved.position, rotation=solved.rotation, seconds=seconds, every=every)
+        return Result(position=solved.position, rotation=solved.rotation, seconds=seconds, every=every)
 
     return run
 
 
 def _started(c: Case) -> strapdown.Track:
-    return refine.started(c.measurements, cascade.observe(c.measurements, c.start, c.setting()), c.setting())
+    return refine.started(
+        c.measurements, cascade.observe(c.measurements, c.start, c.observer_config()), c.observer_config()
+    )
 
 
 def _dead_reckoned(c: Case) -> strapdown.Track:
-    """The filter with neither ranges nor magnetometer."""
+    """The library's filter without ranges and magnetometer."""
     z = c.measurements
     silent = record.Measurements(
         time=z.time,
@@ -116,28 +126,28 @@ def _dead_reckoned(c: Case) -> strapdown.Track:
         range_time=np.empty(0),
         range=np.empty(0),
     )
-    return baselines.filtered(silent, c.near(), FAR, c.setting())
+    return baselines.filtered(silent, c.initial_state(), RANDOM_START_COVARIANCE, c.observer_config())
 
 
-def attempt(run: Callable[[Case], Found], c: Case) -> tuple[np.ndarray, np.ndarray, float]:
-    """Errors over time and seconds; infinite ones where a peer stops with an exception or gives no numbers."""
+def attempt(run: Callable[[Case], Result], c: Case) -> tuple[np.ndarray, np.ndarray, float]:
+    """Errors over time and processor time (s). Errors are infinite where an estimator raises or returns no numbers."""
     try:
         with np.errstate(all="ignore"):
-            found = run(c)
-            position, attitude = c.errors(found)
-        return np.nan_to_num(position, nan=np.inf), np.nan_to_num(attitude, nan=np.inf), found.seconds
-    except (RuntimeError, ValueError):  # GTSAM's indeterminate system, or a rotation it refuses
+            result = run(c)
+            position, attitude = c.errors(result)
+        return np.nan_to_num(position, nan=np.inf), np.nan_to_num(attitude, nan=np.inf), result.seconds
+    except (RuntimeError, ValueError):  # GTSAM's indeterminate system, or a rotation that it does not accept
         return np.full(2, np.inf), np.full(2, np.inf), np.nan
 
 
 def rms(errors: np.ndarray, share: float) -> float:
-    """Over the last share of the record."""
+    """RMS over the last share of the record."""
     return float(np.sqrt(np.mean(errors[int(len(errors) * (1 - share)) :] ** 2)))
 
 
-def contenders() -> dict[str, tuple[Callable[[Case], Found], int]]:
-    """Each estimator with the number of random starts it is asked for."""
-    found: dict[str, tuple[Callable[[Case], Found], int]] = {
+def estimators() -> dict[str, tuple[Callable[[Case], Result], int]]:
+    """Each estimator and its number of random starts."""
+    result: dict[str, tuple[Callable[[Case], Result], int]] = {
         CONSTANT: (by_cascade(), STARTS),
         NOISE_MATCHED: (by_cascade(MATCHED), STARTS),
         LOW_K1: (by_cascade(LOW), STARTS),
@@ -145,12 +155,12 @@ def contenders() -> dict[str, tuple[Callable[[Case], Found], int]]:
         EKF: (by_ekf, STARTS),
     }
     if missing("gtsam") is None:
-        found |= {
+        result |= {
             GTSAM_EKF: (by_gtsam_ekf, STARTS),
-            BATCH_50: (by_gtsam_batch(4), COLD_BATCHES),
+            BATCH_50: (by_gtsam_batch(4), RANDOM_BATCHES),
             BATCH_200: (by_gtsam_batch(1), 0),
         }
-    return found
+    return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,24 +171,24 @@ class Figures:
     worst_position: float
     attitude_deg: float
     milliseconds: float
-    """Of processor time, for 10 s of record: on a busy machine it is steadier than the clock."""
+    """Processor time for 10 s of record; on a busy machine it varies less than the clock."""
     converged: int
     starts: int
 
 
-def measure(run: Callable[[Case], Found], name: str, *, seeds: int, starts: int) -> Figures:
+def measure(run: Callable[[Case], Result], name: str, *, seeds: int, starts: int) -> Figures:
     """Medians over seeds, and the count of random starts that converge."""
-    run(case(name, 0, cold=False))  # compiled, and in the cache
-    warm = [attempt(run, case(name, seed, cold=False)) for seed in range(seeds)]
+    run(case(name, 0, random_start=False))  # compiles the kernels and fills the cache
+    warm = [attempt(run, case(name, seed, random_start=False)) for seed in range(seeds)]
     positions = [rms(position, 0.5) for position, _, _ in warm]
-    cold = [attempt(run, case(name, seed, cold=True)) for seed in range(starts)]
-    there = [rms(p, 0.25) < NEAR_POSITION and rms(a, 0.25) < NEAR_ATTITUDE for p, a, _ in cold]
+    random_start = [attempt(run, case(name, seed, random_start=True)) for seed in range(starts)]
+    converged = [rms(p, 0.25) < CONVERGED_POSITION and rms(a, 0.25) < CONVERGED_ATTITUDE for p, a, _ in random_start]
     return Figures(
         position=float(np.median(positions)),
         worst_position=float(np.max(positions)),
         attitude_deg=float(np.median([rms(attitude, 0.5) for _, attitude, _ in warm])),
         milliseconds=float(np.median([seconds for _, _, seconds in warm])) * 1e3 * 10 / DURATION,
-        converged=int(np.sum(there)),
+        converged=int(np.sum(converged)),
         starts=starts,
     )
 
@@ -188,14 +198,14 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__)
     arguments.add_argument("--seeds", type=int, default=SEEDS)
     seeds = arguments.parse_args().seeds
-    asked, names = contenders(), [(path, name) for path in PATHS for name in contenders()]
+    chosen, names = estimators(), [(path, name) for path in PATHS for name in estimators()]
     figures = {
-        (path, name): measure(asked[name][0], path, seeds=seeds, starts=asked[name][1])
+        (path, name): measure(chosen[name][0], path, seeds=seeds, starts=chosen[name][1])
         for path, name in track(names, description="estimators", transient=True)
     }
     notes = [
         NAVLIE,
-        f"medians of {seeds} seeds; batches: the graph built in Python included, cold ones start dead reckoned",
+        f"medians of {seeds} seeds; a batch's time includes its graph's construction; random starts: dead reckoning",
     ]
     if absent := missing("gtsam"):
         notes.append(absent)
@@ -232,16 +242,18 @@ def _targets(figures: dict[tuple[str, str], Figures]) -> list[Target]:
         Target(
             name=f"{NOISE_MATCHED}, k1 = 0.5, paper",
             value=low.attitude_deg,
-            bound=MOST_DEGREES,
+            bound=MAX_DEGREES,
             at_least=False,
             unit="°",
         ),
-        Target(name="refinement of 10 s", value=slowest, bound=MOST_MILLISECONDS, at_least=False, unit=" ms"),
+        Target(name="refinement of 10 s", value=slowest, bound=MAX_MILLISECONDS, at_least=False, unit=" ms"),
     ]
     if ("paper", BATCH_200) in figures:
-        apart = max(abs(figures[path, REFINED].position - figures[path, BATCH_200].position) for path in PATHS)
+        difference = max(abs(figures[path, REFINED].position - figures[path, BATCH_200].position) for path in PATHS)
         targets.append(
-            Target(name="refinement less GTSAM's batch", value=apart, bound=MOST_APART, at_least=False, unit=" m")
+            Target(
+                name="refinement less GTSAM's batch", value=difference, bound=MAX_DIFFERENCE, at_least=False, unit=" m"
+            )
         )
     return targets
 

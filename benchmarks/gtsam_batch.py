@@ -1,8 +1,9 @@
-"""A peer: GTSAM's factor graph over a whole record, optimised by Levenberg–Marquardt (C++), built from Python.
+"""GTSAM's factor graph over a whole record, built from Python and optimised by Levenberg–Marquardt (C++).
 
-A key (pose, velocity) at every `every`-th IMU sample, an IMU factor preintegrated between neighbours, at each key the
-range to the anchor and the magnetometer's sample. What is measured between keys is not used: at 200 Hz keys all of it
-is, at 50 Hz keys a quarter. Gravity is known and the IMU has no bias; both are so for our smoother too.
+There is a key (pose, velocity) at every `every`-th IMU sample and a preintegrated IMU factor between neighbouring keys.
+Each key has a factor for the range to the anchor and one for the magnetometer's sample. Ranges and magnetometer samples
+between keys are not used: keys at 200 Hz use all of them, keys at 50 Hz use a quarter. As in `rangenav.refine`, gravity
+is known and the IMU has no bias.
 """
 
 from typing import NamedTuple
@@ -16,10 +17,10 @@ from rangenav.preset import Preset
 from rangenav.sensors import Measurements
 
 PRIOR_SIGMA = np.array([1.0, 1.0, 1.0, 10.0, 10.0, 10.0])
-"""rad and m of the first pose about where the start puts it; as wide as the prior of our smoother."""
+"""rad and m: σ of the first pose about the start; as wide as the prior of `rangenav.refine`."""
 PRIOR_SPEED = 10.0
 FIXED = 1e-6
-"""σ of what is known: the anchor and the bias."""
+"""σ of the quantities that are known: the anchor and the bias."""
 MAX_ITERATIONS = 100
 
 
@@ -39,12 +40,12 @@ def solve(preset: Preset, record: Measurements, start: Trajectory, *, every: int
     )
     result = optimizer.optimize()
     poses = [result.atPose3(X(k)) for k in keys]
-    found = Trajectory(
+    result = Trajectory(
         np.array([pose.translation() for pose in poses]),
         np.array([result.atVector(V(k)) for k in keys]),
         np.array([pose.rotation().matrix() for pose in poses]),
     )
-    return found, optimizer.iterations()
+    return result, optimizer.iterations()
 
 
 def _graph(
@@ -72,9 +73,11 @@ def _graph(
 
 
 def _means(record: Measurements) -> tuple[np.ndarray, np.ndarray]:
-    """As `gtsam_ekf.means`, but the accel in the axes of its interval's start, where preintegration turns it.
+    """The means of `gtsam_ekf.means`, but the accel in the body axes at the start of its interval, as preintegration
+    expects it.
 
-    Left as it is it would tilt the attitude by .07°; turned, GTSAM's minimum is ours to 1e-4° and 0.3 mm.
+    Without this rotation the attitude would be tilted by 0.07°. With it, the minimum of GTSAM's graph and that of
+    `rangenav.refine` agree within 1e-4° and 0.3 mm.
     """
     _, gyro = gtsam_ekf.means(record)
     later = record.accel[1:]

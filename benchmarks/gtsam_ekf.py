@@ -1,8 +1,8 @@
-"""A peer: GTSAM's NavStateImuEKF (C++) driven from Python over the same record: rotation, position, velocity, 9 × 9.
+"""GTSAM's NavStateImuEKF (C++), called from Python on the same record: rotation, position, velocity, covariance 9 × 9.
 
-Its Python interface has `predict(gyro, accel, dt)` and `updateWithVector(prediction, H, z, R)`. There is no range
-update to call, so the range and its Jacobian are computed here, as a user of the wheel has to; NavState's tangent is
-(rotation, position, velocity), all in body axes: p ← p + R dp. Gravity is known to it; our observer estimates it.
+Its Python interface has `predict(gyro, accel, dt)` and `updateWithVector(prediction, H, z, R)`, but no range update.
+The range and its Jacobian are therefore computed here, as every user of the wheel has to do. NavState's tangent is
+(rotation, position, velocity) in body axes: p ← p + R dp. The filter knows gravity; the cascade estimates it.
 """
 
 from collections.abc import Iterator
@@ -14,10 +14,10 @@ from rangenav.preset import Preset
 from rangenav.sensors import Measurements
 
 USES = ("imu", "imu, range", "imu, range, mag")
-"""What is filtered: predictions alone, with every range, with every magnetometer sample too (what our cascade uses)."""
+"""The measurements that are used: none, every range, or every range and magnetometer sample, as the cascade uses."""
 INTEGRATION_VARIANCE = 1e-8
 START_SIGMA = (0.1, 0.1, 0.1)
-"""rad, m, m/s: it starts at the truth, because from x̂ = 0 it need not converge."""
+"""rad, m, m/s, 1 σ: the filter starts at the truth, because it need not converge from x̂ = 0."""
 
 
 def start(rotation: np.ndarray, position: np.ndarray, velocity: np.ndarray) -> gtsam.NavState:

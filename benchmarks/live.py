@@ -1,7 +1,8 @@
-"""How live the page is: all stages after one move, a slider event in Chromium, a waypoint dragged through the
-socket, and the start-up time.
+"""How fast the page reacts: all stages after one move, a slider event in Chromium, a waypoint that is dragged through
+the socket, and the start-up time.
 
-The default preset is the one the page opens on. Each set of stages is timed with fresh values, so no cache answers.
+The default preset is the one that the page opens with. Every set of stages is timed with new values, so that no cache
+holds the answer.
 """
 
 import os
@@ -30,13 +31,13 @@ MOVES, WARM_MOVES, SLIDER_EVENTS, STARTS = 100, 5, 40, 3
 STEP = 1e-3
 """Relative change of the moved value from one event to the next."""
 STAGES_P95, EVENT_MEDIAN, EVENT_P95 = 33.0, 100.0, 200.0
-DRAG_P95, LEAST_PICTURES = 100.0, 15.0
-"""ms from a place sent to the picture of that place, and pictures a second while dragging."""
+DRAG_P95, MIN_PICTURES = 100.0, 15.0
+"""ms from a position that is sent to the picture of that position; and pictures per second during a drag."""
 DRAG_RATE, DRAGS = 20.0, 100
-"""A page sends at most 20 places a second."""
+"""Positions per second, as many as the browser sends at most; and positions in all."""
 CURVES = ("waypoints", "closed waypoints", "minimum snap")
 WARM, FIRST = "page answers, warm caches", "page answers, nothing compiled yet"
-LONGEST_START = {WARM: 3.0, FIRST: 20.0}
+MAX_START = {WARM: 3.0, FIRST: 20.0}
 """s"""
 SLIDERS = (("Gains", "q", "error"), ("Motion", "A (m)", "error"))
 """Tab, slider, and the curve whose plot has to change."""
@@ -74,7 +75,7 @@ def _targets(
     bounds = [(f"{name}, p95", _figures(values)["p95"], STAGES_P95, " ms") for name, values in stages.items()]
     bounds += [(f"{name}, median", _figures(values)["median"], EVENT_MEDIAN, " ms") for name, values in events.items()]
     bounds += [(f"{name}, p95", _figures(values)["p95"], EVENT_P95, " ms") for name, values in events.items()]
-    bounds += [(name, _figures(values)["worst"], LONGEST_START[name], " s") for name, values in starts.items()]
+    bounds += [(name, _figures(values)["worst"], MAX_START[name], " s") for name, values in starts.items()]
     return [Target(name=n, value=value, bound=most, at_least=False, unit=unit) for n, value, most, unit in bounds]
 
 
@@ -170,9 +171,9 @@ def _drag(port: int) -> tuple[np.ndarray, float]:
 
 
 def _drag_targets(drags: dict[str, np.ndarray], pictures: dict[str, float]) -> list[Target]:
-    found = [(f"{name}, p95", _figures(values)["p95"], DRAG_P95, " ms", False) for name, values in drags.items()]
-    found += [(f"pictures, 12 {name}", rate, LEAST_PICTURES, " a second", True) for name, rate in pictures.items()]
-    return [Target(name=n, value=v, bound=b, at_least=least, unit=unit) for n, v, b, unit, least in found]
+    result = [(f"{name}, p95", _figures(values)["p95"], DRAG_P95, " ms", False) for name, values in drags.items()]
+    result += [(f"pictures, 12 {name}", rate, MIN_PICTURES, " a second", True) for name, rate in pictures.items()]
+    return [Target(name=n, value=v, bound=b, at_least=least, unit=unit) for n, v, b, unit, least in result]
 
 
 def _milliseconds(moved: Callable[[preset.Preset, float], preset.Preset], chosen: preset.Preset) -> np.ndarray:

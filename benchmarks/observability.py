@@ -1,10 +1,11 @@
-"""Window Gramians of the lifted model, closed form and singular values, beside pybounds (13 states, JAX).
+"""Observability of many windows: rangenav's closed form with singular values, compared with pybounds (13 states, JAX).
 
-151 windows of 0.5 s at 100 Hz along the paper's path. The least eigenvalue there is about 1e-19: squaring the rows and
-asking for eigenvalues loses it and returns negative numbers, so those are counted on both sides.
+The Gramians belong to 151 windows of 0.5 s at 100 Hz along the paper's path. Their least eigenvalue is about 1e-19. A
+program that squares the rows and computes eigenvalues loses it and returns negative numbers; the benchmark counts them
+for both programs.
 
-Then the excitation on 101 windows of a path of pieces whose snap jumps at every knot, beside scipy's quadrature
-that is told where the knots are, and beside as many Gauss nodes as ours that are not.
+The excitation belongs to 101 windows of a piecewise path whose snap jumps at every knot. It is compared with scipy's
+quadrature between the knots, and with one Gauss panel across the knots that has as many nodes as rangenav's.
 """
 
 import itertools
@@ -21,11 +22,11 @@ from rangenav.signals import Piece, Polynomials, knots
 
 WINDOWS, WINDOW, RATE = 151, 0.5, 100.0
 SAMPLES = round(WINDOW * RATE) + 1
-ROUNDS, OUR_REPEATS = 5, 20
-LEAST_RATIO = 300.0
-OURS, PEER = "closed form, batched SVD", "pybounds, JAX, 13 states"
+ROUNDS, RANGENAV_REPEATS = 5, 20
+MIN_RATIO = 300.0
+RANGENAV, PEER = "closed form, batched SVD", "pybounds, JAX, 13 states"
 PIECES, PIECES_WINDOW, PIECES_WINDOWS = 12, 6.0, 101
-LEAST_PIECES_RATIO, MOST_APART = 100.0, 1e-9
+MIN_PIECES_RATIO, MAX_DIFFERENCE = 100.0, 1e-9
 EXACT, ADAPTIVE, ACROSS = "panels between knots", "scipy quad_vec between knots", "one panel across the knots"
 
 
@@ -36,32 +37,35 @@ def main() -> None:
 
 
 def gramians() -> None:
-    """Lifted Gramians beside pybounds."""
+    """Lifted Gramians, compared with pybounds."""
     paper, start = preset.load("paper"), np.arange(WINDOWS) / RATE
 
-    def ours() -> np.ndarray:
+    def gramian_spectra() -> np.ndarray:
         return window_spectra(paper.path, paper.world.gravity, start, WINDOW).eigenvalues
 
-    calls: dict[str, tuple[Callable[[], object], int]] = {OURS: (ours, OUR_REPEATS)}
-    spectra, notes = {OURS: ours()}, [reason for reason in (missing("pybounds"), missing("jax")) if reason]
+    calls: dict[str, tuple[Callable[[], object], int]] = {RANGENAV: (gramian_spectra, RANGENAV_REPEATS)}
+    spectra, notes = (
+        {RANGENAV: gramian_spectra()},
+        [reason for reason in (missing("pybounds"), missing("jax")) if reason],
+    )
     if not notes:
         theirs = _pybounds(paper)
         calls[PEER], spectra[PEER] = (theirs, 1), theirs()
-        apart = _disagreement(paper, start, spectra[PEER])
+        difference = _disagreement(paper, start, spectra[PEER])
         notes.append("most of a pybounds call is compiling, which every call repeats; see pybounds_windows.py")
-        notes.append(f"largest eigenvalues, summed over the same samples: at most {apart:.1e} apart (relative)")
+        notes.append(f"largest eigenvalues, summed over the same samples: at most {difference:.1e} apart (relative)")
     seconds = alternate(calls, ROUNDS)
     negative = {name: int(np.sum(values < 0)) for name, values in spectra.items()}
-    targets = [Target(name="our negative eigenvalues", value=negative[OURS], bound=0, at_least=False)]
+    targets = [Target(name="our negative eigenvalues", value=negative[RANGENAV], bound=0, at_least=False)]
     if PEER in seconds:
-        ratio = seconds[PEER] / seconds[OURS]
-        targets.append(Target(name="pybounds / ours", value=ratio, bound=LEAST_RATIO, at_least=True, unit="×"))
+        ratio = seconds[PEER] / seconds[RANGENAV]
+        targets.append(Target(name="pybounds / rangenav", value=ratio, bound=MIN_RATIO, at_least=True, unit="×"))
     report(
         "observability",
         title=f"{WINDOWS} windows of {WINDOW:g} s at {RATE:g} Hz, the paper's path",
-        columns=("", "ms", "× ours", "negative eigenvalues", "least eigenvalue"),
+        columns=("", "ms", "× rangenav", "negative eigenvalues", "least eigenvalue"),
         rows=[
-            (name, f"{1e3 * s:.1f}", f"{s / seconds[OURS]:.3g}", f"{negative[name]}", f"{spectra[name].min():.2e}")
+            (name, f"{1e3 * s:.1f}", f"{s / seconds[RANGENAV]:.3g}", f"{negative[name]}", f"{spectra[name].min():.2e}")
             for name, s in seconds.items()
         ],
         targets=targets,
@@ -80,29 +84,30 @@ def pieces() -> None:
     start = np.linspace(0, PIECES * 1.5 - PIECES_WINDOW, PIECES_WINDOWS)
     count = quadrature.nodes(path, start, PIECES_WINDOW, raised=quadrature.SNAP)[0].shape[1]
     calls: dict[str, tuple[Callable[[], np.ndarray], int]] = {
-        EXACT: (lambda: excitation.eigenvalues(path, start, PIECES_WINDOW), OUR_REPEATS),
+        EXACT: (lambda: excitation.eigenvalues(path, start, PIECES_WINDOW), RANGENAV_REPEATS),
         ADAPTIVE: (lambda: _adaptive(path, start), 1),
-        ACROSS: (lambda: _across(path, start, count), OUR_REPEATS),
+        ACROSS: (lambda: _across(path, start, count), RANGENAV_REPEATS),
     }
-    found = {name: call() for name, (call, _) in calls.items()}
-    apart = {name: float(np.max(np.abs(values / found[ADAPTIVE] - 1))) for name, values in found.items()}
+    result = {name: call() for name, (call, _) in calls.items()}
+    difference = {name: float(np.max(np.abs(values / result[ADAPTIVE] - 1))) for name, values in result.items()}
     seconds = alternate(calls, ROUNDS)
     ratio = seconds[ADAPTIVE] / seconds[EXACT]
     report(
         "observability-pieces",
         title=f"Excitation on {PIECES_WINDOWS} windows of {PIECES_WINDOW:g} s, {PIECES} pieces, snap jumps at knots",
-        columns=("", "ms", "× ours", "eigenvalues apart from scipy's, at most"),
+        columns=("", "ms", "× rangenav", "largest difference of eigenvalues from scipy's"),
         rows=[
-            (name, f"{1e3 * s:.2f}", f"{s / seconds[EXACT]:.3g}", f"{apart[name]:.1e}") for name, s in seconds.items()
+            (name, f"{1e3 * s:.2f}", f"{s / seconds[EXACT]:.3g}", f"{difference[name]:.1e}")
+            for name, s in seconds.items()
         ],
         targets=[
-            Target(name="scipy / ours", value=ratio, bound=LEAST_PIECES_RATIO, at_least=True, unit="×"),
-            Target(name="ours apart from scipy", value=apart[EXACT], bound=MOST_APART, at_least=False),
+            Target(name="scipy / rangenav", value=ratio, bound=MIN_PIECES_RATIO, at_least=True, unit="×"),
+            Target(name="difference from scipy", value=difference[EXACT], bound=MAX_DIFFERENCE, at_least=False),
         ],
         notes=[f"{count} nodes in each window, on both panels"],
         figures={
             "milliseconds": {name: 1e3 * value for name, value in seconds.items()},
-            "apart": apart,
+            "apart": difference,
             "versions": versions("numpy", "scipy"),
         },
     )
@@ -127,11 +132,11 @@ def _adaptive(path: Polynomials, start: np.ndarray) -> np.ndarray:
         snap = path(np.array(t), 4)
         return np.outer(snap, snap)
 
-    found = []
+    result = []
     for t in start.tolist():
         edges = [t, *knots.knots(path, t, t + PIECES_WINDOW).tolist(), t + PIECES_WINDOW]
-        found.append(sum(quad_vec(outer, a, b, epsrel=1e-12)[0] for a, b in itertools.pairwise(edges)))
-    return np.linalg.eigvalsh(np.array(found))
+        result.append(sum(quad_vec(outer, a, b, epsrel=1e-12)[0] for a, b in itertools.pairwise(edges)))
+    return np.linalg.eigvalsh(np.array(result))
 
 
 def _across(path: Polynomials, start: np.ndarray, count: int) -> np.ndarray:

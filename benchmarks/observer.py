@@ -1,7 +1,8 @@
 """One step of the cascade (state, covariance, attitude, outputs), compared with a numpy loop, an ODE and GTSAM's EKF.
 
-The paper's path, gyro, accel, mag and range all at 200 Hz, constant gains. Our figure is `cascade.observe` on a record,
-with its checks and the allocation of its results. Where a peer does less, its name says so; none does more than ours.
+The record follows the paper's path, with gyro, accel, mag and range at 200 Hz; the gains are constant. The cascade is
+timed as `cascade.observe` on a record, with its checks and the allocation of its results. The name of a program that
+computes less says so; none computes more.
 What the checks of `cascade.step` cost is the difference to the same step without them, measured in the same rounds.
 """
 
@@ -19,12 +20,12 @@ from rangenav.kernels.layout import Arrays
 
 RATE, SHORT, LONG = 200.0, 10.0, 100.0
 ROUNDS, SHORT_REPEATS, FAST_REPEATS = 5, 20, 3
-MOST_CHECKING = 2.0
+MAX_CHECKING = 2.0
 """µs that the checks of one `cascade.step` may take."""
-MOST_MICROSECONDS, NUMPY_RATIO, ODE_RATIO, EKF_RATIO = 1.0, 120.0, 500.0, 20.0
+MAX_MICROSECONDS, NUMPY_RATIO, ODE_RATIO, EKF_RATIO = 1.0, 120.0, 500.0, 20.0
 SINGLE_STEPS = 500
 
-OURS, OURS_LONG = f"compiled cascade, {SHORT:g} s record", f"compiled cascade, {LONG:g} s record"
+RANGENAV, RANGENAV_LONG = f"compiled cascade, {SHORT:g} s record", f"compiled cascade, {LONG:g} s record"
 SINGLE = "compiled cascade, one sample at a time from Python"
 UNCHECKED = "the same without checking the sample"
 NUMPY = "the same scheme as a numpy loop (rangenav.reference)"
@@ -45,7 +46,7 @@ class Record:
             duration=duration,
             rate=RATE,
         )
-        self.setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
+        self.observer_config = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         first = model.true_state(self.truth, world=p.world)[0]
         self.start = cascade.start(p.guess, state=first, rotation=self.truth.rotation[0], world=p.world)
         self.measurements = self.measured(p.sensors.noise)
@@ -60,21 +61,25 @@ class Record:
 
     def by(self, observe: Callable[..., object]) -> Callable[[], object]:
         """The call that observes this record."""
-        return lambda: observe(self.measurements, self.start, self.setting)
+        return lambda: observe(self.measurements, self.start, self.observer_config)
 
 
 def main() -> None:
     """Measure, compare, print."""
     short, long = Record(SHORT), Record(LONG)
     calls: dict[str, tuple[Callable[[], object], int]] = {
-        OURS: (short.by(cascade.observe), SHORT_REPEATS),
-        OURS_LONG: (long.by(cascade.observe), FAST_REPEATS),
+        RANGENAV: (short.by(cascade.observe), SHORT_REPEATS),
+        RANGENAV_LONG: (long.by(cascade.observe), FAST_REPEATS),
         SINGLE: (_single(short, cascade.step), SHORT_REPEATS),
         UNCHECKED: (_single(short, _unchecked_step), SHORT_REPEATS),
         NUMPY: (short.by(reference.observe), 1),
         ODE: (lambda: _integrated(short), 1),
     }
-    steps = dict.fromkeys(calls, short.steps) | {OURS_LONG: long.steps, SINGLE: SINGLE_STEPS, UNCHECKED: SINGLE_STEPS}
+    steps = dict.fromkeys(calls, short.steps) | {
+        RANGENAV_LONG: long.steps,
+        SINGLE: SINGLE_STEPS,
+        UNCHECKED: SINGLE_STEPS,
+    }
     notes = [f"noise-free, the compiled observer ends {_apart(short):.1e} from the ODE (largest entry of x̂)"]
     absent = missing("gtsam")
     if absent:
@@ -90,8 +95,8 @@ def main() -> None:
     report(
         "observer",
         title=f"One cascade step, the paper's path at {RATE:g} Hz",
-        columns=("", "µs per step", "× ours"),
-        rows=[(name, f"{value:.3g}", f"{value / microseconds[OURS]:.3g}") for name, value in microseconds.items()],
+        columns=("", "µs per step", "× rangenav"),
+        rows=[(name, f"{value:.3g}", f"{value / microseconds[RANGENAV]:.3g}") for name, value in microseconds.items()],
         targets=_targets(microseconds),
         notes=notes,
         figures={"microseconds_per_step": microseconds, "versions": versions("numpy", "numba", "scipy", "gtsam")},
@@ -99,19 +104,23 @@ def main() -> None:
 
 
 def _targets(microseconds: dict[str, float]) -> list[Target]:
-    """The bounds; the EKF is judged with the sensors that ours uses."""
+    """The bounds; the EKF is judged with the sensors that the cascade uses."""
     steps = [
-        Target(name=name, value=microseconds[name], bound=MOST_MICROSECONDS, at_least=False, unit=" µs")
-        for name in (OURS, OURS_LONG)
+        Target(name=name, value=microseconds[name], bound=MAX_MICROSECONDS, at_least=False, unit=" µs")
+        for name in (RANGENAV, RANGENAV_LONG)
     ]
     checking = microseconds[SINGLE] - microseconds[UNCHECKED]
     steps.append(
-        Target(name="checks of one cascade.step", value=checking, bound=MOST_CHECKING, at_least=False, unit=" µs")
+        Target(name="checks of one cascade.step", value=checking, bound=MAX_CHECKING, at_least=False, unit=" µs")
     )
     bounds = {NUMPY: NUMPY_RATIO, ODE: ODE_RATIO, EKF.format("imu, range, mag"): EKF_RATIO}
     ratios = [
         Target(
-            name=f"{name} / ours", value=microseconds[name] / microseconds[OURS], bound=bound, at_least=True, unit="×"
+            name=f"{name} / rangenav",
+            value=microseconds[name] / microseconds[RANGENAV],
+            bound=bound,
+            at_least=True,
+            unit="×",
         )
         for name, bound in bounds.items()
         if name in microseconds
@@ -139,7 +148,7 @@ def _single(record: Record, step: Callable[[cascade.State, cascade.Sample], casc
     ]
 
     def run() -> None:
-        state = cascade.begin(samples[0], record.start, record.setting, symmetric=True)
+        state = cascade.begin(samples[0], record.start, record.observer_config, symmetric=True)
         for sample in samples[1:]:
             state = step(state, sample)
 
@@ -153,10 +162,10 @@ def _integrated(record: Record) -> np.ndarray:
 
 
 def _apart(record: Record) -> float:
-    """How far our observer ends from the ODE without noise, to know that both did the same task."""
+    """Largest difference of the final x̂ from the ODE without noise: both computed the same task."""
     quiet = record.measured(sensors.Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0))
-    ours = cascade.observe(quiet, record.start, record.setting).state[-1]
-    return float(np.max(np.abs(ours - _integrated(record)[-1, : model.STATES])))
+    compiled = cascade.observe(quiet, record.start, record.observer_config).state[-1]
+    return float(np.max(np.abs(compiled - _integrated(record)[-1, : model.STATES])))
 
 
 def _gtsam(record: Record) -> dict[str, Callable[[], object]]:

@@ -1,9 +1,10 @@
-"""A peer: the paper's equations integrated as they stand, by scipy's DOP853 (paper, eq. 1, 7, 8, 9).
+"""The paper's equations, integrated by scipy's DOP853 (paper, eq. 1, 7, 8, 9).
 
     ẋ̂ = 𝒜x̂ + b + P𝒞ᵀQ(y − 𝒞x̂)     Ṗ = 𝒜P + P𝒜ᵀ − P𝒞ᵀQ𝒞P + V     Ṙ̂ = R̂[ω + k1 σ]x     Ṙ = R[ω]x
-Transcribed from the formulas, not tuned, sharing no code with the observers, on noise-free continuous signals. V is
-isotropic in each vector block, so it is the same matrix in body axes. 𝒜 is the derived form: the last input is 3|g|².
-A tuned form (no np.cross, P𝒜ᵀ as the transpose of 𝒜P, outer products) was tried: it takes 0.6 times as long.
+The code is transcribed from the formulas, is not optimised, and shares nothing with the observers. Its signals are
+continuous and free of noise. V is isotropic in each vector block, and so is the same matrix in body axes. 𝒜 is the
+derived form: the last input is 3|g|². An optimised form (no np.cross, P𝒜ᵀ as the transpose of 𝒜P, outer products) was
+tried and takes 0.6 times as long.
 """
 
 import numpy as np

@@ -1,10 +1,10 @@
-"""A peer: pybounds' JAX route to observability over sliding windows, for the same 13-state lifted model.
+"""pybounds' observability of sliding windows, with JAX, for the same 13-state lifted model.
 
-As its documentation shows it: a `JaxSimulator` from f(x, u) and h(x, u) (Runge–Kutta 4, each input held over a sample;
-given here is the one at its middle), a `JaxSlidingEmpiricalObservabilityMatrix` along the trajectory, and a
-`SlidingFisherObservability` on its windows. Every call compiles anew, because the class makes a new jitted function
-each time; that is part of what a call costs, in fact most of it: its Jacobians, once compiled, take some 12 ms, but no
-public name gives them.
+The program follows pybounds' documentation. A `JaxSimulator` is made from f(x, u) and h(x, u); it integrates by
+Runge–Kutta 4 and holds each input over a sample, here the input at the sample's middle. A
+`JaxSlidingEmpiricalObservabilityMatrix` follows the trajectory, and a `SlidingFisherObservability` its windows. Every
+call compiles again, because the class makes a new jitted function each time. That is most of the time of a call: the
+compiled Jacobians take about 12 ms, but no public name gives access to them.
 """
 
 import warnings
@@ -21,7 +21,7 @@ INPUTS = ["wx", "wy", "wz", "ax", "ay", "az"]
 
 
 class Peer:
-    """A trajectory sampled at `rate`, and pybounds' simulator of the lifted model beside it."""
+    """A trajectory sampled at `rate` (Hz), and pybounds' simulator of the lifted model."""
 
     def __init__(self, preset: Preset, *, windows: int, samples: int, rate: float) -> None:
         truth = motion.simulate(

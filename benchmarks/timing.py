@@ -1,4 +1,4 @@
-"""What every benchmark shares: repeated timing, the median, a table for people and one JSON line for machines."""
+"""Shared by all benchmarks: repeated timing, the median, a table for people and one line of JSON for programs."""
 
 import importlib.metadata
 import json
@@ -64,8 +64,8 @@ def missing(distribution: str) -> str | None:
 
 def versions(*distributions: str) -> dict[str, str]:
     """What ran: Python, the processor's kind, and the version of each distribution that is installed."""
-    found = {"python": platform.python_version(), "machine": platform.machine()}
-    return found | {name: importlib.metadata.version(name) for name in distributions if missing(name) is None}
+    result = {"python": platform.python_version(), "machine": platform.machine()}
+    return result | {name: importlib.metadata.version(name) for name in distributions if missing(name) is None}
 
 
 def report(

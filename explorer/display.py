@@ -102,8 +102,8 @@ class Display:
         details = picture.details
         with self._client.atomic():
             self._dock.twin.draw(details.twin)
-            self._charts.draw_later(picture)
-            self._scene.draw_later(picture, details)
+            self._charts.draw_details(picture)
+            self._scene.draw_details(picture, details)
 
     def _only_twin_turned(self, settings: Settings) -> bool:
         """Whether the turned twin is all that has changed since the details were drawn; it is then redrawn at once."""

@@ -58,11 +58,11 @@ class Charts:
             panel.draw(picture, comparison)
         self.cursor(picture, self._time)
 
-    def draw_later(self, picture: Picture) -> None:
+    def draw_details(self, picture: Picture) -> None:
         """Show the slow groups, which take as long to compute as all others together; called when nothing has changed
         for a moment."""
         for panel in self._panels:
-            panel.draw_later(picture, self._comparison)
+            panel.draw_details(picture, self._comparison)
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
@@ -118,7 +118,7 @@ class Charts:
             first.keep_only_first_tab()
             if self._picture is not None:
                 self.draw(self._picture, self._comparison)
-                self.draw_later(self._picture)
+                self.draw_details(self._picture)
 
     def _toggle_clicked(self) -> None:
         clicks = self._pointer.take_clicks()

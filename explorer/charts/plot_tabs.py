@@ -67,7 +67,7 @@ class PlotPanel:
             else:
                 _draw_group(picture, comparison, charts, texts)
 
-    def draw_later(self, picture: Picture, comparison: Comparison) -> None:
+    def draw_details(self, picture: Picture, comparison: Comparison) -> None:
         """Draw the slow groups."""
         for group, charts, texts in zip(self._groups, self._charts, self._texts, strict=True):
             if group.slow:

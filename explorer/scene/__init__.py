@@ -77,10 +77,10 @@ class Scene:
         self._view.frame(bounds, picture.motion.position, dragging=dragging)
         self.move(picture, self._time)
 
-    def draw_later(self, picture: Picture, details: Details) -> None:
+    def draw_details(self, picture: Picture, details: Details) -> None:
         """Show the evil twin and the excitation, which take longer to compute; called when nothing has changed for a
         moment."""
-        assert self._bounds is not None, "draw comes before draw_later"
+        assert self._bounds is not None, "draw comes before draw_details"
         self._twin.draw(picture, details.twin, self._bounds)
         self._excitation.show(picture)
         self.move(picture, self._time)

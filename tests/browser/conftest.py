@@ -5,10 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser
 
-from tests.browser.page import Server, Visitor, chromium, served, why_not
-
-COARSE = 0.5
-"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
+from tests.browser.page import COARSE, Server, Visitor, chromium, served, why_not
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

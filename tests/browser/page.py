@@ -33,6 +33,8 @@ INPUT_PAUSE = 0.08
 """s between inputs: viser's page sends at most one per 50 ms and panel."""
 PATIENCE = 60.0
 """s: a busy machine that renders in software may need seconds for a frame."""
+COARSE = 0.5
+"""Pixels of the screen for each pixel of the page: a quarter of the work for a software renderer."""
 VERDICT = ", nonlinear "
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
@@ -40,7 +42,7 @@ FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => ser
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
 """viser's own, at each press on a node that can be dragged; the drag is none the worse for it."""
 ROW = "xpath=ancestor::div[./div[2]][1]/div[2]"
-"""From the label of a control to what stands beside it."""
+"""From the label of a control to the control itself."""
 
 
 class Server:

@@ -12,14 +12,12 @@ from explorer.model.compute import compute
 from explorer.model.settings import Settings
 from rangenav import preset
 from rangenav.number_format import significant
-from tests.browser.page import CHARTS, PATIENCE, Visitor, chromium, served, why_not
+from tests.browser.page import CHARTS, COARSE, PATIENCE, Visitor, chromium, served, why_not
 
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
 ]
-COARSE = 0.5
-"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
 TOLD = """selector => Array.from(document.querySelectorAll(selector), found =>
     getComputedStyle(found, '::after').content.replaceAll('"', ''))"""
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Browser
 
-from tests.browser.conftest import COARSE
-from tests.browser.page import PATIENCE, Visitor, served
+from tests.browser.page import COARSE, PATIENCE, Visitor, served
 
 TABLE = "points: t x y z"
 

@@ -15,7 +15,7 @@ from explorer.scene.drag_handles import GIZMO_SHARE, DragHandles
 from explorer.web import identity, security
 from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
-from tests.browser.page import Visitor, chromium, why_not
+from tests.browser.page import COARSE, Visitor, chromium, why_not
 
 pytestmark = [
     pytest.mark.browser,
@@ -24,8 +24,6 @@ pytestmark = [
 PLACES = {"anchor": (0.5, 0.0, 0.8), "waypoint1": (1.5, 0.0, -0.5), "waypoint2": (-1.0, 1.0, 0.25)}
 UP, UNIT, GIZMO = np.array([0.0, 0.0, -1.0]), 0.4, "/handles/gizmo"
 READY_WORD = "ready for hands"
-COARSE = 0.5
-"""Pixels of the screen per pixel of the page: a quarter of the work for a software renderer."""
 PIXELS = 2.0
 """A place is rounded to a thousandth of the stage, which is about a pixel."""
 STAGE = SceneBounds(

@@ -8,8 +8,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from rangenav import preset, record
-from tests.browser.conftest import COARSE
-from tests.browser.page import PATIENCE, Server, Visitor, quantile
+from tests.browser.page import COARSE, PATIENCE, Server, Visitor, quantile
 
 ERROR_CURVE = "σ by P"
 """A curve that only the plots of errors have."""

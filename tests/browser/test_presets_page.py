@@ -11,8 +11,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from rangenav import certificate, formats, preset
-from tests.browser.conftest import COARSE
-from tests.browser.page import PATIENCE, Server, Visitor
+from tests.browser.page import COARSE, PATIENCE, Server, Visitor
 
 SHIPPED = preset.shipped()
 BLIND = "✕ nothing excites z"

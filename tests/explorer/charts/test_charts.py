@@ -219,7 +219,7 @@ def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page
     page.messages.clear()
     charts.draw(seen)
     assert len(page.updates("data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.slow)
-    charts.draw_later(seen)
+    charts.draw_details(seen)
     data = page.updates("data")
     assert len(data) == len(ALL)
     for arrays in data:

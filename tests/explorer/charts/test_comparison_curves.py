@@ -139,7 +139,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
     for shown in (comparison.NOTHING, crowd, Comparison(pinned=slow), comparison.NOTHING):
         page.messages.clear()
         charts.draw(slow, shown)
-        charts.draw_later(slow)
+        charts.draw_details(slow)
         assert len(page.updates("data")) >= len(ALL)
         for handle in (chart.handle for chart in charts.charts):
             assert len(handle.data) == len(handle.series)
@@ -148,7 +148,7 @@ def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were
                 assert max(band["series"]) < len(handle.series)
     page.messages.clear()
     charts.draw(slow)
-    charts.draw_later(slow)
+    charts.draw_details(slow)
     assert page.updates("series") == page.updates("bands") == page.updates("axes") == []
 
 

@@ -144,14 +144,14 @@ def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     charts.draw(seen)
     with pytest.raises(ValueError, match="no plot 'scaled' yet"):
         charts.file_writer("scaled", "csv")
-    charts.draw_later(seen)
+    charts.draw_details(seen)
     assert charts.file_writer("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
     charts.draw(other)
     assert charts.file_writer("position", "csv")()
     with pytest.raises(ValueError, match="Scaled spectrum: still shows an earlier state"):
         charts.file_writer("scaled", "csv")
     turned = Settings(preset=other.preset, twin_turn=(0.0, 0.0, 0.5))
-    charts.draw_later(compute(turned))  # as when only the twin was turned
+    charts.draw_details(compute(turned))  # as when only the twin was turned
     assert charts.file_writer("scaled", "csv")()
     assert charts.file_writer("position", "csv")()
     server.stop()

@@ -156,13 +156,13 @@ def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow
     assert html.escape("the mirror image in the plane through the anchor with normal z") in wanted
     assert markup.paragraphs((OUTDATED,)) in page.updates("content")
     assert wanted not in page.updates("content")
-    charts.draw_later(seen)
+    charts.draw_details(seen)
     assert wanted in page.updates("content")
     page.messages.clear()
-    charts.draw_later(seen)
+    charts.draw_details(seen)
     assert wanted not in page.updates("content")
     charts.draw(picture("hover"))
-    charts.draw_later(picture("hover"))
+    charts.draw_details(picture("hover"))
     assert markup.paragraphs(drawings.describe_twin(picture("hover"))) in page.updates("content")
 
 
