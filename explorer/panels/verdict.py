@@ -7,7 +7,7 @@ import viser
 
 from explorer.model import palette
 from explorer.model.compute import Picture
-from explorer.widgets.form import Complaint
+from explorer.widgets.complaint import Complaint
 from rangenav import sensors
 from rangenav.model import STATES
 from rangenav.number_format import quantity

@@ -1,11 +1,9 @@
-"""A sheet of controls in sections, each with a place for one complaint and a row that resets what was changed.
+"""The form: sections of controls, each with a complaint below them and a row of buttons that reset changed controls.
 
-viser calls back from threads of its own: all that a callback does is to note that something moved, or to leave an
-action that the session's loop carries out.
+viser's threads   a control was moved: wake(); a button was pressed: do(action)       nothing else
+session's loop    run_actions(), deliver(), refresh()
 """
 
-import html
-import re
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -17,21 +15,17 @@ from viser._messages import HotkeyKey, KeyModifier
 
 from explorer.model import palette
 from explorer.model.jobs import Jobs
+from explorer.widgets.complaint import Complaint
 
 Wake = Callable[[], None]
 """Called from viser's threads: it may set an event and nothing else."""
 Action = Callable[[], None]
-"""What a button asks for, carried out by the session's loop."""
+"""What a button does; the session's loop runs it."""
 MAX_ACTIONS = 64
-"""Presses remembered while the session is busy; of more, the oldest are dropped."""
-ALERT = f"color:{palette.ERROR};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em"
-ALERT += ";overflow-wrap:anywhere"
+"""Actions queued while the session is busy; beyond that the oldest are dropped."""
 QUIET = palette.rgb(palette.QUIET_BUTTON)
 COMPLAINTS, RESETS = 1e6, 2e6
-"""viser's order of things in a folder: below all controls, whenever these were added."""
-COLUMN = re.compile(r"\(column (\d+)\)$")
-POINTED = 48
-"""Characters of a long text shown around the place that is pointed at."""
+"""viser's order in a folder: below all controls, also below those added later."""
 RESET_HINT = (
     "Puts back what was changed (•) to what the preset says. Ctrl+K has “Reset the last control”; Ctrl+Z undoes."
 )
@@ -42,36 +36,11 @@ def _nothing() -> None:
 
 
 class InvalidInputError(Exception):
-    """What is chosen is no valid input, and a sentence beside the control says why."""
-
-
-class Complaint:
-    """A place for one sentence under the controls that caused it."""
-
-    def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
-        self._line = gui.add_html("", visible=False, order=order)
-
-    def say(self, sentence: str, *, text: str = "", more: Sequence[str] = ()) -> None:
-        """Show the sentence, marked by a sign as well as a colour; with a text, point at the column it names. What is
-        `more` stands below it, a line each."""
-        lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
-        said = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
-        shown = f'<div role="alert" style="{ALERT}">{said}</div>'
-        if shown != self._line.content:
-            self._line.content = shown
-        self._line.visible = True
-
-    def clear(self) -> None:
-        """Nothing to complain about."""
-        self._line.visible = False
-
-    def remove(self) -> None:
-        """Take the place itself off the page."""
-        self._line.remove()
+    """What is chosen is no valid input; a complaint beside the control says why."""
 
 
 class Resettable(Protocol):
-    """What a section needs of a control."""
+    """What a section uses of a control."""
 
     name: str
 
@@ -81,7 +50,7 @@ class Resettable(Protocol):
 
 
 class Section:
-    """A folder of controls; without a label it has no frame. Use it as a context to add to it."""
+    """A folder of controls; without a label it has no frame. Controls made in its context stand in it."""
 
     def __init__(self, form: "Form", label: str | None = None, *, expanded: bool = True) -> None:
         self.form, self.gui, self.wake = form, form.gui, form.wake
@@ -102,28 +71,28 @@ class Section:
         self._folder.__exit__(*error)
 
     def add(self, control: Resettable) -> None:
-        """Called by a control when it is made."""
+        """Register a control of this section; the control calls this when it is made."""
         self._controls.append(control)
 
     def caption(self, label: str) -> None:
-        """Another label."""
-        if label != self._folder.label:  # a message to the browser only if there is news
+        """Change the label."""
+        if label != self._folder.label:  # so that an unchanged label sends no message
             self._folder.label = label
 
     def show(self, visible: bool) -> None:
-        """Whether it is on the page."""
+        """Show or hide the section."""
         if visible != self._folder.visible:
             self._folder.visible = visible
 
     def remove(self) -> None:
-        """Take it off the page with all that is in it."""
+        """Remove the section and its controls from the page."""
         self.form.sections.remove(self)
         self._folder.remove()
         self.form.forget(self._controls)
 
     @contextmanager
     def catching(self, text: str = "") -> Iterator[None]:
-        """Turn a ValueError into a sentence here, pointing into the text, and into Refused for the caller."""
+        """Turn a ValueError into a complaint here, which points into the text, and into an InvalidInputError."""
         try:
             yield
         except ValueError as error:
@@ -133,7 +102,7 @@ class Section:
 
     @contextmanager
     def answering(self) -> Iterator[None]:
-        """As `catching`, for what a button asks: reading the controls, which follows at once, leaves the sentence."""
+        """Like `catching`, for the action of a button: the complaint stays when the controls are read afterwards."""
         self.form.forget_answer()
         try:
             yield
@@ -148,7 +117,10 @@ class Section:
             self.form.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
 
     def refresh(self) -> Resettable | None:
-        """Mark what differs from the preset, offer to reset it; the control that was moved since, if any."""
+        """Mark the controls that differ from the preset, and offer to reset them.
+
+        Returns the control that was moved since the last call, if there is one.
+        """
         changed = [control for control in self._controls if control.mark()]
         offered = tuple(control.name for control in changed) + (("all",) if len(changed) > 1 else ())
         if offered != self._offered:
@@ -159,18 +131,20 @@ class Section:
         return next((control for control in self._controls if control.moved()), None)
 
     def reset_all(self) -> None:
-        """Put every control back."""
+        """Reset every control to the preset."""
         for control in self._controls:
             control.reset()
 
     def _reset(self, name: str) -> None:
-        for control in self._controls if self in self.form.sections else ():  # it may have gone since the press
+        for control in (
+            self._controls if self in self.form.sections else ()
+        ):  # the section may have been removed since the press
             if name in (control.name, "all"):
                 control.reset()
 
 
 class Form:
-    """All sections of one visitor's docks, and what was asked of them."""
+    """All sections of one visitor's docks, the queued actions, and the jobs."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self.gui, self.wake = gui, wake
@@ -178,7 +152,7 @@ class Form:
         self._actions: deque[tuple[Action, bool]] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
         self.actions_run = 0
-        """Actions carried out so far."""
+        """How many actions have been run."""
         self._answer: Complaint | None = None
         self._jobs: list[Jobs] = []
 
@@ -200,7 +174,7 @@ class Form:
             jobs.cancel()
 
     def do(self, action: Action, *, step: bool = True) -> None:
-        """Leave an action for the session's loop; called from viser's threads. Moving in time is no step to undo."""
+        """Queue an action for the session's loop; called from viser's threads. With `step` it is a step to undo."""
         self._actions.append((action, step))
         self.wake()
 
@@ -221,38 +195,38 @@ class Form:
         return stepped
 
     def refresh(self) -> None:
-        """Bring marks and reset rows up to date."""
+        """Update the marks and the reset rows of all sections."""
         for section in tuple(self.sections):
             self._last = section.refresh() or self._last
 
     def answer(self, place: Complaint, sentence: str, *, more: Sequence[str] = ()) -> None:
-        """Say why a button did nothing, until it is forgotten."""
+        """Show why a button did nothing, until `forget_answer`."""
         self._answer = place
         place.say(sentence, more=more)
 
     def forget_answer(self) -> None:
-        """Something else was done, or shown."""
+        """Remove the sentence that says why a button did nothing."""
         if self._answer is not None:
             self._answer.remove()
             self._answer = None
 
     def forget(self, controls: Sequence[Resettable]) -> None:
-        """Controls that are no longer on the page."""
+        """Forget controls that are no longer on the page."""
         if self._last in controls:
             self._last = None
 
     def reset_last(self) -> None:
-        """Put back the control that was moved last."""
+        """Reset the control that was moved last."""
         if self._last is not None:
             self._last.reset()
 
     def reset_all(self) -> None:
-        """Put every control back."""
+        """Reset every control to the preset."""
         for section in tuple(self.sections):
             section.reset_all()
 
     def button(self, label: str, action: Action, *, hint: str, quiet: bool = False) -> viser.GuiButtonHandle:
-        """A button whose action the session's loop carries out; a quiet one is not what people mostly come for."""
+        """A button whose action the session's loop runs; a `quiet` one is grey, for an action that is rarely wanted."""
         made = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
         made.on_click(lambda _: self.do(action))
         return made
@@ -265,28 +239,16 @@ class Form:
         key: HotkeyKey | None = None,
         modifier: KeyModifier | None = None,
     ) -> None:
-        """A command of the Ctrl+K palette, with a key if there is one for it."""
+        """A command of the Ctrl+K palette, with a hotkey if one is given."""
         self.gui.add_command(label, hotkey=key, modifier=modifier).on_trigger(lambda _: self.do(action))
 
     @property
     def waiting(self) -> bool:
-        """Whether there is something to carry out."""
+        """Whether actions are queued."""
         return bool(self._actions)
 
     def buttons(self, label: str, actions: dict[str, Action], *, hint: str) -> viser.GuiButtonGroupHandle:
-        """A row of small buttons, each with its action."""
+        """A row of small buttons, each with an action."""
         made = self.gui.add_button_group(label, tuple(actions), hint=hint)
         made.on_click(lambda event: self.do(actions.get(event.target.value, _nothing)))
         return made
-
-
-def pointer(text: str, sentence: str) -> str:
-    """The text with a caret under the column that the sentence names, as HTML; empty if it names none."""
-    found = COLUMN.search(sentence)
-    if found is None or not text:
-        return ""
-    column = min(int(found[1]), len(text) + 1)
-    first = max(0, column - 1 - POINTED // 2)
-    line = "".join(c if c.isprintable() else "·" for c in text[first : first + POINTED])
-    style = "margin:0.3em 0 0;font-weight:400;overflow-x:auto"
-    return f'<pre style="{style}">{html.escape(line)}\n{" " * (column - 1 - first)}^</pre>'

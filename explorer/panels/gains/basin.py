@@ -17,7 +17,8 @@ from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.presets import Page
-from explorer.widgets.controls import Dial, Number
+from explorer.widgets.controls import Number
+from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav import ensemble

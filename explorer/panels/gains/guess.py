@@ -5,7 +5,8 @@ from typing import Literal
 
 from explorer.model.compute import Picture
 from explorer.panels.gains.equilibria import EquilibriaSection
-from explorer.widgets.controls import Choice, Dial, Vector
+from explorer.widgets.controls import Choice, Vector
+from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3

@@ -1,6 +1,6 @@
 """The gains in the paper's letters: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
 
-from explorer.widgets.controls import LogDial
+from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form, Section
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from msgspec.structs import asdict, replace
 
 from explorer.model.gain_units import GAIN_LABELS, GainContext, in_paper_units, in_physical_units, with_page_labels
-from explorer.widgets.controls import LogDial
+from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form, InvalidInputError, Section
 from rangenav.gains import Gains
 from rangenav.physical_gains import PhysicalGains

@@ -1,6 +1,7 @@
 """A schedule of k1: high while the measured vectors disagree with the expected ones, low once they agree."""
 
-from explorer.widgets.controls import LogDial, Switch
+from explorer.widgets.controls import Switch
+from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE
 from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule

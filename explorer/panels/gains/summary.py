@@ -12,7 +12,7 @@ from explorer.model.gain_units import context_of, with_page_labels
 from explorer.model.settings import GainUnits
 from explorer.panels.gains.paper_units import BLOCKS
 from explorer.panels.gains.physical_units import labelled_values
-from explorer.widgets.controls import DIGITS
+from explorer.widgets.dials import DIGITS
 from explorer.widgets.html import NOTE, table
 from rangenav import attitude
 from rangenav.gains import Gains

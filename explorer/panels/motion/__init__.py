@@ -10,7 +10,8 @@ from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
-from explorer.widgets.controls import Dial, LogDial, Number, Vector
+from explorer.widgets.controls import Number, Vector
+from explorer.widgets.dials import Dial, LogDial
 from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3, require_within
 from rangenav.preset import MAX_DURATION, MIN_DURATION

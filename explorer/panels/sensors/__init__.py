@@ -7,7 +7,8 @@ import msgspec
 
 from explorer.panels.sensors.effects import STYLE, EffectsFolder
 from explorer.panels.sensors.noise import NoiseFolder
-from explorer.widgets.controls import Choice, Dial, Number
+from explorer.widgets.controls import Choice, Number
+from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
 from rangenav.preset import Preset
 from rangenav.sensors import Sensors, effect_sentences

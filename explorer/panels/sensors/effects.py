@@ -3,7 +3,8 @@
 import html
 from typing import Any
 
-from explorer.widgets.controls import Control, Dial, Number, Vector
+from explorer.widgets.controls import Control, Number, Vector
+from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
 from rangenav.sensors import MODELLED, Effect, Effects, effects
 

@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from explorer.widgets.controls import Dial, Vector
+from explorer.widgets.controls import Vector
+from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
 from rangenav import twin
 from rangenav.inputs import Vec3, refuse_nonfinite, require

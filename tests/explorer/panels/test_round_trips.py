@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
-from explorer.widgets.controls import Choice, Dial, LogDial, Number, Switch, Text, Vector
+from explorer.widgets.controls import Choice, Number, Switch, Text, Vector
+from explorer.widgets.dials import Dial, LogDial
 from explorer.widgets.form import InvalidInputError
 from rangenav import axes
 from rangenav.signals import Multisine

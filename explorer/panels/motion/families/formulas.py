@@ -3,7 +3,8 @@
 import msgspec
 
 from explorer.panels.motion.families.editor import SignalSlot
-from explorer.widgets.controls import DIGITS, Text, Vector
+from explorer.widgets.controls import Text, Vector
+from explorer.widgets.dials import DIGITS
 from explorer.widgets.form import Form, InvalidInputError, Section
 from rangenav.number_format import significant
 from rangenav.signals import AXES, Flown, Formula

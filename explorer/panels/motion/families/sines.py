@@ -7,7 +7,8 @@ from typing import Literal
 import msgspec
 
 from explorer.panels.motion.families.editor import SignalSlot
-from explorer.widgets.controls import Dial, Vector
+from explorer.widgets.controls import Vector
+from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine, Tone
 

@@ -1,0 +1,54 @@
+"""A complaint: the sentence below some controls that says why their values cannot be used."""
+
+import html
+import re
+from collections.abc import Sequence
+
+import viser
+
+from explorer.model import palette
+
+ALERT = f"color:{palette.ERROR};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em"
+ALERT += ";overflow-wrap:anywhere"
+COLUMN = re.compile(r"\(column (\d+)\)$")
+EXCERPT = 48
+"""Characters of a long text shown around the column of a complaint."""
+
+
+class Complaint:
+    """One sentence below the controls that caused it."""
+
+    def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
+        self._line = gui.add_html("", visible=False, order=order)
+
+    def say(self, sentence: str, *, text: str = "", more: Sequence[str] = ()) -> None:
+        """Show a sentence, marked by a sign as well as a colour, and `more` sentences below it, one line each.
+
+        With a `text`, show an excerpt of it that points at the column which the sentence names.
+        """
+        lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
+        said = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
+        shown = f'<div role="alert" style="{ALERT}">{said}</div>'
+        if shown != self._line.content:
+            self._line.content = shown
+        self._line.visible = True
+
+    def clear(self) -> None:
+        """Hide the sentence."""
+        self._line.visible = False
+
+    def remove(self) -> None:
+        """Remove the complaint from the page."""
+        self._line.remove()
+
+
+def pointer(text: str, sentence: str) -> str:
+    """An excerpt of the text with a caret below the column that the sentence names, as HTML; empty if it names none."""
+    named = COLUMN.search(sentence)
+    if named is None or not text:
+        return ""
+    column = min(int(named[1]), len(text) + 1)
+    first = max(0, column - 1 - EXCERPT // 2)
+    line = "".join(c if c.isprintable() else "·" for c in text[first : first + EXCERPT])
+    style = "margin:0.3em 0 0;font-weight:400;overflow-x:auto"
+    return f'<pre style="{style}">{html.escape(line)}\n{" " * (column - 1 - first)}^</pre>'
