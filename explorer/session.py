@@ -54,6 +54,10 @@ class Session:
         self._client, self.shared = client, shared
         self.catalog = Catalog(shared.shipped, shared.library, shared.certifier)
         self._wake, self._stopped = threading.Event(), False
+        self.form = Form(client.gui, self._wake.set)
+        self.jobs = self.form.new_jobs()
+        self._built = False
+        """Whether the page is complete; it is not if the tab leaves before."""
         self.history = History()
         self._autosave = Autosave(shared.work_files, shared.first, self._notify_about_work)
         self._playback = Playback(shared.shipped[shared.first].duration)
@@ -62,7 +66,7 @@ class Session:
     @property
     def picture(self) -> Picture | None:
         """What is shown; None before the first picture."""
-        return self._display.picture
+        return self._display.picture if self._built else None
 
     def start(self) -> None:
         """Build the page and serve it from this session's own thread."""
@@ -79,7 +83,7 @@ class Session:
             self._build()
             self._wait_for_compilation()
         self._wake.set()
-        while not self._stopped:
+        while self._built and not self._stopped:
             woken = self._wake.wait(self._sleep(time.monotonic()))
             with self._reporting():
                 if woken:
@@ -128,6 +132,7 @@ class Session:
         self.form.command("Let go of the handle", handles.deselect, key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
+        self._built = True
         self._restore()
 
     def _restore(self) -> None:

@@ -188,5 +188,5 @@ class Text(Control[str]):
 
 
 def when_moved(handle: viser.GuiInputHandle, wake: Wake) -> None:
-    """Wake the loop when a visitor moves a control. When the program assigns a value, viser calls back without a client."""
+    """Wake the loop when a visitor moves a control; for assigned values viser calls back without a client."""
     handle.on_update(lambda event: wake() if event.client_id is not None else None)

@@ -189,6 +189,7 @@ def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
     assert dial.read() == 0.0
     dial._slider.value = -1.0
     assert dial.read() == pytest.approx(0.1, rel=1e-15)
+    dial.mark()
     assert dial._slider.label == "σ = 0.1"
     dial._slider.value = dial._slider.min
     assert dial.read() == 0.0
