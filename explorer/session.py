@@ -111,8 +111,6 @@ class Session:
         client.gui.configure_theme(show_logo=False, show_share_button=False)
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
-        self.form = Form(client.gui, self._wake.set)
-        self.jobs = self.form.new_jobs()
         actions = SessionActions(
             restart_preset=self._again,
             show_paper_figures=self._paper,
