@@ -1,4 +1,4 @@
-"""One preset holds every input of one run; it is a TOML file, read and written without loss.
+"""A preset holds every input of one run. It is a TOML file that is read and written without loss.
 
 Errors name file, field and rule: `eight.toml: Expected `float`, got `str` - at `$.path.tones[0].frequency``.
 """
@@ -23,23 +23,23 @@ from rangenav.vehicle import FREE, Vehicle
 FORMAT_VERSION = 1
 MIN_DURATION, MAX_DURATION = 0.5, 600.0
 MAX_SAMPLES = 2_000_000
-"""A ceiling on duration × rate, so that no preset asks for more memory or time than a page can give."""
+"""Upper limit of duration × rate: more samples need more memory and time than the page has."""
 MIN_WINDOW_SAMPLES = 4
-"""Fewer samples in a window are no motion; the printed forms of the excitation are sums over them."""
+"""The printed forms of the excitation are sums over the samples of a window; fewer samples describe no motion."""
 WINDOWS = 600
-"""About as many windows of a path are looked at in an analysis, each at all its quadrature nodes."""
+"""An analysis evaluates about this many windows of a path, each at all its quadrature nodes."""
 PATH_DERIVATIVES, TURNING_DERIVATIVES = 4, 1
 """Up to snap, and up to angular acceleration."""
 MAX_BYTES = 1_000_000
 MAX_TITLE, MAX_STORY = 80, 400
 NUMBER_ARRAY = re.compile(r"\[\n((?:    [-+.\deE]+,\n)+)\]")
-"""An array that the TOML writer has spread over lines; strings cannot match, their line ends are escaped."""
+"""An array that the TOML writer has spread over lines. No string matches, because its line ends are escaped."""
 FOLDERS = (Path(__file__).parent / "presets", Path(__file__).parent.parent / "presets")
-"""Inside an installed wheel, and in a source tree."""
+"""The presets' folder inside an installed wheel, and in a source tree."""
 
 
 class Requirement(Input, frozen=True, kw_only=True):
-    """What the motion is asked to deliver on every window."""
+    """What the motion must reach on every window."""
 
     window: float = 6.0
     """δ (s), of the excitation, the Gramian and the predicted accuracy."""
@@ -63,7 +63,7 @@ class Preset(Input, frozen=True, kw_only=True):
     story: str = ""
     """One sentence: what this motion teaches."""
     expect: Literal["observable", "weak", "unobservable"] = "observable"
-    """What is promised: the requirement met; met but for the accuracy; or excitation or rank missing."""
+    """What the preset claims: it meets the requirement; it meets all but the accuracy; it lacks excitation or rank."""
     duration: float = 20.0
     """s"""
     seed: int = 0
@@ -72,16 +72,16 @@ class Preset(Input, frozen=True, kw_only=True):
     path: Signal
     """m, inertial frame."""
     angular_velocity: AngularVelocity
-    """rad/s, body frame; or flown, and then the path decides the attitude and initial_rotation is not asked."""
+    """rad/s, body frame. With `kind = "flown"` the path determines the attitude, and initial_rotation is not used."""
     world: World = World()
     sensors: Sensors = Sensors()
     gains: Gains = Gains()
     guess: Guess = Guess()
     requirement: Requirement = Requirement()
     vehicle: Vehicle = FREE
-    """Whose limits the motion is held against."""
+    """The vehicle whose limits the motion must keep."""
     source: Source | None = None
-    """The file that the path was imported from; None for a design, in which case the file has no such table."""
+    """The file that the path was imported from; None for a design, whose preset has no table [source]."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -111,7 +111,7 @@ class Preset(Input, frozen=True, kw_only=True):
             raise ValueError(f"angular_velocity: {error}") from None
 
     def _refuse_unsuitable(self, signal: Signal, highest: int) -> None:
-        """Too much work, not finite, or too fast for the IMU."""
+        """Refuse a signal that is too much work, not finite, or too fast for the IMU."""
         rate, window = self.sensors.imu_rate, self.requirement.window
         refuse_work(signal, moments=self.duration * rate)
         refuse_wild(signal, duration=self.duration, rate=rate, highest=highest)
@@ -139,12 +139,12 @@ def loads(text: str, *, source: str) -> Preset:
 
 
 def dumps(preset: Preset) -> str:
-    """TOML text that `loads` turns into an equal preset; arrays of numbers stand on one line each."""
+    """TOML text that `loads` turns into an equal preset; each array of numbers stands on one line."""
     return NUMBER_ARRAY.sub(lambda match: "[" + ", ".join(match[1].replace(",", "").split()) + "]", _encoded(preset))
 
 
 def _encoded(preset: Preset) -> str:
-    """What files have not had from the start is left out where it is not used: old ones are written as they were."""
+    """Keys that the first files did not have are left out at their defaults: old files are written as they were."""
     table = msgspec.to_builtins(preset)
     if preset.vehicle == FREE:
         del table["vehicle"]
@@ -161,7 +161,7 @@ def _encoded(preset: Preset) -> str:
 
 
 def _used(unmodelled: Effects) -> Mapping[str, Any]:
-    """What differs from nothing; msgspec's own omission asks for the very same object, not for an equal one."""
+    """Effects that differ from their defaults; msgspec would omit a field only if it is the same object."""
     fields = ((name, getattr(unmodelled, name)) for name in unmodelled.__struct_fields__)
     return {name: value for name, value in fields if value != getattr(MODELLED, name)}
 

@@ -1,12 +1,12 @@
-"""Where an imported path came from, and whether its snap was in the file: of a fitted one nothing is certified.
+"""Where an imported path came from, and whether its snap was in the file. A fitted path is never certified.
 
-A file of polynomials, or of rows with their snap, says what its path's fourth derivative is. A record of positions does
-not: the curve that is put near them has a snap of its own, which is the fit's and not the flight's (∫snap² moves 400
-times with the smoothing). So a path that was fitted is not judged, for as long as it is the path that was imported.
+A file of polynomials, or of rows with their snap, states the fourth derivative of its path. A record of positions does
+not: the snap of a curve fitted to positions comes from the fit and not from the flight (∫snap² changes by a factor of
+400 with the smoothing window). The excitation of a fitted path is therefore not judged.
 
-Whoever changes the path has designed another one, and that is judged like any design: what was imported is known by the
-hash of the path, so that no editor has to tell. Whoever takes the imported curve itself for a design, to be flown as it
-is, says so by deleting the file's [source].
+A path that was changed after the import is a new design, and is judged like any design. The hash of the imported path
+tells whether the path was changed, so that editors need not report it. A person who wants to fly the imported curve
+exactly as it is deletes the table [source] from the preset; the curve is then a design as well.
 """
 
 import hashlib
@@ -29,7 +29,7 @@ ADOPT = (
     "judge the flight itself by its IMU (rangenav log), or make the curve a design of your own: change its path, or "
     "delete [source] from the preset"
 )
-"""What helps where a path is not judged."""
+"""What a person can do if a path is not judged."""
 
 
 class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
@@ -66,12 +66,12 @@ class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
 
 
 def edited(source: Source, path: Signal) -> bool:
-    """Whether the path is another one than was imported; a wiggle on top that does nothing makes it none."""
+    """Whether the path differs from the imported one. A wiggle without amplitude is no difference."""
     return fingerprint(_without_idle_wiggle(path)) != source.path_sha256
 
 
 def renamed(source: Source | None, path: Signal, same: Signal) -> Source | None:
-    """The source of a path that is the same in other axes: that is no change of it, and makes no design of a fit."""
+    """The source of the same path in other axes: naming the axes anew is no change of the path."""
     if source is None or edited(source, path):
         return source
     return msgspec.structs.replace(source, path_sha256=fingerprint(_without_idle_wiggle(same)))
@@ -94,7 +94,7 @@ def description(source: Source, path: Signal) -> str:
 
 @lru_cache(maxsize=CACHED)
 def fingerprint(path: Signal) -> str:
-    """The SHA-256 of a path's values: of its JSON, every number a float and no zero negative."""
+    """The SHA-256 of a path's values: of its JSON, with every number a float and no negative zero."""
     return hashlib.sha256(msgspec.json.encode(_plain(msgspec.to_builtins(path)))).hexdigest()
 
 

@@ -1,7 +1,8 @@
-"""What the still start of a recorded flight tells: gravity, the magnetic direction, and how noisy the sensors are.
+"""A recorded flight that starts at rest: gravity, the magnetic direction and the sensors' noise follow from the rest.
 
-At rest the accelerometer reads −Rᵀg and the magnetometer Rᵀm. With a true attitude both follow in its frame; without
-one the world is laid by them: z along gravity, x towards magnetic north, which is all a range to an anchor leaves open.
+At rest the accelerometer reads −Rᵀg and the magnetometer Rᵀm. If the file has a true attitude, gravity and field follow
+in its frame. Otherwise they define the inertial frame: z along gravity, x towards magnetic north. Nothing else is
+needed, because a range to an anchor depends on no direction.
 """
 
 import numpy as np
@@ -15,15 +16,15 @@ from rangenav.motion import World, to_inertial
 from rangenav.results import result
 
 TURNING = 0.05
-"""rad/s; a body on a table reads its gyro's bias and noise, a hand ten times more."""
+"""rad/s; the gyro of a body on a table reads its bias and noise, the gyro of a body in a hand ten times more."""
 SHAKING = 0.3
-"""m/s²; the same for the accelerometer."""
+"""m/s²: the same limit for the accelerometer."""
 AVERAGED = 0.2
-"""s over which samples are averaged before they are judged, so that noise alone is not movement."""
+"""s over which samples are averaged before they are compared, so that noise alone does not count as movement."""
 LEAST = 0.5
-"""s; less is no rest."""
+"""s: a shorter rest is not used."""
 USUAL_GRAVITY = (9.7, 9.9)
-"""m/s²; anywhere on earth, with 0.1 for the accelerometer's own scale."""
+"""m/s²: gravity anywhere on earth, with 0.1 for the error of the accelerometer's scale."""
 
 
 @result
@@ -36,17 +37,17 @@ class Rest:
     magnetic: Vec3
     """Unit vector, inertial."""
     gyro_bias: Float[Array, "3"]
-    """rad/s; what the gyro reads at rest. It is said and not taken off."""
+    """rad/s: what the gyro reads at rest. It is reported and not subtracted."""
     gyro_noise: float
     """rad/s, standard deviation per sample and axis."""
     accel_noise: float
     """m/s²"""
     aligned: bool
-    """Directions are in the frame of the file's own attitude; else z along gravity and x towards magnetic north."""
+    """Whether directions are in the frame of the file's attitude; else z is along gravity, x towards magnetic north."""
 
     @property
     def summary(self) -> str:
-        """What it tells, with the evidence."""
+        """What the rest says of the world, with the evidence."""
         size, bias = float(np.linalg.norm(self.gravity)), np.degrees(np.linalg.norm(self.gyro_bias))
         dip = np.degrees(np.arcsin(np.clip(np.dot(self.gravity, self.magnetic) / size, -1, 1)))
         frame = "in the frame of the file's attitude" if self.aligned else "with x towards magnetic north"
@@ -58,7 +59,7 @@ class Rest:
 
 
 def rest_seconds(flight: Flight) -> float:
-    """How long the record is still from its first sample on (s); 0 if it starts moving."""
+    """How long the body rests from the first sample on (s); 0 if the record starts in motion."""
     step = float(np.median(np.diff(flight.time)))
     width = max(1, min(round(AVERAGED / step), len(flight.time)))
     gyro, accel = _averaged(flight.gyro, width), _averaged(flight.accel, width)
@@ -74,7 +75,7 @@ def rest_seconds(flight: Flight) -> float:
 
 
 def rest_of(flight: Flight, seconds: float) -> Rest:
-    """What a rest of so many seconds tells. Raises ValueError if there is no magnetometer or nothing to average."""
+    """The rest at the start of a record. Raises ValueError without a magnetometer, or with too few samples."""
     rest = flight.time - flight.time[0] <= seconds
     mag = None if flight.mag is None else flight.mag[rest]
     if mag is None or np.isnan(mag).any(axis=-1).all():
@@ -119,9 +120,9 @@ def noise_at_rest(flight: Flight) -> tuple[float, float, float] | None:
 def world_of(
     flight: Flight, *, anchor: Vec3, given: tuple[Vec3, Vec3] | None = None, confirmed: bool = False
 ) -> tuple[World | None, tuple[Question, ...], str]:
-    """The world of a record: given (gravity, magnetic), the file's own, or its still start's if that is confirmed.
+    """The world of a record: the given (gravity, magnetic), the file's own, or that of its rest if confirmed.
 
-    Returns the world, or None with the question that stands before it; and in words where it comes from.
+    Returns the world, or None with the question that is open, and a sentence that says where the world comes from.
     """
     own = (flight.gravity, flight.magnetic) if flight.gravity is not None and flight.magnetic is not None else None
     if given is not None or own is not None:

@@ -56,7 +56,7 @@ def write_mat(chosen: Preset, path: Path) -> OutputFile:
 
 
 def write_csv(chosen: Preset, path: Path) -> OutputFile:
-    """What everybody can open: t, p, v, a."""
+    """A CSV file that every program can open: t, p, v, a."""
     run = run_of(chosen)
     names = ["t", *(f"{name}_{axis}" for name in "pva" for axis in "xyz")]
     table = np.column_stack([run.time, run.position, run.velocity, run.acceleration])

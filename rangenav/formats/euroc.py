@@ -1,4 +1,4 @@
-"""EuRoC folders: mav0/imu0, mav0/state_groundtruth_estimate0, and beside them mag0 and uwb0 for field and ranges.
+"""EuRoC folders: mav0/imu0, mav0/state_groundtruth_estimate0, and in addition mag0 and uwb0 for field and ranges.
 
     truth  #timestamp [ns], p (m), q wxyz, v (m/s), b_w, b_a: 17 columns, body to a z-up world
     imu0   #timestamp [ns], w (rad/s), a (m/s²)
@@ -21,7 +21,7 @@ from rangenav.inputs import require
 from rangenav.preset import Preset
 
 FIRST = 1.0
-"""s, the stamp of t = 0."""
+"""s: the stamp of t = 0."""
 TRUTH, IMU, MAG, UWB = "state_groundtruth_estimate0", "imu0", "mag0", "uwb0"
 POSITION = tuple(f"p_RS_R_{axis}" for axis in "xyz")
 ATTITUDE = tuple(f"q_RS_{axis}" for axis in "wxyz")
@@ -63,7 +63,7 @@ def read_folder(path: Path, *, confirm: Mapping[str, str]) -> ImportResult:
 
 
 def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> ImportResult:
-    """The flight of a folder whose files are given by the names of their sensors."""
+    """The flight of a folder; `files` holds the content of each file by the name of its sensor."""
     imu = _table(files[IMU], f"{source}/{IMU}")
     time = _seconds(imu)
     sides = {name: _table(files[name], f"{source}/{name}") for name in (TRUTH, MAG, UWB) if name in files}
@@ -118,7 +118,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> ImportResul
 
 
 def truth(data: bytes, source: str) -> tuple[Array, Array]:
-    """Stamps (s) and positions (m) of a ground-truth file, as they stand. Raises ValueError."""
+    """Stamps (s) and positions (m) of a ground-truth file, unchanged. Raises ValueError."""
     table = _table(data, source)
     return _seconds(table), _columns(table, POSITION)
 
@@ -175,7 +175,7 @@ def _ranges(table: Table) -> tuple[Array, Array]:
 
 
 def _onto(time: Array, table: Table, names: tuple[str, ...]) -> Array:
-    """Rows of another sensor on the IMU's stamps; NaN where it has none within half an IMU step."""
+    """Rows of another sensor at the IMU's stamps; NaN where the sensor has no row within half an IMU step."""
     stamps, values = _seconds(table), _columns(table, names)
     aligned = np.full((len(time), len(names)), np.nan)
     steps = np.diff(time)

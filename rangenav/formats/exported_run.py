@@ -1,4 +1,4 @@
-"""One run of a preset as loggers and robots would have it: truth and measurements, in the preset's frame or z-up."""
+"""One run of a preset as a logger records it: truth and measurements, in the preset's frame or z-up."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ BODY = ("angular_velocity", "gyro", "accel", "mag")
 
 @result
 class ExportedRun:
-    """Truth and measurements, time first; inertial frame unless it says body."""
+    """Truth and measurements, time first; in the inertial frame unless a field says body."""
 
     time: Float[Array, "n"]
     position: Float[Array, "n 3"]
@@ -42,7 +42,7 @@ class ExportedRun:
     magnetic: Vec3
     anchor: Vec3
     frame: Frame | None
-    """None if gravity lies along no axis: the vector says where it points."""
+    """None if gravity does not point along z; `gravity` then says where it points."""
 
 
 def run_of(preset: Preset) -> ExportedRun:

@@ -1,9 +1,9 @@
-"""A path that a vehicle can enter and leave: from hover and back, along itself, by running its own time up and down.
+"""Ramps from hover into a path and back to hover: the vehicle follows the path, and its own time speeds up and down.
 
     p(σ(t)),   σ' = 35u⁴ − 84u⁵ + 70u⁶ − 20u⁷,  u = t/ramp:  0 → 1 with three derivatives zero at either end
-so position to snap start and end at rest and pass smoothly into the steady part, where σ' = 1. No place is visited that
-the path itself does not visit. A ramp of r seconds covers the path's first r/2: the file lasts r longer than the path,
-and between its ramps lie the path's own seconds from r/2 to T − r/2. Only there the excitation is the path's.
+Position to snap start and end at rest, and pass smoothly into the steady part, where σ' = 1. The vehicle visits no
+point that is not on the path. A ramp of r seconds covers the first r/2 of the path, so the file lasts r longer than the
+path. Between the ramps lie the seconds r/2 to T − r/2 of the path; only there the excitation is that of the path.
 """
 
 import numpy as np
@@ -19,12 +19,12 @@ from rangenav.signals.multirotor import Attitude
 RAMP = 2.0
 """s; a metre per second is reached with 1.1 m/s²."""
 AT_REST = 1e-6
-"""Velocity, acceleration and jerk below this (SI) at an end: the path hovers there by itself."""
+"""The path itself hovers at an end where velocity, acceleration and jerk are below this (SI)."""
 BLEND = np.polynomial.Polynomial([0, 0, 0, 0, 0, 7.0, -14.0, 10.0, -2.5])
 """σ/ramp over u; its value at 1 is ½."""
 ORDERS = 5
 RAMP_STEP = 0.05
-"""s of the pieces of degree 7 on which the attitude on a ramp is found."""
+"""s: length of the pieces of degree 7 from which the attitude on a ramp is computed."""
 
 
 @result
@@ -39,7 +39,7 @@ class HoverRamps:
 
     @property
     def end(self) -> float:
-        """s the whole of it lasts."""
+        """Duration of path and ramps (s)."""
         return self.duration + self.ramp
 
     @property
@@ -94,7 +94,7 @@ def chained(value: list[Array], own: Float[Array, "n 5"]) -> list[Array]:
 
 
 def yaw(turning: object, course: HoverRamps, t: Float[Array, "n"]) -> list[Float[Array, "n"]]:
-    """The yaw angle (rad) and its first three derivatives: what a flown body was asked to do, else none."""
+    """The yaw angle (rad) and its first three derivatives: those of a flown body, else zero."""
     if not isinstance(turning, Flown):
         return [np.zeros(len(t)) for _ in range(4)]
     own = course.own_time(t)

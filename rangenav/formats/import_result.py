@@ -1,7 +1,7 @@
-"""What a file was understood to be, what is wrong with it, and what must be answered before it may be used.
+"""The content of a file that was read, what is wrong with it, and the questions that are open.
 
-Nothing is converted silently: where a unit, a frame or a sign is not beyond doubt there is a `Question` with what the
-data suggest and why, and `settled` raises until each is answered.
+Nothing is converted silently. Where a unit, a frame or a sign is in doubt there is a `Question` with the answer that
+the data suggest and the evidence, and `settled` raises until every question is answered.
 """
 
 from collections.abc import Mapping
@@ -21,17 +21,17 @@ from rangenav.signals import Signal
 GRAVITY = 9.81
 """m/s², where a format says which way is down but not how strong."""
 GAP = 1.75
-"""A step longer than this many usual ones is a gap: at least one sample is missing."""
+"""A step longer than this many usual steps is a gap: at least one sample is missing."""
 NAMED = 5
-"""Lines that are named one by one; of more, the first and the number."""
+"""Most line numbers that a message lists; of more lines it gives the first ones and their count."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """One thing that a file leaves open."""
+    """One thing that a file does not say."""
 
     key: str
-    """What `confirm` calls it, and the command line's flag."""
+    """Its key in `confirm`."""
     flag: str
     asks: str
     options: tuple[str, ...]
@@ -40,14 +40,14 @@ class Question:
 
     @property
     def text(self) -> str:
-        """The question as one clause, with the flag that answers it."""
+        """The question as one clause, with the evidence and the flag that answers it."""
         answer = f"{self.flag} {self.suggestion or '|'.join(self.options)}"
         return f"{self.asks}? {self.evidence}: {answer}"
 
 
 @result
 class ImportResult:
-    """A file as it was understood."""
+    """What was read from a file."""
 
     source: str
     format: str
@@ -58,24 +58,24 @@ class ImportResult:
     """s"""
     frame: Frame
     findings: tuple[str, ...]
-    """What was noticed, one sentence each: units, gaps, jumps, missing columns, repeated stamps."""
+    """Remarks on the file, one sentence each: units, gaps, jumps, missing columns, repeated stamps."""
     questions: tuple[Question, ...] = ()
     path: Signal | None = None
     derivatives: Literal["file", "fit"] = "file"
-    """Whether the derivatives up to snap stand in the file, or come from fitting."""
+    """Whether the derivatives up to snap stand in the file, or come from a fit."""
     fitted: str = ""
-    """What was fitted, and how near it is; empty if the path is the file's own."""
+    """The kind of fit and its distance from the data; empty if the path is the file's own."""
     fit_error: float | None = None
     """m, the largest distance of the path from the file's positions; None if the path is the file's own."""
     unjudged: str | None = None
     """Why excitation cannot be judged from this path; None if it can."""
     flight: Flight | None = None
     sha256: str = ""
-    """Of the file's bytes; empty for a folder."""
+    """SHA-256 of the file's bytes; empty for a folder."""
 
 
 def settled(result: ImportResult, *, also: tuple[Question, ...] = ()) -> ImportResult:
-    """The same, if nothing is open. Raises ValueError with every open question, its evidence and its flag."""
+    """The result, if no question is open. Raises ValueError with every open question, its evidence and its flag."""
     open_questions = (*result.questions, *also)
     if open_questions:
         questions = "; ".join(question.text for question in open_questions)
@@ -97,7 +97,7 @@ def answer(confirm: Mapping[str, str], key: str, options: tuple[str, ...]) -> st
 
 
 def spacing(time: Float[Array, "n"], table: Table, findings: list[str]) -> float | None:
-    """The median rate (Hz) of stamps that increase, with gaps said; None for a single row."""
+    """The median rate (Hz) of increasing stamps; None for a single row. Gaps are added to the findings."""
     if len(time) < 2:
         return None
     steps = np.diff(time)
@@ -112,13 +112,13 @@ def spacing(time: Float[Array, "n"], table: Table, findings: list[str]) -> float
 
 
 def repeated(time: Float[Array, "n"]) -> Bool[Array, "n"]:
-    """Rows whose stamp does not come after every one before."""
+    """Rows whose stamp is not later than every stamp before."""
     before = np.maximum.accumulate(np.concatenate([[-np.inf], time[:-1]]))
     return np.asarray(~(time > before))
 
 
 def lines(numbers: Array) -> str:
-    """Line numbers for reading: a few by name, of many the first and the last."""
+    """Line numbers for a message: a few one by one, of many the first ones and the last."""
     if len(numbers) <= NAMED:
         return ("line " if len(numbers) == 1 else "lines ") + ", ".join(str(int(number)) for number in numbers)
     named = ", ".join(str(int(number)) for number in numbers[:NAMED])

@@ -1,6 +1,6 @@
-"""Logs as CSV: t, gyro, accel, mag, range and, if there is one, the truth; columns by name, units in brackets.
+"""Logs as CSV: t, gyro, accel, mag, range and, if there is one, the truth. Columns have names, units stand in brackets.
 
-    t [s],gyro_x [rad/s],…,accel_x [m/s2],…,mag_x [1],…,range [m],p_x [m],…,q_w,…     empty where a sensor gave nothing
+    t [s],gyro_x [rad/s],…,accel_x [m/s2],…,mag_x [1],…,range [m],p_x [m],…,q_w,…     empty: no sample
 Names of other loggers are understood (`Gyroscope X (deg/s)`, `acc_x`, `w_RS_S_x [rad s^-1]`, `#timestamp [ns]`).
 Written: a run's measurements and truth in its own frame, with gravity, field and anchor in comments, so nothing is
 asked when it is read again.
@@ -44,7 +44,7 @@ SUFFIXES = {
     "ms": "ms",
     "s": "s",
 }
-"""Units that some loggers hang onto a name: gyro_x_dps, t_ms."""
+"""Units that some loggers append to a name: gyro_x_dps, t_ms."""
 WORLD = re.compile(r"(gravity|magnetic|anchor)\s*=\s*(\S+)\s+(\S+)\s+(\S+)")
 FRAME = re.compile(r"frame\s*=\s*(z-up|z-down)")
 LARGEST = 1e9
@@ -82,7 +82,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
 
 
 def write(preset: Preset, path: Path) -> OutputFile:
-    """Write what the sensors of the preset's run gave, with the truth beside it."""
+    """Write the measurements of the preset's run, and the truth."""
     run = run_of(preset)
     every = np.union1d(run.time, run.range_time)
     table = np.full((len(every), 18), np.nan)
@@ -115,7 +115,7 @@ def attitude(quaternion: Float[Array, "n 4"], source: str) -> Float[Array, "n 3 
 
 
 def _grouped(table: Table) -> tuple[dict[str, dict[str, int]], dict[str, str], list[str]]:
-    """Which column is what, the units they state, and the names nobody knows."""
+    """The column of each quantity, the units that the names state, and the names that are not understood."""
     groups: dict[str, dict[str, int]] = {}
     stated: dict[str, str] = {}
     unknown = []

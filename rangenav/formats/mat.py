@@ -1,8 +1,8 @@
 """Recorded flights in MATLAB .mat files (v5): arrays of n×3 under names such as gyro, accel, mag, and BROAD's own.
 
 BROAD (Laidig et al.) has imu_gyr (rad/s), imu_acc (m/s²), imu_mag (µT), opt_quat (wxyz, sensor to ENU), opt_pos (m),
-with NaN where the cameras lost sight, movement flags and one sampling_rate instead of stamps; its units and frame are
-its own documentation's and are taken as stated, checked against the numbers like any other.
+with NaN where the cameras lost sight, movement flags and one sampling_rate instead of stamps; its units and frame
+are those of its documentation. They count as stated, and are checked against the numbers like any other.
 """
 
 from collections.abc import Mapping
@@ -115,7 +115,7 @@ def _ranges(parts: dict[str, Array | None], source: str) -> tuple[Array, Array] 
 
 
 def _table(source: str, time: Array) -> Table:
-    """Samples count as lines."""
+    """A table in which each sample counts as a line, for messages."""
     rows = np.arange(1, len(time) + 1)
     return Table(source=source, names=("time",), comments=(), values=time[:, None], lines=rows)
 

@@ -1,4 +1,4 @@
-"""What was written, and how: never half a file, never over a folder, and marked where a requirement was missed."""
+"""Writing files: whole or not at all, never over a folder, and with a mark where a requirement was missed."""
 
 import os
 import tempfile
@@ -12,19 +12,19 @@ from rangenav.results import result
 
 @result
 class OutputFile:
-    """One export."""
+    """What an export wrote."""
 
     files: tuple[Path, ...]
     frame: str
     """z-up or z-down."""
     steady: tuple[float, float] | None = None
-    """s in the file's own time: what a certificate of the path covers. None where the whole record is the path's."""
+    """From when to when (s, in the file) a certificate of the path holds; None if the whole record is the path."""
     notes: tuple[str, ...] = ()
     figures: dict[str, Any] = field(default_factory=dict)
 
 
 def marked(path: Path) -> Path:
-    """The name of what was written although it misses its requirement: flight.uncertified.csv."""
+    """The name of a file that misses its requirement and was written all the same: flight.uncertified.csv."""
     return path.with_name(f"{path.stem}.uncertified{path.suffix}")
 
 
@@ -52,7 +52,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 
 
 def new_folder(path: Path) -> None:
-    """Refuse to write into a folder that holds something."""
+    """Raise ValueError if the path is a file, or a folder that is not empty."""
     require(path.parent.is_dir(), f"{path.parent}: no such folder")
     free = not path.exists() or (path.is_dir() and not any(path.iterdir()))
     require(free, f"{path}: exists already; a folder is never written over")

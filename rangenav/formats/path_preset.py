@@ -1,4 +1,4 @@
-"""A preset from an imported path: flown where it can be, judged over windows of six seconds, and it knows its file."""
+"""The preset of an imported path: flown if a multirotor can fly it, windows of six seconds, and its source."""
 
 from pathlib import Path
 from typing import cast
@@ -11,9 +11,9 @@ from rangenav.provenance import MAX_FILE, MAX_WORDS, Format, Source, fingerprint
 from rangenav.signals import AngularVelocity, Flown, Multisine
 
 WINDOW = 6.0
-"""s, as in the shipped presets; half the flight where that is shorter."""
+"""s, as in the shipped presets; half the flight if that is shorter."""
 MAGNETIC = 0.7071067811865476
-"""North and down in equal parts, as in the shipped presets."""
+"""Each of the field's components, north and down, as in the shipped presets."""
 SAME_LENGTH = 1e-6
 """Share by which a duration may be rounded up."""
 
@@ -60,7 +60,7 @@ def as_preset(result: ImportResult, *, duration: float | None = None, anchor: Ve
 
 
 def source(result: ImportResult) -> Source:
-    """Where the path comes from. Raises ValueError for a file that holds none."""
+    """Where the path comes from. Raises ValueError for a file without a path."""
     if result.path is None:
         raise ValueError(f"{result.source}: holds no path")
     return Source(

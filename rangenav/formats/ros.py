@@ -1,4 +1,4 @@
-"""ROS 2 bags, as a folder with an SQLite file or as one MCAP file: what a robot's own recorder would have written.
+"""ROS 2 bags, as a folder with an SQLite file or as one MCAP file: as a robot's recorder writes them.
 
     /imu/data  sensor_msgs/Imu: rad/s, specific force m/s², no orientation (covariance[0] = −1)      /imu/mag  tesla
     /range     sensor_msgs/Range: m, float32       /ground_truth  geometry_msgs/PoseStamped: z-up, quaternion xyzw
@@ -22,7 +22,7 @@ from rangenav.preset import Preset
 FIRST = 1.0
 """s, the stamp of t = 0."""
 FIELD = 50e-6
-"""T; presets know the magnetic direction only, and this is an ordinary strength of the earth's field."""
+"""T: an ordinary strength of the earth's field, because a preset holds the direction only."""
 VERSION = 9
 TRUTH = "/ground_truth"
 WORLD, BODY, ANCHOR = "map", "base_link", "anchor"
@@ -118,7 +118,7 @@ def _messages(run: ExportedRun, preset: Preset, types: Any, *, first: float) -> 
 
 
 def _range(types: Any, stamp: int, distance: float) -> Any:
-    """The message knows ultrasound and infrared only; a radio is neither, and its field of view is the whole sphere."""
+    """The message has ultrasound and infrared only. A radio is neither, and its field of view is the whole sphere."""
     kind = types["sensor_msgs/msg/Range"]
     fields = {"radiation_type": 0, "field_of_view": 2 * np.pi, "min_range": 0.0, "max_range": 1e5, "range": distance}
     if "variance" in kind.__dataclass_fields__:

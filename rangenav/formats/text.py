@@ -1,7 +1,7 @@
-"""Text from outside, bounded before it is read: a file's bytes, and tables of numbers with the line each row stands on.
+"""Reading text files within limits: the bytes of a file, and tables of numbers with the line number of each row.
 
-A size is looked at before anything is read, a line's length before it is split. What is not a number is refused with
-its line and column; an empty field is a missing number (NaN), which whoever reads the table must say something about.
+The size of a file is checked before it is read, the length of a line before it is split. An entry that is no number is
+refused with its line and column. An empty field is a missing number (NaN), and each reader of a table decides about it.
 """
 
 from array import array
@@ -21,9 +21,9 @@ MAX_LINE = 8_192
 MAX_ROWS = 1_000_000
 MAX_COLUMNS = 200
 LARGEST = 1e20
-"""Nanoseconds since 1970 are 2e18; nothing that is measured is more, and squares of this still are numbers."""
+"""Nanoseconds since 1970 are 2e18; no measured number is larger, and the square of this is finite."""
 SHOWN = 24
-"""Characters of a wrong entry that a message repeats."""
+"""Most characters of a wrong entry that a message repeats."""
 
 
 @result
@@ -32,13 +32,13 @@ class Table:
 
     source: str
     names: tuple[str, ...]
-    """As the header has them, stripped; no two alike."""
+    """As in the header, without blanks at the ends; all different."""
     comments: tuple[str, ...]
     """Lines that begin with #, without it."""
     values: Float[Array, "n c"]
-    """NaN where a field is empty or says nan."""
+    """NaN where a field is empty or nan."""
     lines: Int[Array, "n"]
-    """Line of each row in the file, from 1."""
+    """The line number of each row in the file, from 1."""
 
 
 def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
@@ -50,7 +50,7 @@ def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
         size = path.stat().st_size
         require(size <= limit, f"{path.name}: {size / 1e6:.0f} MB, more than the {limit / 1e6:.0f} MB that are read")
         with path.open("rb") as file:
-            data = file.read(limit + 1)  # what has grown since, or tells no size, is bounded as well
+            data = file.read(limit + 1)  # a file that has grown since, or states no size, is bounded as well
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
     require(len(data) <= limit, f"{path.name}: more than the {limit / 1e6:.0f} MB that are read")

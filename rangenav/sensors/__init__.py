@@ -1,4 +1,4 @@
-"""What the vehicle measures: rates, noise, what the paper's model does not have, and the record of a motion."""
+"""What the vehicle measures: rates, noise, effects that the paper does not model, and the record of a motion."""
 
 from rangenav.sensors import effects
 from rangenav.sensors.antenna import distance

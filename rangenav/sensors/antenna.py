@@ -1,4 +1,4 @@
-"""Where the antenna is: p + R r for a lever arm r (m, body axes), and so what a range is about, between samples too.
+"""The position of the antenna, p + R r for a lever arm r (m, body axes), and its true range at any time.
 
 From the last IMU sample on, R turns by one Magnus step of order 4 over the cubic through ω and ω̇ at both ends of the
 interval: exact on a sample, of fifth order in the step between. A body that turns by 3.6 rad/s and by 10 rad/s² is
@@ -16,7 +16,7 @@ from rangenav.signals import Signal
 
 AT_THE_IMU: Vec3 = (0.0, 0.0, 0.0)
 AT_ONCE = 16_384
-"""Ranges whose rotations are made together: they fit a cache, and two million at once would take 1.6 GB."""
+"""Ranges whose rotations are computed together: they fit a cache, and two million at once would take 1.6 GB."""
 
 
 def distance(

@@ -41,9 +41,12 @@ class Measurements:
 
 
 def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng: np.random.Generator) -> Measurements:
-    """The record of a motion. Each sensor and each effect draws from a stream of its own, so that changing one leaves
-    the others to the last bit."""
-    streams = rng.spawn(7)  # in this order for ever: a seed means the same noise in every version
+    """The record of a motion.
+
+    Each sensor and each effect draws from its own random stream, so that a change of one leaves the others the same to
+    the last bit.
+    """
+    streams = rng.spawn(7)  # the order never changes: a seed means the same noise in every version
     gyro_rng, accel_rng, mag_rng = streams[:3]
     time, sigma, unmodelled = motion.time, sensors.sigma, sensors.unmodelled
     mag = to_body(motion.rotation, np.broadcast_to(np.asarray(world.magnetic), motion.position.shape))
@@ -104,7 +107,7 @@ def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:
 def _ranges(
     time: Array, distance: Array, sigma: float, unmodelled: Effects, streams: list[np.random.Generator]
 ) -> tuple[Array, Array]:
-    """Which ranges arrive, and what every one of them would say."""
+    """Which ranges arrive, and the value of every range, whether it arrives or not."""
     noise, struck, excess, lost = streams
     measured = distance + sigma * noise.standard_normal(time.shape) + unmodelled.range_bias
     hit = struck.random(time.shape) < unmodelled.outlier_probability

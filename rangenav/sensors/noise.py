@@ -14,17 +14,17 @@ from rangenav.inputs import Input, require
 MIN_RATE, MAX_RATE = 1.0, 10_000.0
 """Hz, of any sensor."""
 MIN_SIGMA, MAX_SIGMA = 1e-9, 1e3
-"""Besides exactly none; smaller noise means nothing to any sensor, and its square would underflow."""
+"""Limits of noise that is not zero: no sensor has less, and the square of less would underflow."""
 MIN_DENSITY = MIN_SIGMA / math.sqrt(MAX_RATE)
-"""What the least noise per sample is at the highest rate."""
+"""The least noise per sample as a density, at the highest rate."""
 SENSORS = ("gyro", "accel", "mag", "range")
 Unit = Literal["sample", "density"]
 
 
 class Noise(Input, frozen=True, kw_only=True):
-    """Standard deviation of each sensor's white Gaussian noise as it was given; the paper prints only mag's, σ² = 1e-2.
+    """Standard deviation of each sensor's white Gaussian noise, in the unit in which it was given.
 
-    What computes with it reads `Sensors.sigma`, which is per sample always.
+    The paper prints only the magnetometer's, σ² = 1e-2. Computations use `Sensors.sigma`, which is always per sample.
     """
 
     gyro: float = 0.01
@@ -36,8 +36,8 @@ class Noise(Input, frozen=True, kw_only=True):
     range: float = 0.1
     """m per sample."""
     imu_unit: Unit = "sample"
-    """How gyro and accel are given. As a density they keep it when the IMU's rate changes. Mag and range have no such
-    choice: their data sheets give the deviation of a reading."""
+    """The unit of gyro and accel. A density stays the same when the IMU's rate changes. Mag and range have no such
+    choice, because their data sheets give the deviation of a reading."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -59,7 +59,7 @@ def density(sigma: float, rate: float) -> float:
 
 
 def in_unit(noise: Noise, unit: Unit, *, rate: float) -> Noise:
-    """The same noise with gyro and accel in the unit, for an IMU at `rate` (Hz); the very same if it is so given."""
+    """The same noise with gyro and accel in a unit, for an IMU at `rate` (Hz); the same object if it has that unit."""
     if noise.imu_unit == unit:
         return noise
     turn = per_sample if unit == "sample" else density

@@ -1,7 +1,7 @@
-"""Sets of sensors to choose from, each with where its figures come from.
+"""Sets of sensors to choose from, each with the source of its figures.
 
-Data sheets give noise of the chip at rest. A motor's vibration adds far more, and a bias is what calibration leaves:
-these figures are ours, of the size that is usual, and marked so.
+A data sheet gives the noise of a chip at rest. The vibration of motors adds far more, and the bias that a calibration
+leaves is in no data sheet. Such figures are ours, of a usual size, and marked as ours.
 """
 
 import math
@@ -20,7 +20,7 @@ class SensorSet(Input, frozen=True, kw_only=True):
 
     name: str
     summary: str
-    """One sentence: whose figures they are, and what is not in the paper."""
+    """One sentence: the source of the figures, and what the paper does not have."""
     sensors: Sensors
 
 
@@ -92,4 +92,4 @@ PERFECT = SensorSet(
     sensors=Sensors(range_rate=200.0, noise=Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0)),
 )
 CATALOGUE = (PAPER, UWB_GOOD, UWB_NLOS, MEMS, CRAZYFLIE, PERFECT)
-"""To choose from."""
+"""Every set, in the order of the menu."""

@@ -1,4 +1,4 @@
-"""What a vehicle carries: how often each sensor speaks, how noisy it is, and what else is wrong with it."""
+"""What a vehicle carries: the rate of each sensor, its noise, and the effects that the paper does not model."""
 
 from rangenav.inputs import Input, require, require_within
 from rangenav.sensors.effects import MODELLED, Effects, sentences
@@ -6,7 +6,7 @@ from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, in_unit
 
 
 class Sensors(Input, frozen=True, kw_only=True):
-    """Rates in Hz, the noise, and what the paper's model does not have."""
+    """Rates in Hz, the noise, and the effects that the paper does not model."""
 
     imu_rate: float = 200.0
     mag_rate: float = 200.0
@@ -29,12 +29,12 @@ class Sensors(Input, frozen=True, kw_only=True):
 
     @property
     def sigma(self) -> Noise:
-        """The noise per sample, however it was given: what everything that computes reads."""
+        """The noise per sample, in whatever unit it was given; every computation uses this."""
         return in_unit(self.noise, "sample", rate=self.imu_rate)
 
     @property
     def arriving(self) -> float:
-        """The share of ranges that random drop-outs leave; a burst is not averaged in."""
+        """The share of ranges that arrive despite random drop-outs; a burst is not included."""
         return 1 - self.unmodelled.dropout_probability
 
 

@@ -1,4 +1,4 @@
-"""What can only be said of a signal once the flight is known: is it finite on it, and is it not too much work?"""
+"""Checks of a signal that need the flight: is the signal finite there, and is it not too much work?"""
 
 from functools import lru_cache
 
@@ -11,9 +11,9 @@ from rangenav.signals.families import Signal
 from rangenav.signals.multirotor import Flown, attitude
 
 MAX_WORK = 5e7
-"""Operations of a formula × moments at which it is evaluated; a second on a small machine, at 20 ns each."""
+"""Most operations of a formula × times at which it is evaluated: a second on a small machine, at 20 ns each."""
 CHECK_SAMPLES = 4001
-"""Times at which derivatives are looked at before a run; every evaluation looks again at its own."""
+"""Times at which derivatives are checked before a run; every evaluation checks its own times again."""
 CACHED = 64
 
 

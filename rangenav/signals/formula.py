@@ -1,7 +1,7 @@
 """A Formula: one expression in t for each axis, with derivatives of any order by power series and bounds by intervals.
 
     offset + drift t + mix · (x(t/slower), y(t/slower), z(t/slower))
-The texts stay as they were typed; what moves, turns or slows a path changes the numbers beside them.
+The expressions stay as they were typed. An edit that moves, turns or slows a path changes the other fields only.
 """
 
 import math
@@ -27,7 +27,7 @@ IDENTITY: Rows = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 MAX_MIX = 1e4
 MIN_SLOWER, MAX_SLOWER = 1e-4, 1e4
 MAX_VALUE, MAX_DERIVATIVE = 1e7, 1e30
-"""Beyond these a value counts as not finite: nothing flies there, and squares of squares would overflow."""
+"""A larger value counts as not finite: no vehicle flies there, and its fourth power would overflow."""
 CHUNK = 8192
 """Times evaluated at once: some thousand numbers per coefficient stay in the cache."""
 BANDWIDTH_ORDERS = range(5, 11)
@@ -37,7 +37,7 @@ BOUND_BOXES = 128
 STRETCHES = 256
 """Stretches of a flight on each of which a formula is enclosed."""
 MAX_BOUNDED = 120
-"""Operations on one axis; intervals for more would take longer than somebody who is typing waits."""
+"""Most operations of one axis; intervals for more take longer than a person who is typing wants to wait."""
 CACHED = 64
 
 

@@ -1,7 +1,7 @@
 """Knots: the times at which a derivative of a signal may jump, and what the signal is between them.
 
-Waypoints, minimum-snap curves and polynomials are one polynomial between neighbouring knots, tones and formulas have no
-knots, and a Sum has those of both parts.
+Waypoints, minimum-snap curves and polynomials are one polynomial between neighbouring knots. Tones and formulas have no
+knots. A Sum has the knots of both parts.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from rangenav.signals.families import Signal
 from rangenav.signals.piecewise import Pieces
 
 SAME = 1e-11
-"""s; knots nearer than this are one, told apart by rounding: two parts of a sum may share theirs."""
+"""s: knots nearer than this are the same knot, apart by rounding; both parts of a sum may have it."""
 
 
 def pieces(signal: Signal) -> Iterator[Pieces]:
@@ -29,23 +29,23 @@ def has_pieces(signal: Signal) -> bool:
 
 
 def knots(signal: Signal, first: float, last: float) -> Float[Array, "k"]:
-    """All knots strictly between two times (s), repetitions included, increasing."""
+    """All knots strictly between two times (s), repetitions included, in increasing order."""
     times = np.sort(np.concatenate([np.zeros(0), *(piecewise.knots_between(p, first, last) for p in pieces(signal))]))
     return times[np.diff(times, prepend=-np.inf) > SAME]
 
 
 def most(signal: Signal, length: float) -> float:
-    """A bound on how many knots a stretch of `length` seconds has, known before any is made."""
+    """An upper bound on the number of knots in a stretch of `length` seconds, known before they are computed."""
     return sum(piecewise.most_knots_between(p, length) for p in pieces(signal))
 
 
 def degree(signal: Signal) -> int:
-    """Of the polynomials between knots; 0 if there are none."""
+    """The degree of the polynomials between knots; 0 if there are none."""
     return max((len(p.tables) - 1 for p in pieces(signal)), default=0)
 
 
 def smooth_bandwidth(signal: Signal, time: float) -> float:
-    """The highest frequency (rad/s), from 0 to a time (s), in the parts that are no polynomials; 0 without such."""
+    """The highest frequency (rad/s), from 0 to a time (s), of the parts that are smooth; 0 if all parts have knots."""
     return max((part.bandwidth_until(time) for part in signal.parts() if part.piecewise() is None), default=0.0)
 
 

@@ -2,7 +2,7 @@
 
 With f = p̈ − g (m/s²) the thrust axis is b₃ = ± f/|f| (the sign that makes a hover upright), and
     R = R_tilt(b₃) Rz(ψ),   R_tilt the shortest turn from e₃ to b₃,   ω = vee(RᵀṘ)
-in power series of order two, so ω uses the path's jerk and ω̇ its snap and nothing is differenced. Two places have no
+in power series of order two, so ω uses the path's jerk and ω̇ its snap and nothing is differenced. Two cases have no
 answer: a free fall (f = 0: no thrust, no axis) and thrust straight down (yaw about it is a pole of every such rule).
 """
 
@@ -24,7 +24,7 @@ ORDER = 2
 
 
 class Flown(Input, frozen=True, kw_only=True, tag="flown", tag_field="kind"):
-    """Body axes follow from the path; only the yaw angle is chosen."""
+    """The attitude with which a multirotor flies the path; only the yaw angle is free."""
 
     yaw: str = "0"
     """rad, a formula in t (s): the turn about the thrust axis."""
@@ -39,7 +39,7 @@ class Flown(Input, frozen=True, kw_only=True, tag="flown", tag_field="kind"):
 
 @result
 class Attitude:
-    """What the body does, time first."""
+    """Attitude and its derivatives, time first."""
 
     rotation: Float[Array, "n 3 3"]
     angular_velocity: Float[Array, "n 3"]

@@ -25,7 +25,7 @@ MAX_TONES = 64
 MAX_AMPLITUDE = 1e4
 MAX_OFFSET = 1e6
 MAX_DRIFT = 1e5
-"""Beyond these, and the amplitude above, nothing flies, and squares of squares would overflow."""
+"""With larger values, or a larger amplitude, no vehicle flies, and fourth powers would overflow."""
 MIN_FREQUENCY, MAX_FREQUENCY = 1e-6, 1e4
 """rad/s; slower tones would repeat after months. Tones beyond the IMU's Nyquist frequency are refused by the preset,
 which knows the rate."""

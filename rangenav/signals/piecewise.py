@@ -1,7 +1,7 @@
-"""Piecewise polynomials in local time: evaluation at any order, jumps between pieces, and bounds that are no samples.
+"""Piecewise polynomials in local time: evaluation at any order, jumps at knots, and bounds that are not samples.
 
-At a knot the piece that begins there is meant, at the very end the last one: derivatives are one-sided. A piece lies
-inside the hull of its Bernstein coefficients, so their largest norm bounds it at every t.
+At a knot the piece that begins there counts, at the end the last piece: derivatives are one-sided. A piece lies inside
+the hull of its Bernstein coefficients, so the largest norm of a coefficient bounds the piece at every t.
 """
 
 import math
@@ -17,9 +17,9 @@ from rangenav.results import result
 JUMP_ORDERS = range(5)
 """C⁰ to C⁴: position to snap."""
 JUMP_ROUNDING = 1e-9
-"""Relative to what the pieces reach; smaller jumps are the rounding of a fit, larger ones are in the data."""
+"""Relative to the bound of the pieces: smaller jumps are rounding of a fit, larger jumps are in the data."""
 CHUNK = 4096
-"""Times developed at once: all coefficients of so many pieces, a megabyte, stay in the cache."""
+"""Times evaluated together: all coefficients of that many pieces, a megabyte, stay in the cache."""
 
 
 @result
@@ -31,7 +31,7 @@ class Pieces:
     tables: tuple[Float[Array, "_ m 3"], ...]
     """Ascending coefficients of each derivative: tables[order][j, piece]."""
     repeats: bool
-    """Begin anew after the end; else stand still before the first knot and after the last."""
+    """Whether the curve begins anew after its end; else it is constant before the first knot and after the last."""
 
     @property
     def duration(self) -> float:
@@ -107,7 +107,7 @@ def knots_between(curve: Pieces, first: float, last: float) -> Float[Array, "k"]
 
 
 def most_knots_between(curve: Pieces, length: float) -> float:
-    """No stretch of so many seconds has more knots than this."""
+    """An upper bound on the number of knots in any stretch of `length` seconds."""
     count = len(curve.knots)
     return (count - 1) * (length / curve.duration + 2) if curve.repeats else count
 
@@ -147,7 +147,7 @@ def hull(curve: Pieces, order: int) -> float:
 
 
 def hulls(curve: Pieces, order: int, t: Float[Array, "n"]) -> Float[Array, "n"]:
-    """The same for the piece that each time (s) lies in alone; 0 where the signal stands still."""
+    """The `hull` of the single piece at each time (s); 0 where the signal is constant."""
     if order >= len(curve.tables):
         return np.zeros(len(t))
     sizes = _hull_of_each(curve, order)[_place(curve, t)[0]]
@@ -182,7 +182,7 @@ def _horner(table: Array, local: Array) -> Array:
 
 
 def _place(curve: Pieces, time: Array) -> tuple[Array, Array]:
-    """The piece of each time, and how far into it (s)."""
+    """The piece at each time, and the time since its beginning (s)."""
     first, last = curve.knots[0], curve.knots[-1]
     time = first + np.mod(time - first, last - first) if curve.repeats else np.clip(time, first, last)
     piece = np.searchsorted(curve.knots[1:-1], time, side="right")

@@ -25,9 +25,9 @@ MIN_DURATION, MAX_DURATION = 1e-3, 1e4
 MAX_COEFFICIENT = 1e15
 MAX_REACH = 1e7
 TURNS_PER_PIECE = 2.0
-"""Half-waves of the fastest motion that a piece of degree 7 is given for quadrature."""
+"""Half-waves of the fastest motion in a piece of degree 7, as assumed for quadrature."""
 COMPLAINTS = {0: ("position", 1e-3, "m"), 1: ("velocity", 1e-2, "m/s")}
-"""Jumps from these sizes on are named; files print six decimals, which is a thousand times finer."""
+"""Jumps of this size and more are reported; files print six decimals, which is a thousand times finer."""
 CACHED = 16
 Coefficients = tuple[float, float, float, float, float, float, float, float]
 ZERO: Coefficients = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -43,7 +43,7 @@ class Piece(Input, frozen=True, kw_only=True):
     y: Coefficients = ZERO
     z: Coefficients = ZERO
     yaw: Coefficients = ZERO
-    """rad per sʲ; kept for the file, it is no part of the signal."""
+    """rad per sʲ: kept for the file, no part of the signal."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -75,7 +75,7 @@ class Polynomials(PiecewiseFamily, frozen=True, kw_only=True, tag="polynomials",
 
     @property
     def bandwidth(self) -> float:
-        """What the shortest piece may turn (rad/s)."""
+        """The highest frequency that the shortest piece can hold (rad/s)."""
         return TURNS_PER_PIECE * math.pi / min(piece.duration for piece in self.pieces)
 
     def bound(self, order: int) -> float:

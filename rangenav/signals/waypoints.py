@@ -27,17 +27,17 @@ from rangenav.signals.piecewise_family import PiecewiseFamily
 
 MAX_POINTS = 2000
 MAX_TIME = 1e4
-"""s; ten minutes of flight, slowed ten times, and some."""
+"""s; more than ten minutes of flight, slowed ten times."""
 MIN_GAP = 1e-3
-"""s between neighbours; a degree-9 curve through nearer ones turns rounding into snap."""
+"""s between neighbours; a curve of degree 9 through nearer points amplifies rounding to snap."""
 MAX_REACH = 1e7
 MISS = 1e-7
-"""A curve may miss its points by this share of their spread; else their times are too uneven for double precision."""
+"""Largest distance of a curve from its points, as a share of their spread; a larger one shows uneven times."""
 CACHED = 16
 
 
 class Waypoint(Input, frozen=True, kw_only=True):
-    """Where to be, and when."""
+    """A point and the time at which the curve passes it."""
 
     time: float
     """s"""
