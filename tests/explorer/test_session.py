@@ -124,7 +124,7 @@ def test_nonsense_gets_a_sentence_and_the_last_picture_stays(visitor: Wire, labe
     visitor.wait_for(lambda: NOT_SHOWN not in visitor.text(), "the complaint to go")
 
 
-def test_a_sensor_set_is_loaded_and_what_the_paper_does_not_model_is_told(visitor: Wire):
+def test_a_sensor_set_is_loaded_and_effects_that_the_paper_does_not_model_are_named(visitor: Wire):
     before = _drawn(visitor)
     visitor.set("sensor set", "UWB behind obstacles")
     visitor.wait_for_text("the paper&#x27;s observer has no gate")
@@ -209,7 +209,7 @@ def test_a_tab_that_leaves_takes_its_thread_with_it(port: int):
     _wait_for_threads(0)
 
 
-def test_an_unforeseen_error_is_told_and_the_session_goes_on(
+def test_an_unforeseen_error_is_notified_and_the_session_goes_on(
     visitor: Wire, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ):
     def broken(_: object) -> None:

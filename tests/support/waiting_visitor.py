@@ -1,4 +1,4 @@
-"""A visitor without a browser who waits: whatever is set, pressed or dragged is taken in before the next.
+"""A visitor without a browser who waits until the session has taken over each change before making the next.
 
 The fixtures `sessions` and `editing` of tests/conftest.py give a server of a module's own, and a visitor of a test's.
 """
@@ -27,43 +27,43 @@ class Editing:
         return picture.settings
 
     def set(self, label: str, value: object) -> None:
-        """Set a control, and wait until the session has taken it in."""
+        """Set a control, and wait until the session has taken it over."""
         self.tab.set(label, value)
         self.settle()
 
     def press(self, label: str, option: str | None = None) -> None:
         """Press a button, or one of a row of buttons."""
-        self._carried_out(lambda: self.tab.press(label, option))
+        self._run(lambda: self.tab.press(label, option))
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
-        self._carried_out(lambda: self.tab.command(label))
+        self._run(lambda: self.tab.command(label))
 
     def drag(self, handle: str, place: tuple[float, float, float], *, steps: int = 1) -> None:
         """Drag a handle, once it is there."""
         self.tab.wait_for(lambda: handle in self.tab.nodes, handle)
         self.tab.drag(handle, place, steps=steps)
 
-    def _carried_out(self, ask: Callable[[], None]) -> None:
-        """Ask for something, and wait until it was done: presses go through a pool of threads, and may be overtaken."""
+    def _run(self, trigger: Callable[[], None]) -> None:
+        """Trigger an action, and wait until it has run: viser's threads may deliver it after a later change."""
         form = self.session.form
         before = form.actions_run
-        ask()
+        trigger()
         self.tab.wait_for(lambda: form.actions_run > before, "the action")
         self.settle()
 
     def settle(self) -> None:
-        """Until the session has taken in all that was sent: it shows a moment only after what came before."""
+        """Wait until the session has taken over all changes: it shows a moment of the run only after them."""
         self._moment = round((self._moment + 0.01) % 9.0, 2)
         self.tab.set("t (s)", self._moment)
         self.tab.wait_for_text(f"<b>{self._moment:.2f} s</b>")
 
     def wait_until_accepted(self) -> None:
-        """Until nothing is complained of: what is shown beside a control may come a moment after the rest."""
+        """Wait until no complaint is shown; those below controls may disappear a moment after the rest."""
         self.tab.wait_for(lambda: self.refusals() == [], "no complaint")
 
     def refusals(self) -> list[str]:
-        """The sentences shown beside controls and in the verdict, without their HTML."""
+        """The complaints below controls and in the verdict, without their HTML."""
         shown = [p for p in self.tab.elements.values() if p.get("visible", True) and "⚠" in str(p.get("content"))]
         return [re.sub(r"<[^>]+>", " ", p["content"]) for p in shown]
 

@@ -1,6 +1,6 @@
 """A visitor without a browser: viser's websocket messages, sent and received as they are (checked against 1.1.1).
 
-It says whatever it is told to, also what no honest page would say.
+It sends whatever a test asks for, also what no honest page would send.
 """
 
 import re
@@ -59,11 +59,11 @@ class Storage:
 
 
 class Wire:
-    """One connection, and all that the server has told it about controls and nodes of the scene."""
+    """One connection, and all that the server has sent about controls and nodes of the scene."""
 
     def __init__(self, port: int, *, origin: str | None = None, storage: Storage | None = None) -> None:
         self.elements: dict[str, dict[str, Any]] = {}
-        """Properties of every control that exists, by its id; "value" beside them."""
+        """Properties of every control that exists, by its id; with its value as "value"."""
         self.counts: dict[str, int] = {}
         """How many messages of each type have come."""
         self.notifications: list[str] = []
@@ -231,7 +231,7 @@ class Wire:
         elif message.get("name") in self.nodes:
             self._take_in_node(self.nodes[message["name"]], message)
         elif name.startswith("LocalStorage") or name == "RunJavascriptMessage":
-            self._keep(message)
+            self._use_storage(message)
 
     def _take_in_part(self, message: dict[str, Any]) -> None:
         start, parts = self._transfers[message["transfer_uuid"]]
@@ -247,21 +247,21 @@ class Wire:
         else:
             node.update({key: message[key] for key in ("position", "wxyz", "visible", "bindings") if key in message})
 
-    def _keep(self, message: dict[str, Any]) -> None:
+    def _use_storage(self, message: dict[str, Any]) -> None:
         """What the page does with its storages."""
-        kept, name = self.storage, message["type"].removeprefix("LocalStorage").removesuffix("Message")
-        if name == "GetItemRequest" and not kept.silent:
-            value, error = (None, "denied") if kept.refused else (kept.shared.get(message["key"]), None)
+        storage, name = self.storage, message["type"].removeprefix("LocalStorage").removesuffix("Message")
+        if name == "GetItemRequest" and not storage.silent:
+            value, error = (None, "denied") if storage.refused else (storage.shared.get(message["key"]), None)
             answer = {"value": value, "error": error, "request_uuid": message["request_uuid"]}
             self.send({"type": "LocalStorageGetItemResponseMessage", **answer})
-        if kept.refused or kept.forgetful:
+        if storage.refused or storage.forgetful:
             return
         if name == "SetItem":
-            kept.shared[message["key"]] = message["value"]
+            storage.shared[message["key"]] = message["value"]
         elif name == "RemoveItem":
-            kept.shared.pop(message["key"], None)
+            storage.shared.pop(message["key"], None)
         elif name == "RunJavascript":
             for key, value in REMEMBERED.findall(message["source"]):
-                kept.tab[key] = value
+                storage.tab[key] = value
             for key, source in COPIED.findall(message["source"]):
-                kept.shared[key] = kept.tab.get(source, "")
+                storage.shared[key] = storage.tab.get(source, "")

@@ -172,7 +172,7 @@ def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:
     return found[1]
 
 
-def test_a_sphere_of_starts_is_shown_told_hidden_and_shown_again(editing: Editing):
+def test_a_sphere_of_starts_is_shown_described_hidden_and_shown_again(editing: Editing):
     assert not editing.tab.nodes["/basin"]["visible"]
     found = compute(editing)
     said = re.sub(r"<[^>]+>", "", editing.tab.text())
@@ -202,7 +202,7 @@ def test_the_run_started_from_the_slowest_settles_when_its_dot_said_and_ctrl_z_t
 @pytest.mark.parametrize(
     ("label", "value"), [("k1", 0.3), ("slower s", 0.2), ("range (Hz)", 20.0), ("noise seed", 3.0)]
 )
-def test_when_gains_path_or_sensors_change_it_is_taken_off_and_told_so(editing: Editing, label: str, value: float):
+def test_when_gains_path_or_sensors_change_it_is_removed_with_a_sentence(editing: Editing, label: str, value: float):
     compute(editing)
     editing.set(label, value)
     editing.tab.wait_for_text("The settings have changed: the globe belonged to others")
@@ -259,16 +259,16 @@ def test_nonsense_gets_a_sentence(editing: Editing, label: str, value: float, se
     editing.tab.wait_for(lambda: editing.session.jobs.running is None, "no job")
 
 
-def test_settings_that_cannot_be_shown_are_told_where_the_starts_were_asked_for(editing: Editing):
+def test_settings_that_cannot_be_shown_are_refused_in_the_section_of_the_starts(editing: Editing):
     editing.tab.set("duration (s)", 5.0)
     editing.tab.wait_for_text("Not shown")
     editing.tab.press(panel.COMPUTE_LABEL)
-    told = "requirement.window must be shorter than the duration"
-    editing.tab.wait_for(lambda: editing.tab.text().count(told) > 2, "the sentence in the section")
+    sentence = "requirement.window must be shorter than the duration"
+    editing.tab.wait_for(lambda: editing.tab.text().count(sentence) > 2, "the sentence in the section")
     assert editing.session.jobs.running is None
 
 
-def test_half_of_the_starts_that_never_settle_are_told_with_their_sign():
+def test_the_text_names_the_starts_that_never_settle_with_their_sign():
     said = panel.basin_text(
         picture("soft"), made([1.0, math.inf, math.inf, 2.0, math.inf], final=[0, 1.0, 2.0, 0, 0.5])
     )

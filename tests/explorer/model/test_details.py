@@ -52,10 +52,10 @@ def test_depth_is_about_the_analysis_own_windows() -> None:
 
 def test_a_turn_moves_the_twin_of_a_hover() -> None:
     p = preset.load("hover")
-    still, turned = details.details(p).twin, details.details(p, turn=(0.0, 0.0, 0.3)).twin
-    assert isinstance(still, Twin)
+    usual, turned = details.details(p).twin, details.details(p, turn=(0.0, 0.0, 0.3)).twin
+    assert isinstance(usual, Twin)
     assert isinstance(turned, Twin)
-    assert turned.turn == (0.0, 0.0, 0.3) != still.turn
+    assert turned.turn == (0.0, 0.0, 0.3) != usual.turn
 
 
 @pytest.mark.parametrize(("time", "start"), [(-1.0, 0.0), (3.0, 3.0), (14.0, 14.0), (20.0, 14.0)])
@@ -65,7 +65,7 @@ def test_the_excitation_at_a_time_is_that_of_the_window_starting_there(time: flo
     assert found.start == pytest.approx(start, abs=0.5 * 14.0 / 100)
 
 
-def test_the_frozen_test_is_told_once_python_control_is_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_frozen_time_ranks_are_given_once_python_control_is_imported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(details, "LOADED", threading.Event())
     assert details.frozen_summary(SLOW) == ""
     assert len(drawings.describe_depth(picture("paper-slow"))) == 2
@@ -127,15 +127,15 @@ def test_both_ranges_are_drawn_and_agree_while_the_twin_is_far_off(name: str) ->
     np.testing.assert_allclose(np.interp(seen.motion.time, ranges.time, ranges.values[:, 0]), true, atol=1e-3)
 
 
-def test_a_refused_twin_is_not_drawn_and_its_reason_is_told() -> None:
+def test_a_refused_twin_is_not_drawn_and_its_reason_is_given() -> None:
     seen = picture("paper-slow")
     assert drawings.ranges(seen).hidden == (1,)
     assert drawings.apart(seen).hidden == (0, 1)
-    told, _ = drawings.describe_twin(seen)
-    assert told.startswith("No twin: a metre of the least felt difference")
+    sentence, _ = drawings.describe_twin(seen)
+    assert sentence.startswith("No twin: a metre of the least felt difference")
 
 
-def test_the_printed_certificate_stands_beside_the_derived_one_whatever_is_switched_on() -> None:
+def test_the_printed_certificate_stands_next_to_the_derived_one_whatever_is_switched_on() -> None:
     seen = picture("circle")
     drawing, mu = drawings.certificates(seen), seen.preset.requirement.mu
     assert (drawing.values[:, 0] == 0).all()
@@ -233,7 +233,7 @@ def drag(ghost: TwinGhost, position: tuple) -> None:
     asyncio.run(ghost._record_drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
 
 
-def test_a_drag_is_kept_until_it_is_asked_for_and_only_if_it_is_a_place(page: Page) -> None:
+def test_a_drag_is_stored_until_it_is_taken_and_only_if_it_is_a_position(page: Page) -> None:
     notes: list[None] = []
     ghost = TwinGhost(page.scene, lambda: notes.append(None))
     assert ghost.take_drag() is None
@@ -265,7 +265,7 @@ def panel(page: Page) -> TwinPanel:
     return TwinPanel(Form(page.gui, _nothing))
 
 
-def test_the_numbers_beside_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
+def test_the_numbers_of_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
     p = preset.load("hover")
     usual = details.details(p).twin
     assert isinstance(usual, Twin)
@@ -345,13 +345,13 @@ def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_w
 
 
 def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> None:
-    seen, still = picture("circle"), picture("hover")
+    seen, resting = picture("circle"), picture("hover")
     shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(seen)
     shown.draw(seen, details.excitation_at(seen.preset, 0.0), bounds)
     scale = np.array(page.node("/excitation").scale)  # type: ignore[attr-defined]
     assert scale[0] == pytest.approx(THINNEST * scale[2])
     assert weakest_label(details.excitation_at(seen.preset, 0.0)) == "no snap along z"
-    shown.draw(still, details.excitation_at(still.preset, 0.0), scene_bounds(still))
+    shown.draw(resting, details.excitation_at(resting.preset, 0.0), scene_bounds(resting))
     assert not page.node("/excitation").visible
     assert not page.node("/weakest").visible
     shown.draw(seen, details.excitation_at(seen.preset, 0.0), bounds)
@@ -360,7 +360,7 @@ def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> No
     assert not page.node("/excitation").visible
 
 
-def test_a_still_ellipsoid_sends_nothing(page: Page) -> None:
+def test_an_unchanged_ellipsoid_sends_nothing(page: Page) -> None:
     seen = picture("lissajous")
     shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(seen)
     shown.draw(seen, details.excitation_at(seen.preset, 2.0), bounds)

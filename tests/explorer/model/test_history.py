@@ -94,7 +94,7 @@ def test_a_step_apart_stays_apart_however_soon_the_next_one_comes():
     assert history.undo() == _at(1.0)
 
 
-def test_what_is_still_held_after_undo_or_after_a_step_apart_is_another_step():
+def test_a_drag_that_goes_on_after_undo_or_after_a_step_apart_is_another_step():
     history = History()
     for k, scale in enumerate((1.0, 2.0)):
         history.record(_at(scale), 10.0 * k)
@@ -125,7 +125,7 @@ def test_the_same_again_is_no_step():
     assert history.depth == (0, 0)
 
 
-def test_only_so_many_steps_are_kept():
+def test_the_number_of_steps_is_bounded():
     history = History()
     for k in range(3 * MAX_STEPS):
         history.record(_at(1.0 + k * 1e-3), 10.0 * k)

@@ -27,9 +27,9 @@ def work_files(tmp_path) -> WorkFiles:
 
 
 def _restored(work_files: WorkFiles) -> Settings:
-    kept = Autosave(work_files, "paper-slow", pytest.fail).restore(SESSION_KEY)
-    assert kept is not None
-    return kept.settings
+    work = Autosave(work_files, "paper-slow", pytest.fail).restore(SESSION_KEY)
+    assert work is not None
+    return work.settings
 
 
 def test_work_is_written_once_a_period_and_the_latest_counts(work_files: WorkFiles, notices: list[str]):
