@@ -4,6 +4,7 @@ import errno
 import io
 import os
 import re
+import time
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -13,7 +14,7 @@ import pytest
 
 from explorer.server import SessionServer
 from explorer.storage import files
-from explorer.storage.catalog import MINE
+from explorer.storage.catalog import MINE, REFRESH_PERIOD
 from explorer.storage.library import Library
 from explorer.web import uploads
 from rangenav import certificate, formats, preset
@@ -198,6 +199,8 @@ def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editi
     (data.folder / 'mean"><img src=x>.toml').write_bytes(data.read("a-quoted-b"))
     assert 'class="tile"' not in page.tab.text()  # nothing is sent before it is asked for
     page.press("browse", "see all")
+    time.sleep(REFRESH_PERIOD)
+    page.settle()  # the library is read again at the first change a second later
     page.tab.wait_for_text("★ mean&quot;&gt;&lt;img src=x&gt;")
     assert "<img src=x>" not in page.tab.text()
     assert page.tab.text().count('class="tile"') == len(SHIPPED) + 2
