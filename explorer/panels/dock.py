@@ -44,7 +44,7 @@ WIDTH = 380
 TAB_STYLE = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
 """So that all tabs of a dock stand in one row."""
 SENSORS_SENTENCES = ("seed", "duration × rate", "requirement.window must be at least")
-"""How sentences begin that tell of choices in the Sensors tab; all others about a whole preset tell of the motion."""
+"""How the errors of a whole preset begin that the Sensors tab causes; all others belong to the Motion tab."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +161,7 @@ class Dock:
 
     @contextmanager
     def catching(self) -> Iterator[None]:
-        """Say beside its cause, and in the verdict, why no picture can be made; raise Refused."""
+        """Show below its cause, and in the verdict, why no picture can be made; raise InvalidInputError."""
         self.motion.clear()  # first: what a control is refused for may be said in the same places
         self.sensors.clear()
         try:
@@ -194,7 +194,7 @@ class Dock:
             self.refresh()
 
     def draw(self, picture: Picture) -> None:
-        """Show the verdict and what stands beside the controls."""
+        """Show the verdict, and what follows from the picture in each panel."""
         self.verdict.draw(picture)
         self.motion.draw(picture.settings.time_scale)
         self.vehicle.draw(picture)
@@ -207,16 +207,16 @@ class Dock:
 
     @property
     def changed(self) -> bool:
-        """Whether what stands beside the picture has changed since it was drawn last."""
+        """Whether the comparison has changed since it was drawn last."""
         return self.compare.changed or self.basin.changed
 
     def comparison(self, picture: Picture) -> Comparison:
-        """What to draw beside a picture."""
+        """What to draw in comparison with a picture."""
         return replace(self.compare.comparison(picture), basin=self.basin.globe(picture))
 
     @property
     def chosen_preset(self) -> str:
-        """The name in the dropdown of presets. Raises Refused if the browser sent another."""
+        """The name chosen in the menu of presets. Raises InvalidInputError for a name that is not offered."""
         return self.presets.read()
 
     @property

@@ -20,24 +20,24 @@ FILE_HINT = (
 )
 LINES_HINT = "“lines” shows and downloads a few lines of Python; “preset file” downloads the file that they read."
 NOT_IN_LINES = {"reduced_row": "row r₄,₂ printed", "attitude_rate": "attitude rate ½"}
-"""Printed switches that change a number beside their control, and nothing in a run or a plot."""
+"""Switches “as printed” that change a number beside their control, and no run or plot."""
 STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportActions:
-    """What only the session knows."""
+    """What only the session can do."""
 
     plan_plot: Callable[[str, PlotFormat], Callable[[], bytes]]
-    """What makes a file of a plot as it is now, to be called in any thread. Raises ValueError with one sentence."""
+    """From a plot as it is now to a function that makes its file in any thread. Raises ValueError with one sentence."""
     settings: Callable[[], tuple[str, Settings]]
-    """What is chosen now, and the name of its preset's file."""
+    """The name of the preset's file, and the settings."""
     download: Callable[[str, bytes], None]
     """Downloads a file."""
 
 
 class ExportPanel:
-    """A picker of plots with its buttons, and the lines of Python."""
+    """A menu of plots with buttons for the formats, and the lines of Python."""
 
     def __init__(self, form: Form, titles: dict[str, str], actions: ExportActions) -> None:
         """`titles` of the plots by their names."""

@@ -30,7 +30,7 @@ KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] |
     "loop": ("Loop, or stop at the end", None),
 }
 REDRAW = 0.1
-"""s: how often the slider follows while playing; the scene moves at every frame."""
+"""s between two moves of the slider while playing; the scene moves at every frame."""
 KEEP_CAMERA_STILL = (
     # viser also turns its camera with the arrow keys; its listener sits one level further out than that of the hotkeys.
     '<img alt="" src="data:," style="display:none" onerror="document.documentElement.addEventListener('
@@ -43,7 +43,7 @@ class TimelinePanel:
     """The floating panel at the bottom."""
 
     def __init__(self, form: Form, playback: Playback, *, room: float) -> None:
-        """`room` (px) is what the docks leave between them."""
+        """`room` (px) is the space between the docks."""
         self._form, self._playback = form, playback
         self._shown_time, self._moved_at = 0.0, -REDRAW
         actions = {
@@ -71,7 +71,7 @@ class TimelinePanel:
             form.command(label, actions[name], key=key)
 
     def write(self, now: float) -> None:
-        """Show where the playhead is."""
+        """Show the time of the playback."""
         playback = self._playback
         if self._slider.max != playback.duration:
             self._slider.max = playback.duration
@@ -82,7 +82,7 @@ class TimelinePanel:
             self._buttons.label = label
 
     def _move_slider(self, moment: float, now: float, *, playing: bool) -> None:
-        """Move the slider, but never over what the visitor has set it to in the meantime."""
+        """Move the slider, unless the visitor has moved it meanwhile."""
         if moment == self._shown_time or self._form.waiting or (playing and now - self._moved_at < REDRAW):
             return
         self._slider.value = self._shown_time = moment

@@ -1,4 +1,4 @@
-"""The verdict in words, shapes and colours: what the motion lets one range tell, and how the observers did."""
+"""The verdict as text, shape and colour: what one range determines on this motion, and the errors of the observer."""
 
 import html
 import math
@@ -35,7 +35,7 @@ CHIP = f'<span style="color:{{}};{CHIP_STYLE}">{{}}</span>'
 
 
 class VerdictPanel:
-    """One status block, and above it what is being waited for."""
+    """The status block, and above it the progress of compilation."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._bar = gui.add_progress_bar(0.0, animated=True)
@@ -44,7 +44,7 @@ class VerdictPanel:
         self._block = gui.add_html("")
 
     def progress(self, fraction: float, what: str) -> None:
-        """Show how far the preparation has come; at 1 nothing is shown any more."""
+        """Show the progress of compilation; at 1 the bar is hidden."""
         self._bar.visible = self._bar_line.visible = fraction < 1
         self._bar.value = 100 * fraction
         self._bar_line.content = f"Compiling the observers (once per machine): {html.escape(what)}"
@@ -79,7 +79,7 @@ def number(value: float, unit: str = "") -> str:
 
 
 def chips(picture: Picture) -> str:
-    """Labels beside the verdict: printed switches that are on, and a run that says nothing."""
+    """Labels beside the verdict: switches “as printed” that are on, and a covariance that diverges."""
     printed = picture.settings.printed
     on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
     chips = [CHIP.format(palette.PRINTED_FORMULA, f"PRINTED: {', '.join(on)}")] if on else []
@@ -155,7 +155,7 @@ def _vehicle(picture: Picture) -> str:
 
 
 def _flyable(picture: Picture) -> list[str]:
-    """Whether the chosen vehicle can, and what stops it; nothing is forbidden to a free one."""
+    """Whether the vehicle can fly the motion, and the limits that it would break; a free vehicle has none."""
     chosen = picture.preset.vehicle
     name = html.escape(chosen.name)
     if chosen == FREE:

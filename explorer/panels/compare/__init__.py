@@ -234,5 +234,5 @@ def _run_baseline(name: Name, picture: Picture) -> Candidate | str:
 
 
 def _assign(handle: viser.GuiHtmlHandle, content: str) -> None:
-    if content != handle.content:  # a message to the browser only if there is news
+    if content != handle.content:  # an equal content sends no message to the browser
         handle.content = content

@@ -1,4 +1,4 @@
-"""The Gains tab: the cascade's gains in the paper's letters or in physical words; the preset stores the letters."""
+"""The Gains tab: the cascade's gains in the paper's units or in physical units. A preset stores the paper's gains."""
 
 from functools import partial
 
@@ -21,7 +21,7 @@ MODE_LABELS = {"constant": "constant (the paper's theorem)", "noise-matched": "n
 
 
 class GainsPanel:
-    """All gains of the cascade, in one of two languages."""
+    """All gains of the cascade, in one of two kinds of units."""
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form)
@@ -41,12 +41,12 @@ class GainsPanel:
         with self.other_units_section:
             self.other_units_table = form.gui.add_html("")
         self.units: GainUnits = "paper"
-        """The one in use."""
+        """The units in use."""
         self._picture: Picture | None = None
         self._gains = self._base = Gains()
 
     def read(self, without_gains: Settings) -> Settings:
-        """Settings with the gains chosen, all else given. Raises Refused after saying why beside the control."""
+        """The settings with the gains chosen. Raises InvalidInputError after showing the reason below the control."""
         with self._section.catching():
             mode, chosen_units = self.mode.read(), self.units_choice.read()
         unscheduled = (
@@ -67,7 +67,7 @@ class GainsPanel:
         return replace(without_gains, preset=replace(without_gains.preset, gains=gains), drafts=drafts)
 
     def write(self, settings: Settings, base: Gains) -> None:
-        """Show the gains of some settings, in the language in use."""
+        """Show the gains of some settings, in the units in use."""
         gains = settings.preset.gains
         self._gains, self._base = gains, base
         self.mode.write(gains.mode, base.mode)
@@ -76,7 +76,7 @@ class GainsPanel:
         self._hide_unused(gains)
 
     def use_units(self, units: GainUnits) -> None:
-        """Use a language from now on."""
+        """Show the gains in these units from now on."""
         self.units_choice.write(units, None)
         self._show_units(units)
         self._hide_unused(self._gains)
@@ -92,7 +92,7 @@ class GainsPanel:
                 line.content = content
 
     def _show_units(self, units: GainUnits) -> None:
-        """The gains as they are, on the dials of a language."""
+        """Show the same gains on the dials of these units."""
         self.units = units
         self.other_units_section.caption(summary.OTHER_UNITS[units])
         if units == "paper":
@@ -102,7 +102,7 @@ class GainsPanel:
             self.physical_dials.write(replace(self._gains, mode="constant", attitude=unscheduled), self._base)
 
     def _hide_unused(self, gains: Gains) -> None:
-        """Only what is in use is on the page."""
+        """Show the dials that are in use, and hide the others."""
         noise = gains.mode == "constant"
         self.paper_dials.show(self.units == "paper", noise=noise)
         self.physical_dials.show(self.units == "physical", noise=noise)

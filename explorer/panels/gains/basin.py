@@ -1,8 +1,8 @@
-"""Basin of attraction: how long the attitude takes from starts all around, as a globe in 3-D, and the slowest of them.
+"""Basin of attraction: settling times of the attitude filter from starts about axes all around, as a globe in 3-D.
 
-"Almost global" (paper, theorem) hides that starts near the undesired equilibria linger; here one sees where and how
-long. A globe belongs to the settings it was computed for, whatever the attitude error they start with: when they
-change it is taken off. Like everything that stands beside the run, it is no part of what is kept and undone.
+The convergence is almost global (paper, theorem), and yet starts near the undesired equilibria linger: the globe shows
+where, and for how long. A globe belongs to the settings that it was computed for, except for their initial attitude
+error. It disappears when these settings change. Autosave and undo do not include it.
 """
 
 import html
@@ -45,7 +45,7 @@ NEVER_SIGN = '<b style="color:{0}">◆</b>'
 
 
 class BasinPanel:
-    """An angle, a number of axes, buttons, and what was found."""
+    """An angle, a number of axes, buttons, and the settling times."""
 
     def __init__(self, form: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
@@ -68,11 +68,11 @@ class BasinPanel:
 
     @property
     def changed(self) -> bool:
-        """Whether there is something else to draw than was drawn last."""
+        """Whether the globe has changed since it was drawn last."""
         return self._changed
 
     def globe(self, picture: Picture) -> Basin | None:
-        """What to draw beside a picture, if there is something that belongs to it."""
+        """The globe to draw with a picture; None if there is none for its settings, or if it is hidden."""
         self._changed = False
         if self.computed is None and self._running is None:
             return None
@@ -87,7 +87,7 @@ class BasinPanel:
         return None if self.computed is None or self._hidden else self.computed[1]
 
     def draw(self, picture: Picture) -> None:
-        """Say what is drawn, or why it is gone."""
+        """Describe the globe, or say why it has disappeared."""
         result = None if self.computed is None else self.computed[1]
         text = NOTE.format(html.escape(self._message)) if result is None else basin_text(picture, result)
         if text != self._result.content:
@@ -133,7 +133,7 @@ class BasinPanel:
 
 
 def basin_text(picture: Picture, result: Basin) -> str:
-    """How many settle and when, what the colours mean, and where the undesired equilibria are."""
+    """How many starts settle and when, the meaning of the colours, and where the undesired equilibria are."""
     settles, degrees = np.isfinite(result.settle), math.degrees(result.angle)
     count, last = len(settles), basin.slowest(result)
     middle = float(np.median(result.settle))
@@ -151,7 +151,7 @@ def basin_text(picture: Picture, result: Basin) -> str:
 
 
 def legend(result: Basin) -> str:
-    """The scale with its ends in seconds, and the sign of what never settles."""
+    """The colour scale with its ends in seconds, and the sign of a start that never settles."""
     limits, text = basin.settling_span(result), ""
     if limits is not None:
         stops = ",".join(palette.SETTLING_SCALE)
@@ -162,7 +162,7 @@ def legend(result: Basin) -> str:
 
 
 def _equilibria(picture: Picture) -> str:
-    """Which axes are marked, and where gravity and the magnetic vector are from them."""
+    """The marked axes, and the angles from each to gravity and to the magnetic vector."""
     world = picture.preset.world
 
     def angle_to(axis: np.ndarray, vector: tuple[float, ...]) -> str:

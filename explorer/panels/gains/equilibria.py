@@ -20,7 +20,7 @@ from rangenav.motion import World
 
 NEAR_OFFSET = math.radians(1.0)
 LOCATIONS = ("across both m and g", "in their plane, across it", "between m and g")
-"""Of M = ρ1 mmᵀ + ρ2 ggᵀ: the eigenvector of eigenvalue zero, of the middle one and of the largest."""
+"""Where the eigenvectors of M = ρ1 mmᵀ + ρ2 ggᵀ lie: of eigenvalue zero, of the middle and of the largest one."""
 EXPLANATION = (
     "At R̃ = 2uuᵀ − I, u an eigenvector of M = ρ1 mmᵀ + ρ2 ggᵀ, the filter's correction vanishes: “almost global” leaves"
     " these three out. At exactly 180° noise alone decides when and which way the filter leaves. From x̂(0) = zero the "
@@ -40,16 +40,16 @@ class Equilibrium:
     axis: Vec3
     """u, of length one; its largest component is positive."""
     location: str
-    """Where it lies, in words."""
+    """Where the axis lies with respect to m and g."""
 
     @property
     def label(self) -> str:
-        """What its button says."""
+        """The label of its button."""
         return f"180° · {axis_text(self.axis)} · {self.location}"
 
 
 def undesired_equilibria(gains: AttitudeGains, world: World) -> list[Equilibrium]:
-    """The three equilibria, that of the largest eigenvalue first."""
+    """The three undesired equilibria; the first one belongs to the largest eigenvalue of M."""
     _, axes = np.linalg.eigh(attitude.decay_matrix(gains, world))
     directions = [u * np.sign(u[np.argmax(np.abs(u))]) for u in axes.T]
     equilibria = [
@@ -72,7 +72,7 @@ def axis_text(axis: Vec3) -> str:
 
 
 class EquilibriaSection:
-    """A line that says how far the start is from the nearest, and in a closed folder a button for each."""
+    """The angle from the start to the nearest equilibrium and, in a folder, a button for each of the three."""
 
     def __init__(self, form: Form, equilibrium: SetAttitudeError) -> None:
         self._set_attitude_error = equilibrium
@@ -86,7 +86,7 @@ class EquilibriaSection:
         self._nearest = 0
 
     def draw(self, picture: Picture) -> None:
-        """Label the buttons, and say how far the start is from the nearest."""
+        """Label the buttons, and show the angle from the start to the nearest equilibrium."""
         p = picture.preset
         self._equilibria = undesired_equilibria(p.gains.attitude, p.world)
         for button, equilibrium in zip(self._buttons, self._equilibria, strict=True):

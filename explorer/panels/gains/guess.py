@@ -1,4 +1,4 @@
-"""The initial estimate: x̂(0), and the attitude error R̃(0) = R(0) R̂(0)ᵀ as a turn about an axis."""
+"""The initial estimate: x̂(0), and the attitude error R̃(0) = R(0) R̂(0)ᵀ as an angle about an axis."""
 
 import math
 from typing import Literal
@@ -19,7 +19,7 @@ STATE_LABELS: dict[Literal["zero", "truth", "offset"], str] = {
 
 
 class GuessPanel:
-    """Where the observer starts."""
+    """The initial estimate of the observer."""
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form, "Initial estimate")
@@ -41,7 +41,7 @@ class GuessPanel:
             self._gravity = Vector(section, "gravity (m/s²)", step=0.1, hint=f"m/s², {hint}")
 
     def read(self) -> Guess:
-        """The guess chosen. Raises Refused after saying why beside the control."""
+        """The guess chosen. Raises InvalidInputError after showing the reason below the control."""
         with self._section.catching():
             state, axis, angle = self._state.read(), self._axis.read(), self._angle.read()
             attitude_error = Guess(attitude_axis=axis, attitude_angle=angle)
@@ -65,7 +65,7 @@ class GuessPanel:
         self._gravity.write(guess.gravity_offset, base.gravity_offset)
 
     def draw(self, picture: Picture) -> None:
-        """Say how far the start is from where the attitude filter stands still."""
+        """Show the angle from the initial attitude error to the nearest undesired equilibrium."""
         self._equilibria.draw(picture)
 
     def _set_attitude_error(self, axis: Vec3, angle: float) -> None:

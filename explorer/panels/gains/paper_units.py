@@ -1,4 +1,4 @@
-"""The gains in the paper's letters: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
+"""The gains in the paper's units: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
 
 from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form, Section
@@ -12,7 +12,7 @@ K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 
 
 class PaperDials:
-    """A dial for each letter; here Q is inverse measurement noise and V process noise, unlike Kalman's letters."""
+    """A dial for each gain. As in the paper, q is an inverse measurement noise, and V is the process noise."""
 
     def __init__(self, form: Form) -> None:
         self.noise = section = Section(form, "Riccati observer: q and V")
@@ -34,7 +34,7 @@ class PaperDials:
             self._p0 = _blocks(section, "P₀", P0_RANGE, meaning)
 
     def add_attitude(self, form: Form) -> None:
-        """The dials of the attitude filter, in the folder that is being made."""
+        """Add the dials of the attitude filter to the folder that is being built."""
         self.attitude = section = Section(form)
         with section:
             hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
@@ -45,7 +45,7 @@ class PaperDials:
             self._rho2 = LogDial(section, "ρ2", RHO2_LIMITS, hint=hint)
 
     def read(self) -> Gains:
-        """The gains chosen, of constant mode and without a schedule. Raises Refused after saying why."""
+        """The gains chosen, in constant mode without a schedule. Raises InvalidInputError after showing the reason."""
         with self.noise.catching():
             q = RiccatiGains(q=self._q.read()).q
         with self._process.catching():
@@ -68,7 +68,7 @@ class PaperDials:
         self._rho2.write(gains.attitude.rho2, base.attitude.rho2)
 
     def show(self, visible: bool, *, noise: bool) -> None:
-        """Whether they are on the page, and among them those that noise-matched gains leave unused."""
+        """Show or hide the dials; `noise` is whether q and V are used, which noise-matched gains leave unused."""
         self.noise.show(visible and noise)
         self._start.show(visible)
         self.attitude.show(visible)

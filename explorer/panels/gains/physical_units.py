@@ -1,7 +1,8 @@
-"""The gains in physical words: noise, boxes around the start, factors, a time constant, a weight (rangenav.physical).
+"""The gains in physical units: noise, errors of the start, factors, time constant, weight (rangenav.physical_gains).
 
-The words are made of gains that are kept as they are. Only what a visitor moves is turned back into gains; and when the
-path, the world or the rates change, the same gains are put into other words.
+The panel keeps the gains and shows physical values computed from them. A value that the visitor moves is converted back
+into gains; all other gains keep every digit. When the path, the world or the rates change, the same gains have other
+physical values.
 """
 
 from collections.abc import Callable
@@ -21,7 +22,7 @@ ATTITUDE = ("attitude_time", "gravity_weight")
 
 
 class PhysicalDials:
-    """A dial for each word."""
+    """A dial for each physical value."""
 
     def __init__(self, form: Form) -> None:
         self.dials: dict[str, LogDial] = {}
@@ -34,7 +35,7 @@ class PhysicalDials:
         self._prior = Section(form, "How wrong the start may be: P₀", expanded=False)
         self._add(self._prior, PRIOR)
         self._context: GainContext | None = None
-        """Where the words shown were made; None while what was written is not shown yet."""
+        """The context in which the values shown were computed; None while written gains are not shown yet."""
 
     def _add(self, section: Section, names: tuple[str, ...]) -> None:
         with section:
@@ -44,24 +45,24 @@ class PhysicalDials:
                 self.sections[name] = section
 
     def add_attitude(self, form: Form) -> None:
-        """The dials of the attitude filter, in the folder that is being made."""
+        """Add the dials of the attitude filter to the folder that is being built."""
         self.attitude = Section(form)
         self._add(self.attitude, ATTITUDE)
 
     def write(self, gains: Gains, base: Gains) -> None:
-        """Take in gains; they are shown when they are read, where the path can be judged."""
+        """Take gains; the next `read`, which knows the path, shows them."""
         self._gains, self._base, self._context = gains, base, None
 
     def show(self, visible: bool, *, noise: bool) -> None:
-        """Whether they are on the page, and among them those that noise-matched gains leave unused."""
+        """Show or hide the dials; `noise` is whether q and V are used, which noise-matched gains leave unused."""
         self.noise.show(visible and noise)
         self._prior.show(visible)
         self.attitude.show(visible)
 
     def read(self, current_context: Callable[[], GainContext]) -> Gains:
-        """The gains as written, or as moved, of constant mode and without a schedule. Raises Refused after saying why.
+        """The gains as written or as moved, in constant mode without a schedule.
 
-        Where there are no words for them the gains stay as they are.
+        Gains that have no physical values stay as they are. Raises InvalidInputError after showing the reason.
         """
         entered = {} if self._context is None else self._entered()
         moved_dials = {name: value for name, value in entered.items() if value != self._read_values[name]}
@@ -80,14 +81,14 @@ class PhysicalDials:
         return self._gains
 
     def _keep_without_values(self, why: str, error: ValueError, moved_dials: dict[str, float]) -> Gains:
-        """The gains as they are, said to have no words here; a word that was moved is refused."""
+        """Keep the gains, and say why they have no physical values here. A dial that was moved is refused."""
         self.noise.complaint.say(f"no physical words: {why}")
         if moved_dials:
             raise InvalidInputError from error
         return self._gains
 
     def _entered(self) -> dict[str, float]:
-        """What the dials say."""
+        """The values of the dials."""
         entered = {}
         for name, dial in self.dials.items():
             with self.sections[name].catching():
@@ -95,13 +96,13 @@ class PhysicalDials:
         return entered
 
     def _show_values(self, context: GainContext, moved_dials: dict[str, float]) -> None:
-        """Show the gains there, but for words that have just been moved; of these, what was put back to the preset's
-        goes on saying what the preset says."""
+        """Show the values of the gains in a context. Dials that were moved at the same time keep their values; a dial
+        that was reset to the preset's value goes on showing the preset's value."""
         before = None if self._context is None else self._base_values
         values = (
             in_physical_units(self._gains, context),
             in_physical_units(self._base, context),
-        )  # all or, where there are none, nothing
+        )  # both, or ValueError before anything is shown
         self._context, self._shown_gains, (self._values, self._base_values) = context, self._gains, values
         for name, dial in self.dials.items():
             value, base, typed = getattr(self._values, name), getattr(self._base_values, name), moved_dials.get(name)
@@ -124,6 +125,6 @@ class PhysicalDials:
 
 
 def labelled_values(gains: Gains, context: GainContext) -> list[tuple[str, float, str]]:
-    """All words with their values and units."""
+    """Label, value and unit of every physical value."""
     values = asdict(in_physical_units(gains, context))
     return [(row.label, values[name], row.unit) for name, row in GAIN_LABELS.items()]

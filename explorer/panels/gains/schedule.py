@@ -1,4 +1,4 @@
-"""A schedule of k1: high while the measured vectors disagree with the expected ones, low once they agree."""
+"""A schedule of the gain k1: high while the measured vectors differ from the expected ones, low once they agree."""
 
 from explorer.widgets.controls import Switch
 from explorer.widgets.dials import LogDial
@@ -15,7 +15,7 @@ OUTSIDE_THEOREM = "The theorem assumes a constant k1: of a scheduled one it says
 
 
 class ScheduleDials:
-    """A switch, and three dials that keep what was entered while it is off."""
+    """A switch for the schedule, and three dials. The dials keep their values while the schedule is off."""
 
     def __init__(self, form: Form) -> None:
         self._section = Section(form)
@@ -34,11 +34,11 @@ class ScheduleDials:
 
     @property
     def draft(self) -> Schedule:
-        """What is entered while it is off; else the usual one, for what is in use is no draft."""
+        """The schedule that the dials hold while it is off. While it is on it is no draft: then this is the default."""
         return Schedule() if self.enabled.read() else self._last_valid
 
     def read(self, gains: AttitudeGains) -> AttitudeGains:
-        """The gains with the schedule chosen. Raises Refused after saying why beside the dials."""
+        """The gains with the schedule chosen. Raises InvalidInputError after showing the reason below the dials."""
         on = self.enabled.read()
         self.dials_section.show(on)
         if not on:
@@ -51,7 +51,7 @@ class ScheduleDials:
         return scheduled
 
     def write(self, schedule: Schedule | None, base: Schedule | None, draft: Schedule) -> None:
-        """Show a schedule, or that there is none and what it would be."""
+        """Show a schedule; if there is none, show the draft with the switch off."""
         self.enabled.write(schedule is not None, base is not None)
         self._last_valid, default = schedule or draft, base or Schedule()
         self.steady.write(self._last_valid.steady, default.steady)

@@ -1,4 +1,4 @@
-"""What follows from the gains, in words and numbers: time constants, stiffness, and the same in the other language."""
+"""What follows from the gains: time constants, stiffness, and the same gains in the units that are not in use."""
 
 import html
 from itertools import zip_longest
@@ -40,11 +40,11 @@ DIAL_NAMES: dict[GainUnits, dict[str, str]] = {
         "lower k1 or rho1": "raise the slowest time T",
     },
 }
-"""What the library's sentence says in the names of the dials that are shown."""
+"""Names in the library's sentence → names of the dials that are shown."""
 
 
 def rates(picture: Picture, units: GainUnits = "paper") -> str:
-    """The three time constants of a small attitude error, under a schedule at both its ends; and a warning, if any."""
+    """The time constants of a small attitude error, for a schedule at both its ends, and a warning of stiffness."""
     p = picture.preset
     gains, gravity_squared = p.gains.attitude, float(np.dot(p.world.gravity, p.world.gravity))
     unscheduled, ends = replace(gains, schedule=None), [(gains.k1, picture.attitude_time_constants)]
@@ -71,7 +71,7 @@ def rates(picture: Picture, units: GainUnits = "paper") -> str:
 
 
 def in_other_units(picture: Picture, units: GainUnits) -> str:
-    """The gains of a picture in the language that is not in use."""
+    """A table of the gains of a picture in the units that are not in use."""
     try:
         context = context_of(picture.settings)
     except ValueError as error:

@@ -1,7 +1,8 @@
-"""The trade-off of a search as two small plots: settling time against the error afterwards, position and attitude.
+"""The tradeoff of a search as two small plots: settling time against the steady error, of position and of attitude.
 
-Both axes are logarithmic, as the search is. A line is what none of the gains tried beats in both; dots on it or beside
-it are those that can be picked. Drawn as SVG in the colour of the text, so that it is read on white and on black.
+Both axes are logarithmic, as the objective of the search is. The line joins the gains that no others beat in both
+figures; dots mark the gains that can be picked. The plots are SVG in the colour of the text, readable on white and on
+black.
 """
 
 import math
@@ -13,21 +14,21 @@ from rangenav import tradeoff
 from rangenav.tradeoff import Measure, Point
 
 WIDTH, HEIGHT = 340, 172
-"""px of one plot in the dock; it shrinks with it."""
+"""px of one plot; it shrinks with the dock."""
 LEFT, RIGHT, TOP, BOTTOM = 40, 12, 24, 32
 BLUE, VERMILLION, PURPLE = palette.BLUE, palette.VERMILLION, palette.PURPLE
 MIN_RATIO = 2.0
-"""Ratio of the ends of an axis, at least: figures that are all alike are not torn apart."""
+"""Least ratio of the ends of an axis, so that nearly equal figures stay close together."""
 MARGIN = 1.12
-"""Factor beyond the outermost figures."""
+"""Factor between the outermost figures and the ends of an axis."""
 MIN_TICKS, MAX_TICKS = 3, 7
 ROUND_STEPS = (1.0, 2.0, 2.5, 5.0)
-"""Steps between places on a short axis; on a long one places are these times a power of ten, without 2.5."""
+"""Mantissas of the steps between the ticks of an axis shorter than a decade."""
 Range = tuple[float, float]
 
 
 class PlotAxes(NamedTuple):
-    """One plot: what is told across and upwards."""
+    """The two measures that one plot shows, across and upwards."""
 
     name: str
     settle: Measure
@@ -42,17 +43,17 @@ ATTITUDE = PlotAxes("attitude", "settle_attitude", "steady_attitude", "°", math
 
 
 class MarkedPoints(NamedTuple):
-    """The points that have a sign of their own."""
+    """The points that are drawn with signs of their own."""
 
     start: Point
     best: Point
     picked: Point
     choices: tuple[Point, ...]
-    """Those that can be picked, soonest first."""
+    """Those that can be picked, in the order of their settling times."""
 
 
 def plot(axes: PlotAxes, tried: Iterable[Point], marked: MarkedPoints) -> str:
-    """One plot, with a legend of its own for a reader that draws nothing."""
+    """One plot as SVG, with a label for screen readers."""
     tried = tuple(tried)
     front = tradeoff.front(tried, axes.settle, axes.steady)
     shown = (*front, *marked.choices, marked.start, marked.best, marked.picked)
@@ -84,7 +85,7 @@ def plot(axes: PlotAxes, tried: Iterable[Point], marked: MarkedPoints) -> str:
 
 
 def legend() -> str:
-    """What the signs of a plot mean."""
+    """The legend of the signs."""
     named = (
         (_square(9, 7), "start"),
         (_diamond(9, 7), "found"),
@@ -100,21 +101,21 @@ def legend() -> str:
 
 
 def point_text(axes: PlotAxes, point: Point) -> str:
-    """Both figures of a point in words."""
+    """Both figures of a point as text."""
     at, error = _figures(axes, point)
     unit = "°" if axes.unit == "°" else f" {axes.unit}"
     return f"settles at {at:.3g} s, then {error:.3g}{unit}"
 
 
 def axis_limits(values: Sequence[float]) -> Range:
-    """The ends of a log axis that holds positive values, with a little room."""
+    """The ends of a logarithmic axis for positive values, with a margin."""
     low, high = min(values) / MARGIN, max(values) * MARGIN
     missing = max(1.0, MIN_RATIO / (high / low))
     return low / math.sqrt(missing), high * math.sqrt(missing)
 
 
 def ticks(axis: Range) -> list[float]:
-    """Three to seven round places on a log axis: 1, 2 and 5 times powers of ten or, on a short one, equal steps."""
+    """Three to seven round values on a logarithmic axis: 1, 2, 5 times powers of ten or, on a short axis, equal steps."""
     low, high = axis
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for mantissas in ((1.0,), (1.0, 2.0, 5.0)):
@@ -161,7 +162,7 @@ def _frame(axes: PlotAxes, across: Range, upwards: Range) -> str:
 
 
 def _dots(values: Iterable[tuple[float, float]]) -> str:
-    """Lines of no length, which round ends make dots: one element for hundreds of them."""
+    """Dots, drawn as lines of no length with round ends: one element holds hundreds of them."""
     lines = "".join(f"M{x:.1f} {y:.1f}h0" for x, y in values)
     style = 'stroke="currentColor" stroke-opacity="0.35" stroke-width="3.5" stroke-linecap="round"'
     return f'<path d="{lines}" {style}/>'

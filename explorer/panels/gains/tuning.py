@@ -1,7 +1,8 @@
-"""Auto-tune: gains by search for a stated trade, judged on seeds it has not seen, and the curve to pick others from.
+"""Auto-tune: a search of gains for a chosen tradeoff, their score on held-out seeds, and a curve to pick others from.
 
-The job goes on for the settings it was started with, whatever is done meanwhile; what it finds is put on the page only
-by “Use these gains”, an ordinary change, and it is said when the page shows another path or other sensors by then.
+The job searches for the settings that it was started with, whatever the visitor changes meanwhile. Its gains come on
+the page only by “Use these gains”, which can be undone. The panel says so if the page shows another path or other
+sensors by then.
 """
 
 import math
@@ -31,7 +32,7 @@ MAX_RUNS, RUNS = 32, 8
 MAX_EVALUATIONS, EVALUATIONS = 2000, 300
 STEADINESS = 0.5
 SEARCH_SHARE = 0.95
-"""Of the work; the rest is what the gains found are held against."""
+"""Share of the work that is the search; the rest scores the gains on held-out seeds."""
 CURVES: dict[str, tuple[Measure, Measure]] = {
     "both together": ("settle", "steady"),
     "position": ("settle_position", "steady_position"),
@@ -55,7 +56,7 @@ HtmlHandle = viser.GuiHtmlHandle
 
 
 class TuningPanel:
-    """What to search for, a button, and what was found: figures, the curve, and a way to pick from it."""
+    """Options of the search, a button, and its result: figures, the tradeoff curve, and a slider to pick from it."""
 
     def __init__(self, form: Form, page: Page, jobs: Jobs) -> None:
         self._page, self._jobs = page, jobs
@@ -65,7 +66,7 @@ class TuningPanel:
         self.choices: tuple[Point, ...] = ()
         self._held_out_jobs = form.new_jobs()
         self._held_out_points: dict[Gains, Point] = {}
-        """What gains that were found or picked reach on held-out seeds."""
+        """The scores on held-out seeds, of the best gains and of those that were picked."""
         self._runs_used, self._summary_text = 0, ""
         self._section = section = Section(form, "Auto-tune", expanded=False)
         with section:
@@ -92,7 +93,7 @@ class TuningPanel:
         form.command("Auto-tune", self._start)
 
     def draw(self, picture: Picture) -> None:
-        """What is on the page now, which may be something else than what was searched for."""
+        """Take the picture on the page, which may have other settings than the search had."""
         self._picture = picture
         self._update_text()
 
@@ -129,8 +130,10 @@ class TuningPanel:
         self._plot()
 
     def _offer_choices(self) -> None:
-        """The points of the chosen curve, and the slider at the one with the least J on it. Points with equal figures,
-        as position has whatever the attitude's gains, are told apart by J."""
+        """Offer the points of the chosen curve, and set the slider to the one with the least J.
+
+        Position does not depend on the gains of the attitude: of points with equal figures, one with the least J counts.
+        """
         if self.result is None:
             return
         tuned, curve = self.result[1], self._curve.value
@@ -142,7 +145,7 @@ class TuningPanel:
         self._place.value = best + 1
 
     def _choose_curve(self) -> None:
-        """Another curve was chosen; the browser may have sent one that was not offered."""
+        """Show another curve. The browser may have sent one that is not offered."""
         with self._section.catching():
             require(self._curve.value in CURVES, f"pick along must be one of: {', '.join(CURVES)}")
         self._offer_choices()
@@ -157,7 +160,7 @@ class TuningPanel:
         self._plot()
 
     def _score_held_out(self, picked: Point) -> None:
-        """Hold picked gains against the held-out seeds, as those that were found have been: some tens of ms."""
+        """Score picked gains on the held-out seeds, in some tens of ms."""
         if self.result is None or picked.gains in self._held_out_points:
             return
         preset, count = self.result[0], self._runs_used
@@ -174,7 +177,7 @@ class TuningPanel:
         self._held_out_jobs.start("held-out seeds", work, done, self._section.complaint.say)
 
     def _update_text(self) -> None:
-        """Bring the words up to date."""
+        """Update the text about the result and about the picked gains."""
         if self.result is not None and self.picked is not None:
             preset, tuned = self.result
             _assign(self._summary_block, NOTE.format(self._summary_text + text.differs(preset, self._picture)))
@@ -182,7 +185,7 @@ class TuningPanel:
             _assign(self._picked_block, NOTE.format(text.picked(self.picked, held_out, tuned, self._picture)))
 
     def _plot(self) -> None:
-        """Draw the curves; not for every picture, since what was found does not depend on it."""
+        """Draw the curves. They depend on the result alone, so a new picture does not draw them again."""
         if self.result is not None and self.picked is not None:
             tuned = self.result[1]
             marked = MarkedPoints(start=tuned.before, best=tuned.after, picked=self.picked, choices=self.choices)
@@ -214,5 +217,5 @@ def _whole(name: str, value: float, most: int) -> int:
 
 
 def _assign(handle: HtmlHandle, content: str) -> None:
-    if content != handle.content:  # a message to the browser only if there is news
+    if content != handle.content:  # an equal content sends no message to the browser
         handle.content = content

@@ -1,4 +1,4 @@
-"""The words and the table of the Auto-tune section, as HTML: all of it made of numbers and of our own words."""
+"""The text and the table of the Auto-tune section, as HTML. No visitor's text is in it, so nothing is escaped."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ PART_TEXTS = {
     "sensors": "other sensors",
     "guess": "another initial estimate",
 }
-"""What a search depends on beside the gains, and how it is told when the page shows another."""
+"""The fields of a preset that a search depends on besides the gains, and the text if the page shows another value."""
 CELL = "padding:0.1em 0.6em 0.1em 0;text-align:left;font-weight:400;vertical-align:top"
 HEAD = f"{CELL};opacity:.65;white-space:nowrap"
 TABLE = '<table style="border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums">{}</table>'
@@ -43,7 +43,7 @@ FIGURES = (
 
 
 def summary(tuned: Tuned, runs: int) -> str:
-    """What the search reached, on the seeds it was trained on and on others, and whether it still comes home."""
+    """The figures of the search on its training seeds and on held-out seeds, and how many random starts converge."""
     w = tuned.steadiness
     before, after = tuned.before.objective(w), tuned.after.objective(w)
     held_before, held_after = tuned.held_out_before.objective(w), tuned.held_out_after.objective(w)
@@ -76,7 +76,7 @@ def _random_starts(tuned: Tuned) -> str:
 
 
 def differs(began: Preset, shown: Picture | None) -> str:
-    """What the page shows otherwise than when the search began, or than a search can."""
+    """The differences between the settings of the search and those on the page."""
     if shown is None:
         return ""
     other = [label for name, label in PART_TEXTS.items() if getattr(began, name) != getattr(shown.preset, name)]
@@ -87,7 +87,7 @@ def differs(began: Preset, shown: Picture | None) -> str:
 
 
 def picked(point: Point, held_out_change: Point | None, tuned: Tuned, shown: Picture | None) -> str:
-    """What the picked gains reach on the training seeds and, once that is known, on held-out ones."""
+    """The figures of the picked gains on the training seeds and, once they are computed, on the held-out seeds."""
     origin = {id(tuned.after): " (found)", id(tuned.before): " (start)"}.get(id(point), "")
     on_page = " <b>On the page now.</b>" if shown is not None and shown.preset.gains == point.gains else ""
     held_out_text = "…" if held_out_change is None else _figures_text(held_out_change, tuned.steadiness)

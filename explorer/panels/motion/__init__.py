@@ -64,7 +64,7 @@ class MotionPanel:
         self.angular_velocity = _AngularVelocity(form)
 
     def read(self) -> MotionChoice:
-        """The motion chosen. Raises Refused after saying why beside the control."""
+        """The motion chosen. Raises InvalidInputError after showing the reason below the control."""
         scale, duration, window = self.timing.read()
         self._transforms.set_duration(duration)
         path = self.path.read(duration)

@@ -44,7 +44,7 @@ class PathPanel:
             self._sum_offset = _SumOffset(form)
 
     def read(self, duration: float) -> Signal:
-        """The path chosen. Raises Refused after saying why beside the control."""
+        """The path chosen. Raises InvalidInputError after showing the reason below the control."""
         base = cast(Family, self.base_editor.read(duration))
         has_wiggle = self._has_wiggle.read()
         self._show_wiggle(has_wiggle)

@@ -1,4 +1,4 @@
-"""The Presets tab: browse, read what a preset teaches, keep one's own, reproduce the paper's figures, download."""
+"""The Presets tab: browse presets, read their stories, save your own, reproduce the paper's figures, download."""
 
 import html
 
@@ -71,7 +71,7 @@ class PresetsPanel:
             form.command(label, action)
 
     def read(self) -> str:
-        """The name of the chosen preset. Raises Refused if the browser sent another."""
+        """The name of the chosen preset. Raises InvalidInputError if the browser sent a name that is not offered."""
         with self._section.catching():
             return self._choice.read()
 
@@ -90,13 +90,13 @@ class PresetsPanel:
         self._draw_card()
 
     def refresh(self) -> None:
-        """Show what other pages have done to the library, and certificates that have come."""
+        """Show what other pages have changed in the library, and certificates that are ready."""
         self._catalog.refresh_if_due()
         self._update_menu()
         self._draw_card()
 
     def open(self, name: str) -> None:
-        """Put a preset on the page. Raises Refused, and what is there stays, if its file cannot be read any more."""
+        """Show a preset. If its file cannot be read any more, the page stays as it is and InvalidInputError is raised."""
         try:
             with self._library.section.catching():
                 settings = self._catalog.open(name)
@@ -120,7 +120,7 @@ class PresetsPanel:
         self._gallery.toggle(self._shown)
 
     def _update_menu(self) -> None:
-        """Bring the menu up to date; what is chosen there may be called otherwise now."""
+        """Update the menu; the label of the chosen preset may have changed."""
         labels = self._catalog.labels(self._shown)
         if labels != self._labels:
             self._labels = labels

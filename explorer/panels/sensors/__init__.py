@@ -1,4 +1,4 @@
-"""The Sensors tab: a set to start from, rates, noise and its seed, and what the paper does not model."""
+"""The Sensors tab: a sensor set to start from, rates, noise and its seed, and effects that the paper does not model."""
 
 import html
 from typing import NamedTuple
@@ -19,7 +19,7 @@ SENSOR_SETS = {entry.name: entry for entry in CATALOGUE}
 
 
 class SensorChoice(NamedTuple):
-    """What this tab decides."""
+    """The part of a preset that this tab sets."""
 
     sensors: Sensors
     seed: int
@@ -61,7 +61,7 @@ class SensorsPanel:
         self._shown_set = CUSTOM
 
     def read(self) -> SensorChoice:
-        """The sensors chosen. Raises Refused after saying why beside the control."""
+        """The sensors chosen. Raises InvalidInputError after showing the reason below the control."""
         with self._section.catching():
             picked = self.sensor_set.read()
             if picked != self._shown_set and picked != CUSTOM:
@@ -72,7 +72,7 @@ class SensorsPanel:
         noise, unmodelled = self.noise.read(rates.imu_rate), self.effects.read()
         with self._section.catching():
             sensors = msgspec.structs.replace(rates, noise=noise, unmodelled=unmodelled)
-        if self.sensor_set.read() == picked:  # else the visitor has just picked another, which the next look will find
+        if self.sensor_set.read() == picked:  # else the visitor has just picked another set, and the next read takes it
             self._show_set_name(sensors)
         self.effects.describe(effect_sentences(sensors))
         with self._seed_section.catching():
@@ -90,11 +90,11 @@ class SensorsPanel:
         self._seed.write(float(choice.seed), float(base.seed))
 
     def complain(self, sentence: str) -> None:
-        """Say a sentence about sensors and motion together."""
+        """Show an error that concerns the sensors together with the motion."""
         self._seed_section.complaint.say(sentence)
 
     def clear(self) -> None:
-        """Nothing is wrong with sensors and motion together."""
+        """Hide the error that concerns the sensors together with the motion."""
         self._seed_section.complaint.clear()
 
     def _show(self, sensors: Sensors) -> None:
@@ -104,7 +104,7 @@ class SensorsPanel:
         self.effects.show(sensors.unmodelled)
 
     def _show_set_name(self, sensors: Sensors) -> None:
-        """Say which set the sensors are, if they are one."""
+        """Show the name and the description of the set that the sensors equal, if any."""
         self._shown_set = _set_of(sensors)
         self.sensor_set.show(self._shown_set)
         text = (

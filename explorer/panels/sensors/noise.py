@@ -13,7 +13,7 @@ OTHER_UNIT: dict[Unit, tuple[Unit, str]] = {"sample": ("density", "/√Hz"), "de
 
 
 class NoiseFolder:
-    """Standard deviations per sample; gyro and accelerometer also as densities, each unit on dials of its own."""
+    """Standard deviations per sample. Gyro and accelerometer have dials for noise densities as well."""
 
     def __init__(self, form: Form) -> None:
         def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
@@ -62,7 +62,7 @@ class NoiseFolder:
         return noise
 
     def write(self, noise: Noise, base: Noise) -> None:
-        """Show noise in the unit it was given; dials of the other unit have nothing to be held against."""
+        """Show noise in its own unit; if the preset has the other unit, the dials cannot be reset to the preset."""
         unit, same_unit = noise.imu_unit, noise.imu_unit == base.imu_unit
         self.as_density.write(unit == "density", base.imu_unit == "density")
         self._gyro[unit].write(noise.gyro, base.gyro if same_unit else None)
@@ -72,7 +72,7 @@ class NoiseFolder:
         self._show_unit(unit)
 
     def show(self, noise: Noise) -> None:
-        """Show noise; what the preset says stays what it was."""
+        """Show noise; what the controls are reset to stays as it was."""
         self.as_density.show(noise.imu_unit == "density")
         self._gyro[noise.imu_unit].show(noise.gyro)
         self._accel[noise.imu_unit].show(noise.accel)
@@ -90,14 +90,14 @@ class NoiseFolder:
         return self.groups[unit]
 
     def _in_unit(self, noise: Noise, unit: Unit, rate: float) -> Noise:
-        """The same noise in the other unit; switched back with nothing changed it is the old one to the last bit."""
+        """The same noise in another unit. Converted back unchanged, it is the original to the last bit."""
         before, last = noise, self._converted
         noise = last[0] if last and last[1:] == (rate, noise) else in_unit(noise, unit, rate=rate)
         self._converted = (before, rate, noise)
         return noise
 
     def _describe_other_unit(self, noise: Noise, rate: float) -> None:
-        """What gyro and accelerometer noise are in the other unit."""
+        """Show gyro and accelerometer noise in the other unit."""
         unit, name = OTHER_UNIT[noise.imu_unit]
         other = in_unit(noise, unit, rate=rate)
         gyro, accel = (significant(sigma, DIGITS) for sigma in (other.gyro, other.accel))

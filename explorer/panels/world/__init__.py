@@ -1,4 +1,4 @@
-"""The World tab: the anchor, gravity and which way z points, the magnetic direction."""
+"""The World tab: the anchor, gravity and the direction of z, the magnetic direction."""
 
 import math
 
@@ -16,7 +16,7 @@ RELABEL_HINT = (
 
 
 class WorldPanel:
-    """What does not move."""
+    """The anchor, gravity and the magnetic direction."""
 
     def __init__(self, form: Form, relabel: Action) -> None:
         self._anchor_section = anchor = Section(form, "Anchor")
@@ -36,7 +36,7 @@ class WorldPanel:
         self._unit_magnetic: Vec3 = (0.0, 0.0, 0.0)
 
     def read(self) -> World:
-        """The world chosen. Raises Refused after saying why beside the control."""
+        """The world chosen. Raises InvalidInputError after showing the reason below the control."""
         with self._anchor_section.catching():
             anchor = self._anchor.read()
             World(anchor=anchor)
@@ -59,7 +59,7 @@ class WorldPanel:
         self._describe_axes(world.gravity)
 
     def move_anchor(self, position: Vec3) -> None:
-        """Put the anchor elsewhere, as when it is dragged."""
+        """Put the anchor elsewhere, as a drag does."""
         self._anchor.show(position)
 
     def _describe_axes(self, gravity: Vec3) -> None:
@@ -76,5 +76,5 @@ def _direction(vector: Vec3) -> Vec3:
 
 
 def _direction_across(gravity: Vec3) -> Vec3:
-    """A unit vector that is not collinear with gravity, to judge gravity by itself."""
+    """A unit vector that is not collinear with gravity, so that gravity is checked by itself."""
     return (1.0, 0.0, 0.0) if abs(gravity[0]) <= 0.5 * math.hypot(*gravity) else (0.0, 1.0, 0.0)

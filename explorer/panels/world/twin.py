@@ -1,6 +1,6 @@
-"""Where the evil twin is, in numbers: what dragging it in the scene does. Only there when it is one of a family.
+"""The evil twin in numbers, as an alternative to dragging it in the scene. Only a twin of a family can be turned.
 
-The turn about the anchor is kept as one rotation vector (rad); here it is an angle about an axis.
+Settings store the rotation about the anchor as a rotation vector (rad); the controls show its angle and its axis.
 """
 
 import math
@@ -15,12 +15,12 @@ from rangenav.inputs import Vec3, refuse_nonfinite, require
 from rangenav.twin import Refusal, Twin
 
 MIN_AXIS_LENGTH = 1e-9
-"""Of an axis; shorter, it points nowhere."""
+"""Least length of an axis."""
 UP: Vec3 = (0.0, 0.0, 1.0)
 
 
 class TwinPanel:
-    """An angle, an axis where any will do, and a way back to the usual twin."""
+    """An angle, an axis, and a button for the default twin."""
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form, "Evil twin")
@@ -37,7 +37,7 @@ class TwinPanel:
         section.show(False)
 
     def read(self) -> Vec3 | None:
-        """The turn (rad) that was dragged or typed; None for the usual twin. Raises Refused."""
+        """The rotation vector (rad) that was dragged or typed; None for the default twin. Raises InvalidInputError."""
         if self._shown is not None:
             with self._section.catching():
                 typed = self.angle.read(), self.axis.read()
@@ -46,14 +46,14 @@ class TwinPanel:
         return self._turn
 
     def write(self, turn: Vec3 | None) -> None:
-        """Show a turn; the usual one is shown when it is known."""
+        """Show a rotation vector. That of the default twin is shown once `draw` knows it."""
         if turn != self._turn:
             self._turn = turn
             if turn is not None and self._shown is not None:
                 self._show(turn)
 
     def draw(self, twin_or_refusal: Twin | Refusal) -> None:
-        """Show the turn of the twin that was found, or nothing where there is none to turn."""
+        """Show the rotation of a twin; hide the section if there is no twin, or none that can be turned."""
         if not isinstance(twin_or_refusal, Twin) or not twin_or_refusal.draggable:
             self._section.show(False)
             self._shown = None
@@ -63,7 +63,7 @@ class TwinPanel:
             self._show(twin_or_refusal.turn, about=twin_or_refusal.axis)
 
     def _show(self, turn: Vec3, *, about: Vec3 | None = None) -> None:
-        """About the only axis there is; else about the turn's own, which a turn of nothing leaves as it was."""
+        """Show a rotation vector, about the only possible axis or else about its own; a zero rotation keeps the axis."""
         angle = math.hypot(*turn) if about is None else float(np.dot(turn, about))
         axis = about
         if axis is None:

@@ -1,4 +1,4 @@
-"""Whose limits the motion is held against, and how much of each it takes: live, with the moment of the worst."""
+"""The vehicle, its limits, the share of each that the motion uses, and the time of the largest use."""
 
 from explorer.model import palette
 from explorer.model.compute import Picture
@@ -21,7 +21,7 @@ SHORT_NAMES = {"least distance to the anchor": "to the anchor"}
 
 
 class VehiclePanel:
-    """A dropdown, and a table of what the motion asks for."""
+    """A menu of vehicles, and a table of what the motion uses."""
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form, "Vehicle and its limits")
@@ -35,12 +35,12 @@ class VehiclePanel:
             return self._choice.read()
 
     def write(self, chosen: Vehicle, base: Vehicle) -> None:
-        """Show a vehicle; one of a preset's own joins those to choose from."""
+        """Show a vehicle; the menu also offers one that only a preset has."""
         self._choice.offer(_labels((*CATALOGUE, *(own for own in (base, chosen) if own not in CATALOGUE))))
         self._choice.write(chosen, base)
 
     def draw(self, picture: Picture) -> None:
-        """Show what the motion asks for against what the vehicle can."""
+        """Show what the motion uses against the limits of the vehicle."""
         head = _cells("", "worst", "of the limit" if picture.preset.vehicle != vehicle.FREE else "", "at")
         rows = head + "".join(
             _row(use) for use in vehicle.uses(picture.motion, picture.preset.vehicle, world=picture.preset.world)
@@ -52,7 +52,7 @@ class VehiclePanel:
 
 
 def _labels(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
-    """Each under its name; a preset's own may be called like another."""
+    """The label of each vehicle: its name, with an addition if another vehicle has the same name."""
     labels: dict[Vehicle, str] = {}
     for candidate in vehicles:
         label = candidate.name
