@@ -27,6 +27,7 @@ from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.undo import UndoPanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
+from explorer.panels.world.relabel import in_axes_of, relabelled
 from explorer.panels.world.twin import TwinPanel
 from explorer.panels.world.vehicle import VehiclePanel
 from explorer.storage.bundle import Send
@@ -34,10 +35,9 @@ from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
 from explorer.widgets.form import Action, Form, InvalidInputError
 from explorer.widgets.progress import ProgressPanel
-from rangenav import axes
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
-from rangenav.signals import Family, Signal
+from rangenav.signals import Signal
 
 WIDTH = 380
 """px; narrower, the labels of the sliders break."""
@@ -77,7 +77,7 @@ class Dock:
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
         with tabs.add_tab("World"):
-            self.world = WorldPanel(form, self._relabel)
+            self.world = WorldPanel(form, self.relabel_axes)
             self.twin = TwinPanel(form)
             self.vehicle = VehiclePanel(form)
         with tabs.add_tab("Sensors"):
@@ -221,48 +221,33 @@ class Dock:
 
     @property
     def origin(self) -> str:
-        """The preset that the settings shown came from, by name."""
+        """The name of the preset that the settings came from."""
         return self._settings.origin
 
     @property
     def points(self) -> tuple[Vec3, ...]:
-        """Where the waypoints are that can be dragged."""
+        """Positions (m) of the waypoints that can be dragged."""
         return self.motion.path.points
 
     def move_waypoint(self, index: int, position: Vec3) -> None:
-        """A waypoint was dragged."""
+        """Move a waypoint, as a drag does."""
         self.motion.path.move(index, position)
 
     def move_anchor(self, position: Vec3) -> None:
-        """The anchor was dragged."""
+        """Move the anchor, as a drag does."""
         self.world.move_anchor(position)
 
     def _base(self, settings: Settings) -> Preset:
-        """What the preset says, in the axes that are in use."""
-        base = self._presets[settings.origin]
-        turned = base.world.gravity[2] * settings.preset.world.gravity[2] < 0
-        return axes.flipped(base) if turned else base
+        """The preset that the settings came from, in the axes that are in use."""
+        return in_axes_of(self._presets[settings.origin], settings.preset)
 
     def _edit_path(self, change: Callable[[Signal, Vec3], Signal]) -> None:
         preset = self.read().preset
         self.motion.path.replace(change(preset.path, preset.world.anchor))
 
-    def _relabel(self) -> None:
-        settings = self.read()
-        drafts = settings.drafts
-        flipped = msgspec.structs.replace(
-            drafts,
-            path=tuple(_flipped_family(draft) for draft in drafts.path),
-            wiggle=tuple(_flipped_family(draft) for draft in drafts.wiggle),
-            angular_velocity=tuple(axes.flipped_turning(draft) for draft in drafts.angular_velocity),
-        )
-        self.write(msgspec.structs.replace(settings, preset=axes.flipped(settings.preset), drafts=flipped))
+    def relabel_axes(self) -> None:
+        """Name y and z of all axes the other way round."""
+        self.write(relabelled(self.read()))
 
     def _say_not_shown(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
-
-
-def _flipped_family(signal: Family) -> Family:
-    flipped = axes.flipped_signal(signal)
-    assert isinstance(flipped, Family)  # only sums are none, and a family stays one
-    return flipped

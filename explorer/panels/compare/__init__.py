@@ -1,7 +1,7 @@
-"""The Compare tab: pin a run as A and see what changes, many seeds, other estimators, and whether P can be believed.
+"""The Compare tab: a pinned run A, runs with many seeds, other estimators, and the consistency of P with the errors.
 
-What is pinned, drawn and switched on here belongs to this visit: it is not part of the settings, so undo and autosave
-do not know it. Bands and other estimators belong to one run; when the settings change they are left out at once.
+The pinned run and the switches of this tab are no part of the settings, so undo and autosave do not include them. The
+band of the seeds and the results of other estimators belong to one run: they disappear when the settings change.
 """
 
 import math
@@ -39,7 +39,7 @@ REFINED_HINT = (
 
 @dataclass(eq=False)
 class _BaselineResults:
-    """What other estimators made of runs: of each the newest, and why there is none."""
+    """For each estimator its newest result, or the reason why there is none, with the run that it belongs to."""
 
     results: dict[Name, tuple[RunInputs, Candidate]] = field(default_factory=dict)
     refusals: dict[Name, tuple[RunInputs, str]] = field(default_factory=dict)
@@ -60,7 +60,7 @@ class _BaselineResults:
 
 
 class ComparePanel:
-    """Everything that stands beside the run on view."""
+    """What the run on the page is compared with."""
 
     def __init__(self, form: Form, jobs: Jobs) -> None:
         self._form, self._jobs, self._background = form, jobs, form.new_jobs()
@@ -113,11 +113,11 @@ class ComparePanel:
 
     @property
     def changed(self) -> bool:
-        """Whether what stands beside the picture has changed since it was drawn last."""
+        """Whether the comparison has changed since it was drawn last."""
         return self._changed
 
     def comparison(self, picture: Picture) -> Comparison:
-        """What to draw beside a picture. The EKF is worked out here, the refinement in a thread of its own."""
+        """What to draw in comparison with a picture. The EKF runs at once, the refinement in a thread of its own."""
         self._picture, self._changed = picture, False
         if not (self.pinned or self.seeds or self._running_seeds or self.enabled):
             return comparison.NOTHING
@@ -135,7 +135,7 @@ class ComparePanel:
         return Comparison(pinned=self.pinned, baselines=baselines, seeds=seeds)
 
     def draw(self, picture: Picture, shown: Comparison) -> None:
-        """Say in words and tables what is drawn."""
+        """Show the text and the tables for a comparison."""
         _assign(self._seeds_line, text.seeds(picture, shown.seeds, self._message))
         self._unpin_button.visible = shown.pinned is not None
         self._clear_button.visible = shown.seeds is not None
@@ -159,7 +159,7 @@ class ComparePanel:
         _assign(self._consistency, text.consistency(consistency.of_run(picture), many, count, matched=matched))
 
     def pin(self) -> None:
-        """Keep the run on view as A."""
+        """Keep the run on the page as A."""
         self.pinned, self._changed = self._picture, True
 
     def _unpin(self) -> None:
@@ -193,7 +193,7 @@ class ComparePanel:
         self._running_seeds, self._message, self._changed = (run, self._jobs.running), "", True
 
     def _stop_seeds(self) -> None:
-        """The settings have changed under the job."""
+        """Stop the seeds, because the settings have changed."""
         assert self._running_seeds is not None
         if self._jobs.running is self._running_seeds[1]:
             self._jobs.cancel()
@@ -207,7 +207,7 @@ class ComparePanel:
         return self.baseline_results.result(name, run) is None and not self.baseline_results.refusal(name, run)
 
     def _compute_missing(self) -> None:
-        """Work out one estimator that is switched on and not known; one at a time, always for the newest picture."""
+        """Run one estimator that is switched on and has no result: one at a time, for the newest picture."""
         picture = self._picture
         if picture is None or self._background.running is not None:
             return
@@ -226,7 +226,7 @@ class ComparePanel:
 
 
 def _run_baseline(name: Name, picture: Picture) -> Candidate | str:
-    """What the estimator made of the record, or why it cannot."""
+    """The result of an estimator on the record, or the reason why it has none."""
     try:
         return comparison.run_baseline(name, picture)
     except ValueError as error:

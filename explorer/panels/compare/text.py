@@ -1,4 +1,4 @@
-"""The words and tables of the Compare tab, as HTML. Names of presets and of files are a visitor's text: escaped."""
+"""The text and the tables of the Compare tab, as HTML. Names of presets and of files come from visitors: escaped."""
 
 import html
 from collections.abc import Iterable
@@ -22,14 +22,14 @@ GREY = '<span style="opacity:.7">{}</span>'
 
 
 def nothing_pinned() -> str:
-    """What pinning is for."""
+    """The use of pinning, while nothing is pinned."""
     return BLOCK.format(
         GREY.format("Pin a run, change anything: A stays in every plot, and what changed is told here.")
     )
 
 
 def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) -> str:
-    """From A to B."""
+    """The settings and the figures that differ between the pinned run A and the run B on the page."""
     head = (
         f'<b style="color:{palette.PINNED}">A</b> {_run(a)} <span style="opacity:.7">(pinned)</span><br>'
         f'<b style="color:{palette.ESTIMATE}">B</b> {_run(b)} <span style="opacity:.7">(what you change)</span>'
@@ -43,7 +43,7 @@ def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) 
 
 
 def seeds(picture: Picture, runs: Ensemble | None, message: str) -> str:
-    """Which seed is on view, and what the band shows, or a note why there is none."""
+    """The seed of the run on the page, and the figures of many seeds, or the message why there are none."""
     seed_text = f"noise seed on view: <b>{picture.preset.seed}</b> (Sensors tab)"
     if runs is None:
         return BLOCK.format(seed_text + (GREY.format(f"<br>{message}") if message else ""))
@@ -70,7 +70,7 @@ def seeds(picture: Picture, runs: Ensemble | None, message: str) -> str:
 
 
 def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) -> str:
-    """The cascade and its rivals, figure by figure."""
+    """The figures of the cascade and of the other estimators."""
     shown = tuple(shown)
     if not shown:
         return BLOCK.format(GREY.format("Switch one on: it runs on the same record, and is drawn beside the cascade."))
@@ -100,7 +100,7 @@ def _estimator_row(name: str, color: str, summary: Summary, steps: int, cost: fl
 
 
 def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int, *, matched: bool) -> str:
-    """Innovations and errors against what P expects, and predicted against achieved σ, over the last quarter."""
+    """Normalized innovations (NIS) and errors (NEES), and predicted and achieved σ, over the last quarter."""
     columns = [run] if of_seeds is None else [run, of_seeds]
     lines = _head(["last quarter", "this run", *([f"{count} seeds"] if of_seeds is not None else [])])
     lines += _row(["NIS (1 expected)", *(f"<b>{significant(column.nis)}</b>" for column in columns)])

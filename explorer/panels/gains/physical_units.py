@@ -82,7 +82,7 @@ class PhysicalDials:
 
     def _keep_without_values(self, why: str, error: ValueError, moved_dials: dict[str, float]) -> Gains:
         """Keep the gains, and say why they have no physical values here. A dial that was moved is refused."""
-        self.noise.complaint.say(f"no physical words: {why}")
+        self.noise.complaint.say(f"no physical values: {why}")
         if moved_dials:
             raise InvalidInputError from error
         return self._gains

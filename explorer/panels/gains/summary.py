@@ -75,12 +75,12 @@ def in_other_units(picture: Picture, units: GainUnits) -> str:
     try:
         context = context_of(picture.settings)
     except ValueError as error:
-        return NOTE.format(html.escape(f"not told: the path's typical {error}"))
+        return NOTE.format(html.escape(f"not converted: the path's typical {error}"))
     gains = picture.preset.gains
     try:
         entries = labelled_values(gains, context) if units == "paper" else _paper_values(gains)
     except ValueError as error:
-        return NOTE.format(html.escape(f"not told: {with_page_labels(str(error))}"))
+        return NOTE.format(html.escape(f"not converted: {with_page_labels(str(error))}"))
     cells = [(label, f"{significant(value, DIGITS)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]

@@ -132,7 +132,7 @@ class TuningPanel:
     def _offer_choices(self) -> None:
         """Offer the points of the chosen curve, and set the slider to the one with the least J.
 
-        Position does not depend on the gains of the attitude: of points with equal figures, one with the least J counts.
+        Position does not depend on the attitude gains: of points with equal figures, one with the least J counts.
         """
         if self.result is None:
             return

@@ -30,7 +30,7 @@ NO_EFFECT = (
 
 @dataclass(frozen=True, kw_only=True)
 class MotionChoice:
-    """What this tab decides."""
+    """The part of some settings that this tab sets."""
 
     path: Signal
     angular_velocity: AngularVelocity
@@ -79,7 +79,7 @@ class MotionPanel:
         )
 
     def drafts(self) -> Drafts:
-        """What is entered in families that are not in use."""
+        """The signals entered in families that are not in use."""
         path, wiggle = self.path.drafts()
         return Drafts(path=path, wiggle=wiggle, angular_velocity=self.angular_velocity.drafts())
 
@@ -90,15 +90,15 @@ class MotionPanel:
         self.angular_velocity.write(choice, base, drafts)
 
     def draw(self, time_scale: float) -> None:
-        """Say what the time scale does to μ."""
+        """Show the effect of the time scale on μ."""
         self.timing.draw(time_scale)
 
     def set_window(self, length: float) -> None:
-        """Another window δ (s), as when it is drawn across a plot."""
+        """Set the window δ (s), as a drag across a plot does."""
         self.timing.set_window(length)
 
     def complain(self, sentence: str) -> None:
-        """Say a sentence about the whole motion where its cause is."""
+        """Show an error of the whole motion in the section that causes it."""
         if sentence.startswith("path:"):
             section = self.path.section
         elif sentence.startswith(("angular_velocity:", "flown:", "initial_rotation")):
@@ -108,13 +108,13 @@ class MotionPanel:
         section.complaint.say(sentence)
 
     def clear(self) -> None:
-        """Nothing is wrong with the motion as a whole."""
+        """Hide the errors of the whole motion."""
         for section in (self.timing.section, self.path.section, self.angular_velocity.section):
             section.complaint.clear()
 
 
 class _Timing:
-    """How long, over which window, and how slowly."""
+    """Duration, window and time scale."""
 
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form)
@@ -154,7 +154,7 @@ class _Timing:
 
 
 class _AngularVelocity:
-    """ω(t) and R(0)."""
+    """The angular velocity ω(t), and the initial attitude R(0)."""
 
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Angular velocity ω(t), body axes", expanded=False)

@@ -1,4 +1,6 @@
-"""The path: a base of one family, and if wanted a wiggle of another on top; and what can be done to it as a whole."""
+"""The path p(t) = base(t) + wiggle(t) + offset + drift t: editors of its parts, and changes of the whole path.
+
+The wiggle is optional, and may be of another family than the base."""
 
 import math
 from collections.abc import Callable
@@ -24,13 +26,13 @@ FAMILY_HINT = (
     + ". What is entered in one is kept while another is in use."
 )
 FIRST_WIGGLE = Multisine(tones=(Tone(axis="z", amplitude=0.1, frequency=6.0),))
-"""Of the axis that planar paths lack."""
+"""The wiggle offered at first, on the axis that planar paths lack."""
 ZERO: Vec3 = (0.0, 0.0, 0.0)
 AXES: dict[int, str] = {0: "x", 1: "y", 2: "z"}
 
 
 class PathPanel:
-    """Editors of base and wiggle, and the tools for the whole path."""
+    """The editors of base and wiggle, and the sum's offset and drift."""
 
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Path p(t), inertial axes")
@@ -70,14 +72,14 @@ class PathPanel:
         self._show_wiggle(second is not None)
 
     def drafts(self) -> tuple[tuple[Family, ...], tuple[Family, ...]]:
-        """What is kept of base and wiggle beside the path itself; a wiggle that is off comes last of its own."""
+        """The drafts of base and wiggle, besides the path itself. A wiggle that is switched off comes last."""
         wiggle_drafts = self._wiggle_editor.drafts()
         if not self._has_wiggle.read() and self._wiggle_editor.signal != FIRST_WIGGLE:
             wiggle_drafts = (*wiggle_drafts, self._wiggle_editor.signal)
         return cast(tuple[Family, ...], self.base_editor.drafts()), cast(tuple[Family, ...], wiggle_drafts)
 
     def replace(self, path: Signal) -> None:
-        """Show another path in place of this one."""
+        """Show another path; what the controls are reset to stays as it was."""
         first, second = _parts(path)
         self.base_editor.replace(first)
         if second is not None:
@@ -86,11 +88,11 @@ class PathPanel:
 
     @property
     def points(self) -> tuple[Vec3, ...]:
-        """Where the waypoints of the base are, if it has any: with a sum's offset, without its wiggle."""
+        """The waypoints of the base, if it has any, with the sum's offset and without the wiggle."""
         return tuple(_translated(point.value, self._offset, 1) for point in self.base_editor.points)
 
     def move(self, index: int, value: Vec3) -> None:
-        """Put a waypoint of the base elsewhere."""
+        """Move a waypoint of the base to a position (m)."""
         self.base_editor.move(index, _translated(value, self._offset, -1))
 
     @property
@@ -103,7 +105,7 @@ class PathPanel:
 
 
 class _SumOffset:
-    """Offset and drift of a sum; its parts have their own where their family has."""
+    """Offset and drift of a sum; its parts may have their own."""
 
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Offset and drift of the sum", expanded=False)
@@ -133,7 +135,7 @@ class _SumOffset:
 
 
 class PathTransforms:
-    """Scale, turn, mirror, centre: each press changes the path itself, and Ctrl+Z takes it back."""
+    """Scale, turn, mirror and centre the path about the anchor; every press is a step to undo."""
 
     def __init__(self, form: Form, edit: Callable[[Callable[[Signal, Vec3], Signal]], None]) -> None:
         self._edit = edit
@@ -156,7 +158,7 @@ class PathTransforms:
         self._duration = 20.0
 
     def set_duration(self, duration: float) -> None:
-        """How long (s) the flight is whose box is centred."""
+        """The duration (s) of the flight whose bounding box `centre` moves."""
         self._duration = duration
 
     def _change(self, edit: Callable[[Signal, Vec3], Signal]) -> None:

@@ -14,7 +14,7 @@ from rangenav.signals import AngularVelocity, Multisine, Waypoint
 
 
 class SignalEditor:
-    """A dropdown of families, and below it the editor of the chosen one; the others are made when first needed."""
+    """A menu of families, and below it the editor of the chosen family. An editor is made when it is first needed."""
 
     def __init__(
         self, form: Form, slot: SignalSlot, labels: Mapping[str, str], *, hint: str, visible: bool = True
@@ -78,7 +78,7 @@ class SignalEditor:
         return editor.points if isinstance(editor, PointsEditor) else ()
 
     def move(self, index: int, value: Vec3) -> None:
-        """Put a waypoint elsewhere."""
+        """Move a waypoint, if the family has any."""
         editor = self.editors.get(self._current_family)
         if isinstance(editor, PointsEditor):
             editor.move(index, value)
@@ -101,7 +101,7 @@ class SignalEditor:
                     self.family_menu.show(self._current_family)
                     raise ValueError(f"it cannot be converted into {self._labels[family]}: {error}") from None
         if family in self.editors and family in self._last_valid:
-            self.editors[self._current_family].show(False)  # what was typed in the other is still there, right or wrong
+            self.editors[self._current_family].show(False)  # the other editor keeps what was typed, valid or not
             self.editors[family].show(True)
             self._current_family = family
         else:

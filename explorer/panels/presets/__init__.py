@@ -96,7 +96,7 @@ class PresetsPanel:
         self._draw_card()
 
     def open(self, name: str) -> None:
-        """Show a preset. If its file cannot be read any more, the page stays as it is and InvalidInputError is raised."""
+        """Show a preset. Raises InvalidInputError, and the page stays as it is, if its file cannot be read."""
         try:
             with self._library.section.catching():
                 settings = self._catalog.open(name)

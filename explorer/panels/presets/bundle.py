@@ -1,4 +1,4 @@
-"""Export: what is on the page, certified from its written bytes, as one zip with the formats chosen."""
+"""Export: the settings on the page, certified from the written bytes, as one zip with the formats chosen."""
 
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
@@ -27,7 +27,7 @@ def choices() -> tuple[Format, ...]:
 
 
 class BundlePanel:
-    """A switch for each format, one for what misses its requirement, and a button."""
+    """A switch for each format, one for files that miss the requirement, and a button."""
 
     def __init__(self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
         self._catalog, self._page, self._jobs, self._send = catalog, page, jobs, send
@@ -64,7 +64,7 @@ class BundlePanel:
         self._jobs.start("export", work, self._done, self._refuse)
 
     def _refuse(self, reason: str) -> None:
-        """A line for each thing that is missing, until something else is on the page."""
+        """Show a line for each failure, until something else is on the page."""
         first, *more = reason.split("; ")
         head, refused, rest = first.partition(": refused: ")
         self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))

@@ -1,4 +1,6 @@
-"""A preset's card: its path as a small drawing, its badge, its story, what was found about it; all text escaped."""
+"""The summary of a preset: drawings of its path, its badge, its story, and figures of its certificate.
+
+All text of the preset is escaped."""
 
 import html
 from functools import lru_cache
@@ -43,7 +45,7 @@ AXES = np.eye(3)
 
 
 def card(preset: Preset, certificate_or_reason: CertificateOrReason | None, *, changed: bool) -> str:
-    """The card as HTML; `found` None means that the certificate is being computed."""
+    """The summary as HTML. None in place of a certificate means that it is being computed."""
     title = html.escape(preset.title) + (" • changed, not saved" if changed else "")
     parts = [f'<div style="font-weight:600">{title}</div>']
     parts += [_badge(preset, certificate_or_reason), f"<div>{html.escape(preset.story)}</div>" if preset.story else ""]

@@ -1,4 +1,4 @@
-"""A recorded flight: was it informative, what do the observers make of it, how far off were they?"""
+"""A recorded flight: whether it was informative, and the errors of the observers on it."""
 
 import math
 
@@ -101,7 +101,7 @@ class FlightPanel:
 
 
 def report(flight_report: FlightReport) -> str:
-    """The answer as HTML: a word, windows by verdict, the worst one, and the observers' errors."""
+    """The report as HTML: verdict, windows by verdict, the worst window, and the errors of the observers."""
     windows = flight_report.windows
     head = f"{SIGNS.get(flight_report.verdict, '')} {flight_report.verdict}: {flight_report.summary}"
     rows = [

@@ -1,7 +1,7 @@
 """All presets at a glance: a tile for each with its path and the shape of its badge; a click on it opens the preset.
 
-viser has no picture that can be clicked. So beside the tiles there is a row of buttons, one for each, hidden, and a
-click on a tile presses its button. Nothing of this is sent to the browser before somebody asks for it.
+viser has no picture that can be clicked. So every tile has a hidden button in a row of its own, and a click on the
+tile presses the button. Nothing is sent to the browser before the gallery is shown.
 """
 
 import html
@@ -18,12 +18,12 @@ from rangenav.preset import Preset
 SIDE, POINTS = 70, 120
 """px of a drawing, so that four stand beside each other in the dock; points along it."""
 MAX_TILES = 60
-"""More would make the page slow; the menu has them all."""
+"""More tiles would make the page slow; the menu has all presets."""
 CACHED_DRAWINGS = 2 * MAX_TILES
 FROM_A_CORNER = np.array([(0.82, -0.57), (0.40, 0.57), (0.0, 0.82)])
 """Seen a little from above no two shipped paths look alike, as a circle and its tilted sister do from the top."""
 HIDE_BUTTONS = ':has(> * > * > label[for="{}"]){{display:none}}'
-"""The row of buttons, whose tiles are all that needs to be seen; should viser build its rows otherwise, they show."""
+"""Hides the row of buttons. If viser builds its rows in another way, the buttons are visible and still work."""
 PRESS_BUTTON = (
     "let row = document.querySelector('label[for=&quot;{}&quot;]'); while (row && !row.querySelector('button'))"
     " row = row.parentElement; row?.querySelectorAll('button')[{}]?.click()"
@@ -42,7 +42,7 @@ OPEN_HINT = "The same as a click on its picture. Ctrl+Z brings back what was on 
 
 
 class Gallery:
-    """Shown when asked for, hidden when asked again."""
+    """Tiles of the presets, shown and hidden by a button."""
 
     def __init__(self, form: Form, catalog: Catalog, open_preset: Callable[[str], None]) -> None:
         self._form, self._catalog, self._open = form, catalog, open_preset
@@ -60,7 +60,7 @@ class Gallery:
         self._tiles.visible = self._row.visible = self._visible
 
     def draw(self, open_name: str) -> None:
-        """Bring it up to date, if anybody sees it."""
+        """Update the tiles, if they are visible."""
         if not self._visible:
             return
         names = list(self._offered)

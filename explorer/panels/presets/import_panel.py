@@ -1,6 +1,7 @@
-"""Import: a file is read, its open questions are put with what the data suggest and why, and only then is it used.
+"""Import: a file is read, its open questions are asked, and the answers are confirmed before the file is used.
 
-A path becomes a preset that is opened (and not saved yet); a recorded flight goes to the panel that judges flights.
+A question shows the answer that the data suggest, with the evidence. A path becomes a preset that is opened and not
+saved yet. A recorded flight goes to the panel that judges flights.
 """
 
 from collections.abc import Callable
@@ -32,7 +33,7 @@ def choices() -> dict[str, str]:
 
 
 class ImportPanel:
-    """Upload, format, what was understood, and the questions that are open."""
+    """Upload, format, the interpretation of the file, and its open questions."""
 
     def __init__(
         self,
@@ -73,7 +74,7 @@ class ImportPanel:
         self._interpret()
 
     def _interpret(self) -> None:
-        """Read with the answers there are."""
+        """Interpret the file with the answers given so far."""
         with self._section.catching():
             if self._file is None:
                 raise ValueError("no file has been handed over yet")
@@ -89,7 +90,7 @@ class ImportPanel:
         )
 
     def _fail(self, format_name: str, reason: str) -> None:
-        """Say as what it could not be read, since that was a guess."""
+        """Show the error together with the format that was tried, which may have been a wrong guess."""
         label = formats.row(format_name).read_label
         advice = f"It was read as {label}: if it is none, choose another format and read it again"
         self._section.complaint.say(f"{reason}. {advice}")
@@ -109,7 +110,7 @@ class ImportPanel:
             self._show_message(*report(result), "a recorded flight: judge it below")
 
     def _show_questions(self, questions: tuple[Question, ...]) -> None:
-        """Put each question with its evidence; what is suggested is chosen already, and waits to be confirmed."""
+        """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed."""
         with self._section:
             self._questions_section = questions_section = Section(self._form, "Questions before it is used")
         with questions_section:

@@ -1,4 +1,4 @@
-"""One's own presets: save, save as, duplicate, rename, delete, bring back, hand over; what came of it in a sentence."""
+"""The visitor's own presets: save, save as, duplicate, rename, delete, restore, upload; a sentence says the outcome."""
 
 import html
 from collections.abc import Callable
@@ -42,11 +42,11 @@ class LibraryPanel:
         is_changed: Callable[[], bool],
         refresh_catalog: Action,
     ) -> None:
-        """`changed`: whether what is on the page differs from its preset. `news`: the library has other files now."""
+        """`is_changed`: whether the page differs from its preset. `refresh_catalog` reads the library's files again."""
         self._catalog, self._page, self._is_changed, self._refresh_catalog = catalog, page, is_changed, refresh_catalog
         self._open_name = ""
         self._trash_marks: list[str] = []
-        self.section = section = Section(form)  # its complaints stay until the next thing is asked for
+        self.section = section = Section(form)  # an error stays until the next button is pressed
         with section:
             self._title = Text(section, "title", hint=TITLE_HINT, longest=MAX_TYPED_TITLE)
             save_actions = {"save": self._save, "save as": self._save_as, "duplicate": self._duplicate}
@@ -66,7 +66,7 @@ class LibraryPanel:
         self._title.write(settings.preset.title, self._catalog.presets[settings.origin].title)
 
     def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
-        """Actions that say beside the buttons why they failed."""
+        """The same actions, with the reason below the buttons if one fails."""
 
         def guard(action: Action) -> Action:
             def guarded() -> None:
@@ -117,7 +117,7 @@ class LibraryPanel:
         self._refresh_catalog()
 
     def _restore(self) -> None:
-        marks = self._trash_marks or self._catalog.deleted()[:1]  # this page's own first, then what went before it came
+        marks = self._trash_marks or self._catalog.deleted()[:1]  # first what this page has deleted, then older files
         if not marks:
             raise ValueError("nothing was deleted: the trash is empty")
         restored = self._catalog.restore(marks.pop())
@@ -131,8 +131,8 @@ class LibraryPanel:
             _show_message(self._upload_message, f"{name} joined your library as {self._name()}")
 
     def _show_saved(self, settings: Settings, now: Settings) -> None:
-        """What was saved is open now; what was entered beside it stays."""
-        printed = msgspec.structs.replace(settings.printed, initial_values=False)  # they are in the path by now
+        """Show the saved preset; drafts and switches stay as they are."""
+        printed = msgspec.structs.replace(settings.printed, initial_values=False)  # the saved path includes them
         self._page.write(msgspec.structs.replace(now, printed=printed, drafts=settings.drafts))
 
     def _name(self) -> str:
@@ -143,7 +143,7 @@ class LibraryPanel:
 
 
 def retitled(shown: Preset, title: str) -> Preset:
-    """The same under another title. Raises ValueError if it is none."""
+    """The same preset under another title. Raises ValueError for a title that is empty or too long."""
     return msgspec.structs.replace(shown, title=checked_title(title))
 
 
@@ -153,11 +153,11 @@ def _show_message(line: viser.GuiHtmlHandle, sentence: str) -> None:
 
 
 def _other_file_note(name: str, title: str) -> str:
-    """Says so if another file has the name that the title would make."""
+    """A note if the file could not get the name that the title would give it, because another file has it."""
     usual = slug(title)
     return "" if display_name(name) == usual else f", beside {usual}.toml, which is left as it was"
 
 
 def file_text(name: str) -> str:
-    """The file of a preset on the shelf, for reading."""
+    """The name of a preset's file, for a sentence."""
     return f"{display_name(name)}.toml" if name.startswith(MINE) else name

@@ -1,4 +1,4 @@
-"""One switch for each misprint of the paper that changes a computation, each with what it does here and now."""
+"""One switch for each misprint of the paper that changes a computation, with its effect on the present picture."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,7 +36,7 @@ class PrintedPanel:
             misprint.switch.write(getattr(printed, name), False)
 
     def draw(self, picture: Picture) -> None:
-        """Say beside each switch what it does to this picture."""
+        """Show below each switch its effect on a picture."""
         for name, misprint in self._switches.items():
             misprint.draw(MISPRINTS[name].consequence(picture))
 

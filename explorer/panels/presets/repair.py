@@ -1,7 +1,7 @@
 """Make it observable: the smallest change of a chosen kind that meets the requirement, shown before it is accepted.
 
-The motion before is A, as in the Compare tab, the changed one B: drawings and figures of both at first, and once it is
-accepted, both in every plot and in 3-D.
+As in the Compare tab, the motion before the change is A and the changed motion is B. The panel shows drawings and
+figures of both. Once the change is accepted, both are in every plot and in 3-D.
 """
 
 from functools import partial
@@ -29,7 +29,7 @@ CHANGE_LABELS: dict[ChangeKind, str] = {
     "waypoints": "moving waypoints",
 }
 ROUNDING = 1e-12
-"""m²/s⁷: what no motion is asked for, and less than which is rounding."""
+"""m²/s⁷: a smaller μ is rounding error."""
 KIND_HINT = "What may be changed about the motion. The vehicle's limits are kept."
 REPAIR_HINT = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
 IMPROVE_HINT = "Looks for a change that lowers the predicted σ of a motion that is observable already."
@@ -45,10 +45,10 @@ DISCARD_HINT = "Forgets the change; what is on the page stays as it is."
 
 
 class RepairPanel:
-    """A kind of change, two buttons, and the change that was found."""
+    """A kind of change, two buttons, and the proposed change."""
 
     def __init__(self, form: Form, page: Page, jobs: Jobs, pin: Action) -> None:
-        """`pin` keeps the run on view as A."""
+        """`pin` keeps the run on the page as A."""
         self._page, self._jobs, self._pin = page, jobs, pin
         self._section = section = Section(form, "Repair", expanded=False)
         self._result: Repair | None = None
@@ -81,7 +81,7 @@ class RepairPanel:
         self._jobs.start(f"{name} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by))
 
     def _refuse(self, by: ChangeKind, reason: str) -> None:
-        """Say why in the menu's own words."""
+        """Show why no change was found, with the menu's label of the kind of change."""
         self._section.answer(reason.replace(f"{by}: ", f"{CHANGE_LABELS[by]}: ", 1))
 
     def show(self, result: Repair) -> None:

@@ -63,7 +63,7 @@ class TwinPanel:
             self._show(twin_or_refusal.turn, about=twin_or_refusal.axis)
 
     def _show(self, turn: Vec3, *, about: Vec3 | None = None) -> None:
-        """Show a rotation vector, about the only possible axis or else about its own; a zero rotation keeps the axis."""
+        """Show a rotation vector, about the only possible axis or else its own; a zero rotation keeps the axis."""
         angle = math.hypot(*turn) if about is None else float(np.dot(turn, about))
         axis = about
         if axis is None:

@@ -50,9 +50,9 @@ def test_settings_survive_the_file_they_are_kept_in(settings: Settings):
 def test_axes_named_anew_twice_are_the_old_ones_and_are_shown_as_such(dock: Dock, settings: Settings):
     assert axes.flipped(axes.flipped(settings.preset)) == settings.preset
     dock.write(settings)
-    dock._relabel()
+    dock.relabel_axes()
     assert refreshed(dock).preset == axes.flipped(settings.preset)
-    dock._relabel()
+    dock.relabel_axes()
     assert refreshed(dock) == settings
 
 

@@ -7,7 +7,7 @@ from rangenav.signals import Multisine
 
 
 class ConstantEditor:
-    """A signal that stays what it is: a Multisine of nothing but an offset."""
+    """A constant signal: a Multisine of nothing but an offset."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._section = section = Section(form)

@@ -1,4 +1,4 @@
-"""Formulas: one expression in t for each axis, with mistakes pointed at; and the yaw of a body that is flown."""
+"""Formulas: one expression in t for each axis, with a pointer to a mistake; and the yaw of a body that is flown."""
 
 import msgspec
 
@@ -12,12 +12,12 @@ from rangenav.signals.expressions import MAX_LENGTH
 from rangenav.signals.formula import IDENTITY
 
 MAX_TEXT = 20 * MAX_LENGTH
-"""Characters looked at; longer ones are refused without a look, and no formula is a tenth as long."""
+"""Characters of a box; a longer text is refused before it is parsed, and no valid formula is a tenth as long."""
 ALLOWED = "+ − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their relatives"
 
 
 class FormulaEditor:
-    """Three boxes; what turned or moved the path is kept beside them."""
+    """Three boxes. A rotation or scaling of the path is kept apart from the formulas."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._signal = Formula()
@@ -65,7 +65,7 @@ class FormulaEditor:
         self._offset_section.show(visible)
 
     def _describe_map(self) -> None:
-        """What stands between the formulas and the path."""
+        """Show the time scale and the matrix that are applied to the formulas."""
         signal, parts = self._signal, []
         if signal.slower != 1:
             parts.append(f"run {significant(signal.slower, DIGITS)} times slower")

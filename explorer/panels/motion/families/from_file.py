@@ -1,4 +1,4 @@
-"""The editor of a signal that no other editor shows, such as a sum as an angular velocity: it is named and kept."""
+"""A signal that no editor can show, such as a sum as an angular velocity: it is described, and kept as it is."""
 
 import html
 

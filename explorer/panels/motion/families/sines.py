@@ -13,13 +13,13 @@ from explorer.widgets.form import Form, Section
 from rangenav.signals import Multisine, Tone
 
 NEW = (0.25, 4.0)
-"""Amplitude and frequency (rad/s) of an added tone: gentle, and visible."""
+"""Amplitude and frequency (rad/s) of a new tone."""
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
 
 class SinesEditor:
-    """All tones of one signal; added and removed one by one."""
+    """All tones of one signal, which are added and removed one by one."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._form, self._slot = form, slot
@@ -33,13 +33,13 @@ class SinesEditor:
         self._offset_and_drift = _OffsetAndDrift(form, slot)
 
     def read(self) -> Multisine:
-        """The signal as the sliders have it."""
+        """The signal that the sliders show."""
         tones = tuple(tone.read() for tone in self._tones)
         with self._bottom.catching():
             return self._offset_and_drift.read(Multisine(tones=tones))
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:
-        """Show a signal; its tones are made anew when they are on other axes."""
+        """Show a signal; if its tones are on other axes, their sections are built anew."""
         self._base = base
         if [tone.axis for tone in signal.tones] != [tone.axis for tone in self._tones]:
             for tone in self._tones:
@@ -114,7 +114,7 @@ class _ToneSection:
 
 
 class _OffsetAndDrift:
-    """Where a signal starts and how it drifts: a line or a hover has nothing else."""
+    """Offset and drift of a signal; a line or a hover has nothing else."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
         self.section = section = Section(form, "Offset and drift", expanded=False)

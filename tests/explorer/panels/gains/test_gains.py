@@ -250,8 +250,8 @@ def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(
     _speak(dock, "physical")
     dock.write(weightless)
     assert refreshed(dock).preset.gains == weightless.preset.gains
-    assert "no physical words" in dock.gains.physical_dials.noise.complaint._line.content
-    assert "not told" in summary.in_other_units(compute(weightless), "paper")
+    assert "no physical values" in dock.gains.physical_dials.noise.complaint._line.content
+    assert "not converted" in summary.in_other_units(compute(weightless), "paper")
     dock.write(SLOW)
     assert refreshed(dock) == SLOW
     assert not dock.gains.physical_dials.noise.complaint._line.visible

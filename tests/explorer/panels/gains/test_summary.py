@@ -82,8 +82,8 @@ def test_schedules_and_their_drafts_are_read_back_as_they_were_written(dock: Doc
     dock.write(settings)
     assert refreshed(dock) == settings
     assert msgspec.json.decode(msgspec.json.encode(settings), type=Settings) == settings
-    dock._relabel()
-    dock._relabel()
+    dock.relabel_axes()
+    dock.relabel_axes()
     assert refreshed(dock) == settings
 
 
