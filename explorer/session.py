@@ -25,8 +25,9 @@ from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
-from explorer.panels.dock import WIDTH, Dock, SessionActions
+from explorer.panels.dock import WIDTH, Dock
 from explorer.panels.export import ExportActions, ExportPanel
+from explorer.panels.session_actions import SessionActions
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles

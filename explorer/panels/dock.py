@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import msgspec
 import viser
@@ -24,16 +24,16 @@ from explorer.panels.presets.flights import FlightPanel
 from explorer.panels.presets.import_panel import ImportPanel
 from explorer.panels.presets.printed import PrintedPanel
 from explorer.panels.presets.repair import RepairPanel
+from explorer.panels.session_actions import SessionActions
 from explorer.panels.undo import UndoPanel
 from explorer.panels.verdict import VerdictPanel
 from explorer.panels.world import WorldPanel
 from explorer.panels.world.relabel import in_axes_of, relabelled
 from explorer.panels.world.twin import TwinPanel
 from explorer.panels.world.vehicle import VehiclePanel
-from explorer.storage.bundle import Send
 from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
-from explorer.widgets.form import Action, Form, InvalidInputError
+from explorer.widgets.form import Form, InvalidInputError
 from explorer.widgets.progress import ProgressPanel
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
@@ -45,19 +45,6 @@ TAB_STYLE = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
 """So that all tabs of a dock stand in one row."""
 SENSORS_SENTENCES = ("seed", "duration × rate", "requirement.window must be at least")
 """How the errors of a whole preset begin that the Sensors tab causes; all others belong to the Motion tab."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class SessionActions:
-    """What only the session can do."""
-
-    restart_preset: Action
-    show_paper_figures: Action
-    download_preset: Action
-    send: Send
-    """Downloads a file: its name and its content."""
-    notify: Callable[[str, str], None]
-    """Shows a title and a sentence for a few seconds."""
 
 
 class Dock:
@@ -89,15 +76,7 @@ class Dock:
             self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
             uploads = Uploads(gui, form.do)
-            self.presets = PresetsPanel(
-                form,
-                catalog,
-                self,
-                uploads,
-                restart_preset=session_actions.restart_preset,
-                show_paper_figures=session_actions.show_paper_figures,
-                download_preset=session_actions.download_preset,
-            )
+            self.presets = PresetsPanel(form, catalog, self, uploads, session_actions)
             RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
             BundlePanel(form, catalog, self, jobs, session_actions.send)
             ImportPanel(form, catalog, self, jobs, uploads, judge=lambda flight: flights.offer(flight))

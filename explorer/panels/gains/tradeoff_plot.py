@@ -115,7 +115,7 @@ def axis_limits(values: Sequence[float]) -> Range:
 
 
 def ticks(axis: Range) -> list[float]:
-    """Three to seven round values on a logarithmic axis: powers of ten times 1, 2, 5 or, on a short one, equal steps."""
+    """Three to seven round values on a logarithmic axis: powers of ten times 1, 2, 5, or else equal steps."""
     low, high = axis
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for mantissas in ((1.0,), (1.0, 2.0, 5.0)):

@@ -7,10 +7,11 @@ from explorer.model.settings import Settings
 from explorer.panels.presets.card import card
 from explorer.panels.presets.gallery import Gallery
 from explorer.panels.presets.library import LibraryPanel
+from explorer.panels.session_actions import SessionActions
 from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Action, Form, InvalidInputError, Section
+from explorer.widgets.form import Form, InvalidInputError, Section
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
 
@@ -30,7 +31,7 @@ BROWSE_HINT = (
 
 
 class PresetsPanel:
-    """Picker, card and buttons."""
+    """A menu of presets, the summary of the chosen one, and buttons."""
 
     def __init__(
         self,
@@ -38,10 +39,7 @@ class PresetsPanel:
         catalog: Catalog,
         page: Page,
         uploads: Uploads,
-        *,
-        restart_preset: Action,
-        show_paper_figures: Action,
-        download_preset: Action,
+        session_actions: SessionActions,
     ) -> None:
         self._form, self._catalog, self._page = form, catalog, page
         self._section = section = Section(form)
@@ -57,16 +55,19 @@ class PresetsPanel:
             form, catalog, page, uploads, is_changed=lambda: self._changed, refresh_catalog=self.refresh
         )
         with Section(form):
-            form.button("Download this preset", download_preset, hint=DOWNLOAD_HINT)
+            form.button("Download this preset", session_actions.download_preset, hint=DOWNLOAD_HINT)
             form.buttons(
                 "also",
-                {"start this preset again": restart_preset, "the paper's figures 3–5": show_paper_figures},
+                {
+                    "start this preset again": session_actions.restart_preset,
+                    "the paper's figures 3–5": session_actions.show_paper_figures,
+                },
                 hint=MORE_HINT,
             )
         for label, action in (
-            ("Download this preset", download_preset),
-            ("Start this preset again", restart_preset),
-            ("The paper's figures 3–5", show_paper_figures),
+            ("Download this preset", session_actions.download_preset),
+            ("Start this preset again", session_actions.restart_preset),
+            ("The paper's figures 3–5", session_actions.show_paper_figures),
         ):
             form.command(label, action)
 

@@ -7,7 +7,8 @@ import viser
 
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
-from explorer.panels.dock import Dock, SessionActions
+from explorer.panels.dock import Dock
+from explorer.panels.session_actions import SessionActions
 from explorer.storage.catalog import Catalog
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library

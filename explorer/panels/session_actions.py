@@ -1,0 +1,20 @@
+"""The actions of the session that the panels offer as buttons."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from explorer.storage.bundle import Send
+from explorer.widgets.form import Action
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionActions:
+    """What only the session can do."""
+
+    restart_preset: Action
+    show_paper_figures: Action
+    download_preset: Action
+    send: Send
+    """Downloads a file: its name and its content."""
+    notify: Callable[[str, str], None]
+    """Shows a title and a sentence for a few seconds."""
