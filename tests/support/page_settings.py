@@ -6,7 +6,7 @@ A field that is added to a value and not drawn here fails the import, so that no
 from typing import Any, TypeVar
 
 import msgspec
-from hypothesis import reject
+from hypothesis import HealthCheck, reject
 from hypothesis import strategies as st
 
 from explorer.model.settings import Drafts, Printed, Settings
@@ -24,6 +24,14 @@ from tests.support.signal_examples import EXAMPLES
 
 S = TypeVar("S", bound=msgspec.Struct)
 SHIPPED = preset.shipped()
+SLOW_DRAWS = (
+    HealthCheck.too_slow,
+    HealthCheck.filter_too_much,
+    HealthCheck.data_too_large,
+    HealthCheck.large_base_example,
+    HealthCheck.function_scoped_fixture,
+)
+"""For tests that draw whole settings, which takes hypothesis long, and many of which fit no rate."""
 EVERYTHING = Effects(
     gyro_bias=(0.1 / 3, -0.2, 1e-9),
     accel_bias=(0.1, 1 / 7, -0.3),

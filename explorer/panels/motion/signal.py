@@ -25,13 +25,13 @@ class SignalEditor:
             self.family_menu = Choice(section, "family", labels, hint=hint)
         self.editors: dict[str, Editor] = {}
         self._last_valid: dict[str, AngularVelocity] = {}
-        """The last good signal of each family."""
+        """The last valid signal of each family."""
         self._base: AngularVelocity | None = None
         self._current_family: str = next(iter(labels))
         self._signal: AngularVelocity = Multisine()
 
     def read(self, duration: float) -> AngularVelocity:
-        """The signal; another family just chosen starts from its own draft, or from what was there."""
+        """The signal. A family that was just chosen starts from its own draft, or from the converted signal."""
         with self._section.catching():
             family = self.family_menu.read()
         if family != self._current_family:
@@ -42,7 +42,7 @@ class SignalEditor:
     def write(
         self, signal: AngularVelocity, base: AngularVelocity | None, drafts: tuple[AngularVelocity, ...] = ()
     ) -> None:
-        """Show a signal, and keep drafts of others."""
+        """Show a signal, and keep drafts of other families."""
         self._base = base
         self._last_valid = {self._family_name(draft): draft for draft in drafts}
         family = self._family_name(signal)
@@ -54,7 +54,7 @@ class SignalEditor:
         self._show_editor(family, signal)
 
     def drafts(self) -> tuple[AngularVelocity, ...]:
-        """The last good signals of the families not in use, as far as they can be told from constants again."""
+        """The last valid signals of the families not in use, without those that would come back as another family."""
         used = self._current_family, self._family_name(self._signal)
         return tuple(
             valid
@@ -63,12 +63,12 @@ class SignalEditor:
         )
 
     def replace(self, signal: AngularVelocity) -> None:
-        """Show a signal in place of the one that is there; what the preset says stays what it was."""
+        """Show another signal; what the controls are reset to stays as it was."""
         self.write(signal, self._base, self.drafts())
 
     @property
     def signal(self) -> AngularVelocity:
-        """As last read or written."""
+        """The signal that was read or written last."""
         return self._signal
 
     @property
@@ -108,7 +108,7 @@ class SignalEditor:
             self._show_editor(family, draft)
 
     def _show_editor(self, family: str, signal: AngularVelocity) -> None:
-        """Bring a family's editor forward; while nothing is shown, only note which it will be."""
+        """Show the editor of a family and hide the others; while the whole is hidden, only remember the family."""
         self._current_family, self._signal = family, signal
         self._last_valid[family] = signal
         if not self._visible:
@@ -128,7 +128,7 @@ class SignalEditor:
         return BY_NAME[family].editor(self._form, self._slot)
 
     def _base_of(self, family: str) -> AngularVelocity | None:
-        """What the preset says, if the editor of this family can show it."""
+        """The preset's signal, if it is of this family."""
         return self._base if self._base is not None and self._family_name(self._base) == family else None
 
     def _family_name(self, signal: AngularVelocity) -> str:

@@ -51,6 +51,7 @@ def test_every_shipped_preset_is_read_back_as_it_was_written(dock: Dock, name: s
 
 def test_settings_far_outside_the_sliders_are_read_back_as_they_were_written(dock: Dock):
     p = SHIPPED["lissajous"]
+    assert isinstance(p.path, Multisine)
     tones = tuple(
         msgspec.structs.replace(t, amplitude=-1234.5678, frequency=77.123456, phase=40.0) for t in p.path.tones
     )

@@ -5,7 +5,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import HealthCheck, given
+from hypothesis import given
 from hypothesis import settings as tried
 from hypothesis import strategies as st
 
@@ -17,12 +17,12 @@ from explorer.widgets.form import InvalidInputError
 from rangenav import axes
 from rangenav.signals import Multisine
 from rangenav.vehicle import CATALOGUE
-from tests.support.page_settings import SHIPPED, page_settings
+from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 """The websocket's threads do, while hypothesis draws."""
-FEW = tried(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+FEW = tried(max_examples=60, deadline=None, suppress_health_check=SLOW_DRAWS)
 
 
 @FEW

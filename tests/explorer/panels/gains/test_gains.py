@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given
+from hypothesis import given
 from hypothesis import settings as tried
 from msgspec.structs import replace
 
@@ -17,12 +17,12 @@ from explorer.panels.gains import summary
 from explorer.widgets.form import InvalidInputError
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
-from tests.support.page_settings import SHIPPED, page_settings
+from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 """The websocket's threads do, while hypothesis draws."""
-FEW = tried(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+FEW = tried(max_examples=40, deadline=None, suppress_health_check=SLOW_DRAWS)
 SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
 TOUCHED = {
     "range_sigma": {"q"},

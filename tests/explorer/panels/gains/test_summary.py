@@ -6,7 +6,7 @@ from typing import Any
 import msgspec
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given
+from hypothesis import given
 from hypothesis import settings as tried
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -20,12 +20,12 @@ from rangenav import attitude, so3
 from rangenav.attitude import SCHEDULED, AttitudeGains, Schedule
 from rangenav.gains import Gains
 from rangenav.motion import World
-from tests.support.page_settings import SHIPPED
+from tests.support.page_settings import SHIPPED, SLOW_DRAWS
 from tests.support.refreshed import refreshed
 
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
 """The websocket's threads do, while hypothesis draws."""
-FEW = tried(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+FEW = tried(max_examples=40, deadline=None, suppress_health_check=SLOW_DRAWS)
 SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
 
 

@@ -282,7 +282,7 @@ def test_an_uploaded_preset_joins_the_library_and_is_opened(page: Editing, data:
 
 
 @pytest.mark.parametrize(
-    ("content", "said", "sentence"),
+    ("content", "header", "sentence"),
     [
         (b"not = a preset", {}, "x.toml: "),
         (b"\xff\xfe", {}, "not UTF-8 text"),
@@ -294,9 +294,9 @@ def test_an_uploaded_preset_joins_the_library_and_is_opened(page: Editing, data:
     ],
 )
 def test_an_upload_that_will_not_do_is_a_sentence_and_the_next_one_is_taken(
-    page: Editing, data: Library, content: bytes, said: dict[str, object], sentence: str
+    page: Editing, data: Library, content: bytes, header: dict[str, int], sentence: str
 ):
-    page.tab.upload("Upload a preset", "x.toml", content, **said)
+    page.tab.upload("Upload a preset", "x.toml", content, **header)
     page.tab.wait_for(lambda: any(sentence in text for text in page.refusals()), sentence)
     page.tab.upload("Upload a preset", "soft.toml", preset.dumps(SHIPPED["soft"]).encode())
     page.tab.wait_for_text("soft.toml joined your library")
