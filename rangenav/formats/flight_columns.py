@@ -1,4 +1,4 @@
-"""A recorded flight from raw columns: every unit, frame, missing number and repeated stamp stated, or asked about."""
+"""A recorded flight from raw columns. What the file does not state of units, frame and faulty rows is asked."""
 
 from collections.abc import Mapping
 from dataclasses import field
@@ -18,28 +18,28 @@ FRAMES = ("z-up", "z-down")
 DROP = ("drop",)
 LEAST_ROWS = 8
 ROUNDED = 0.2
-"""A share of repeated stamps above which they are no slip of a logger, and dropping lines would mend nothing."""
+"""Largest share of repeated stamps: more are no slip of a logger, and dropping lines would not mend the record."""
 LARGEST = 1e9
-"""In whatever unit; stamps may be larger."""
+"""Largest value, in any unit; stamps may be larger."""
 REST = 3.0
-"""s from the start, in which a vehicle usually stands still: what the accelerometer reads there tells which way up."""
+"""s from the start, in which a vehicle usually rests: the accelerometer's reading there tells which way is up."""
 
 
 @result
 class FlightColumns:
-    """Columns as the file has them; `stated` holds the units that it names."""
+    """The columns of a file, unchanged; `stated` holds the units that the file states."""
 
     table: Table
-    """Where they came from: its lines are named in messages."""
+    """The table of the columns; messages name its lines."""
     format: str
     time: Float[Array, "n"]
     gyro: Float[Array, "n 3"]
     accel: Float[Array, "n 3"]
     mag: Float[Array, "n 3"] | None = None
     range: Float[Array, "n"] | None = None
-    """On the rows of the table; NaN where there is none."""
+    """m, on the rows of the table; NaN in rows without a range."""
     ranges: tuple[Float[Array, "m"], Float[Array, "m"]] | None = None
-    """(stamps, distances) in s and m, where they have a file of their own."""
+    """(stamps, distances) in s and m, if ranges have a file of their own."""
     rotation: Float[Array, "n 3 3"] | None = None
     position: Float[Array, "n 3"] | None = None
     moving: Bool[Array, "n"] | None = None
@@ -52,7 +52,7 @@ class FlightColumns:
 
 
 def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
-    """The flight, or the questions that stand before it. Raises ValueError for what no answer could mend."""
+    """The flight, or the questions that are open. Raises ValueError for faults that no answer can mend."""
     table, questions, findings = raw.table, [], list(raw.findings)
     require(len(raw.time) >= LEAST_ROWS, f"{table.source}: {len(raw.time)} rows are no record")
     for name in ("gyro", "accel", "mag", "range"):
@@ -87,7 +87,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
 def _kept(
     raw: FlightColumns, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
 ) -> tuple[Bool[Array, "n"], Bool[Array, "n"]]:
-    """Rows whose IMU and rows whose range can be used; without the word to drop the others this is a question."""
+    """Rows whose IMU, and rows whose range can be used; dropping the other rows needs an answer."""
     imu = np.isfinite(np.column_stack([raw.gyro, raw.accel]))
     stamped = np.isfinite(raw.time)
     distance = stamped & np.isfinite(raw.range) if raw.range is not None else np.zeros_like(stamped)
@@ -119,7 +119,7 @@ def _kept(
 def _factors(
     raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
 ) -> dict[str, float]:
-    """Factors to SI of what the file has; stated SI is taken, everything else must be confirmed."""
+    """Factors from the file's units to SI. A stated SI unit is used; every other unit must be confirmed."""
     factors, time = {}, raw.time[kept]
     turning = raw.mag if raw.mag is not None and np.isfinite(raw.mag).any() else raw.accel
     for kind, known in units.UNITS.items():
@@ -140,7 +140,7 @@ def _factors(
 
 
 def _doubtful(kind: str, guess: units.Guess) -> bool:
-    """Stated SI is doubted where gravity or a turning field say otherwise."""
+    """Whether the data contradict a stated SI unit: gravity, or the turning of the field."""
     return kind in ("accel", "gyro") and guess.unit is not None and guess.unit != units.SI[kind]
 
 

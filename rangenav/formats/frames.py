@@ -1,4 +1,4 @@
-"""Changes of frame that undo themselves: z-down ↔ z-up (x, −y, −z), NED ↔ ENU (y, x, −z), FRD ↔ FLU diag(1, −1, −1).
+"""Changes of frame, each its own inverse: z-down ↔ z-up (x, −y, −z), NED ↔ ENU (y, x, −z), FRD ↔ FLU diag(1, −1, −1).
 
 Each is a half turn, F = Fᵀ = F⁻¹, det F = 1. An inertial change acts on p, v, a and from the left on R, a body change
 on what the body feels and from the right: R' = F R and R' = R F. Quaternions are wxyz, body to inertial, with w ≥ 0.
@@ -10,11 +10,11 @@ from numpy import ndarray as Array
 from scipy.spatial.transform import Rotation
 
 Z_UP_Z_DOWN = np.diag([1.0, -1.0, -1.0])
-"""Of the inertial frame: x stays, y and z are turned over."""
+"""A change of the inertial frame: x stays, y and z are reversed."""
 FRD_FLU = np.diag([1.0, -1.0, -1.0])
-"""Of the body: forward-right-down to forward-left-up and back."""
+"""A change of body axes: forward-right-down to forward-left-up and back."""
 NED_ENU = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
-"""Of the inertial frame: north-east-down to east-north-up and back."""
+"""A change of the inertial frame: north-east-down to east-north-up and back."""
 
 
 def vector(change: Float[Array, "3 3"], value: Float[Array, "*n 3"]) -> Float[Array, "*n 3"]:

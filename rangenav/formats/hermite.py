@@ -24,7 +24,7 @@ FACTORIALS = np.array([math.factorial(j) for j in range(GIVEN)], dtype=float)
 
 
 def coefficients(knots: Float[Array, "k"], derivatives: Float[Array, "k 4 c"]) -> Float[Array, "m 8 c"]:
-    """Ascending coefficients in local time of every piece, from derivatives 0 to 3 at the knots (s)."""
+    """Ascending coefficients of every piece in local time, from derivatives 0 to 3 at the knots (s)."""
     h = np.diff(knots)[:, None, None]
     scale = h ** np.arange(GIVEN)[:, None]
     left, right = derivatives[:-1] * scale, derivatives[1:] * scale
@@ -36,7 +36,7 @@ def coefficients(knots: Float[Array, "k"], derivatives: Float[Array, "k 4 c"]) -
 def polynomials(
     knots: Float[Array, "k"], derivatives: Float[Array, "k 4 3"], *, yaw: Float[Array, "k 4"] | None = None
 ) -> Polynomials:
-    """The pieces as a signal that begins at t = 0; yaw (rad) goes along for the file."""
+    """The pieces as a signal that begins at t = 0; yaw (rad) is kept for the file."""
     table = coefficients(knots, derivatives)
     turn = None if yaw is None else coefficients(knots, yaw[:, :, None])[..., 0]
     made = []

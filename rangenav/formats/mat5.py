@@ -1,4 +1,4 @@
-"""Numeric arrays out of a MATLAB v5 file, bounded: sizes are checked before anything is unpacked or allocated.
+"""Numeric arrays of a MATLAB v5 file, read within limits: sizes are checked before data are unpacked or allocated.
 
 A file is a 128-byte header and elements (type, size, data); a matrix element holds flags, sizes, a name and numbers.
 Compressed elements are unpacked up to a limit. Structs, cells, text and complex numbers are passed over. scipy's reader
@@ -15,7 +15,7 @@ from rangenav.inputs import require
 
 HEADER = 128
 MAX_UNPACKED = 256_000_000
-"""Bytes of all variables together."""
+"""Most bytes of all variables together."""
 MAX_VARIABLES = 1000
 COMPRESSED, MATRIX = 15, 14
 NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
@@ -26,7 +26,7 @@ COMPLEX = 0x08
 
 
 def arrays(data: bytes, *, source: str) -> dict[str, Array]:
-    """Every real numeric variable by its name, as floats. Raises ValueError for what is damaged or cut short."""
+    """Every real numeric variable by its name, as floats. Raises ValueError for a damaged or truncated file."""
     require(len(data) > HEADER, f"{source}: too short for a .mat file")
     marker = data[126:128]
     require(marker in (b"IM", b"MI"), f"{source}: not a MATLAB v5 file (v7.3 is HDF5: save it with -v7 instead)")
@@ -93,7 +93,7 @@ def _matrix(body: memoryview, order: str, source: str) -> tuple[str, Array | Non
 
 
 def _part(body: memoryview, at: int, order: str, source: str) -> tuple[int, memoryview, int]:
-    """(type, data, where the next part begins); small parts keep four bytes of data in their own tag."""
+    """(type, data, start of the next part); a part of at most four bytes has its data in its tag."""
     require(at + 8 <= len(body), f"{source}: a variable is cut short")
     kind, size = struct.unpack_from(order + "II", body, at)
     if kind >> 16:

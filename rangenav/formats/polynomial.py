@@ -24,16 +24,16 @@ from rangenav.signals import Piece, Polynomials, Signal, polynomials
 from rangenav.signals.waypoints import MinimumSnap
 
 MAX_SEGMENTS = 31
-"""Of 132 bytes each, in the Crazyflie's 4 kB trajectory memory."""
+"""Pieces of 132 bytes that fit the Crazyflie's trajectory memory of 4 kB."""
 PER_TURN = 3
-"""Pieces for a turn of the path's fastest motion."""
+"""Pieces for one period of the path's highest frequency."""
 RAMP_PIECES = 4
-"""At least, for each ramp."""
+"""Least number of pieces for each ramp."""
 NAMES = ("duration", *(f"{axis}^{power}" for axis in ("x", "y", "z", "yaw") for power in range(8)))
 LEAST_LENGTH = 0.01
-"""s; the firmware's clock ticks in milliseconds."""
+"""s: the shortest piece; the firmware's clock ticks in milliseconds."""
 WORST_FIT = 0.01
-"""m; a file farther from its path than a centimetre is not that path."""
+"""m: the largest distance of a file from its path."""
 SAMPLES = 2001
 WINDOWS = 101
 
@@ -74,18 +74,18 @@ def parse(data: bytes, *, source: str) -> ImportResult:
 
 @result
 class PolynomialFit:
-    """What the pieces keep of the path."""
+    """The distance of the pieces from the path, and their excitation."""
 
     distance: float
-    """m, the largest."""
+    """m: the largest distance."""
     mu: float
-    """m²/s⁷ on the worst steady window of the file."""
+    """m²/s⁷: μ on the worst steady window of the file."""
     mu_path: float
-    """The same windows of the path itself."""
+    """m²/s⁷: μ on the same windows of the path itself."""
 
 
 def write(preset: Preset, path: Path) -> OutputFile:
-    """Write the ramped path as at most 31 pieces. Raises ValueError if those cannot follow one window of it."""
+    """Write the path and its ramps as at most 31 pieces. Raises ValueError if these cannot follow one window of it."""
     turned = upright(preset)
     course, pieces = fitted(turned)
     table = np.array([[p.duration, *p.x, *p.y, *p.z, *p.yaw] for p in pieces.pieces])
@@ -108,7 +108,7 @@ def write(preset: Preset, path: Path) -> OutputFile:
 
 
 def fitness(pieces: Polynomials, course: HoverRamps, preset: Preset) -> PolynomialFit:
-    """Distance and excitation of the written pieces against the path (z-up)."""
+    """Distance and excitation of the written pieces, compared with the path (z-up)."""
     t = np.linspace(0, course.end, SAMPLES)
     distance = float(np.linalg.norm(pieces(t) - course(t), axis=-1).max())
     begin, end = course.steady
@@ -126,7 +126,7 @@ def _least(path: Signal, start: Array, window: float) -> float:
 
 
 def fitted(preset: Preset) -> tuple[HoverRamps, Polynomials]:
-    """The course and its pieces: a path that is such pieces already, and rests at its ends, is written as it is."""
+    """The path with ramps, and its pieces. A path of such pieces that rests at its ends is written unchanged."""
     window, path = preset.requirement.window, preset.path
     own = _own_pieces(path)
     if own is not None and len(own.pieces) <= MAX_SEGMENTS:

@@ -1,4 +1,4 @@
-"""A recorded flight: what a logger leaves behind, in SI; its part between two times, and synthetic ranges for it."""
+"""A recorded flight in SI units, its part between two times, and synthetic ranges for it."""
 
 from dataclasses import replace
 from typing import Literal
@@ -13,12 +13,12 @@ from rangenav.sensors import Measurements
 
 Frame = Literal["z-up", "z-down"]
 SYNTHETIC_RATE = 50.0
-"""Hz; what a radio manages."""
+"""Hz: the usual rate of a ranging radio."""
 
 
 @result
 class Flight:
-    """A recorded flight in SI units, as a logger left it; what it lacks is None."""
+    """A recorded flight in SI units; what the record does not have is None."""
 
     time: Float[Array, "n"]
     """s from the first sample, increasing."""
@@ -27,7 +27,7 @@ class Flight:
     accel: Float[Array, "n 3"]
     """m/s², body: apparent acceleration."""
     mag: Float[Array, "n 3"] | None
-    """Body; NaN between samples. Unit length over the record's median, whatever unit it was in."""
+    """Body; NaN between samples. Divided by its median length, whatever its unit was."""
     range_time: Float[Array, "m"]
     """s"""
     range: Float[Array, "m"]
@@ -46,7 +46,7 @@ class Flight:
 
 
 def measurements(flight: Flight) -> Measurements:
-    """The record as the observers take it; without a magnetometer its column is empty."""
+    """The record in the form that the observers take; without a magnetometer, mag is NaN."""
     mag = np.full_like(flight.gyro, np.nan) if flight.mag is None else flight.mag
     return Measurements(
         time=flight.time,

@@ -27,31 +27,31 @@ from rangenav.signals import Flown, Polynomials
 from rangenav.signals.polynomials import MAX_PIECES
 
 RATE = 100.0
-"""Hz, as the planners write it."""
+"""Hz: the rate at which the planners write."""
 POSITION = ("p_x", "p_y", "p_z")
 DERIVATIVES = tuple(tuple(f"{name}_{axis}" for axis in "xyz") for name in ("v", "a_lin", "jerk", "snap"))
 WORDS = ("velocity", "acceleration", "jerk", "snap")
 QUATERNION = ("q_w", "q_x", "q_y", "q_z")
 AS_GOOD, CLOSE = 1.5, 1e-3
-"""Pieces are as good as the best if their error is no more than this many times larger, or this share of the snap."""
+"""Pieces are good enough if their error is at most this multiple of the least error, or this share of the snap."""
 STRIDES = (1, 2, 4, 8, 16, 32, 64, 128)
-"""Samples per piece that are tried: close knots turn printed digits into snap, distant ones miss the motion."""
+"""Samples per piece that are tried: close knots amplify rounding of printed digits, distant knots miss the motion."""
 LEAST_ROWS = 3
 SNAP_KEPT = 0.1
-"""Of the file's snap the pieces may miss this share (rms); with more, their snap is their own."""
+"""Largest share of the file's snap (rms) that the pieces may miss; with more, the snap comes from the fit."""
 UNJUDGED = (
     "without acceleration and jerk the snap would be the fourth difference of sampled positions, which is mostly not "
     "the motion's: excitation cannot be judged from them, only from exact derivatives or from the IMU (rangenav log)"
 )
 IMPLIED = "the file holds jerk and no snap, and between its rows the pieces have the snap that joins them"
 LARGEST = 1e6
-"""SI; no trajectory has more of position or any derivative."""
+"""SI: no trajectory has a larger position or derivative."""
 Attitudes = Literal["flown", "preset"]
 
 
 @result
 class ReferenceFit:
-    """Pieces and how far they are from what the file says."""
+    """Pieces, and their distance from the file's data."""
 
     path: Polynomials
     distance: float
@@ -93,7 +93,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> ImportResu
 
 
 def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> OutputFile:
-    """Write the ramped path at 100 Hz. A tumbling body cannot be flown: by default the attitude is what flying takes.
+    """Write the path and its ramps at 100 Hz. By default the attitude is that of a multirotor which flies the path.
 
     Raises ValueError where that has no answer (a free fall); `attitude="preset"` writes the preset's own, unramped.
     """
@@ -136,7 +136,7 @@ def _attitude(preset: Preset, course: hover_ramps.HoverRamps, t: Array, kind: At
 
 
 def _derivative(table: Table, names: tuple[str, ...], word: str, findings: list[str]) -> Float[Array, "n 3"] | None:
-    """Three columns, None (and said) if they are absent, hold nothing, or nothing but zeros."""
+    """Three columns. None, with a remark in the findings, if they are absent, empty, or all zero."""
     if not all(name in table.names for name in names):
         findings.append(f"no {word} columns ({', '.join(names)})")
         return None
@@ -159,7 +159,7 @@ def _check_quaternion(table: Table, findings: list[str]) -> None:
 def path_through(
     time: Array, position: Array, derivatives: list[Array | None], knots: float | None, source: str, findings: list[str]
 ) -> tuple[Polynomials | spline_fit.Waypoints, float, str, str | None]:
-    """The path, its largest distance from the file's positions (m), what was fitted, and why it is not judged."""
+    """The path, its largest distance from the file's positions (m), the kind of fit, and why it is not judged."""
     velocity, acceleration, jerk, snap = derivatives
     if velocity is None or acceleration is None or jerk is None:
         curve = spline_fit.fit(time, position, spacing=knots, source=source)
@@ -179,7 +179,7 @@ def path_through(
 def fitted(
     time: Float[Array, "n"], derivatives: Float[Array, "n 4 3"], snap: Float[Array, "n 3"] | None, *, source: str
 ) -> ReferenceFit:
-    """Pieces through every so many rows: the longest that agree with the snap (else the jerk) as well as any do."""
+    """Pieces through every k-th row, for the largest k whose error of the snap (else of the jerk) is near the least."""
     fits: list[tuple[float, ReferenceFit]] = []
     target, order = (derivatives[:, 3], 3) if snap is None else (snap, 4)
     size = float(np.sqrt(np.mean(target**2)))

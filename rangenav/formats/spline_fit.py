@@ -1,4 +1,4 @@
-"""Sampled positions as a path: a C⁸ curve through knots, each the value of a parabola fitted to the samples around it.
+"""Sampled positions as a path: a C⁸ curve through knots. The value at a knot is that of a parabola fitted around it.
 
 Poses printed to tenths of a millimetre a hundred times a second do not hold their own fourth derivative (a step of ε
 becomes up to 16 ε/h⁴ = 160 000 m/s⁴), so the snap of such a path is the knots' and not the flight's: excitation is
@@ -15,13 +15,13 @@ from rangenav.signals import Waypoint, Waypoints
 from rangenav.signals.waypoints import MAX_POINTS
 
 SPACINGS = (0.5, 0.25, 0.1, 0.05)
-"""s between knots, tried in this order where none was asked for: few knots smooth, many follow."""
+"""s between knots, tried in this order if no spacing was chosen: few knots smooth, many knots follow."""
 CLOSE = 0.01
-"""m; the widest spacing that stays this near to every position is taken, else the nearest one."""
+"""m: the widest spacing that stays this near to every position is chosen, else the nearest curve."""
 MIN_SPACING, MAX_SPACING = 0.02, 60.0
 LEAST_KNOTS = 4
 SNAP_OF_NOISE = 16.0
-"""Fourth differences weigh five samples by 1, 4, 6, 4, 1."""
+"""The sum of (1, 4, 6, 4, 1), the weights of a fourth difference."""
 
 
 @result
@@ -38,7 +38,7 @@ class SplineFit:
 
     @property
     def summary(self) -> str:
-        """What became of the positions."""
+        """How the curve was made, and its distance from the positions."""
         near = f"{1e3 * self.largest:.3g} mm from the file's positions at most ({1e3 * self.rms:.2g} mm rms)"
         return f"path through knots every {self.spacing:g} s, {near}"
 
@@ -98,7 +98,7 @@ def unjudged(time: Float[Array, "n"], position: Float[Array, "n 3"]) -> str:
 
 
 def _local(time: Array, position: Array, moment: float, width: float) -> tuple[float, float, float] | None:
-    """The value at a moment of the parabola that fits the samples within half a knot's spacing of it."""
+    """The value, at a time, of the parabola that fits the samples within half a knot's spacing."""
     first, last = np.searchsorted(time, [moment - width / 2, moment + width / 2 + 1e-9])
     if last - first < 1:
         return None
@@ -110,7 +110,7 @@ def _local(time: Array, position: Array, moment: float, width: float) -> tuple[f
 
 
 def _quantum(position: Array) -> float:
-    """The last decimal that the file prints, from the values themselves: 1e-9 to 1 m."""
+    """The unit of the last printed decimal, found from the values: 1e-9 to 1 m."""
     for decimals in range(10):
         if np.allclose(position * 10.0**decimals, np.rint(position * 10.0**decimals), rtol=0, atol=1e-4):
             return 10.0**-decimals

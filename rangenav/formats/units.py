@@ -1,4 +1,4 @@
-"""Units of a recorded flight: what a header states, what the numbers suggest, and never a conversion nobody confirmed.
+"""Units of a recorded flight: those that a header states, and those that the numbers suggest for a person to confirm.
 
 The wild has gyros in deg/s, accelerometers in g and magnetometers in µT, often under the same column names. SI that is
 stated is taken; everything else becomes a question with its evidence: the size of gravity at rest, the strength of the
@@ -38,17 +38,17 @@ SPELLINGS = {
 }  # fmt: skip
 BRACKETED = re.compile(r"[(\[]([^()\[\]]*)[)\]]\s*$")
 FIELD_STRENGTH = {"uT": (15.0, 90.0), "G": (0.15, 0.9), "T": (1.5e-5, 9e-5), "mT": (0.015, 0.09), "nT": (1.5e4, 9e4)}
-"""The earth's field in each unit, with room for iron nearby."""
+"""The strength of the earth's field in each unit, with a margin for iron nearby."""
 NEAR = 0.35
-"""Relative; an accelerometer shaken about still has its median length this near to gravity."""
+"""Relative: the median length of a shaken accelerometer's reading is this near to gravity."""
 LAG = 0.05
-"""s over which the magnetic vector is watched turning."""
+"""s between the two magnetic vectors that are compared."""
 PAIRS = 4000
 
 
 @dataclass(frozen=True, kw_only=True)
 class Guess:
-    """What the numbers suggest, and why."""
+    """The unit that the numbers suggest, and the evidence."""
 
     unit: str | None
     evidence: str
@@ -61,12 +61,12 @@ def split(name: str) -> tuple[str, str | None]:
 
 
 def spelled(unit: str) -> str:
-    """One spelling for each unit; what is not known stays as it is."""
+    """One spelling for each unit; an unknown unit stays as it is."""
     return SPELLINGS.get(unit.lower(), unit)
 
 
 def guess(kind: str, values: Float[Array, "n c"], *, time: Float[Array, "n"], turning: Array | None = None) -> Guess:
-    """The unit that the numbers suggest; for the gyro `turning` is the vector that should turn against it."""
+    """The unit that the numbers suggest. For the gyro, `turning` is a vector fixed in inertia, in body axes."""
     sizes = np.linalg.norm(values, axis=-1)
     sizes = sizes[np.isfinite(sizes)]
     size = float(np.median(sizes)) if len(sizes) else 0.0

@@ -1,4 +1,4 @@
-"""Text of one formula -> a small tree, by a whitelist: nothing that was typed is ever run.
+"""The text of a formula becomes a small tree, by a whitelist: typed text is never executed.
 
 First every character must belong to a number, a known name or an operator, in an order that makes sense, so mistakes
 are found at their column; only then Python's own parser settles precedence, and its tree is translated node by node.
@@ -20,7 +20,7 @@ from rangenav.signals.series import Series
 MAX_LENGTH = 1000
 MAX_NODES, MAX_DEPTH, MAX_PARENTHESES = 300, 150, 40
 MAX_EXPONENT = 64
-"""Of a constant power; t**64 over ten minutes is 1e178, beyond which squares overflow."""
+"""Largest constant power: t**64 over ten minutes is 1e178, and the square of more overflows."""
 CONSTANTS = {"pi": math.pi, "e": math.e}
 KINKED = ("abs", "fabs", "min", "max", "sign", "floor", "ceil", "round", "mod", "fmod", "trunc")
 NAMES = ("t", *CONSTANTS, *series.FUNCTIONS, "pow")
@@ -35,12 +35,12 @@ CACHED = 256
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """One operation: a number, "t", an operator or a function, and what it is applied to."""
+    """One operation: a number, "t", an operator or a function, and its arguments."""
 
     operation: str
     arguments: tuple["Node", ...] = ()
     value: float = 0.0
-    """Of a number, or the exponent of "**"."""
+    """The value of a number, or the exponent of "**"."""
 
     @property
     def is_number(self) -> bool:
@@ -85,7 +85,7 @@ def evaluate(node: Node, t: Series, order: int) -> Series:
 
 
 def size(node: Node) -> int:
-    """How many operations the tree has."""
+    """The number of operations in the tree."""
     return 1 + sum(size(argument) for argument in node.arguments)
 
 
@@ -94,7 +94,7 @@ def _at(column: int, sentence: str) -> ValueError:
 
 
 def _check_words(text: str) -> None:
-    """Refuse what is no token, no known name, or stands where nothing of its kind can stand."""
+    """Refuse a character that begins no token, an unknown name, and a token in a wrong place."""
     position, depth, wanted, function = 0, 0, True, ""
     end = len(text.rstrip(" \t"))
     while position < end:
@@ -142,7 +142,7 @@ def _check_name(name: str, column: int) -> None:
 
 
 class _Translation:
-    """From Python's tree to ours; counts nodes on the way."""
+    """Python's tree as nodes; counts the nodes."""
 
     def __init__(self) -> None:
         self._count = 0
@@ -207,7 +207,7 @@ def _power(base: Node, exponent: Node, column: int) -> Node:
 
 
 def _folded(node: Node, column: int) -> Node:
-    """A node of nothing but numbers becomes its value."""
+    """A node whose arguments are numbers becomes a number."""
     if not all(argument.is_number for argument in node.arguments):
         return node
     with np.errstate(all="ignore"):

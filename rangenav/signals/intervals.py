@@ -1,4 +1,4 @@
-"""Interval arithmetic, rounded outwards: an enclosure of every value an expression takes over a stretch of time.
+"""Interval arithmetic, rounded outwards: it encloses every value that an expression takes over a stretch of time.
 
 It makes "for all t" a statement instead of a sample. What cannot be enclosed (a division by an interval around zero, a
 logarithm of what may be negative) becomes [−∞, ∞]: no bound is known, and nothing false is said.
@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 PADDING = 4 * np.finfo(float).eps
-"""Relative error allowed to an elementary function; numpy's vector loops keep within four units of the last place."""
+"""Relative error assumed of an elementary function; those of numpy stay within four units of the last place."""
 TINIEST = 1e-300
 """Absolute padding, for values that underflow."""
 
@@ -26,7 +26,7 @@ class Interval:
     high: Float[Array, "*n"]
 
     __array_ufunc__ = None
-    """numpy must leave `array × interval` to the interval."""
+    """numpy leaves `array × interval` to the interval."""
 
     def __add__(self, other: Any) -> "Interval":
         other = _interval(other)
@@ -73,14 +73,14 @@ def _interval(value: Any) -> Interval:
 
 
 def _outward(low: Any, high: Any) -> Interval:
-    """One unit of the last place wider on both sides; not-a-number says that nothing is known."""
+    """The interval, wider by one unit of the last place on both sides; NaN becomes an infinite bound."""
     low, high = np.nextafter(low, -np.inf), np.nextafter(high, np.inf)
     unknown = np.isnan(low) | np.isnan(high)
     return Interval(np.where(unknown, -np.inf, low), np.where(unknown, np.inf, high))
 
 
 def _unless(known: Array, enclosure: Interval) -> Interval:
-    """`found` where it is known, else [−∞, ∞]."""
+    """`enclosure` where `known` is true, else [−∞, ∞]."""
     return Interval(np.where(known, enclosure.low, -np.inf), np.where(known, enclosure.high, np.inf))
 
 
@@ -100,7 +100,7 @@ def _rising(function: Callable[[Array], Array], lowest: float = -np.inf, highest
 
 
 def _turning(function: Callable[[Array], Array]) -> Any:
-    """Sine or cosine: |sin x − sin m| ≤ |x − m| about the middle m, which short stretches make sharp."""
+    """Sine or cosine: |sin x − sin m| ≤ |x − m| about the middle m; the bound is sharp on short stretches."""
 
     def enclosure(u: Interval) -> Interval:
         middle = np.where(np.isfinite(u.high - u.low), (u.low + u.high) / 2, 0.0)
@@ -118,7 +118,7 @@ def _cosh(u: Interval) -> Interval:
 
 
 def _tan(u: Interval) -> Interval:
-    """Rising between two poles; a stretch that may touch one is not enclosed."""
+    """The tangent rises between two poles; a stretch that may contain a pole has no finite enclosure."""
     finite = np.isfinite(u.low) & np.isfinite(u.high)
     low, high = np.where(finite, u.low, 0.0), np.where(finite, u.high, 0.0)
     slack = PADDING * (1 + np.abs(low) + np.abs(high))

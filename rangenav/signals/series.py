@@ -19,7 +19,7 @@ Function: TypeAlias = Callable[[Series, int], Series]
 
 
 def constant(value: float) -> Series:
-    """A number; numpy's, because Python's raise where those become infinite and are found later, with their time."""
+    """A number of numpy: it becomes infinite where Python's raises, and a later check reports the time."""
     return (np.float64(value),)
 
 
@@ -59,7 +59,7 @@ def divide(a: Series, b: Series, order: int) -> Series:
 
 
 def integer_power(a: Series, exponent: int, order: int) -> Series:
-    """aⁿ by repeated squaring: right where a vanishes, too."""
+    """aⁿ by repeated squaring: correct also where a vanishes."""
     if exponent < 0:
         return divide(constant(1.0), integer_power(a, -exponent, order), order)
     result, square = constant(1.0), a
@@ -100,7 +100,7 @@ def sqrt(u: Series, order: int) -> Series:
 
 
 def sin(u: Series, order: int) -> Series:
-    """Sine, grown together with the cosine."""
+    """Sine, computed together with the cosine."""
     return _twin("sin", "cos", u, order, (1.0, -1.0))
 
 
@@ -110,7 +110,7 @@ def cos(u: Series, order: int) -> Series:
 
 
 def sinh(u: Series, order: int) -> Series:
-    """Hyperbolic sine, grown together with the hyperbolic cosine."""
+    """Hyperbolic sine, computed together with the hyperbolic cosine."""
     return _twin("sinh", "cosh", u, order, (1.0, 1.0))
 
 
@@ -166,7 +166,7 @@ def atanh(u: Series, order: int) -> Series:
 FUNCTIONS: dict[str, Function] = {
     f.__name__: f for f in (sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, asinh, acosh, atanh, exp, log, sqrt)
 }
-"""What a formula may call with one argument."""
+"""The functions of one argument that a formula may use."""
 _NUMPY = {"asin": "arcsin", "acos": "arccos", "atan": "arctan", "asinh": "arcsinh", "acosh": "arccosh"}
 _NUMPY |= {"atanh": "arctanh", "pow": "power"}
 
@@ -187,7 +187,7 @@ def _product_term(a: Sequence[Any], b: Sequence[Any], k: int) -> Any:
 
 
 def _weighted_term(u: Series, g: Sequence[Any], k: int) -> Any:
-    """(1/k) Σ j u_j g_{k−j}: the k-th coefficient of what has the derivative u̇ g."""
+    """(1/k) Σ j u_j g_{k−j}: the k-th coefficient of the series whose derivative is u̇ g."""
     total: Any = None
     for j in range(max(1, k - len(g) + 1), min(k, len(u) - 1) + 1):
         term = (j / k) * (u[j] * g[k - j])
@@ -208,7 +208,7 @@ def _grown(first: Any, u: Series, order: int, rate: Callable[[list[Any]], Any]) 
 
 
 def _integral(name: str, u: Series, order: int, rate: Callable[[int], Series]) -> Series:
-    """w with ẇ = u̇ g for a g that is a series in u; at order 0 it is not asked for, where it may be infinite."""
+    """w with ẇ = u̇ g for a series g in u. At order 0 the series g, which may be infinite, is not computed."""
     first = elementary(name, u[0])
     if len(u) == 1 or order == 0:
         return (first,)
