@@ -14,7 +14,7 @@ from rangenav.observability import ambiguity, rows, symmetry
 from rangenav.preset import Preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Signal, Tone, Waypoint, Waypoints, mirrored
 from rangenav.twin import APART, TOLERANCE, Refusal, Twin, turn_towards, twin
-from tests.rangenav.observability.test_observability import circle, tilted
+from tests.support.motion_examples import circle, tilted
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
 

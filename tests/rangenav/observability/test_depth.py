@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from rangenav import analysis, model, motion, preset, record, so3
 from rangenav.observability import accuracy, ellipsoid, excitation, frozen, functions, horizon, printed, rows, spectrum
 from rangenav.signals import Multisine, Tone
-from tests.rangenav.observability.test_observability import tumbling
+from tests.support.motion_examples import tumbling
 from tests.support.refusals import exactly
 
 SHIPPED = [file.stem for file in preset.shipped_files()]

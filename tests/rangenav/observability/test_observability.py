@@ -16,6 +16,7 @@ from rangenav.motion import World
 from rangenav.observability import accuracy, blindness, excitation, quadrature, reduced, rows, spectrum
 from rangenav.signals import Multisine, Tone, slowed
 from tests.support import precise_gramian
+from tests.support.motion_examples import circle, tilted, tumbling, turned
 
 GRAVITY = (0.0, 0.0, 9.81)
 SHIPPED = [file.stem for file in preset.shipped_files()]
@@ -50,26 +51,6 @@ phases = st.floats(0.0, 2 * math.pi)
 tilts = st.floats(0.0, math.radians(80))
 offsets = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
 laws = settings(max_examples=40)
-
-
-def turned(tones: list[tuple[np.ndarray, float, float]], **fields: tuple) -> Multisine:
-    """A Multisine whose tones lie along any vectors: (vector amplitude, frequency, phase)."""
-    split = [
-        Tone(axis=axis, amplitude=float(vector["xyz".index(axis)]), frequency=w, phase=phase)
-        for vector, w, phase in tones
-        for axis in ("x", "y", "z")
-    ]
-    return Multisine(tones=tuple(split), **fields)
-
-
-def circle(radius: float, w: float, phase: float, orientation: Rotation) -> Multisine:
-    e1, e2, _ = orientation.as_matrix().T
-    return turned([(radius * e1, w, phase + math.pi / 2), (radius * e2, w, phase)])
-
-
-def tilted(tilt: float, heading: float) -> Rotation:
-    """A plane whose normal is tilt away from the vertical."""
-    return Rotation.from_euler("ZX", [heading, tilt])
 
 
 def lifted_rank(path: Multisine, window: float, gravity: tuple = GRAVITY) -> int:
@@ -292,16 +273,6 @@ def test_phi_is_the_second_derivative_of_the_apparent_acceleration_in_body_axes(
         excitation.phi(truth)[1:-1], by_differences, atol=1e-4 * scale
     )  # h² = 2.5e-7 and rounding
     np.testing.assert_allclose(excitation.phi_printed(truth)[1:-1], printed, atol=1e-4 * scale)
-
-
-def tumbling() -> Multisine:
-    return Multisine(
-        tones=(
-            Tone(axis="x", amplitude=2.0, frequency=1.3),
-            Tone(axis="y", amplitude=1.5, frequency=0.9, phase=1.0),
-            Tone(axis="z", amplitude=1.0, frequency=1.7, phase=2.0),
-        )
-    )
 
 
 @pytest.mark.parametrize("name", ["hover", "circle"])
