@@ -39,7 +39,7 @@ def imported(tmp_path_factory: pytest.TempPathFactory) -> Preset:
 @pytest.mark.parametrize("name", SHIPPED)
 def test_page_command_line_certificate_and_library_agree_on_every_preset(name: str, answer):
     p = preset.load(name)
-    stored = certificate.loads(certificate.beside(preset.find(name)).read_bytes(), source=name)
+    stored = certificate.loads(certificate.path_for(preset.find(name)).read_bytes(), source=name)
     library = analysis.analyse(p).verdict
     assert library.judged
     assert [answer("analyze", name)["verdict"], stored.verdict, of_page(p)] == 3 * [library.word]
@@ -74,13 +74,13 @@ def test_page_command_line_and_library_agree_on_a_recorded_flight(answer, tmp_pa
         said = answer("log", tmp_path / "demo.csv", "--window", window)
         page = flight_report.judge(flight, FlightOptions(anchor=(0.0, 0.0, 0.0), window=window))
         assert library.verdict == said["verdict"] == page.verdict
-        assert said["informative"]["words"] == page.words == library.words
+        assert said["informative"]["words"] == page.summary == library.words
 
 
 @pytest.mark.parametrize(
     ("rank", "sigma", "word"),
     [(12, 0.1, "blind"), (13, 0.5, "observable"), (13, 0.51, "weak"), (13, None, "weak"), (13, float("nan"), "weak")],
 )
-def test_the_verdict_follows_rank_and_predicted_error(rank: int, sigma: float | None, word: str):
+def test_the_verdict_follows_rank_and_predicted_error(rank: int, sigma: float | None, word: verdict.Word):
     assert verdict.judge(rank, sigma, 0.5) == verdict.Verdict(word=word)
     assert not verdict.judge(rank, sigma, 0.5, restriction="it jumps").judged

@@ -1,30 +1,30 @@
-"""Certificates: what a file's motion lets one range tell, recomputed from its bytes and held against its claim.
+"""Certificates: what one range can tell of a file's motion, computed from the file's bytes.
 
 certify(bytes)      the certificate of a file's bytes       gate(certificate)    None, or why it may not be exported
-verify_file(path)   what is wrong with a file and the certificate beside it, a sentence each
+verify_file(path)   one sentence for each place where a file and its certificate disagree
 """
 
-from rangenav.certificate.certify import READERS, Held, Reader, certify, certify_file, read_preset
-from rangenav.certificate.files import beside
+from rangenav.certificate.certify import READERS, FileContents, Reader, certify, certify_file, read_preset
+from rangenav.certificate.files import path_for
 from rangenav.certificate.requirements import gate
-from rangenav.certificate.schema import Certificate, dumps, loads, plain
-from rangenav.certificate.verify import differences, read_beside, verify, verify_file
+from rangenav.certificate.schema import Certificate, dumps, loads, to_builtins
+from rangenav.certificate.verify import differences, read_stored, verify, verify_file
 
 __all__ = [
     "READERS",
     "Certificate",
-    "Held",
+    "FileContents",
     "Reader",
-    "beside",
     "certify",
     "certify_file",
     "differences",
     "dumps",
     "gate",
     "loads",
-    "plain",
-    "read_beside",
+    "path_for",
     "read_preset",
+    "read_stored",
+    "to_builtins",
     "verify",
     "verify_file",
 ]

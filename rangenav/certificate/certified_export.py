@@ -79,7 +79,7 @@ def _certify(
         if not certificate.certified:
             failures = "; ".join(certificate.failures)
             raise ValueError(f"{name}: as {format_name} it does not keep what it promises: {failures}")
-        return exports.write_beside(certificate, output)
+        return exports.write_certificate(certificate, output)
     except BaseException:
         if output.is_dir():
             shutil.rmtree(output)

@@ -1,7 +1,8 @@
-"""A certificate is computed from the bytes of a file, never from the object in memory that they were written from.
+"""The certificate of a file, computed from its bytes and never from the object in memory that was written to the file.
 
-The chain is bytes → preset (read again) → bounds of μ, ranks, predicted accuracy, limits, jumps → checks. What cannot
-be bounded says null and why; what is sampled says so. Nothing in it depends on when or where it was made.
+The chain is bytes → preset (read again) → bounds of μ, ranks, predicted accuracy, limits, jumps → checks. A number that
+cannot be bounded is null, and the reason stands beside it. A number that comes from samples says so. Nothing in a
+certificate depends on the time or the place of its computation.
 """
 
 import hashlib
@@ -27,29 +28,29 @@ CACHED = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
-    """What the bytes of a file, and for what they do not hold its context, make."""
+class FileContents:
+    """What was read from a file: the preset that is judged. The context completes a file that holds only a path."""
 
     preset: Preset
     covers: str | msgspec.UnsetType = msgspec.UNSET
-    """What of the file is certified, where that is not all of it."""
+    """Which part of the file the certificate covers; unset if it covers the whole file."""
 
 
-Reader = Callable[[bytes, str, Preset | None], Held]
-"""(bytes, name for errors, context) → what is held. Raises ValueError."""
+Reader = Callable[[bytes, str, Preset | None], FileContents]
+"""(bytes, name for errors, context) → contents. Raises ValueError."""
 
 
-def read_preset(content: bytes, source: str, context: Preset | None = None) -> Held:
-    """A preset file holds everything; there is no context to it. Raises ValueError."""
+def read_preset(content: bytes, source: str, context: Preset | None = None) -> FileContents:
+    """The contents of a preset's TOML file, which needs no context. Raises ValueError."""
     require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes, which no preset is")
     try:
-        return Held(presets.loads(content.decode("utf-8"), source=source))
+        return FileContents(presets.loads(content.decode("utf-8"), source=source))
     except UnicodeDecodeError as error:
         raise ValueError(f"{source}: not UTF-8 text (byte {error.start})") from None
 
 
 READERS: Mapping[str, Reader] = {"preset": read_preset}
-"""How the bytes of each format are read again; whoever knows more formats hands over a larger table."""
+"""The reader of each format; `exports.readers` adds the exchange formats."""
 
 
 def certify(
@@ -60,16 +61,17 @@ def certify(
     context: Preset | None = None,
     readers: Mapping[str, Reader] = READERS,
 ) -> Certificate:
-    """The certificate of a file's bytes; `source` names it in errors. Raises ValueError if they cannot be read.
+    """The certificate of a file's bytes. Raises ValueError if the bytes cannot be read.
 
-    `context` is what a file that holds a path only is judged by: world, sensors, requirement, vehicle.
+    source: the file's name in error messages. form: the file's format. context: for a file that holds only a path, the
+    preset whose world, sensors, requirement and vehicle judge that path.
     """
     require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
-    held = readers[form](content, source, context)
+    contents = readers[form](content, source, context)
     digest = hashlib.sha256(content).hexdigest()
-    artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=held.covers)
-    said = msgspec.UNSET if context is None else presets.dumps(context)
-    return msgspec.structs.replace(_of(held.preset), artifact=artifact, context=said)
+    artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=contents.covers)
+    context_text = msgspec.UNSET if context is None else presets.dumps(context)
+    return msgspec.structs.replace(_without_artifact(contents.preset), artifact=artifact, context=context_text)
 
 
 def certify_file(name_or_path: str | Path) -> Certificate:
@@ -79,39 +81,39 @@ def certify_file(name_or_path: str | Path) -> Certificate:
 
 
 @lru_cache(maxsize=CACHED)
-def _of(preset: Preset) -> Certificate:
-    """All but the artifact: one preset is written in many formats."""
-    claim, excited = sections.excited(preset)
-    rank = sections.ranked(preset, claim)
-    predicted = sections.predicted(preset)
-    limits, flying = sections.flown(preset)
-    jumps = sections.jumped(preset)
-    found = requirements.requirements(excited, rank, predicted, jumps, flying, preset)
-    failed = requirements.failures(found, excited, preset.expect)
-    meets = all(check.met for check in found)
+def _without_artifact(preset: Preset) -> Certificate:
+    """The certificate without its artifact, which is the same for every format that the preset is written in."""
+    claim, excitation = sections.excitation_section(preset)
+    rank = sections.rank_section(preset, claim)
+    accuracy = sections.accuracy_section(preset)
+    limits, flyability = sections.limits_section(preset)
+    jumps = sections.jumps_section(preset)
+    checks = requirements.requirements(excitation, rank, accuracy, jumps, flyability, preset)
+    failures = requirements.failures(checks, excitation, preset.expect)
+    meets = all(check.met for check in checks)
     return Certificate(
         title=preset.title,
         expect=preset.expect,
-        certified=not failed,
+        certified=not failures,
         meets=meets,
         verdict=verdict.judge(
             rank.rank,
-            predicted.lifted.end.position,
-            predicted.required,
+            accuracy.lifted.end.position,
+            accuracy.required,
             restriction=verdict.restriction(preset.path, preset.source, preset.duration),
         ).word,
-        checks=found,
-        failures=failed,
-        remedy=msgspec.UNSET if meets else remedy.remedy(preset, excited.at) or msgspec.UNSET,
+        checks=checks,
+        failures=failures,
+        remedy=msgspec.UNSET if meets else remedy.remedy(preset, excitation.at) or msgspec.UNSET,
         claim=claim,
-        excitation=excited,
+        excitation=excitation,
         rank=rank,
-        accuracy=predicted,
+        accuracy=accuracy,
         limits=limits,
-        vehicle=flying,
+        vehicle=flyability,
         jumps=jumps,
-        frame=sections.frame(preset),
-        source=sections.source(preset),
+        frame=sections.frame_section(preset),
+        source=sections.source_section(preset),
         artifact=Artifact(format="", sha256="", bytes=0),
         tool=Tool(rangenav=rangenav.__version__, python=platform.python_version(), numpy=np.__version__),
     )

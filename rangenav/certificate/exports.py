@@ -27,8 +27,8 @@ from rangenav import formats, provenance
 from rangenav import preset as presets
 from rangenav.axes import upright
 from rangenav.certificate import files, requirements
-from rangenav.certificate.certify import READERS, Held, Reader, certify, read_preset
-from rangenav.certificate.files import beside, read_bytes
+from rangenav.certificate.certify import READERS, FileContents, Reader, certify, read_preset
+from rangenav.certificate.files import path_for, read_bytes
 from rangenav.certificate.schema import Certificate, dumps
 from rangenav.formats import Format, readback, text
 from rangenav.inputs import require
@@ -95,9 +95,9 @@ def gate(preset: Preset, form: str = "preset") -> str | None:
     return None if found.certified and formats.row(form).gate == "claim" else requirements.gate(found)
 
 
-def write_beside(found: Certificate, path: Path) -> Path:
+def write_certificate(found: Certificate, path: Path) -> Path:
     """Write a certificate where `verify` looks for that of a file or folder."""
-    place = beside(path)
+    place = path_for(path)
     place.write_bytes(dumps(found))
     return place
 
@@ -137,7 +137,7 @@ def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
 
 
 def _steady(row: Format) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> Held:
+    def read(content: bytes, source: str, context: Preset | None) -> FileContents:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
         why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
@@ -152,13 +152,13 @@ def _steady(row: Format) -> Reader:
         except ValueError as error:
             raise ValueError(f"{source}: {error}") from None
         covers = f"{ramp:.6g} s to {ramp + context.duration:.6g} s of the file, between its ramps, and no more"
-        return Held(steady, covers if ramp > AT_REST else msgspec.UNSET)
+        return FileContents(steady, covers if ramp > AT_REST else msgspec.UNSET)
 
     return read
 
 
 def _recorded(row: Format) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> Held:
+    def read(content: bytes, source: str, context: Preset | None) -> FileContents:
         if context is None:
             raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
         parts = files.unpacked(content, source) if row.folder else {"": content}
@@ -170,6 +170,6 @@ def _recorded(row: Format) -> Reader:
         worst = int(np.argmax(away))
         said = f"at t = {time[worst]:.4g} s it is {away[worst]:.2g} m from the path of the preset that is certified"
         require(float(away[worst]) <= ON_PATH, f"{source}: {said}")
-        return Held(context, RECORDED)
+        return FileContents(context, RECORDED)
 
     return read

@@ -20,16 +20,19 @@ OF_FOLDER = "certificate.json"
 """The certificate in a folder."""
 
 
-def beside(path: Path) -> Path:
-    """Where a certificate lies: NAME.certificate.json beside the preset NAME.toml, NAME.csv.certificate.json beside
-    NAME.csv (a preset may be exported in many formats under one name), certificate.json in a folder."""
+def path_for(path: Path) -> Path:
+    """The path of a file's certificate.
+
+    NAME.certificate.json for the preset NAME.toml; NAME.csv.certificate.json for NAME.csv, because a preset may be
+    exported in many formats under one name; certificate.json within a folder.
+    """
     if path.is_dir():
         return path / OF_FOLDER
     return path.with_name((path.stem if path.suffix == ".toml" else path.name) + SUFFIX)
 
 
-def certified_by(certificate: Path) -> Path | None:
-    """The file or folder whose certificate this is, by its name; None if it is called otherwise."""
+def file_of(certificate: Path) -> Path | None:
+    """The file or folder that a certificate belongs to, by the certificate's name; None if it has no such name."""
     if certificate.name == OF_FOLDER:
         return certificate.parent
     if not certificate.name.endswith(SUFFIX):
@@ -75,10 +78,10 @@ def _packed(folder: Path) -> bytes:
 
 
 def _files(folder: Path) -> dict[str, Path]:
-    found: dict[str, Path] = {}
-    waiting, entries = [folder], 0
-    while waiting:
-        with os.scandir(waiting.pop()) as listed:
+    files_by_name: dict[str, Path] = {}
+    folders, entries = [folder], 0
+    while folders:
+        with os.scandir(folders.pop()) as listed:
             for entry in listed:
                 entries += 1
                 name = Path(entry.path).relative_to(folder).as_posix()
@@ -87,7 +90,7 @@ def _files(folder: Path) -> dict[str, Path]:
                 mode = entry.stat(follow_symlinks=False).st_mode
                 require((stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and "\n" not in name, rule)
                 if stat.S_ISDIR(mode):
-                    waiting.append(Path(entry.path))
+                    folders.append(Path(entry.path))
                 elif name != OF_FOLDER:
-                    found[name] = Path(entry.path)
-    return found
+                    files_by_name[name] = Path(entry.path)
+    return files_by_name

@@ -53,7 +53,7 @@ class Added:
     frequencies: tuple[float, ...]
     amplitude: float
     """m, of each."""
-    found: Figures
+    figures: Figures
 
 
 def remedy(preset: Preset, at: float) -> str | None:
@@ -147,7 +147,7 @@ def _smallest(preset: Preset, directions: tuple[Array, ...], w: float, tries: It
     best = tried(high)
     while not _serves(best, preset):
         low, high = high, high * 3
-        if best is None or best.found.worst_excess > 0 or high > MOST_AMPLITUDE:
+        if best is None or best.figures.worst_excess > 0 or high > MOST_AMPLITUDE:
             return None  # more of what is too much already does not help
         best = tried(high)
     while high / low > FINE:
@@ -158,7 +158,7 @@ def _smallest(preset: Preset, directions: tuple[Array, ...], w: float, tries: It
         else:
             low = middle
     best = tried(upwards(high))
-    return best if best is not None and _serves(best, preset) and best.found.worst_excess <= 0 else None
+    return best if best is not None and _serves(best, preset) and best.figures.worst_excess <= 0 else None
 
 
 def attempt(
@@ -181,7 +181,7 @@ def attempt(
         directions=tuple(directions),
         frequencies=tuple(frequencies),
         amplitude=amplitude,
-        found=found,
+        figures=found,
     )
 
 
@@ -205,7 +205,7 @@ def upwards(value: float, digits: int = 2) -> float:
 
 
 def _serves(added: Added | None, preset: Preset) -> bool:
-    return added is not None and max(shortfall(added.found, preset, margin=MARGIN).values()) <= 0
+    return added is not None and max(shortfall(added.figures, preset, margin=MARGIN).values()) <= 0
 
 
 def _slower(preset: Preset) -> str | None:

@@ -1,4 +1,4 @@
-"""The requirements held against what was found, in words; and whether that is what the preset says it expects."""
+"""Each requirement with a sentence that says whether it is met, and whether the preset expects that."""
 
 import msgspec
 import numpy as np
@@ -14,47 +14,49 @@ from rangenav.vehicle import FREE
 
 
 def requirements(
-    excited: schema.Excitation,
+    excitation: schema.Excitation,
     rank: schema.Rank,
-    predicted: schema.Accuracy,
+    accuracy: schema.Accuracy,
     jumps: schema.Jumps,
-    flying: schema.Flyability,
+    flyability: schema.Flyability,
     preset: Preset,
 ) -> tuple[Check, ...]:
-    """Every requirement, met or missed, and by how much."""
-    window, came = preset.requirement.window, preset.source
+    """Every requirement, and whether it is met; the sentence of each has the number required and the number reached."""
+    window, source = preset.requirement.window, preset.source
     return (
-        _excitation(excited, window),
+        _excitation(excitation, window),
         _rank(rank, window),
-        _accuracy(predicted, window),
+        _accuracy(accuracy, window),
         _smooth(jumps),
-        _vehicle(flying),
-        *(() if came is None else (_source(came, preset),)),
+        _vehicle(flyability),
+        *(() if source is None else (_source(source, preset),)),
     )
 
 
-def failures(found: tuple[Check, ...], excited: schema.Excitation, expect: Expectation) -> tuple[str, ...]:
-    """Why the checks do not come out as expected, a sentence each; none if they do.
+def failures(checks: tuple[Check, ...], excitation: schema.Excitation, expect: Expectation) -> tuple[str, ...]:
+    """Why the checks differ from what the preset expects, one sentence each; none if they agree.
 
-    Expected unobservable, the motion must fail to be excited (by a bound where one is known) or have a rank below 13;
-    expected weak, it must have both and miss the accuracy. What no vehicle could follow is never as expected.
+    observable: every check must be met.
+    weak: excitation and rank must be met, and the accuracy must be missed.
+    unobservable: the excitation must be missed (by a bound, where one is known), or the rank must be below 13.
+    A path that jumps, or that the preset's vehicle cannot fly, is a failure whatever is expected.
     """
-    check = {one.name: one for one in found}
-    missed = [one.words for one in found if not one.met]
-    if "source" in check and not check["source"].met:  # whatever is found besides is the fit's
+    check = {one.name: one for one in checks}
+    missed = [one.words for one in checks if not one.met]
+    if "source" in check and not check["source"].met:  # all other figures then describe the fit, not the flight
         return tuple(check[name].words for name in ("source", "smooth") if not check[name].met)
     if expect == "observable":
         return tuple(missed)
     wrong = [check[name].words for name in ("smooth", "vehicle") if not check[name].met]
-    seen = [check["excitation"], check["rank"]]
+    excited, full_rank = check["excitation"], check["rank"]
     if expect == "weak":
-        wrong += [one.words for one in seen if not one.met]
+        wrong += [one.words for one in (excited, full_rank) if not one.met]
         if check["accuracy"].met:
             wrong.append(f"expected weak, but {check['accuracy'].words}")
         return tuple(wrong)
-    unexcited = not seen[0].met and (seen[0].proven or excited.upper is None)
-    if not unexcited and seen[1].met:
-        wrong.append(f"expected unobservable, but {seen[0].words}, and {seen[1].words}")
+    unexcited = not excited.met and (excited.proven or excitation.upper is None)
+    if not unexcited and full_rank.met:
+        wrong.append(f"expected unobservable, but {excitation.words}, and {full_rank.words}")
     return tuple(wrong)
 
 
@@ -71,26 +73,26 @@ def gate(certificate: Certificate) -> str | None:
     return f"{certificate.title}: refused: {said}{helps}"
 
 
-def _excitation(excited: schema.Excitation, window: float) -> Check:
-    along, where = blindness.name(np.asarray(excited.direction)), f"the {window:g} s from t = {excited.at:.4g} s"
-    needed = f"{excited.required:.4g} m²/s⁷ required"
-    if excited.lower is None or excited.upper is None:
-        found = excited.found or 0.0
-        met, least = found >= excited.required, f"{found:.4g}" if found else "nothing"
+def _excitation(excitation: schema.Excitation, window: float) -> Check:
+    along, where = blindness.name(np.asarray(excitation.direction)), f"the {window:g} s from t = {excitation.at:.4g} s"
+    needed = f"{excitation.required:.4g} m²/s⁷ required"
+    if excitation.lower is None or excitation.upper is None:
+        found = excitation.found or 0.0
+        met, least = found >= excitation.required, f"{found:.4g}" if found else "nothing"
         words = (
             f"on sampled windows the excitation is at least {least}, {needed}"
             if met
             else (f"the excitation along {along} over {where} is {least}, {needed}")
         )
         return Check(name="excitation", met=met, proven=False, words=words)
-    if excited.lower >= excited.required:
-        words = f"no window has an excitation below {excited.lower:.4g}, {needed}"
+    if excitation.lower >= excitation.required:
+        words = f"no window has an excitation below {excitation.lower:.4g}, {needed}"
         return Check(name="excitation", met=True, proven=True, words=words)
-    proven = excited.upper < excited.required
-    found = "nothing" if excited.found is None else f"{excited.found:.4g}"
+    proven = excitation.upper < excitation.required
+    found = "nothing" if excitation.found is None else f"{excitation.found:.4g}"
     words = f"the excitation along {along} over {where} is {found}, {needed}"
     if not proven:
-        words = f"the excitation is only known to be at least {excited.lower:.4g} everywhere, {needed}"
+        words = f"the excitation is only known to be at least {excitation.lower:.4g} everywhere, {needed}"
     return Check(name="excitation", met=False, proven=proven, words=words)
 
 
@@ -103,19 +105,19 @@ def _rank(rank: schema.Rank, window: float) -> Check:
     return Check(name="rank", met=met, proven=False, words=words)
 
 
-def _accurate(predicted: schema.Accuracy) -> bool:
-    sigma = predicted.lifted.end.position
-    return sigma is not None and sigma <= predicted.required
+def _accurate(accuracy: schema.Accuracy) -> bool:
+    sigma = accuracy.lifted.end.position
+    return sigma is not None and sigma <= accuracy.required
 
 
-def _accuracy(predicted: schema.Accuracy, window: float) -> Check:
-    sigma = predicted.lifted.end.position
+def _accuracy(accuracy: schema.Accuracy, window: float) -> Check:
+    sigma = accuracy.lifted.end.position
     said = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
     words = (
-        f"position {said} after the {window:g} s from t = {predicted.at:.4g} s, "
-        f"{predicted.required:.3g} m required, by {predicted.noise}"
+        f"position {said} after the {window:g} s from t = {accuracy.at:.4g} s, "
+        f"{accuracy.required:.3g} m required, by {accuracy.noise}"
     )
-    return Check(name="accuracy", met=_accurate(predicted), proven=False, words=words)
+    return Check(name="accuracy", met=_accurate(accuracy), proven=False, words=words)
 
 
 def _smooth(jumps: schema.Jumps) -> Check:
@@ -124,17 +126,17 @@ def _smooth(jumps: schema.Jumps) -> Check:
     return Check(name="smooth", met=jump is None, proven=True, words=words)
 
 
-def _source(came: Source, preset: Preset) -> Check:
-    why = provenance.restriction(came, preset.path)
-    words = provenance.description(came, preset.path) if why is None else why
+def _source(source: Source, preset: Preset) -> Check:
+    why = provenance.restriction(source, preset.path)
+    words = provenance.description(source, preset.path) if why is None else why
     return Check(name="source", met=why is None, proven=True, words=words)
 
 
-def _vehicle(flying: schema.Flyability) -> Check:
-    if flying.name == FREE.name and flying.flyable:
+def _vehicle(flyability: schema.Flyability) -> Check:
+    if flyability.name == FREE.name and flyability.flyable:
         words = "no vehicle's limits are asked to be kept"
-    elif flying.flyable:
-        words = f"within the limits of {flying.name}"
+    elif flyability.flyable:
+        words = f"within the limits of {flyability.name}"
     else:
-        words = f"{flying.name} cannot fly it: {'; '.join(flying.broken)}"
-    return Check(name="vehicle", met=flying.flyable, proven=False, words=words)
+        words = f"{flyability.name} cannot fly it: {'; '.join(flyability.broken)}"
+    return Check(name="vehicle", met=flyability.flyable, proven=False, words=words)

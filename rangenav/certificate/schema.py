@@ -235,7 +235,7 @@ class Certificate(Part, frozen=True, kw_only=True):
     tool: Tool
 
 
-def plain(certificate: Certificate) -> dict[str, Any]:
+def to_builtins(certificate: Certificate) -> dict[str, Any]:
     """Nested dicts and lists. Raises ValueError if a number is not finite: that is an error of ours."""
     found = msgspec.to_builtins(certificate)
     _refuse_nonfinite(found, "$")
@@ -244,7 +244,7 @@ def plain(certificate: Certificate) -> dict[str, Any]:
 
 def dumps(certificate: Certificate) -> bytes:
     """JSON, indented, ending in a line feed: the same bytes for the same certificate."""
-    return msgspec.json.format(msgspec.json.encode(plain(certificate)), indent=2) + b"\n"
+    return msgspec.json.format(msgspec.json.encode(to_builtins(certificate)), indent=2) + b"\n"
 
 
 def loads(content: bytes, *, source: str) -> Certificate:

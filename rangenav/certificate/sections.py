@@ -30,7 +30,7 @@ SIGMA_TIE = 1e-3
 """Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
 
 
-def excited(preset: Preset) -> tuple[Claim, schema.Excitation]:
+def excitation_section(preset: Preset) -> tuple[Claim, schema.Excitation]:
     """μ over every window at any t where the path repeats, else over every window of the flight."""
     period, why, needed = preset.path.period, "the path does not repeat", preset.requirement.mu
     every: Bounds | None = None
@@ -120,7 +120,7 @@ def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
     return np.union1d(np.linspace(0, end, WINDOWS), events[(events > 0) & (events < end)])
 
 
-def ranked(preset: Preset, claim: Claim) -> schema.Rank:
+def rank_section(preset: Preset, claim: Claim) -> schema.Rank:
     """The least rank of the lifted Gramian and of the nonlinear one over sampled windows, and the blind directions."""
     path, window, world = preset.path, preset.requirement.window, preset.world
     period = preset.path.period if claim.starts == EVERY else None
@@ -145,7 +145,7 @@ def ranked(preset: Preset, claim: Claim) -> schema.Rank:
     )
 
 
-def predicted(preset: Preset) -> schema.Accuracy:
+def accuracy_section(preset: Preset) -> schema.Accuracy:
     """Predicted σ on the sampled window of the flight that is worst for the lifted position at its end."""
     path, window, world, sensors = preset.path, preset.requirement.window, preset.world, preset.sensors
     sigma, rate, share = sensors.sigma.range, sensors.range_rate, sensors.arriving
@@ -185,22 +185,22 @@ def _sigma(found: accuracy.Accuracy) -> schema.Sigma:
     )
 
 
-def flown(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
+def limits_section(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
     """What the motion asks for on the IMU's samples, and whether the preset's vehicle can do that."""
-    moved = record.simulated(record.truth_inputs(preset)).motion
-    asked = vehicle.demands(moved, world=preset.world)
-    broken = vehicle.broken(moved, preset.vehicle, world=preset.world)
+    motion = record.simulated(record.truth_inputs(preset)).motion
+    demands = vehicle.demands(motion, world=preset.world)
+    broken = vehicle.broken(motion, preset.vehicle, world=preset.world)
     limits = schema.Extremes(
-        speed=_most(asked.speed),
-        acceleration=_most(asked.acceleration),
-        jerk=_most(asked.jerk),
-        snap=_most(asked.snap),
-        thrust_to_weight=_most(asked.thrust_to_weight),
-        tilt_deg=_most(np.degrees(asked.tilt)),
-        body_rate=_most(asked.body_rate),
-        height_min=figure(float(asked.height.min())),
-        height_max=_most(asked.height),
-        anchor_distance_min=figure(float(asked.anchor_distance.min())),
+        speed=_most(demands.speed),
+        acceleration=_most(demands.acceleration),
+        jerk=_most(demands.jerk),
+        snap=_most(demands.snap),
+        thrust_to_weight=_most(demands.thrust_to_weight),
+        tilt_deg=_most(np.degrees(demands.tilt)),
+        body_rate=_most(demands.body_rate),
+        height_min=figure(float(demands.height.min())),
+        height_max=_most(demands.height),
+        anchor_distance_min=figure(float(demands.anchor_distance.min())),
         rate=preset.sensors.imu_rate,
     )
     flying = schema.Flyability(
@@ -216,7 +216,7 @@ def _most(values: Float[Array, "n"]) -> float:
     return figure(float(values.max()))
 
 
-def jumped(preset: Preset) -> schema.Jumps:
+def jumps_section(preset: Preset) -> schema.Jumps:
     """The largest jumps at knots strictly inside the flight."""
     jumps = continuity.flight_jumps(preset.path, preset.duration)
     position, velocity, acceleration, jerk, snap = jumps.sizes
@@ -225,22 +225,22 @@ def jumped(preset: Preset) -> schema.Jumps:
     )
 
 
-def source(preset: Preset) -> schema.SourceFile | msgspec.UnsetType:
+def source_section(preset: Preset) -> schema.SourceFile | msgspec.UnsetType:
     """The file that the path was imported from."""
-    came = preset.source
-    if came is None:
+    imported_from = preset.source
+    if imported_from is None:
         return msgspec.UNSET
     return schema.SourceFile(
-        file=came.file,
-        sha256=came.sha256,
-        format=came.format,
-        derivatives=came.derivatives,
-        fitted=came.fitted,
-        edited=provenance.edited(came, preset.path),
+        file=imported_from.file,
+        sha256=imported_from.sha256,
+        format=imported_from.format,
+        derivatives=imported_from.derivatives,
+        fitted=imported_from.fitted,
+        edited=provenance.edited(imported_from, preset.path),
     )
 
 
-def frame(preset: Preset) -> schema.Frame:
+def frame_section(preset: Preset) -> schema.Frame:
     """Which way is up, and where the attitude comes from."""
     gravity = np.asarray(preset.world.gravity)
     up = -gravity / np.linalg.norm(gravity)

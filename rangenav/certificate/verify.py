@@ -1,7 +1,7 @@
-"""Verification: read the bytes again, compute the certificate again, compare it with the one that lies beside the file.
+"""Verification: read the bytes again, compute the certificate again, and compare it with the stored certificate.
 
-Figures may differ by rounding between processors and versions, and by no more: tolerances are stated here. Words are
-compared with the numbers in them. Everything read is a stranger's: it is answered with sentences, whatever it holds.
+Numbers may differ by rounding between processors and versions; the tolerances are stated here. Sentences are compared
+together with the numbers in them. Both files may come from a stranger: whatever they hold, the answer is sentences.
 """
 
 import hashlib
@@ -15,7 +15,7 @@ import msgspec
 from rangenav import preset as presets
 from rangenav.certificate import schema
 from rangenav.certificate.certify import READERS, Reader, certify
-from rangenav.certificate.files import beside, certified_by, read_bytes
+from rangenav.certificate.files import file_of, path_for, read_bytes
 from rangenav.certificate.schema import Certificate
 
 RELATIVE = 1e-4
@@ -25,31 +25,31 @@ ABSOLUTE = {
     "direction": 1e-3,  # cosines
     "smallest_singular": 1e-11,  # rounding of rows is 1e-13 of a largest one of some tens
 }
-"""Besides, by this much."""
+"""An absolute tolerance that is added, by key."""
 LOOSE = {
     "floor": 0.5,  # an allowance, not a figure
     "starts": 0.1,  # points of a grid, whose refinement rounds upwards
     "remedy": 0.3,  # what a search ends with
 }
-"""Shares that replace the relative tolerance."""
+"""Relative tolerances that replace the usual one, by key."""
 IN_WORDS = 0.02
 """Numbers in sentences have three or four figures."""
 UNCOMPARED = {"tool"}
-"""Who computed it does not have to be who verifies."""
+"""Keys that are not compared: another version of the tool may verify."""
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 SHOWN = 60
 """Characters of a value that a sentence quotes."""
 
 
 def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = READERS) -> tuple[str, ...]:
-    """What is wrong with a file and the certificate beside it, one sentence each; empty if everything holds.
+    """One sentence for each place where a file and its certificate disagree; empty if they agree.
 
     The file is a shipped preset's name, a preset, an exported file or folder whose format `readers` knows, or the
     certificate of any of these.
     """
     try:
-        path = _find(name_or_path)
-        content, certificate = read_bytes(path), beside(path)
+        path = _locate(name_or_path)
+        content, certificate = read_bytes(path), path_for(path)
         if not certificate.is_file():
             return (f"{path.name}: there is no certificate beside it ({certificate.name})",)
         stored = schema.loads(read_bytes(certificate), source=certificate.name)
@@ -61,7 +61,7 @@ def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = REA
 def verify(
     content: bytes, stored: Certificate, *, source: str, readers: Mapping[str, Reader] = READERS
 ) -> tuple[str, ...]:
-    """What is wrong with a file's bytes and their certificate, one sentence each; empty if everything holds."""
+    """One sentence for each place where a file's bytes and their certificate disagree; empty if they agree."""
     digest = hashlib.sha256(content).hexdigest()
     if digest != stored.artifact.sha256:
         return (f"{source}: its bytes are not those that were certified: SHA-256 {digest[:12]}… differs",)
@@ -69,27 +69,27 @@ def verify(
         context = (
             None if stored.context is msgspec.UNSET else presets.loads(stored.context, source=f"{source}, context")
         )
-        found = certify(content, source=source, form=stored.artifact.format, context=context, readers=readers)
+        computed = certify(content, source=source, form=stored.artifact.format, context=context, readers=readers)
     except ValueError as error:
         return (str(error),)
-    sentences = (*differences(stored, found), *found.failures)
+    sentences = (*differences(stored, computed), *computed.failures)
     return tuple(f"{source}: {sentence}" for sentence in sentences)
 
 
 def differences(stored: Certificate, computed: Certificate) -> tuple[str, ...]:
     """A sentence for each place where two certificates differ by more than rounding; the tool is not compared."""
-    return tuple(_differences(_plain(stored), _plain(computed), ""))
+    return tuple(_differences(_compared(stored), _compared(computed), ""))
 
 
-def read_beside(name_or_path: str | Path) -> Certificate:
-    """The certificate that lies beside a file, or of the file a certificate is given of. Raises ValueError."""
-    place = beside(_find(name_or_path))
+def read_stored(name_or_path: str | Path) -> Certificate:
+    """The stored certificate of a file, or of a shipped preset by its name. Raises ValueError."""
+    place = path_for(_locate(name_or_path))
     return schema.loads(read_bytes(place), source=place.name)
 
 
-def _find(name_or_path: str | Path) -> Path:
+def _locate(name_or_path: str | Path) -> Path:
     path = Path(name_or_path)
-    owner = certified_by(path)
+    owner = file_of(path)
     if owner is not None:
         if not owner.exists():
             raise ValueError(f"{path.name}: there is no {owner.name} beside it that could be verified")
@@ -101,49 +101,49 @@ def _find(name_or_path: str | Path) -> Path:
     return presets.find(path)
 
 
-def _plain(certificate: Certificate) -> dict[str, Any]:
-    return {key: value for key, value in schema.plain(certificate).items() if key not in UNCOMPARED}
+def _compared(certificate: Certificate) -> dict[str, Any]:
+    return {key: value for key, value in schema.to_builtins(certificate).items() if key not in UNCOMPARED}
 
 
-def _differences(stored: Any, found: Any, path: str) -> Iterator[str]:
+def _differences(stored: Any, computed: Any, path: str) -> Iterator[str]:
     """A sentence for each place where the stored certificate is not the one found."""
-    if isinstance(stored, dict) and isinstance(found, dict):
-        for key in [*stored, *(key for key in found if key not in stored)]:
+    if isinstance(stored, dict) and isinstance(computed, dict):
+        for key in [*stored, *(key for key in computed if key not in stored)]:
             place = f"{path}.{key}".lstrip(".")
-            if key in stored and key in found:
-                yield from _differences(stored[key], found[key], place)
+            if key in stored and key in computed:
+                yield from _differences(stored[key], computed[key], place)
             else:
                 yield f"{place} {'is not found again' if key in stored else 'is missing'}"
-    elif isinstance(stored, list) and isinstance(found, list) and len(stored) == len(found):
-        for k, (one, other) in enumerate(zip(stored, found, strict=True)):
+    elif isinstance(stored, list) and isinstance(computed, list) and len(stored) == len(computed):
+        for k, (one, other) in enumerate(zip(stored, computed, strict=True)):
             yield from _differences(one, other, f"{path}[{k}]")
-    elif not _same(stored, found, path.rsplit(".", 1)[-1].split("[")[0]):
-        yield f"{path} is {_shown(stored)} in the certificate, found again as {_shown(found)}"
+    elif not _same(stored, computed, path.rsplit(".", 1)[-1].split("[")[0]):
+        yield f"{path} is {_quoted(stored)} in the certificate, found again as {_quoted(computed)}"
 
 
-def _same(stored: Any, found: Any, key: str) -> bool:
-    numbers = [value for value in (stored, found) if isinstance(value, int | float) and not isinstance(value, bool)]
+def _same(stored: Any, computed: Any, key: str) -> bool:
+    numbers = [value for value in (stored, computed) if isinstance(value, int | float) and not isinstance(value, bool)]
     if len(numbers) == 2:
-        if isinstance(stored, int) and isinstance(found, int) and key not in LOOSE:
-            return stored == found
-        return _near(stored, found, LOOSE.get(key, RELATIVE), ABSOLUTE.get(key, 0.0))
-    if isinstance(stored, str) and isinstance(found, str) and key not in ("sha256", "context"):
-        return _same_words(stored, found, LOOSE.get(key, IN_WORDS))
-    return type(stored) is type(found) and stored == found
+        if isinstance(stored, int) and isinstance(computed, int) and key not in LOOSE:
+            return stored == computed
+        return _close(stored, computed, LOOSE.get(key, RELATIVE), ABSOLUTE.get(key, 0.0))
+    if isinstance(stored, str) and isinstance(computed, str) and key not in ("sha256", "context"):
+        return _same_sentence(stored, computed, LOOSE.get(key, IN_WORDS))
+    return type(stored) is type(computed) and stored == computed
 
 
-def _near(one: float, other: float, share: float, slack: float) -> bool:
+def _close(one: float, other: float, share: float, slack: float) -> bool:
     return one == other or abs(one - other) <= share * max(abs(one), abs(other)) + slack
 
 
-def _same_words(one: str, other: str, share: float) -> bool:
+def _same_sentence(one: str, other: str, share: float) -> bool:
     """The same sentence, with numbers that agree to a share of them."""
     if NUMBER.sub("#", one) != NUMBER.sub("#", other):
         return False
     pairs = zip(NUMBER.findall(one), NUMBER.findall(other), strict=True)
-    return all(_near(float(a), float(b), share, IN_WORDS) for a, b in pairs)
+    return all(_close(float(a), float(b), share, IN_WORDS) for a, b in pairs)
 
 
-def _shown(value: Any) -> str:
+def _quoted(value: Any) -> str:
     text = " ".join(str(value).split())
     return text if len(text) <= SHOWN else text[: SHOWN - 1] + "…"

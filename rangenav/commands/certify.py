@@ -35,7 +35,7 @@ def certify(
     if output is not None:
         output.write_bytes(certificate.dumps(made))
     if json:
-        print_json(certificate.plain(made))
+        print_json(certificate.to_builtins(made))
     else:
         layout.show(text.certified(made, name=preset, written=output))
     if not made.certified:

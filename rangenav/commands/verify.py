@@ -36,7 +36,7 @@ def verify(
     if json:
         print_json({"files": {name: {"holds": not wrong, "failures": wrong} for name, wrong in failures.items()}})
     else:
-        stored = {name: certificate.read_beside(name) for name, wrong in failures.items() if not wrong}
+        stored = {name: certificate.read_stored(name) for name, wrong in failures.items() if not wrong}
         layout.show(text.verified(failures, stored))
     for sentence in [sentence for wrong in failures.values() for sentence in wrong]:
         print(sentence, file=sys.stderr)

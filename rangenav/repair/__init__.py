@@ -2,8 +2,8 @@
 
     repair(preset, by="tones")     the smallest change that meets μ, rank 13 and the predicted σ
     improve(preset, by="tones")    a change that lowers the predicted σ
-Searches look at samples; what they end with is written, read again and certified, with bounds, and a search that the
-certificate does not confirm is done again with more margin.
+A search tries motions by samples. Its result is written, read again and certified, with bounds. If the certificate does
+not confirm the result, the search runs again with more margin.
 """
 
 from collections.abc import Iterator
@@ -22,20 +22,29 @@ from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.repair import path_changes, tones
 from rangenav.repair.change import KINDS, Change, ChangeKind
-from rangenav.repair.outcome import NOWHERE, CannotRepairError, Repair, certified, defeat, made, outcome, report
-from rangenav.repair.search import Budget, Look, Search, least, sharpest
+from rangenav.repair.outcome import (
+    NOWHERE,
+    CannotRepairError,
+    Repair,
+    certificate_of,
+    changed_preset,
+    failure_reason,
+    outcome,
+    report,
+)
+from rangenav.repair.search import Budget, Search, Trial, least, sharpest
 from rangenav.vehicle import CRAZYFLIE, FREE
 
 EVALUATIONS = 1500
-"""Looks at a motion, some 4 ms each."""
+"""Motions that a search may try, about 4 ms each."""
 WORK = 3e8
-"""A formula's looks cost more, and are fewer; in the units of `remedy`."""
+"""The work of a whole search, in the units of `remedy`; a long formula is tried less often."""
 MARGINS = (0.05, 0.12, 0.25)
-"""log; asked of samples beyond what is required, until the certificate's bound confirms it."""
+"""log; the margins by which samples must exceed the requirement, tried in this order until a certificate confirms."""
 STAND_IN = CRAZYFLIE
-"""Whose limits a repair keeps, if it can, for a vehicle without any: so that somebody may fly it."""
+"""If a preset's vehicle has no limits, a repair keeps the limits of this one where it can."""
 IMPROVEMENT = 0.9
-"""σ has to fall to this share to be worth a change."""
+"""An improvement must lower σ to this share or below."""
 MOST_EFFORT: dict[ChangeKind, float] = {
     "tones": 1.0,
     "amplitude": 0.5,
@@ -43,7 +52,7 @@ MOST_EFFORT: dict[ChangeKind, float] = {
     "timescale": 0.5,
     "waypoints": 0.5,
 }
-"""How far an improvement may change a motion, if nobody says."""
+"""The largest effort of an improvement, unless the caller gives one."""
 SLOWING: tuple[ChangeKind, ...] = ("amplitude", "frequency", "timescale")
 """Kinds of change that can also ask less of a vehicle."""
 NOTHING = "nothing had to be changed"
@@ -64,21 +73,20 @@ def repair(
     this kind of change does not meet the requirement, and CancelledError when cancelled.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
-    before = certified(preset)
+    before = certificate_of(preset)
     budget = _budget(preset, evaluations, progress, cancelled)
     if before.meets:
         return outcome(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
     _refuse_hopeless(preset, by, before)
     _refuse_unjudged(preset, by, before)
-    nearest: list[Look] = []
+    nearest_trials: list[Trial] = []
     for limited in _limited(preset, by, budget):
-        found = _smallest(limited, by, before.excitation.at, budget, nearest)
+        found = _smallest(limited, by, before.excitation.at, budget, nearest_trials)
         if found is not None:
             change, theta = found
-            return outcome(
-                preset, made(change, theta, preset, REPAIRED), by, change.words(theta), change.effort(theta), budget
-            )
-    raise CannotRepairError(defeat(preset, by, budget, nearest))
+            after = changed_preset(change, theta, preset, REPAIRED)
+            return outcome(preset, after, by, change.description(theta), change.effort(theta), budget)
+    raise CannotRepairError(failure_reason(preset, by, budget, nearest_trials))
 
 
 def improve(
@@ -106,13 +114,13 @@ def improve(
     limit = MOST_EFFORT[by] if most_effort is None else most_effort
     for limited in _limited(preset, by, budget):
         change = _wide(limited, by)
-        looking = Search(change=change, budget=budget, margin=MARGINS[0], needs=("excitation",))
-        theta = sharpest(looking, limit)
+        search = Search(change=change, budget=budget, margin=MARGINS[0], needs=("excitation",))
+        theta = sharpest(search, limit)
         if theta is None:
             continue
-        after = made(change, change.tidy(theta), preset, IMPROVED)
+        after = changed_preset(change, change.rounded(theta), preset, IMPROVED)
         if figures(after).sigma <= IMPROVEMENT * found.sigma and _kept(after, limited):
-            return outcome(preset, after, by, change.words(change.tidy(theta)), change.effort(theta), budget)
+            return outcome(preset, after, by, change.description(change.rounded(theta)), change.effort(theta), budget)
     raise CannotRepairError(
         f"{by}: no change of effort {limit:g} or less, within the limits, lowers the {found.sigma:.3g} m by a tenth"
     )
@@ -120,7 +128,7 @@ def improve(
 
 def _kept(after: Preset, limited: Preset) -> bool:
     """Whether the certificate confirms that excitation and rank are as required and the limits are kept."""
-    checks = certified(msgspec.structs.replace(after, vehicle=limited.vehicle)).checks
+    checks = certificate_of(msgspec.structs.replace(after, vehicle=limited.vehicle)).checks
     return all(one.met for one in checks if one.name != "accuracy")
 
 
@@ -133,7 +141,7 @@ def _budget(preset: Preset, evaluations: int, progress: Progress, cancelled: Can
 def _limited(preset: Preset, by: ChangeKind, budget: Budget) -> Iterator[Preset]:
     """The preset with the vehicles whose limits are to be kept: its own, or for a free one the stand-in's first.
 
-    The stand-in gets half of the looks, and none if it cannot fly the path as it is: more of it would be no easier.
+    The stand-in gets half of the trials, and none if it cannot fly the path as it is: more motion is no easier.
     """
     if preset.vehicle == FREE:
         small = msgspec.structs.replace(preset, vehicle=STAND_IN)
@@ -145,7 +153,7 @@ def _limited(preset: Preset, by: ChangeKind, budget: Budget) -> Iterator[Preset]
 
 
 def _refuse_hopeless(preset: Preset, by: ChangeKind, before: Certificate) -> None:
-    """What no size or speed changes: a path that has no snap along a direction keeps having none."""
+    """Raise CannotRepairError where no change of this kind can help: scaling adds no snap along a new direction."""
     refused = path_changes.refusal(by, preset)
     along = blindness.name(np.asarray(before.excitation.direction))
     if refused is None and by in ("amplitude", "timescale") and before.excitation.found is None:
@@ -161,28 +169,28 @@ def _refuse_hopeless(preset: Preset, by: ChangeKind, before: Certificate) -> Non
 
 
 def _refuse_unjudged(preset: Preset, by: ChangeKind, before: Certificate) -> None:
-    """Of a path whose snap is a fit's there may be nothing to change; changed, it would be a design like any other."""
+    """Raise CannotRepairError for a fitted path that would meet its requirement as a design: it needs no change."""
     why = provenance.restriction(preset.source, preset.path)
     if why is not None and all(one.met for one in before.checks if one.name != "source"):
         raise CannotRepairError(f"{by}: {why}; as a design it meets its requirement already: {provenance.ADOPT}")
 
 
 def _smallest(
-    preset: Preset, by: ChangeKind, at: float, budget: Budget, nearest: list[Look]
+    preset: Preset, by: ChangeKind, at: float, budget: Budget, nearest_trials: list[Trial]
 ) -> tuple[Change, Float[Array, "n"]] | None:
     """The smallest change that the certificate confirms, with more margin each time that it does not."""
     for margin in MARGINS:
         for change in _changes(preset, by, at, budget):
-            looking = Search(change=change, budget=budget, margin=margin)
-            theta = least(looking)
-            nearest.append(min(looking.seen.values(), key=lambda look: look.violation, default=NOWHERE))
+            search = Search(change=change, budget=budget, margin=margin)
+            theta = least(search)
+            nearest_trials.append(min(search.trials.values(), key=lambda trial: trial.violation, default=NOWHERE))
             if theta is None:
                 continue
-            tidy = change.tidy(theta)
-            theta = tidy if looking.look(tidy).violation <= margin / 2 else theta
-            if certified(change.make(theta)).meets:
+            rounded = change.rounded(theta)
+            theta = rounded if search.evaluate(rounded).violation <= margin / 2 else theta
+            if certificate_of(change.make(theta)).meets:
                 return change, theta
-            break  # found, but not confirmed: the same again with more margin
+            break  # a θ was found, but its certificate does not confirm it: try again with more margin
         else:
             return None
     return None
@@ -193,7 +201,7 @@ def _changes(preset: Preset, by: ChangeKind, at: float, budget: Budget) -> Itera
     if by == "tones":
         added = remedy.smallest_tones(preset, at, tries=_spent(budget))
         if added is not None:
-            yield tones.found_tones(preset, added)
+            yield tones.searched_tones(preset, added)
     elif by == "waypoints":
         for directions in remedy.directions(preset, at):
             yield path_changes.waypoints(preset, directions)
@@ -217,7 +225,7 @@ def _wide(preset: Preset, by: ChangeKind) -> Change:
 
 
 def _spent(budget: Budget) -> Iterator[int]:
-    """One for each look that the budget still has, counted when it is taken."""
+    """One number for each trial that the budget has left; taking a number spends the trial."""
     while budget.left > 0:
         budget.spend()
         yield budget.left

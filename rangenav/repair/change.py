@@ -1,4 +1,4 @@
-"""One kind of change a motion can be repaired by: a map θ → preset with a size, from no change at θ = 0."""
+"""One kind of change that can repair a motion: a map θ → preset, where θ = 0 changes nothing."""
 
 from collections.abc import Callable
 from typing import Literal
@@ -25,12 +25,12 @@ class Change:
     make: Callable[[Array], Preset]
     """θ → the changed preset. Raises ValueError where there is none."""
     effort: Callable[[Array], float]
-    """How large the change is."""
-    words: Callable[[Array], str]
-    tidy: Callable[[Array], Array]
-    """θ with numbers that a person would write."""
-    seeds: tuple[Float[Array, "n"], ...]
-    """Ends of rays from no change, along which a first solution is looked for."""
+    """The size of the change."""
+    description: Callable[[Array], str]
+    rounded: Callable[[Array], Array]
+    """θ rounded to numbers that a person would write."""
+    rays: tuple[Float[Array, "n"], ...]
+    """Ends of the rays from θ = 0 along which a first solution is searched."""
     grows: Bool[Array, "n"] | None = None
     """Which unknowns grow along a ray; None: all of them. Frequencies and phases stay."""
 

@@ -1,4 +1,4 @@
-"""What a repair ends with: the changed preset, certified from its written bytes, or why there is none."""
+"""The result of a repair: the changed preset with its certificate, or the reason why there is none."""
 
 from typing import Any
 
@@ -13,28 +13,28 @@ from rangenav.certificate import Certificate
 from rangenav.certificate.figures import BLIND_MU, Figures, figures
 from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
 from rangenav.repair.change import Change, ChangeKind
-from rangenav.repair.search import Budget, Look
+from rangenav.repair.search import Budget, Trial
 from rangenav.results import result
 from rangenav.vehicle import WORDS
 
-NOWHERE = Look(figures=None, violation=np.inf)
+NOWHERE = Trial(figures=None, violation=np.inf)
 
 
 class CannotRepairError(ValueError):
-    """This kind of change does not do it; the sentence says why."""
+    """This kind of change does not meet the requirement; the sentence says why."""
 
 
 @result
 class Repair:
-    """A preset, what was changed about it, and what that achieves."""
+    """A preset before and after a change, and the figures of both."""
 
     before: Preset
     after: Preset
     by: ChangeKind
-    words: str
-    """The change, or that none was needed."""
+    description: str
+    """The change in a clause, or that none was needed."""
     effort: float
-    """How large it is: m (and weights of acceleration) for tones, m for waypoints, log factors for the others."""
+    """The size of the change: m and weights of acceleration for tones, m for waypoints, log factors for the rest."""
     evaluations: int
     figures_before: Figures
     """Sampled; σ is infinite where blind."""
@@ -43,34 +43,34 @@ class Repair:
     """Of the preset after, from its written bytes."""
 
 
-def made(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) -> Preset:
+def changed_preset(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) -> Preset:
     """The changed preset with its own vehicle again, a title, and a story that says what was changed."""
     title = f"{preset.title}{suffix}"
-    words = change.words(theta)
+    description = change.description(theta)
     return msgspec.structs.replace(
         change.make(theta),
         vehicle=preset.vehicle,
         expect="observable",
         title=title if len(title) <= MAX_TITLE else preset.title,
-        story=f"{words[0].upper()}{words[1:]}."[:MAX_STORY],
+        story=f"{description[0].upper()}{description[1:]}."[:MAX_STORY],
     )
 
 
-def outcome(before: Preset, after: Preset, by: ChangeKind, words: str, effort: float, budget: Budget) -> Repair:
+def outcome(before: Preset, after: Preset, by: ChangeKind, description: str, effort: float, budget: Budget) -> Repair:
     return Repair(
         before=before,
         after=after,
         by=by,
-        words=words,
+        description=description,
         effort=effort,
         evaluations=budget.used,
         figures_before=figures(before),
         figures_after=figures(after),
-        certificate=certified(after),
+        certificate=certificate_of(after),
     )
 
 
-def certified(preset: Preset) -> Certificate:
+def certificate_of(preset: Preset) -> Certificate:
     return certificate.certify(presets.dumps(preset).encode(), source="preset")
 
 
@@ -87,7 +87,7 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
     return {
         "preset": name,
         "by": found.by,
-        "words": found.words,
+        "words": found.description,
         "effort": found.effort,
         "evaluations": found.evaluations,
         "before": said(found.figures_before),
@@ -103,16 +103,16 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
     }
 
 
-def defeat(preset: Preset, by: ChangeKind, budget: Budget, nearest: list[Look]) -> str:
-    look = min(nearest, key=lambda one: one.violation, default=NOWHERE)
-    said = f"{by}: no change that meets the requirement was found in {budget.used} looks"
-    if look.figures is None:
+def failure_reason(preset: Preset, by: ChangeKind, budget: Budget, nearest_trials: list[Trial]) -> str:
+    trial = min(nearest_trials, key=lambda one: one.violation, default=NOWHERE)
+    said = f"{by}: no change that meets the requirement was found among {budget.used} motions"
+    if trial.figures is None:
         return said
-    sigma, needed = look.figures.sigma, preset.requirement
-    mu = 0.0 if look.figures.mu <= BLIND_MU else look.figures.mu
+    sigma, needed = trial.figures.sigma, preset.requirement
+    mu = 0.0 if trial.figures.mu <= BLIND_MU else trial.figures.mu
     said += f"; the nearest has μ = {mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
     said += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
-    excess = look.figures.excess
-    if look.figures.worst_excess > 0:
+    excess = trial.figures.excess
+    if trial.figures.worst_excess > 0:
         said += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
     return said

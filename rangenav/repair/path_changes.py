@@ -1,4 +1,4 @@
-"""Changes of what a path has already: its size, its tones' frequencies, its speed, its waypoints.
+"""Changes of what a path consists of: its size, the frequencies of its tones, its speed, its waypoints.
 
 amplitude   one factor per axis, about the middle of the path
 frequency   one factor per frequency of the path's own tones
@@ -20,7 +20,7 @@ from rangenav.repair.change import Change, ChangeKind, with_path
 from rangenav.signals import MinimumSnap, Multisine, Signal, Sum, Tone, Waypoints
 
 MOST_FACTOR = 4.0
-"""Sizes, frequencies and times are changed by at most this factor; beyond it is another motion."""
+"""The largest factor by which sizes, frequencies and times are changed."""
 MOST_MOVED = 3.0
 """m, of a waypoint."""
 WAVES = 3
@@ -42,11 +42,11 @@ def amplitude(preset: Preset) -> Change:
         box=_factors(3),
         make=make,
         effort=lambda theta: float(np.linalg.norm(theta[moves])),
-        words=lambda theta: (
+        description=lambda theta: (
             "scaled " + _listed([f"{a} by {math.exp(t):.3g}" for a, t in zip("xyz", theta, strict=True)])
         ),
-        tidy=_round_factors,
-        seeds=_corners(np.array([moves, *np.diag(moves)], dtype=float)),
+        rounded=_round_factors,
+        rays=_corners(np.array([moves, *np.diag(moves)], dtype=float)),
     )
 
 
@@ -57,26 +57,26 @@ def frequency(preset: Preset) -> Change:
 
     def make(theta: Array) -> Preset:
         factors = dict(zip(own, np.exp(theta).tolist(), strict=True))
-        made = tuple(
+        tones = tuple(
             msgspec.structs.replace(tone, frequency=float(f"{tone.frequency * factors[tone.frequency]:.3g}"))
             for tone in found
         )
-        return with_path(preset, _with_own_tones(preset.path, made))
+        return with_path(preset, _with_own_tones(preset.path, tones))
 
     return Change(
         box=_factors(len(own)),
         make=make,
         effort=lambda theta: float(np.linalg.norm(theta)),
-        words=lambda theta: (
+        description=lambda theta: (
             "changed "
             + _listed(
                 [f"{w:g} to {w * math.exp(t):.3g} rad/s" for w, t in zip(own, theta, strict=True) if abs(t) > 1e-3]
             )
         ),
-        tidy=lambda theta: np.array(
+        rounded=lambda theta: np.array(
             [math.log(float(f"{w * math.exp(t):.3g}") / w) for w, t in zip(own, theta, strict=True)]
         ),
-        seeds=_corners(np.vstack([np.eye(len(own)), np.ones((1, len(own)))])),
+        rays=_corners(np.vstack([np.eye(len(own)), np.ones((1, len(own)))])),
     )
 
 
@@ -90,7 +90,7 @@ def timescale(preset: Preset) -> Change:
             duration = min(MAX_DURATION, duration * factor)
         return msgspec.structs.replace(preset, path=signals.slowed(preset.path, factor), duration=duration)
 
-    def said(theta: Array) -> str:
+    def description(theta: Array) -> str:
         factor = math.exp(float(theta[0]))
         return f"run {factor:.3g} times slower" if factor > 1 else f"run {1 / factor:.3g} times faster"
 
@@ -98,9 +98,9 @@ def timescale(preset: Preset) -> Change:
         box=_factors(1),
         make=make,
         effort=lambda theta: abs(float(theta[0])),
-        words=said,
-        tidy=_round_factors,
-        seeds=_corners(np.ones((1, 1))),
+        description=description,
+        rounded=_round_factors,
+        rays=_corners(np.ones((1, 1))),
     )
 
 
@@ -122,7 +122,7 @@ def waypoints(preset: Preset, directions: tuple[Float[Array, "3"], ...]) -> Chan
         )
         return with_path(preset, _with_curve(preset.path, msgspec.structs.replace(base, points=points)))
 
-    def said(theta: Array) -> str:
+    def description(theta: Array) -> str:
         size = np.linalg.norm(moved(theta), axis=1)
         return f"moved {int(np.sum(size > 0))} waypoints by up to {size.max():.3g} m"
 
@@ -131,9 +131,9 @@ def waypoints(preset: Preset, directions: tuple[Float[Array, "3"], ...]) -> Chan
         box=np.array([[-MOST_MOVED, MOST_MOVED]] * count),
         make=make,
         effort=lambda theta: float(np.sqrt(np.mean(np.sum(moved(theta) ** 2, axis=1)))),
-        words=said,
-        tidy=lambda theta: np.round(theta, 3),
-        seeds=tuple(MOST_MOVED * row for row in np.eye(count)),
+        description=description,
+        rounded=lambda theta: np.round(theta, 3),
+        rays=tuple(MOST_MOVED * row for row in np.eye(count)),
     )
 
 
@@ -175,10 +175,10 @@ def _with_curve(path: Signal, curve: Waypoints | MinimumSnap) -> Signal:
     return msgspec.structs.replace(path, base=curve) if isinstance(path, Sum) else curve
 
 
-def _with_own_tones(path: Signal, made: tuple[Tone, ...]) -> Signal:
+def _with_own_tones(path: Signal, tones: tuple[Tone, ...]) -> Signal:
     if isinstance(path, Sum):
-        return msgspec.structs.replace(path, wiggle=msgspec.structs.replace(path.wiggle, tones=made))
-    return msgspec.structs.replace(path, tones=made)
+        return msgspec.structs.replace(path, wiggle=msgspec.structs.replace(path.wiggle, tones=tones))
+    return msgspec.structs.replace(path, tones=tones)
 
 
 def _factors(count: int) -> Float[Array, "n 2"]:

@@ -1,7 +1,8 @@
-"""The smallest θ that meets every requirement, or the best one within limits: rays, then a wide search, then polish.
+"""The search for the smallest θ that meets every requirement, or for the best θ within limits.
 
-Every look at a θ costs some 4 ms and is counted; when the evaluations are used up the best so far is kept. A violation
-is the largest of all shortfalls and excesses, in logarithms, so that 0 is met with what margin was asked for.
+The search goes along rays, then through the whole box, and ends with a local polish. Every trial of a θ costs about
+4 ms and is counted; when the budget is used up, the best θ so far is kept. The violation of a θ is the largest of all
+shortfalls and excesses, as logarithms: at 0 or below, every requirement is met with the margin that was required.
 """
 
 import math
@@ -20,23 +21,23 @@ from rangenav.repair.path_changes import Change
 from rangenav.results import result
 
 RAY = (1 / 512, 1 / 256, 1 / 128, 1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 3 / 4, 1.0)
-"""Shares of a ray that are looked at, outwards."""
+"""Shares of a ray that are tried, outwards."""
 HALVINGS = 6
 POPULATION, SEED = 5, 1
 """Of differential evolution: members per unknown; the draw is always the same."""
 WIDE_SHARE, POLISH = 0.6, 120
-"""Of the evaluations a wide search may use this share, and a polish so many."""
+"""The share of the remaining trials that a wide search may use, and the number of trials that a polish may use."""
 WALL = 1e3
-"""Violation of what cannot be had at all."""
+"""The violation of a θ for which there is no preset."""
 EXCESS_MARGIN = 0.01
-"""The vehicle's limits are looked at on fewer samples than the certificate does."""
+"""log; kept from the vehicle's limits, because a trial has fewer samples than a certificate."""
 PENALTY = 30.0
 """Weight of a violation against a logarithm of σ in a wide search."""
 
 
 @dataclass(eq=False, kw_only=True)
 class Budget:
-    """Counts looks, tells how far the search is, and stops it. One per repair."""
+    """The number of motions that a repair may try. Reports the progress of the search and stops it when cancelled."""
 
     total: int
     most: int
@@ -46,7 +47,7 @@ class Budget:
     used: int = 0
 
     def spend(self) -> None:
-        """One more look. Raises CancelledError."""
+        """Count one more trial. Raises CancelledError."""
         if self.cancelled():
             raise CancelledError
         self.used += 1
@@ -58,8 +59,8 @@ class Budget:
 
 
 @result
-class Look:
-    """What one θ gives."""
+class Trial:
+    """The figures of one θ, and by how much it violates the requirements."""
 
     figures: Figures | None
     violation: float
@@ -67,7 +68,7 @@ class Look:
 
 @dataclass(eq=False, kw_only=True)
 class Search:
-    """One change, looked at with memory: the optimiser asks for objective and constraint at the same θ."""
+    """One kind of change and every θ tried so far: an optimiser needs objective and constraint at the same θ."""
 
     change: Change
     budget: Budget
@@ -75,34 +76,34 @@ class Search:
     """log; asked of μ and σ beyond what is required."""
     needs: tuple[str, ...] = ("excitation", "accuracy")
     """Shortfalls that count."""
-    seen: dict[bytes, Look] = field(default_factory=dict)
+    trials: dict[bytes, Trial] = field(default_factory=dict)
 
-    def look(self, theta: Float[Array, "n"]) -> Look:
-        """The quick figures at θ; outside the box the walls are steep, not sudden."""
+    def evaluate(self, theta: Float[Array, "n"]) -> Trial:
+        """The trial of θ, which is first clipped to the box."""
         theta = np.clip(theta, self.change.box[:, 0], self.change.box[:, 1])
         key = theta.tobytes()
-        if key not in self.seen:
+        if key not in self.trials:
             self.budget.spend()
-            self.seen[key] = self._look(theta)
-        return self.seen[key]
+            self.trials[key] = self._evaluate(theta)
+        return self.trials[key]
 
-    def _look(self, theta: Array) -> Look:
+    def _evaluate(self, theta: Array) -> Trial:
         try:
-            made = self.change.make(theta)
-            found = figures(made)
+            preset = self.change.make(theta)
+            found = figures(preset)
         except ValueError:
-            return Look(figures=None, violation=WALL)
-        return Look(figures=found, violation=self.violation(found, made))
+            return Trial(figures=None, violation=WALL)
+        return Trial(figures=found, violation=self.violation(found, preset))
 
-    def violation(self, found: Figures, made: Preset) -> float:
-        """The largest of what is missing and what is too much; met at 0."""
-        missing = [value for name, value in shortfall(found, made, margin=self.margin).items() if name in self.needs]
+    def violation(self, found: Figures, preset: Preset) -> float:
+        """The largest shortfall or excess; the requirements are met at 0 or below."""
+        missing = [value for name, value in shortfall(found, preset, margin=self.margin).items() if name in self.needs]
         return min(WALL, max(*missing, found.worst_excess + EXCESS_MARGIN, -WALL))
 
 
 def least(search: Search) -> Float[Array, "n"] | None:
     """The smallest θ found that violates nothing; None if none was found."""
-    found = [theta for end in search.change.seeds if (theta := along(search, end)) is not None]
+    found = [theta for end in search.change.rays if (theta := along(search, end)) is not None]
     if not found and search.budget.left > 0:
         wide = _anywhere(search)
         found = [] if wide is None else [wide]
@@ -118,14 +119,14 @@ def along(search: Search, end: Float[Array, "n"]) -> Float[Array, "n"] | None:
     for share in RAY:
         if search.budget.left == 0:
             return None
-        if search.look(search.change.ray(end, share)).violation <= 0:
+        if search.evaluate(search.change.ray(end, share)).violation <= 0:
             break
         before = share
     else:
         return None
     for _ in range(HALVINGS):
         middle = (before + share) / 2
-        if search.look(search.change.ray(end, middle)).violation <= 0:
+        if search.evaluate(search.change.ray(end, middle)).violation <= 0:
             share = middle
         else:
             before = middle
@@ -140,10 +141,10 @@ def polished(search: Search, theta: Float[Array, "n"], aim: Callable[[Array], fl
         lambda u: aim(u * span),
         start,
         method="COBYLA",
-        constraints=[{"type": "ineq", "fun": lambda u: -search.look(u * span).violation}],
+        constraints=[{"type": "ineq", "fun": lambda u: -search.evaluate(u * span).violation}],
         options={"rhobeg": 0.05, "maxiter": min(POLISH, search.budget.left), "tol": 1e-4},
     )
-    met = [np.frombuffer(key) for key, look in search.seen.items() if look.violation <= 0]
+    met = [np.frombuffer(key) for key, trial in search.trials.items() if trial.violation <= 0]
     return min([theta, *met], key=aim)
 
 
@@ -154,16 +155,16 @@ def _anywhere(search: Search) -> Float[Array, "n"] | None:
     if generations < 1:
         return None
     differential_evolution(
-        lambda theta: search.look(theta).violation,
+        lambda theta: search.evaluate(theta).violation,
         box.tolist(),
         maxiter=generations,
         popsize=POPULATION,
         rng=SEED,
         polish=False,
         init="sobol",
-        callback=lambda *_, **__: any(look.violation <= 0 for look in search.seen.values()),
+        callback=lambda *_, **__: any(trial.violation <= 0 for trial in search.trials.values()),
     )
-    met = [np.frombuffer(key) for key, look in search.seen.items() if look.violation <= 0]
+    met = [np.frombuffer(key) for key, trial in search.trials.items() if trial.violation <= 0]
     return min(met, key=search.change.effort) if met else None
 
 
@@ -171,11 +172,11 @@ def sharpest(search: Search, most_effort: float) -> Float[Array, "n"] | None:
     """The θ of least predicted σ whose effort stays below a limit and that breaks no limit of the vehicle."""
 
     def aim(theta: Array) -> float:
-        look = search.look(theta)
-        too_much = max(0.0, look.violation) + max(0.0, search.change.effort(theta) / most_effort - 1)
-        return WALL if look.figures is None else math.log(max(look.figures.sigma, 1e-9)) + PENALTY * too_much
+        trial = search.evaluate(theta)
+        too_much = max(0.0, trial.violation) + max(0.0, search.change.effort(theta) / most_effort - 1)
+        return WALL if trial.figures is None else math.log(max(trial.figures.sigma, 1e-9)) + PENALTY * too_much
 
-    tried = [search.change.ray(end, share) for end in search.change.seeds for share in RAY]
+    tried = [search.change.ray(end, share) for end in search.change.rays for share in RAY]
     tried = [theta for theta in tried if search.change.effort(theta) <= most_effort]
     scored = [(aim(theta), k) for k, theta in enumerate(tried) if search.budget.left > POLISH]
     if not scored:
@@ -188,6 +189,6 @@ def sharpest(search: Search, most_effort: float) -> Float[Array, "n"] | None:
         method="COBYLA",
         options={"rhobeg": 0.05, "maxiter": search.budget.left, "tol": 1e-4},
     )
-    met = [np.frombuffer(key) for key, look in search.seen.items() if look.violation <= 0]
+    met = [np.frombuffer(key) for key, trial in search.trials.items() if trial.violation <= 0]
     met = [theta for theta in met if search.change.effort(theta) <= most_effort]
     return min(met, key=aim) if met else None

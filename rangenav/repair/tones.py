@@ -1,4 +1,4 @@
-"""Tones added to a path: those a first search has found, their amplitudes and phases left to choose; or any three."""
+"""Tones added to a path: the tones of a first search with free amplitudes and phases, or three free tones."""
 
 import math
 
@@ -16,12 +16,12 @@ MOST_ACCELERATION = 10.0
 """m/s², of one added tone: about a weight."""
 
 
-def found_tones(preset: Preset, added: Added) -> Change:
-    """Amplitude and phase of each of the tones that a first search has found; θ = (amplitudes, phases)."""
+def searched_tones(preset: Preset, added: Added) -> Change:
+    """The tones of a first search, each with a free amplitude and phase; θ = (amplitudes, phases)."""
     count = len(added.directions)
     weights = np.array([1 + w**2 / STANDARD_GRAVITY for w in added.frequencies])
 
-    def made(theta: Array) -> tuple[Tone, ...]:
+    def added_tones(theta: Array) -> tuple[Tone, ...]:
         return tuple(
             Tone(axis=axis, amplitude=float(theta[i] * n[k]), frequency=w, phase=float(theta[count + i]))
             for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
@@ -29,26 +29,31 @@ def found_tones(preset: Preset, added: Added) -> Change:
             if n[k] != 0
         )
 
-    def said(theta: Array) -> str:
+    def description(theta: Array) -> str:
         each = [
             f"{theta[i]:g} m at {w:g} rad/s along {blindness.name(n)}"
             for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
         ]
         return f"added {'a tone' if count == 1 else 'tones'} of " + " and ".join(each)
 
+    def rounded(theta: Array) -> Array:
+        return np.array([_up(a, 3) for a in theta[:count]] + [round(float(a), 2) for a in theta[count:]])
+
     most = [[0.0, 3 * added.amplitude]] * count + [[-math.pi, math.pi]] * count
     return Change(
         box=np.array(most),
-        make=lambda theta: with_path(preset, with_tones(preset.path, made(theta))),
+        make=lambda theta: with_path(preset, with_tones(preset.path, added_tones(theta))),
         effort=lambda theta: float(np.linalg.norm(theta[:count] * weights)),
-        words=said,
-        tidy=lambda theta: np.array([_up(a, 3) for a in theta[:count]] + [round(float(a), 2) for a in theta[count:]]),
-        seeds=(np.array([2 * added.amplitude] * count + [0.0] * count),),
+        description=description,
+        rounded=lambda theta: np.array(
+            [_up(a, 3) for a in theta[:count]] + [round(float(a), 2) for a in theta[count:]]
+        ),
+        rays=(np.array([2 * added.amplitude] * count + [0.0] * count),),
     )
 
 
 def free_tones(preset: Preset) -> Change:
-    """Three tones, one an axis, with all their numbers; θ = (accelerations, frequencies, phases). For a wide search."""
+    """One free tone for each axis; θ = (accelerations, frequencies, phases)."""
     candidates = remedy.candidates(preset)
     slowest, fastest = 0.5 * candidates[0], 1.5 * candidates[-1]
     period = preset.path.period
@@ -57,24 +62,24 @@ def free_tones(preset: Preset) -> Change:
     def snapped(w: float) -> float:
         return float(f"{step * max(1, round(w / step)):.12g}")
 
-    def made(theta: Array) -> tuple[Tone, ...]:
+    def added_tones(theta: Array) -> tuple[Tone, ...]:
         w = [snapped(float(value)) for value in theta[3:6]]
         return tuple(
             Tone(axis=axis, amplitude=float(theta[k]) / w[k] ** 2, frequency=w[k], phase=float(theta[6 + k]))
             for k, axis in enumerate(LETTERS)
         )
 
-    def kept(theta: Array) -> tuple[Tone, ...]:
-        return tuple(tone for tone in made(theta) if tone.amplitude >= remedy.LEAST_AMPLITUDE)
+    def kept_tones(theta: Array) -> tuple[Tone, ...]:
+        return tuple(tone for tone in added_tones(theta) if tone.amplitude >= remedy.LEAST_AMPLITUDE)
 
     def effort(theta: Array) -> float:
-        return math.hypot(*(tone.amplitude * (1 + tone.frequency**2 / STANDARD_GRAVITY) for tone in made(theta)))
+        return math.hypot(*(tone.amplitude * (1 + tone.frequency**2 / STANDARD_GRAVITY) for tone in added_tones(theta)))
 
-    def said(theta: Array) -> str:
-        each = [f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis}" for tone in kept(theta)]
+    def description(theta: Array) -> str:
+        each = [f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis}" for tone in kept_tones(theta)]
         return f"added {'a tone' if len(each) == 1 else 'tones'} of " + " and ".join(each)
 
-    def tidy(theta: Array) -> Array:
+    def rounded(theta: Array) -> Array:
         w = np.array([snapped(float(value)) for value in theta[3:6]])
         sizes = [_up(float(a), 3) * v**2 for a, v in zip(theta[:3] / w**2, w, strict=True)]
         return np.concatenate([sizes, w, np.round(theta[6:], 2)])
@@ -82,11 +87,11 @@ def free_tones(preset: Preset) -> Change:
     box = [[0.0, MOST_ACCELERATION]] * 3 + [[slowest, fastest]] * 3 + [[0.0, 2 * math.pi]] * 3
     return Change(
         box=np.array(box),
-        make=lambda theta: with_path(preset, with_tones(preset.path, kept(theta))),
+        make=lambda theta: with_path(preset, with_tones(preset.path, kept_tones(theta))),
         effort=effort,
-        words=said,
-        tidy=tidy,
-        seeds=tuple(
+        description=description,
+        rounded=rounded,
+        rays=tuple(
             np.concatenate([MOST_ACCELERATION * axis, [w] * 3, [0.0] * 3]) for axis in np.eye(3) for w in candidates
         ),
         grows=np.array([True] * 3 + [False] * 6),

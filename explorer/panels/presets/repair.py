@@ -134,7 +134,7 @@ def repair_text(result: Repair) -> tuple[str, ...]:
     certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
     broken = certificate.vehicle.broken
     vehicle_text = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
-    return result.words, f"after {result.evaluations} looks: {certificate_text}; {vehicle_text}"
+    return result.description, f"after {result.evaluations} motions tried: {certificate_text}; {vehicle_text}"
 
 
 def figures(result: Repair) -> str:

@@ -66,8 +66,7 @@ def next_commands(*commands: str) -> tuple[Group, ...]:
 
 def rendered(report: Report, columns: int = COLUMNS) -> list[str]:
     """The lines of a report, wrapped to so many columns."""
-    head = f"{report.subject}   {report.sign} {report.answer}"
-    lines = [*wrapped(head, columns, CONTINUED), *([report.title] if report.title else [])]
+    lines = [*head_lines(report, columns), *([report.title] if report.title else [])]
     lines += [""] if report.groups else []
     for one in report.groups:
         name = one.name
@@ -79,6 +78,11 @@ def rendered(report: Report, columns: int = COLUMNS) -> list[str]:
                 lines.append(f"{name:<{NAMES}}{part}")
                 name = ""
     return lines
+
+
+def head_lines(report: Report, columns: int) -> list[str]:
+    """The answer: one line, or more if it is long."""
+    return wrapped(f"{report.subject}   {report.sign} {report.answer}", columns, CONTINUED)
 
 
 def wrapped(text: str, columns: int, continued: str = "") -> list[str]:
@@ -98,13 +102,14 @@ def show(report: Report) -> None:
     """Print a report on stdout; in colour on a terminal, unless NO_COLOR is set."""
     console = Console(highlight=False)
     columns = min(COLUMNS, console.width) if console.is_terminal else COLUMNS
+    head = len(head_lines(report, columns))
     for number, line in enumerate(rendered(report, columns)):
         text = Text(line)
-        if number == 0:
-            start = len(report.subject) + 3
+        if number < head:
+            start = len(report.subject) + 3 if number == 0 else 0
             text.stylize("bold", 0, start)
             text.stylize(f"bold {COLORS[report.sign]}", start)
-        elif report.title and line == report.title:
+        elif number == head and report.title:
             text.stylize("dim")
         else:
             text.stylize("cyan", 0, NAMES)

@@ -36,7 +36,7 @@ def certified(p: Preset) -> Certificate:
 
 def stored(name: str) -> Certificate:
     """The certificate that is shipped; another test computes it again."""
-    return schema.loads(certificate.beside(preset.find(name)).read_bytes(), source=name)
+    return schema.loads(certificate.path_for(preset.find(name)).read_bytes(), source=name)
 
 
 def check(found: Certificate, name: str) -> schema.Check:
@@ -51,7 +51,7 @@ def test_every_shipped_preset_lies_beside_a_certificate_that_holds(name: str):
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_certificate_is_whole_and_says_what_the_analysis_says(name: str):
-    text = certificate.beside(preset.find(name)).read_text(encoding="utf-8")
+    text = certificate.path_for(preset.find(name)).read_text(encoding="utf-8")
     said = json.loads(text, parse_constant=pytest.fail)
     assert nulls_without_reason(said) == []
     found, p = analysis.analyse(preset.load(name)), preset.load(name)
@@ -159,7 +159,7 @@ def test_every_claim_that_is_changed_is_noticed(name: str):
     """A number made 5% larger (or 5% of a unit), a flag turned, a word added: every place but who computed it."""
     content = preset.find(name).read_bytes()
     found = certificate.certify(content, source=name)
-    whole = schema.plain(found)
+    whole = schema.to_builtins(found)
     loose = {("excitation", "floor"), ("excitation", "starts")}  # allowances, not claims
     for where in leaves(whole):
         if where[0] == "tool" or where in loose:
@@ -188,13 +188,13 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
     max_leaves=6,
 )
-PLACES = leaves(schema.plain(SOFT_CERTIFICATE)) + [(key,) for key in schema.plain(SOFT_CERTIFICATE)]
+PLACES = leaves(schema.to_builtins(SOFT_CERTIFICATE)) + [(key,) for key in schema.to_builtins(SOFT_CERTIFICATE)]
 
 
 @settings(max_examples=60)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), json_values), min_size=1, max_size=3))
 def test_certificates_with_anything_in_them_are_answered_with_sentences(mutations: list):
-    mutated = schema.plain(SOFT_CERTIFICATE)
+    mutated = schema.to_builtins(SOFT_CERTIFICATE)
     for where, value in mutations:
         try:
             mutated = put(mutated, where, value)
@@ -274,7 +274,7 @@ def test_where_nothing_is_bounded_the_certificate_says_null_and_why():
     assert "nothing is known to bound" in str(found.excitation.reason)
     assert not check(found, "excitation").proven
     assert check(found, "excitation").met
-    assert nulls_without_reason(schema.plain(found)) == []
+    assert nulls_without_reason(schema.to_builtins(found)) == []
 
 
 def test_a_path_that_does_not_repeat_is_bounded_on_its_flight_and_says_so():
@@ -302,7 +302,7 @@ def test_a_period_too_long_to_bound_is_left_for_the_flight_and_that_is_said():
 def test_a_path_of_any_family_is_certified_or_refused_with_reasons(name: str):
     p = replace(SOFT, path=EXAMPLES[name], duration=10.0, requirement=replace(SOFT.requirement, window=4.0))
     found = certified(p)
-    assert nulls_without_reason(schema.plain(found)) == []
+    assert nulls_without_reason(schema.to_builtins(found)) == []
     assert found.meets == (certificate.gate(found) is None)
     assert found.certified == (not found.failures)
 
@@ -386,13 +386,13 @@ def test_gravity_and_axes_are_said():
     assert tilted.frame.up == "(0.00, -0.60, -0.80)"
 
 
-def tones_file(content: bytes, source: str, context: Preset | None) -> certificate.Held:
+def tones_file(content: bytes, source: str, context: Preset | None) -> certificate.FileContents:
     """A made-up format that holds a path and nothing else: axis, amplitude and frequency a line."""
     if context is None:
         raise ValueError(f"{source}: says nothing of the world")
     rows = [line.split() for line in content.decode().splitlines()]
     made = tuple(Tone(axis=axis, amplitude=float(a), frequency=float(w)) for axis, a, w in rows)  # pyright: ignore
-    return certificate.Held(replace(context, path=Multisine(tones=made)))
+    return certificate.FileContents(replace(context, path=Multisine(tones=made)))
 
 
 def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by_who_knows_it(tmp_path: Path):
@@ -401,7 +401,7 @@ def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by
     file.write_text("x 1.0 1.5\ny -0.4 2.25\nz 0.3 3.0\n")
     found = certificate.certify(file.read_bytes(), source="three.tones", form="tones", context=SOFT, readers=readers)
     assert found.excitation == SOFT_CERTIFICATE.excitation
-    certificate.beside(file).write_bytes(certificate.dumps(found))
+    certificate.path_for(file).write_bytes(certificate.dumps(found))
     assert certificate.verify_file(file, readers=readers) == ()
     assert certificate.verify_file(file) == ("three.tones: files of the format 'tones' cannot be certified",)
     file.write_text("x 1.0 1.5\ny -0.4 2.25\nz 0.3 3.1\n")

@@ -33,7 +33,7 @@ def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
     made = formats.export(p, form, file)
     found = exports.certified(p, form, file, steady=made.steady)
     assert found is not None
-    exports.write_beside(found, file)
+    exports.write_certificate(found, file)
     return file, found
 
 
@@ -74,9 +74,9 @@ def test_a_certificate_put_beside_another_motion_fails(tmp_path: Path):
     larger = replace(SOFT, path=signals.scaled(SOFT.path, 1.1, about=(0.0, 0.0, 0.0)))
     file, other = written(larger, "polynomial", tmp_path)
     assert certificate.verify_file(file, readers=READERS) == ()
-    exports.write_beside(found, file)
+    exports.write_certificate(found, file)
     assert len(certificate.verify_file(file, readers=READERS)) == 1  # its hash is another
-    exports.write_beside(replace(found, artifact=other.artifact), file)  # even if it claims to be of these bytes
+    exports.write_certificate(replace(found, artifact=other.artifact), file)  # even if it claims to be of these bytes
     assert any("excitation.lower is 140" in sentence for sentence in certificate.verify_file(file, readers=READERS))
 
 
@@ -103,13 +103,13 @@ def test_the_gate_lets_a_run_of_a_counterexample_pass_and_no_trajectory_of_it():
 
 def test_a_format_whose_file_does_not_say_enough_is_answered_with_a_sentence(tmp_path: Path):
     file, found = written(SOFT, "polynomial", tmp_path)
-    exports.write_beside(replace(found, context=msgspec.UNSET), file)
+    exports.write_certificate(replace(found, context=msgspec.UNSET), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said == "x.csv: its certificate says nothing of the world and the requirement"
-    exports.write_beside(replace(found, context="version = 1"), file)
+    exports.write_certificate(replace(found, context="version = 1"), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said.startswith("x.csv, context: ")
-    exports.write_beside(replace(found, artifact=replace(found.artifact, format="word")), file)
+    exports.write_certificate(replace(found, artifact=replace(found.artifact, format="word")), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said == "x.csv: files of the format 'word' cannot be certified"
 
@@ -174,7 +174,7 @@ def test_a_folder_that_leads_out_of_itself_or_has_no_end_is_refused(tmp_path: Pa
     folder = tmp_path / "flight"
     formats.export(SOFT, "euroc", folder)
     found = exports.certified(SOFT, "euroc", folder)
-    exports.write_beside(found, folder)
+    exports.write_certificate(found, folder)
     (folder / "out").symlink_to("/etc")
     (said,) = certificate.verify_file(folder, readers=READERS)
     assert said == "flight: 'out' is neither a file nor a folder, or has a line feed in its name"

@@ -37,10 +37,10 @@ def soft(tmp_path: Path) -> Path:
 
 
 def test_certify_writes_what_verify_accepts(run: Call, soft: Path):
-    code, out, err = run("certify", soft, "-o", certificate.beside(soft))
+    code, out, err = run("certify", soft, "-o", certificate.path_for(soft))
     assert (code, err) == (0, "")
     assert out.startswith("soft.toml   ✓ certified: observable\n")
-    assert certificate.beside(soft).read_bytes() == certificate.dumps(certificate.certify_file(soft))
+    assert certificate.path_for(soft).read_bytes() == certificate.dumps(certificate.certify_file(soft))
     code, out, err = run("verify", soft)
     assert (code, err) == (0, "")
     assert out.startswith("soft.toml   ✓ holds: ")
@@ -53,12 +53,12 @@ def test_certify_shows_a_report_or_prints_one_object(run: Call):
     assert "✗ the excitation along z" in out
     code, out, err = run("certify", "circle", "--json")
     assert (code, err, out.count("\n")) == (0, "", 1)
-    assert json.loads(out, parse_constant=pytest.fail) == certificate.plain(certificate.certify_file("circle"))
+    assert json.loads(out, parse_constant=pytest.fail) == certificate.to_builtins(certificate.certify_file("circle"))
 
 
 def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(run: Call, soft: Path):
     soft.write_text(soft.read_text().replace("mu = 50.0", "mu = 500.0"))
-    code, out, err = run("certify", soft, "-o", certificate.beside(soft))
+    code, out, err = run("certify", soft, "-o", certificate.path_for(soft))
     assert (code, out.startswith("soft.toml   ✗ NOT certified: ")) == (1, True)
     assert err.startswith(f"{soft}: the excitation along ")
     assert err.endswith("500 m²/s⁷ required\n")
@@ -68,7 +68,7 @@ def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(ru
 
 
 def test_verify_says_one_sentence_for_each_failure_and_goes_on(run: Call, soft: Path, tmp_path: Path):
-    run("certify", soft, "-o", certificate.beside(soft))
+    run("certify", soft, "-o", certificate.path_for(soft))
     soft.write_bytes(soft.read_bytes() + b" ")
     missing = tmp_path / "missing.toml"
     code, out, err = run("verify", soft, missing, "circle")
@@ -95,7 +95,7 @@ def test_repair_writes_a_preset_that_certifies(run: Call, tmp_path: Path):
     report = json.loads(out, parse_constant=pytest.fail)
     assert report["words"] in preset.load(file).story.lower()
     assert report["after"]["rank"] == 13
-    assert run("certify", file, "-o", certificate.beside(file))[0] == 0
+    assert run("certify", file, "-o", certificate.path_for(file))[0] == 0
     code, out, _ = run("repair", file)
     assert code == 0
     assert "nothing had to be changed" in out

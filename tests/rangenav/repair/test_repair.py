@@ -64,7 +64,7 @@ def held(found: repair.Repair, limits: Preset) -> None:
     assert again.accuracy.lifted.end.position <= limits.requirement.position_sigma
     flying = replace(found.after, vehicle=limits.vehicle)
     assert certificate.certify(preset.dumps(flying).encode(), source="after").vehicle.flyable
-    assert found.after.story == f"{found.words[0].upper()}{found.words[1:]}."
+    assert found.after.story == f"{found.description[0].upper()}{found.description[1:]}."
 
 
 @pytest.mark.parametrize("name", PLANAR)
@@ -75,7 +75,7 @@ def test_a_planar_figure_eight_of_any_family_is_repaired_by_a_tone(name: str):
     added = found.after.path.wiggle if isinstance(found.after.path, Sum) else found.after.path
     assert isinstance(added, Multisine)
     (tone,) = [tone for tone in added.tones if tone.axis == "z"]
-    assert found.words == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z"
+    assert found.description == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z"
     assert tone.amplitude < 0.1
     assert found.after.path.period is not None  # so the certificate speaks of every t
     assert found.certificate.claim.starts == "every t >= 0"
@@ -105,7 +105,12 @@ def test_a_repair_is_not_larger_than_it_must_be():
 
 def test_nothing_is_changed_about_what_meets_its_requirement():
     found = repair.repair(SOFT)
-    assert (found.before, found.after, found.words, found.effort) == (SOFT, SOFT, "nothing had to be changed", 0.0)
+    assert (found.before, found.after, found.description, found.effort) == (
+        SOFT,
+        SOFT,
+        "nothing had to be changed",
+        0.0,
+    )
 
 
 def test_three_missing_directions_take_three_tones_of_different_frequencies():
@@ -144,7 +149,7 @@ def test_a_search_that_finds_nothing_says_how_near_it_came():
     asked = replace(SOFT.requirement, position_sigma=1e-3)  # a millimetre
     with pytest.raises(CannotRepairError) as refused:
         repair.repair(flown(EIGHT, requirement=asked), evaluations=150)
-    assert "tones: no change that meets the requirement was found in 150 looks; the nearest has μ = " in str(
+    assert "tones: no change that meets the requirement was found among 150 motions; the nearest has μ = " in str(
         refused.value
     )
 
@@ -153,7 +158,7 @@ def test_a_path_that_is_too_small_is_made_larger():
     p = flown(signals.scaled(SOFT.path, 0.5, about=(0.0, 0.0, 0.0)), expect="observable")
     found = repair.repair(p, by="amplitude")
     held(found, p)
-    assert found.words.startswith("scaled x by ")
+    assert found.description.startswith("scaled x by ")
     size = np.ptp(found.after.path(np.linspace(0, 20, 500)), axis=0) / np.ptp(p.path(np.linspace(0, 20, 500)), axis=0)
     assert size.max() < 1 / 0.5 * 1.1  # no larger than the path that is known to do, and a little
 
@@ -163,7 +168,7 @@ def test_a_path_that_is_too_slow_is_run_faster_as_little_as_will_do():
     found = repair.repair(p, by="timescale")
     held(found, p)
     factor = math.exp(found.effort)
-    assert found.words == f"run {factor:.3g} times faster"
+    assert found.description == f"run {factor:.3g} times faster"
     slower = replace(p, path=signals.slowed(p.path, 0.97 / factor * 1.06))
     assert max(shortfall(figures(slower), slower).values()) > 0
 
@@ -174,7 +179,7 @@ def test_frequencies_that_coincide_are_told_apart():
     p = flown(Multisine(tones=(tones[0], replace(tones[0], axis="y", phase=1.5), replace(tones[2], frequency=1.6))))
     found = repair.repair(p, by="frequency")
     held(found, p)
-    assert found.words.startswith("changed ")
+    assert found.description.startswith("changed ")
 
 
 @pytest.mark.parametrize("path", [LOOP, SNAP])
@@ -185,7 +190,9 @@ def test_a_planar_loop_is_repaired_by_moving_its_waypoints(path: Signal):
     moved = np.array([new.value for new in found.after.path.points]) - [old.value for old in POINTS]  # pyright: ignore
     np.testing.assert_allclose(moved[:, :2], 0.0, atol=1e-12)  # out of the plane, and nowhere else
     assert 0.01 < np.abs(moved[:, 2]).max() < 0.2
-    assert found.words == f"moved {np.sum(np.abs(moved[:, 2]) > 0)} waypoints by up to {np.abs(moved).max():.3g} m"
+    assert (
+        found.description == f"moved {np.sum(np.abs(moved[:, 2]) > 0)} waypoints by up to {np.abs(moved).max():.3g} m"
+    )
 
 
 def test_a_search_can_be_cancelled_at_any_look():
