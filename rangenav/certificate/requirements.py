@@ -56,7 +56,7 @@ def failures(checks: tuple[Check, ...], excitation: schema.Excitation, expect: E
         return tuple(wrong)
     unexcited = not excited.met and (excited.proven or excitation.upper is None)
     if not unexcited and full_rank.met:
-        wrong.append(f"expected unobservable, but {excitation.words}, and {full_rank.words}")
+        wrong.append(f"expected unobservable, but {excited.words}, and {full_rank.words}")
     return tuple(wrong)
 
 
@@ -68,17 +68,18 @@ def gate(certificate: Certificate) -> str | None:
     if any(one.name == "source" for one in missed):
         missed = [one for one in missed if one.name in ("source", "smooth")]
     blind = "rank" in [one.name for one in missed]
-    said = "; ".join(one.words for one in missed if not (blind and one.name == "accuracy"))  # which follows
+    # of a blind motion no accuracy can be predicted, so that sentence would add nothing
+    sentences = "; ".join(one.words for one in missed if not (blind and one.name == "accuracy"))
     helps = "" if certificate.remedy is msgspec.UNSET else f"; it would do to {certificate.remedy}"
-    return f"{certificate.title}: refused: {said}{helps}"
+    return f"{certificate.title}: refused: {sentences}{helps}"
 
 
 def _excitation(excitation: schema.Excitation, window: float) -> Check:
     along, where = blindness.name(np.asarray(excitation.direction)), f"the {window:g} s from t = {excitation.at:.4g} s"
     needed = f"{excitation.required:.4g} m²/s⁷ required"
     if excitation.lower is None or excitation.upper is None:
-        found = excitation.found or 0.0
-        met, least = found >= excitation.required, f"{found:.4g}" if found else "nothing"
+        reached = excitation.found or 0.0
+        met, least = reached >= excitation.required, f"{reached:.4g}" if reached else "nothing"
         words = (
             f"on sampled windows the excitation is at least {least}, {needed}"
             if met
@@ -89,8 +90,8 @@ def _excitation(excitation: schema.Excitation, window: float) -> Check:
         words = f"no window has an excitation below {excitation.lower:.4g}, {needed}"
         return Check(name="excitation", met=True, proven=True, words=words)
     proven = excitation.upper < excitation.required
-    found = "nothing" if excitation.found is None else f"{excitation.found:.4g}"
-    words = f"the excitation along {along} over {where} is {found}, {needed}"
+    least = "nothing" if excitation.found is None else f"{excitation.found:.4g}"
+    words = f"the excitation along {along} over {where} is {least}, {needed}"
     if not proven:
         words = f"the excitation is only known to be at least {excitation.lower:.4g} everywhere, {needed}"
     return Check(name="excitation", met=False, proven=proven, words=words)
@@ -100,8 +101,8 @@ def _rank(rank: schema.Rank, window: float) -> Check:
     met = rank.rank == STATES
     words = f"the rank is {rank.rank} of {STATES}"
     if not met:
-        told = f": {'; '.join(rank.blind)}" if rank.blind else ""
-        words += f" on the {window:g} s from t = {rank.at:.4g} s{told}"
+        directions = f": {'; '.join(rank.blind)}" if rank.blind else ""
+        words += f" on the {window:g} s from t = {rank.at:.4g} s{directions}"
     return Check(name="rank", met=met, proven=False, words=words)
 
 
@@ -112,9 +113,9 @@ def _accurate(accuracy: schema.Accuracy) -> bool:
 
 def _accuracy(accuracy: schema.Accuracy, window: float) -> Check:
     sigma = accuracy.lifted.end.position
-    said = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
+    prediction = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
     words = (
-        f"position {said} after the {window:g} s from t = {accuracy.at:.4g} s, "
+        f"position {prediction} after the {window:g} s from t = {accuracy.at:.4g} s, "
         f"{accuracy.required:.3g} m required, by {accuracy.noise}"
     )
     return Check(name="accuracy", met=_accurate(accuracy), proven=False, words=words)
