@@ -40,7 +40,7 @@ class Candidate:
 
 def compare(of: Record) -> tuple[Candidate, ...]:
     """All candidates on one record. The times are of this one run; those of the first run ever include compiling."""
-    moved, setting = of.truth.motion, _setting(of)
+    moved, setting = of.truth.motion, config_of(of)
     truth = (moved.position[0], moved.velocity[0], moved.rotation[0])
     near = np.eye(STATES) * TRUTH_SIGMA**2
     return (
@@ -49,7 +49,7 @@ def compare(of: Record) -> tuple[Candidate, ...]:
             estimate=of.estimate,
             errors=of.errors,
             summary=of.summary,
-            words=_words(of.estimate, of.errors, of.summary),
+            words=outcome_text(of.estimate, of.errors, of.summary),
         ),
         refined(of),
         filtered(of),
@@ -60,33 +60,38 @@ def compare(of: Record) -> tuple[Candidate, ...]:
 def refined(of: Record) -> Candidate:
     """The whole record refined, starting from the cascade's last estimate."""
     began = time.perf_counter()
-    found = refine.refine(of.measurements, of.estimate, _setting(of))
-    return _candidate(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
+    found = refine.refine(of.measurements, of.estimate, config_of(of))
+    return candidate(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
 
 
 def filtered(of: Record) -> Candidate:
     """The extended Kalman filter from the cascade's own start."""
     rotation, world = of.truth.motion.rotation[0], of.preset.world
     start = cascade.start(of.preset.guess, state=of.truth.state[0], rotation=rotation, world=world)
-    return _filtered(EKF, lambda: baselines.ekf(of.measurements, start, _setting(of)), of)
+    return _filtered(EKF, lambda: baselines.ekf(of.measurements, start, config_of(of)), of)
 
 
-def _setting(of: Record) -> ObserverConfig:
+def config_of(of: Record) -> ObserverConfig:
+    """The configuration that the observers of a run had."""
     return ObserverConfig(world=of.preset.world, sensors=of.preset.sensors, gains=of.preset.gains, form=of.form)
 
 
 def _filtered(name: str, run: Callable[[], Track], of: Record) -> Candidate:
     began = time.perf_counter()
     track = run()
-    return _candidate(name, track, of, time.perf_counter() - began)
+    return candidate(name, track, of, time.perf_counter() - began)
 
 
-def _candidate(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Candidate:
+def candidate(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Candidate:
+    """A track as a candidate: its errors, its summary and the text, with `words` of its own before it if there are any.
+
+    seconds: how long the estimator took.
+    """
     with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
         found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
         summary = record.summarise(estimate, found, seconds)
-        by_truth = _words(estimate, found, summary)
+        by_truth = outcome_text(estimate, found, summary)
         if words is None:
             words = by_truth
         elif summary.settle_position_s is None:  # perhaps it converged, but not to the truth
@@ -94,7 +99,7 @@ def _candidate(name: str, track: Track, of: Record, seconds: float, *, words: st
     return Candidate(name=name, estimate=estimate, errors=found, summary=summary, words=words)
 
 
-def _words(estimate: Estimate, errors: Errors, summary: Summary) -> str:
+def outcome_text(estimate: Estimate, errors: Errors, summary: Summary) -> str:
     """Settled, in a wrong place, or not a number; the truth decides, so this is for simulated records only."""
     lost = np.flatnonzero(~np.isfinite(errors.position))
     if len(lost):

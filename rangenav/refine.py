@@ -135,7 +135,7 @@ def smooth(measurements: Measurements, nominal: Track, setting: ObserverConfig) 
     require(len(attached.sample) > 0, "a refinement needs ranges, and the record has none")
     anchor = np.asarray(setting.world.anchor, dtype=float)
     reached = _Trajectory(nominal.position - anchor, nominal.velocity.copy(), nominal.rotation.copy())
-    work, residuals = _workspace(z, attached), np.full((len(z.range), 2), np.nan)
+    work, residuals = workspace(z, attached), np.full((len(z.range), 2), np.nan)
     with np.errstate(all="ignore"):
         passes, converged = _iterate(z, attached, reached, work, p)
         _finish(z, attached, reached, work, residuals, p)
@@ -159,7 +159,7 @@ class _Trajectory(NamedTuple):
     rotation: Array
 
 
-class _Workspace(NamedTuple):
+class Workspace(NamedTuple):
     """What the forward half of a pass stores for the backward half; see the kernel."""
 
     errors: Array
@@ -169,10 +169,11 @@ class _Workspace(NamedTuple):
     corrected: Array
 
 
-def _workspace(z: Measurements, attached: Attached) -> _Workspace:
+def workspace(z: Measurements, attached: Attached) -> Workspace:
+    """Arrays of the sizes that the kernels need for a record; their content is undefined."""
     count = len(z.time)
     corrections = len(attached.sample) + 2 * int(np.sum(~np.isnan(z.mag).any(axis=-1)))
-    return _Workspace(
+    return Workspace(
         errors=np.empty((count, STATES)),
         covariances=np.empty((count, STATES * STATES)),
         accelerations=np.zeros((count, 3)),
@@ -182,7 +183,7 @@ def _workspace(z: Measurements, attached: Attached) -> _Workspace:
 
 
 def _iterate(
-    z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, p: Strapdown
+    z: Measurements, attached: Attached, reached: _Trajectory, work: Workspace, p: Strapdown
 ) -> tuple[list[Pass], bool]:
     """Passes until the step is small; `reached` is moved in place."""
     passes: list[Pass] = []
@@ -199,7 +200,7 @@ def _iterate(
 
 
 def _forward(
-    z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, p: Strapdown, sigma: Vec3
+    z: Measurements, attached: Attached, reached: _Trajectory, work: Workspace, p: Strapdown, sigma: Vec3
 ) -> float:
     """Linearise about the trajectory reached and filter; the cost of that trajectory per scalar measurement."""
     covariance = np.diag(np.repeat(np.square(sigma), 3)).ravel()
@@ -211,7 +212,7 @@ def _forward(
 
 
 def _finish(
-    z: Measurements, attached: Attached, reached: _Trajectory, work: _Workspace, residuals: Array, p: Strapdown
+    z: Measurements, attached: Attached, reached: _Trajectory, work: Workspace, residuals: Array, p: Strapdown
 ) -> None:
     """The smoothed covariances, left in `work`, and the residuals of all ranges."""
     _forward(z, attached, reached, work, p, PRIOR_SIGMA)

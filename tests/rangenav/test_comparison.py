@@ -1,4 +1,4 @@
-"""Estimators side by side: same record, same definitions, and words that tell a wrong place from a right one."""
+"""Estimators compared: the same record, the same definitions, and a text that tells a wrong place from a right one."""
 
 from dataclasses import replace as changed
 
@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from rangenav import comparison, preset, record, refine
 
 
-def contenders(name: str, **changes) -> dict[str, comparison.Candidate]:
+def candidates(name: str, **changes) -> dict[str, comparison.Candidate]:
     return {c.name: c for c in comparison.compare(record.run(replace(preset.load(name), **changes)))}
 
 
@@ -27,30 +27,30 @@ def test_the_refinement_is_best_and_all_judge_the_same_record():
         assert c.summary.microseconds_per_step > 0
 
 
-def test_words_tell_a_wrong_place():
-    found = contenders("soft")
+def test_the_text_names_a_wrong_place():
+    found = candidates("soft")
     assert found[comparison.EKF].words.startswith("in a wrong place: ")
     assert found[comparison.CASCADE].words.startswith("within 0.3 m from t = ")
 
 
 def test_a_refinement_that_converged_to_the_mirror_image_says_so():
     of = record.run(preset.load("soft"))
-    track = refine.refine(of.measurements, of.estimate, comparison._setting(of)).track
+    track = refine.refine(of.measurements, of.estimate, comparison.config_of(of)).track
     away = changed(track, position=track.position + 3.0)
-    assert comparison._contender("refined", away, of, 0.1, words="converged after 9 passes").words.startswith(
+    assert comparison.candidate("refined", away, of, 0.1, words="converged after 9 passes").words.startswith(
         "converged after 9 passes; in a wrong place: "
     )
-    assert comparison._contender("refined", track, of, 0.1, words="converged").words == "converged"
+    assert comparison.candidate("refined", track, of, 0.1, words="converged").words == "converged"
 
 
-def test_words_tell_what_is_not_a_number():
+def test_the_text_names_what_is_not_a_number():
     of = record.run(replace(preset.load("paper"), duration=7.0))
     lost = of.errors.position.copy()
     lost[200:] = np.nan
-    words = comparison._words(of.estimate, changed(of.errors, position=lost), of.summary)
+    words = comparison.outcome_text(of.estimate, changed(of.errors, position=lost), of.summary)
     assert words == "not a number from t = 1 s on"
 
 
 @pytest.mark.parametrize("name", ["hover", "line"])
 def test_blind_motions_are_compared_as_well(name: str):
-    assert len(contenders(name, duration=10.0)) == 4
+    assert len(candidates(name, duration=10.0)) == 4

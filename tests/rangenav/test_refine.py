@@ -41,7 +41,7 @@ def one_pass(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smoothed errors and covariances about the nominal, by the kernels, without moving it."""
     attached, anchor = strapdown.attach(z), np.array(setting.world.anchor)
-    work = refine._workspace(z, attached)
+    work = refine.workspace(z, attached)
     kernel.forward(
         z.time, z.gyro, z.accel, z.mag, z.range[attached.kept], attached.sample, attached.back,
         nominal.position - anchor, nominal.velocity, nominal.rotation, first, PRIOR.ravel().copy(), *work,
