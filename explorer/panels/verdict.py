@@ -10,7 +10,7 @@ from explorer.model.compute import Picture
 from explorer.widgets.complaint import Complaint
 from rangenav import sensors
 from rangenav.model import STATES
-from rangenav.number_format import quantity
+from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
 
 VERDICT_STYLES = {
@@ -99,12 +99,12 @@ def rows(picture: Picture) -> list[tuple[str, str]]:
 def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     analysis, needed = picture.analysis, picture.preset.requirement
     nonlinear = f"nonlinear {analysis.nonlinear_rank} of 9"
-    rank = f"<b>{analysis.rank} of 13</b>, {nonlinear}; worst window from {analysis.gramian_at:.3g} s"
+    rank = f"<b>{analysis.rank} of 13</b>, {nonlinear}; worst window from {significant(analysis.gramian_at)} s"
     rows = [("rank", rank)]
     if analysis.directions:
         rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.words)}" for direction in analysis.directions)))
     met = "✓" if analysis.mu >= needed.mu else "✕"
-    where = f"over δ = {needed.window:g} s from {analysis.mu_at:.3g} s"
+    where = f"over δ = {needed.window:g} s from {significant(analysis.mu_at)} s"
     mu = (
         f"<b>{number(analysis.mu)}</b> m²/s⁷"
         if analysis.mu >= analysis.mu_floor
@@ -147,7 +147,11 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
 
 
 def _since(seconds: float | None, limit: str) -> str:
-    return f"✕ does not stay below {limit} to the end" if seconds is None else f"✓ below {limit} from {seconds:.3g} s"
+    return (
+        f"✕ does not stay below {limit} to the end"
+        if seconds is None
+        else f"✓ below {limit} from {significant(seconds)} s"
+    )
 
 
 def _vehicle(picture: Picture) -> str:
@@ -168,6 +172,6 @@ def _flyable(picture: Picture) -> list[str]:
 
 def _demands(picture: Picture) -> str:
     limits = picture.limits
-    thrust = f"<b>{limits.thrust_to_weight:.3g} times the weight</b> in thrust"
+    thrust = f"<b>{significant(limits.thrust_to_weight)} times the weight</b> in thrust"
     rate = f"{number(limits.speed, 'm/s')}, {number(math.degrees(limits.body_rate))}°/s"
     return f"{thrust}, {rate}, {number(limits.anchor_distance_min, 'm')} from the anchor at the nearest"

@@ -95,7 +95,7 @@ def _estimator_row(name: str, color: str, summary: Summary, steps: int, cost: fl
     settled = quantity(summary.settle_position_s, "s", otherwise=NEVER)
     steady = f"<b>{significant(summary.steady_position)} m</b>, {significant(summary.steady_attitude_deg)}°"
     seed_text = _milliseconds(summary, steps)
-    ratio = f" ({seed_text / cost:.2g}×)" if cost > 0 and name != "cascade" else ""
+    ratio = f" ({significant(seed_text / cost, 2)}×)" if cost > 0 and name != "cascade" else ""
     return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{quantity(seed_text, 'ms')}{ratio}"])
 
 

@@ -25,6 +25,7 @@ from rangenav import ensemble
 from rangenav.ensemble import Basin
 from rangenav.ensemble.basin import MAX_AXES
 from rangenav.inputs import require
+from rangenav.number_format import significant
 from rangenav.progress import Cancelled, Progress
 
 ANGLE, AXES = math.radians(179.0), 300
@@ -116,7 +117,7 @@ class BasinPanel:
             self._running = None
             self._section.complaint.say(sentence)
 
-        self._jobs.start(f"{count} starts at {math.degrees(angle):.4g}°", work, done, failed)
+        self._jobs.start(f"{count} starts at {significant(math.degrees(angle), 4)}°", work, done, failed)
         self._running, self._message = (setup, self._jobs.running), ""
 
     def _start_from_slowest(self) -> None:
@@ -137,13 +138,15 @@ def basin_text(picture: Picture, result: Basin) -> str:
     settles, degrees = np.isfinite(result.settle), math.degrees(result.angle)
     count, last = len(settles), basin.slowest(result)
     middle = float(np.median(result.settle))
-    lines = [f"<b>{settles.sum()} of {count}</b> starts at {degrees:.4g}° settle (below 5° from then on)."]
-    lines.append(f"Median <b>{middle:.3g} s</b>." if math.isfinite(middle) else "Half of them or more never do.")
+    lines = [f"<b>{settles.sum()} of {count}</b> starts at {significant(degrees, 4)}° settle (below 5° from then on)."]
+    lines.append(
+        f"Median <b>{significant(middle)} s</b>." if math.isfinite(middle) else "Half of them or more never do."
+    )
     about = f"about ({', '.join(f'{entry:.2f}' for entry in result.axis[last])})"
     if settles[last]:
-        lines.append(f"The slowest, {about}, takes <b>{result.settle[last]:.3g} s</b>.")
+        lines.append(f"The slowest, {about}, takes <b>{significant(result.settle[last])} s</b>.")
     else:
-        lines.append(f"The worst, {about}, ends at <b>{math.degrees(result.final[last]):.3g}°</b>.")
+        lines.append(f"The worst, {about}, ends at <b>{significant(math.degrees(result.final[last]))}°</b>.")
     text = f"{' '.join(lines)}{legend(result)}{_equilibria(picture)}"
     if picture.settings.printed.model:
         text += "<div>⚠ Computed with the derived model: the printed one is followed by the run alone.</div>"
@@ -155,9 +158,9 @@ def legend(result: Basin) -> str:
     limits, text = basin.settling_span(result), ""
     if limits is not None:
         stops = ",".join(palette.SETTLING_SCALE)
-        text = COLOUR_SCALE.format(first=f"{limits[0]:.3g} s", last=f"{limits[1]:.3g} s", stops=stops)
+        text = COLOUR_SCALE.format(first=f"{significant(limits[0])} s", last=f"{significant(limits[1])} s", stops=stops)
     if not np.isfinite(result.settle).all():
-        text += f"<div>{NEVER_SIGN.format(palette.NEVER_SETTLES)} not settled in {result.time[-1]:.3g} s</div>"
+        text += f"<div>{NEVER_SIGN.format(palette.NEVER_SETTLES)} not settled in {significant(result.time[-1])} s</div>"
     return text
 
 

@@ -16,7 +16,7 @@ from explorer.widgets.dials import DIGITS
 from explorer.widgets.html import NOTE, table
 from rangenav import attitude
 from rangenav.gains import Gains
-from rangenav.number_format import significant
+from rangenav.number_format import quantity, significant
 
 MODE_TEXTS = {
     "constant": "q and V stay as they are set, as the theorem assumes.",
@@ -56,11 +56,11 @@ def rates(picture: Picture, units: GainUnits = "paper") -> str:
         ]
     printed = ", <b>as printed</b>" if picture.settings.printed.attitude_rate else ""
     rows = [
-        (f"at k1 = {significant(k1, DIGITS)}", ", ".join(f"{one:.3g}" for one in constants) + " s")
+        (f"at k1 = {significant(k1, DIGITS)}", ", ".join(significant(one) for one in constants) + " s")
         for k1, constants in ends
     ]
     text = f"time constants of a small attitude error{printed}:{table((), rows)}"
-    weight = f"ρ2·|g|² = <b>{gains.rho2 * gravity_squared:.3g}</b> (|g|² = {gravity_squared:.1f})"
+    weight = f"ρ2·|g|² = <b>{significant(gains.rho2 * gravity_squared)}</b> (|g|² = {gravity_squared:.1f})"
     text += f"{weight} beside ρ1 = {significant(gains.rho1, DIGITS)}"
     warning = attitude.stiffness(gains, p.world, imu_rate=p.sensors.imu_rate, mag_rate=p.sensors.mag_rate)
     if warning is None:
@@ -84,7 +84,8 @@ def in_other_units(picture: Picture, units: GainUnits) -> str:
     cells = [(label, f"{significant(value, DIGITS)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
-    heading = f"at the path's typical {context.at.distance:.3g} m from the anchor and {context.at.speed:.3g} m/s"
+    distance, speed = quantity(context.at.distance, "m"), quantity(context.at.speed, "m/s")
+    heading = f"at the path's typical {distance} from the anchor and {speed}"
     return NOTE.format(html.escape(heading) + table((), rows))
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from explorer.model import palette
 from rangenav import tradeoff
+from rangenav.number_format import significant
 from rangenav.tradeoff import Measure, Point
 
 WIDTH, HEIGHT = 340, 172
@@ -104,7 +105,7 @@ def point_text(axes: PlotAxes, point: Point) -> str:
     """Both figures of a point as text."""
     at, error = _figures(axes, point)
     unit = "°" if axes.unit == "°" else f" {axes.unit}"
-    return f"settles at {at:.3g} s, then {error:.3g}{unit}"
+    return f"settles at {significant(at)} s, then {significant(error)}{unit}"
 
 
 def axis_limits(values: Sequence[float]) -> Range:
@@ -148,11 +149,11 @@ def _frame(axes: PlotAxes, across: Range, upwards: Range) -> str:
     for value in ticks(across):
         x = LEFT + _share(value, across) * (right - LEFT)
         lines.append(f"M{x:.1f} {TOP}V{bottom}")
-        numbers.append(f'<text x="{x:.1f}" y="{bottom + 13}" text-anchor="middle">{value:.3g}</text>')
+        numbers.append(f'<text x="{x:.1f}" y="{bottom + 13}" text-anchor="middle">{significant(value)}</text>')
     for value in ticks(upwards):
         y = bottom - _share(value, upwards) * (bottom - TOP)
         lines.append(f"M{LEFT} {y:.1f}H{right}")
-        numbers.append(f'<text x="{LEFT - 5}" y="{y + 3.5:.1f}" text-anchor="end">{value:.3g}</text>')
+        numbers.append(f'<text x="{LEFT - 5}" y="{y + 3.5:.1f}" text-anchor="end">{significant(value)}</text>')
     names = (
         f'<text x="0" y="12"><tspan font-weight="600">{axes.name}</tspan>: error afterwards ({axes.unit})</text>'
         f'<text x="{right}" y="{HEIGHT - 4}" text-anchor="end">settles after (s)</text>'

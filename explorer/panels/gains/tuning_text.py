@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from explorer.model.compute import Picture
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, point_text
-from rangenav.number_format import signed
+from rangenav.number_format import signed, significant
 from rangenav.preset import Preset
 from rangenav.tradeoff import Point
 from rangenav.tune import STARTS, Tuned
@@ -48,7 +48,7 @@ def summary(tuned: Tuned, runs: int) -> str:
     before, after = tuned.before.objective(w), tuned.after.objective(w)
     held_before, held_after = tuned.held_out_before.objective(w), tuned.held_out_after.objective(w)
     points = (tuned.before, tuned.after, tuned.held_out_before, tuned.held_out_after)
-    table_rows = [(figure.name, *(f"{figure.of(point):.3g}" for point in points)) for figure in FIGURES]
+    table_rows = [(figure.name, *(significant(figure.of(point)) for point in points)) for figure in FIGURES]
     table_rows.append(("J, lower is better", *(signed(J) for J in (before, after, held_before, held_after))))
     return _verdict_text(tuned, runs, held_after - held_before) + _table(table_rows) + _random_starts(tuned)
 

@@ -14,6 +14,7 @@ from explorer.widgets.controls import Number, Vector
 from explorer.widgets.dials import Dial, LogDial
 from explorer.widgets.form import Form, Section
 from rangenav.inputs import Vec3, require_within
+from rangenav.number_format import significant
 from rangenav.preset import MAX_DURATION, MIN_DURATION
 from rangenav.signals import AngularVelocity, Flown, Signal
 
@@ -148,7 +149,8 @@ class _Timing:
         self._window.show(length)
 
     def draw(self, time_scale: float) -> None:
-        line = f"μ ∝ s⁻⁷ over one period: × {time_scale**-7:.3g}; over a fixed δ about s⁻⁸: × {time_scale**-8:.3g}"
+        period, window = significant(time_scale**-7), significant(time_scale**-8)
+        line = f"μ ∝ s⁻⁷ over one period: × {period}; over a fixed δ about s⁻⁸: × {window}"
         if line != self._line.content:
             self._line.content = line
 

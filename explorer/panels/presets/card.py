@@ -11,7 +11,7 @@ from numpy import ndarray as Array
 
 from explorer.model import palette
 from explorer.storage.certifier import CertificateOrReason
-from rangenav.number_format import quantity
+from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 
 SIDE, MARGIN, POINTS = 92, 7, 240
@@ -72,7 +72,7 @@ def drawings(preset: Preset) -> str:
     """The path over its period or the flight, from above and from the side where it is longer, as inline SVG."""
     positions = _positions(preset, POINTS)
     wide = int(np.ptp(positions[:, 1]) > np.ptp(positions[:, 0]))
-    extent = " × ".join(f"{size:.2g}" for size in np.ptp(positions, axis=0))
+    extent = " × ".join(significant(size, 2) for size in np.ptp(positions, axis=0))
     return "".join(
         FIGURE.format(picture(preset, AXES[:, axes], SIDE, POINTS, text), caption)
         for axes, text, caption in (
@@ -130,12 +130,12 @@ def _figures(preset: Preset, certificate_or_reason: CertificateOrReason | None) 
         return ""
     excitation, sigma = certificate_or_reason.excitation, certificate_or_reason.accuracy.lifted.end.position
     requirement = preset.requirement
-    unit = f"m²/s⁷ over {requirement.window:g} s (required {requirement.mu:.3g})"
+    unit = f"m²/s⁷ over {requirement.window:g} s (required {significant(requirement.mu)})"
     if excitation.found is None:
         mu = f"μ = 0 {unit}: nothing above rounding"
     elif excitation.lower is not None:
-        mu = f"μ ≥ {excitation.lower:.3g} {unit}"
+        mu = f"μ ≥ {significant(excitation.lower)} {unit}"
     else:
-        mu = f"μ = {excitation.found:.3g} {unit}, on sampled windows"
+        mu = f"μ = {significant(excitation.found)} {unit}, on sampled windows"
     sigma_text = quantity(sigma, "m")
-    return f"<br>{mu}<br>predicted σ {sigma_text} (required {requirement.position_sigma:.3g} m)"
+    return f"<br>{mu}<br>predicted σ {sigma_text} (required {significant(requirement.position_sigma)} m)"

@@ -9,7 +9,7 @@ from explorer.widgets.form import Form, Section
 from explorer.widgets.html import NOTE, bullets, table
 from rangenav.flight_summary import ObserverSummary
 from rangenav.formats import Flight, ImportResult
-from rangenav.number_format import NOT_DETERMINED, quantity
+from rangenav.number_format import NOT_DETERMINED, quantity, significant
 
 SIGNS = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
 WORLD_SOURCES: dict[WorldSource, str] = {
@@ -106,7 +106,7 @@ def report(flight_report: FlightReport) -> str:
     head = f"{SIGNS.get(flight_report.verdict, '')} {flight_report.verdict}: {flight_report.summary}"
     rows = [
         ("windows", ", ".join(f"{count} {name}" for name, count in windows.counts.items() if count)),
-        ("worst window", f"from {windows.worst_start:.4g} s: rank {windows.worst_rank} of 13"),
+        ("worst window", f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"),
         ("σ there", _number(windows.worst_position, "m", "blind there, or without ranges")),
         ("σ, median", _number(windows.median_position, "m")),
     ]
@@ -130,7 +130,7 @@ def _observers(observer: ObserverSummary) -> str:
 
 def _contents(flight: Flight) -> str:
     length = flight.time[-1] - flight.time[0]
-    parts = [f"{len(flight.time)} samples over {length:.4g} s", f"{len(flight.range)} ranges"]
+    parts = [f"{len(flight.time)} samples over {significant(length, 4)} s", f"{len(flight.range)} ranges"]
     parts.append("a magnetometer" if flight.mag is not None else "no magnetometer")
     parts.append("a true position" if flight.position is not None else "no truth")
     return ", ".join(parts)

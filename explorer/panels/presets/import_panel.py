@@ -17,6 +17,7 @@ from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
 from rangenav import formats
 from rangenav.formats import ImportResult, Question
+from rangenav.number_format import quantity, significant
 
 ANCHOR = (0.0, 0.0, 0.0)
 """m; no path says where the anchor stands, and the World tab moves it."""
@@ -152,10 +153,11 @@ class ImportPanel:
 
 def report(result: ImportResult) -> tuple[str, ...]:
     """What a file was understood to be, one sentence each."""
-    rate = "" if result.rate is None else f" at {result.rate:.4g} Hz"
-    sentences = [f"{result.source}: {result.format}, {result.rows} rows{rate}, {result.duration:.4g} s, {result.frame}"]
+    rate = "" if result.rate is None else f" at {significant(result.rate, 4)} Hz"
+    duration = quantity(result.duration, "s", digits=4)
+    sentences = [f"{result.source}: {result.format}, {result.rows} rows{rate}, {duration}, {result.frame}"]
     if result.fit_error is not None:
-        sentences.append(f"the path passes the file's positions within {1e3 * result.fit_error:.3g} mm")
+        sentences.append(f"the path passes the file's positions within {significant(1e3 * result.fit_error)} mm")
     if result.unjudged is not None:
         sentences.append(f"excitation is not judged: {result.unjudged}")
     return (*sentences, *result.findings)

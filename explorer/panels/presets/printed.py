@@ -9,6 +9,7 @@ from explorer.model.compute import Picture
 from explorer.model.settings import Printed
 from explorer.widgets.controls import Switch
 from explorer.widgets.form import Form, Section
+from rangenav.number_format import significant
 
 EQUILIBRIA_NOTE = (
     "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
@@ -61,7 +62,7 @@ class _MisprintSwitch:
 
 
 def _model(picture: Picture) -> str:
-    error = f"position error over the last quarter: {picture.summary.steady_position:.3g} m"
+    error = f"position error over the last quarter: {significant(picture.summary.steady_position)} m"
     if picture.settings.printed.model:
         return f"On: ξ₄ is fed a third of what it should be; {error}, and it never converges."
     return f"Off: {error}."
@@ -82,20 +83,19 @@ def _printed_mu(picture: Picture, on: bool) -> str:
         return f"Off: μ = {derived} m²/s⁷."
     printed = float(np.min(picture.printed_excitation))
     false_certificate = " — a false certificate" if printed >= needed > mu else ""
-    return f"On: μ reads {printed:.3g} m²/s⁷ where the derived one is {derived}{false_certificate}."
+    return f"On: μ reads {significant(printed)} m²/s⁷ where the derived one is {derived}{false_certificate}."
 
 
 def _reduced_row(picture: Picture) -> str:
     derived = _or_zero(picture.analysis.reduced_min, picture.analysis.reduced_floor)
     if not picture.settings.printed.reduced_row:
         return f"Off: the reduced pair's least eigenvalue is {derived} (SI)."
-    return (
-        f"On: the reduced pair's least eigenvalue reads {picture.reduced_min:.3g}; the derived one is {derived} (SI)."
-    )
+    printed = significant(picture.reduced_min)
+    return f"On: the reduced pair's least eigenvalue reads {printed}; the derived one is {derived} (SI)."
 
 
 def _or_zero(value: float, floor: float) -> str:
-    return f"{value:.3g}" if value >= floor else "0 (below the noise floor)"
+    return significant(value) if value >= floor else "0 (below the noise floor)"
 
 
 def _initial_values(picture: Picture) -> str:
@@ -103,13 +103,13 @@ def _initial_values(picture: Picture) -> str:
         return "Off: p(0) and v(0) follow from the formula."
     position = picture.motion.position
     drift = float(np.linalg.norm(position[-1] - position[0]))
-    return f"On: the path is {drift:.3g} m from its start after {picture.preset.duration:g} s; it drifts away."
+    return f"On: the path is {significant(drift)} m from its start after {picture.preset.duration:g} s; it drifts away."
 
 
 def _attitude_rate(picture: Picture) -> str:
     slowest = picture.attitude_time_constants[0]
     state = "On: the slowest reads" if picture.settings.printed.attitude_rate else "Off: the slowest is"
-    return f"{state} {slowest:.3g} s."
+    return f"{state} {significant(slowest)} s."
 
 
 MISPRINTS = {

@@ -5,6 +5,7 @@ from explorer.model.compute import Picture
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
 from rangenav import vehicle
+from rangenav.number_format import significant
 from rangenav.vehicle import CATALOGUE, Vehicle
 
 HINT = (
@@ -63,13 +64,13 @@ def _labels(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
 
 
 def _row(use: vehicle.Use) -> str:
-    worst, when = f"{use.reached:.3g} {SHORT_UNITS.get(use.unit, use.unit)}", f"{use.at:.1f} s"
+    worst, when = f"{significant(use.reached)} {SHORT_UNITS.get(use.unit, use.unit)}", f"{use.at:.1f} s"
     name = SHORT_NAMES.get(use.name, use.name)
     if use.allowed is None:
         return _cells(name, worst, "", when)
     mark, colour = ("✕", palette.ERROR) if use.broken else ("✓", palette.GOOD)
     share = 100 * min(use.share, 1.0)
-    allowed = f"{BAR.format(palette.BAR_TRACK, share, colour)} {'≥' if use.least else '≤'} {use.allowed:.3g}"
+    allowed = f"{BAR.format(palette.BAR_TRACK, share, colour)} {'≥' if use.least else '≤'} {significant(use.allowed)}"
     return _cells(f'<span style="color:{colour}">{mark}</span> {name}', worst, allowed, when)
 
 

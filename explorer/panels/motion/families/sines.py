@@ -10,6 +10,7 @@ from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form, Section
+from rangenav.number_format import significant
 from rangenav.signals import Multisine, Tone
 
 NEW = (0.25, 4.0)
@@ -110,7 +111,9 @@ class _ToneSection:
         self._update_label(tone)
 
     def _update_label(self, tone: Tone) -> None:
-        self.section.caption(f"{tone.axis}: {tone.amplitude:.3g} sin({tone.frequency:.3g} t {tone.phase:+.3g})")
+        self.section.caption(
+            f"{tone.axis}: {significant(tone.amplitude)} sin({significant(tone.frequency)} t {tone.phase:+.3g})"
+        )
 
 
 class _OffsetAndDrift:
