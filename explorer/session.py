@@ -169,7 +169,7 @@ class Session:
             self._display.draw_handles()
 
     def _took_over(self) -> bool:
-        """Whether what is chosen now can be shown; if not, the visitor has been told why."""
+        """Whether what is chosen now can be shown; if not, a complaint on the page says why."""
         began = time.monotonic()
         with contextlib.suppress(InvalidInputError), self.dock.catching():
             pressed = self.form.run_actions(before=self._refresh_before_action)

@@ -45,12 +45,12 @@ FIGURES = (
 def figures(a: Picture, b: Picture) -> list[str]:
     """One sentence for each figure that changed from A to B."""
     before, after = a.analysis.verdict.word, b.analysis.verdict.word
-    told = [f"{before} → {after}"] if before != after else []
+    sentences = [f"{before} → {after}"] if before != after else []
     for name, seen in (("A", a), ("B", b)):
         if seen.summary.diverged:
-            told.append(f"{name}'s covariance diverges: its errors say nothing")
+            sentences.append(f"{name}'s covariance diverges: its errors say nothing")
     changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
-    return told + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
+    return sentences + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
 
 
 def notable(before: float | None, after: float | None) -> bool:

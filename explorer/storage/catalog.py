@@ -229,8 +229,8 @@ def _shipped_certificate(name: str) -> bytes | None:
     """The stored certificate of a shipped preset, None if there is none."""
     for file in preset.shipped_files():
         if file.stem == name:
-            beside = certificate.path_for(file)
-            return beside.read_bytes() if beside.is_file() else None
+            stored = certificate.path_for(file)
+            return stored.read_bytes() if stored.is_file() else None
     return None
 
 

@@ -15,7 +15,7 @@ from rangenav.preset import MAX_DURATION
 
 Ranges = Literal["measured", "synthetic"]
 WorldSource = Literal["", "still", "given"]
-"""Where gravity and field come from: the file, its still start, or a person."""
+"""Where gravity and field come from: the file, its start at rest, or a person."""
 
 
 class FlightOptions(Input, frozen=True, kw_only=True):
@@ -73,7 +73,7 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     length = (x * x + y * y + z * z) ** 0.5 or 1.0
     confirmed = options.source == "still"
     given = (options.gravity, (x / length, y / length, z / length)) if options.source == "given" else None
-    world, questions, told = rest.world_of(flight, anchor=options.anchor, given=given, confirmed=confirmed)
+    world, questions, source = rest.world_of(flight, anchor=options.anchor, given=given, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
@@ -85,13 +85,13 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
-    return FlightReport(seen.words, seen.verdict, flight_summary.summarise_windows(seen), observed, told)
+    return FlightReport(seen.words, seen.verdict, flight_summary.summarise_windows(seen), observed, source)
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:
     """The source of gravity and field that the record suggests, and its evidence in a sentence."""
-    world, questions, told = rest.world_of(flight, anchor=(0.0, 0.0, 0.0))
+    world, questions, source = rest.world_of(flight, anchor=(0.0, 0.0, 0.0))
     if world is not None:
-        return "", told
+        return "", source
     question = questions[0]
     return ("still" if question.suggestion == "still" else "given"), question.evidence

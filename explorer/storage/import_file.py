@@ -1,7 +1,7 @@
-"""A file from outside, as bytes and a name that is not trusted: what it may be, and what it is understood to be.
+"""An uploaded file, as bytes and a name that is not trusted, is read as a path, a recorded flight or a preset.
 
-No viser here. The file is read by `rangenav.formats`, under a plain name in a folder of its own, and only once; a
-preset, also one in a zip as the page packs it, by `rangenav.preset`.
+`rangenav.formats` reads the file once, under a name made of letters and digits in a folder of its own.
+`rangenav.preset` reads a preset, also one in a zip as the page packs it.
 """
 
 import io
@@ -22,43 +22,43 @@ from rangenav.inputs import Vec3, require
 from rangenav.preset import MAX_TITLE, Preset
 
 HEAD = 4096
-"""Bytes of a file's beginning that tell what it may be."""
+"""Bytes of a file's beginning from which its format is guessed."""
 ZIPPED, MAX_ENTRIES = b"PK\x03\x04", 1000
-"""How a zip begins; files in one that are looked through."""
+"""How a zip begins; the most files that one may contain."""
 
 
 @dataclass(frozen=True, eq=False)
 class ImportFile:
-    """A file that was handed over."""
+    """An uploaded file."""
 
     name: str
-    """For reading only."""
+    """For display only: no file is opened by it."""
     content: bytes
 
 
 @dataclass(frozen=True, eq=False)
 class Interpretation:
-    """What a file was understood to be; with its preset if it is a path and nothing is open."""
+    """How a file was understood; with a preset if it holds a path and no question is open."""
 
     found: ImportResult
     preset: Preset | None
 
 
 def guess(file: ImportFile) -> str:
-    """The format that a file looks like, by its name and first lines; a person confirms it."""
+    """The format that a file seems to have, by its name and first lines; the visitor confirms it."""
     return formats.guess(file.name, file.content[:HEAD].decode("utf-8", "replace"))
 
 
-def interpret(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: Vec3) -> Interpretation:
-    """Read a file. Raises ValueError with one sentence naming file and line for what cannot be read at all."""
+def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], anchor: Vec3) -> Interpretation:
+    """Read a file in a format. Raises ValueError with one sentence that names file and line if it cannot be read."""
     path = PurePosixPath(file.name)
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
-        kept = Path(folder) / (slug(path.stem) + "." + slug(path.suffix))
-        kept.write_bytes(file.content)
+        copy = Path(folder) / (slug(path.stem) + "." + slug(path.suffix))
+        copy.write_bytes(file.content)
         try:
-            found = formats.read(kept, form, confirm=confirm)
+            found = formats.read(copy, format_name, confirm=confirm)
         except ValueError as error:
-            raise ValueError(str(error).replace(kept.name, file.name)) from None  # the name that the person knows
+            raise ValueError(str(error).replace(copy.name, file.name)) from None  # the name that the person knows
     found = replace(found, source=file.name)
     if found.questions or found.path is None:
         return Interpretation(found, None)
@@ -67,13 +67,12 @@ def interpret(file: ImportFile, form: str, confirm: Mapping[str, str], anchor: V
 
 
 def looks_like_a_preset(file: ImportFile) -> bool:
-    """Whether a file belongs to the other button."""
+    """Whether a file is a preset or a zip, for which there is another button."""
     return file.name.lower().endswith(".toml") or file.content.startswith(ZIPPED)
 
 
 def preset_in(file: ImportFile) -> Preset:
-    """The preset that was handed over, as a TOML file or the only one in a zip. Raises ValueError naming the file and
-    what is wrong."""
+    """The preset in a TOML file, or the only preset in a zip. Raises ValueError, which names the file and the fault."""
     name, content = file.name, file.content
     if content.startswith(ZIPPED):
         name, content = _unzipped(file)
@@ -85,7 +84,7 @@ def preset_in(file: ImportFile) -> Preset:
 
 
 def _unzipped(file: ImportFile) -> tuple[str, bytes]:
-    """Name and bytes of the one preset in a zip; what it is packed into is bounded before it is unpacked."""
+    """Name and bytes of the one preset in a zip; at most so many bytes are unpacked as a preset may have."""
     try:
         with zipfile.ZipFile(io.BytesIO(file.content)) as packed:
             require(len(packed.filelist) <= MAX_ENTRIES, f"{file.name}: more than {MAX_ENTRIES} files in one zip")
