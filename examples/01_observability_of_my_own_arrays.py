@@ -2,12 +2,13 @@
 Observability of my own arrays
 ==============================
 
-Samples of a motion in numpy arrays become a path. Then the library says what one range can tell of that motion:
-the rank on sliding windows, the excitation, and a verdict where the data allow one.
+Samples of a motion in numpy arrays become a path. Then the library computes what one range can determine on this
+motion: the rank on sliding windows, the excitation, and a verdict where the data allow one.
 """
 
 # %%
-# A loop that never quite closes, sampled at 100 Hz. Put your own arrays here: seconds, and metres with z up.
+# The example is the sum of three sines, sampled at 100 Hz. Put your own arrays in their place: times in seconds, and
+# positions in metres with z up.
 import numpy as np
 
 from rangenav import analysis
@@ -26,9 +27,9 @@ def derivative(order: int) -> np.ndarray:
 
 
 # %%
-# From positions alone the path is a smooth curve near the samples. A preset holds it together with the world: here an
-# anchor half a metre from the origin. Every function of :mod:`rangenav.observability` takes the path; here 15 windows
-# of 6 s.
+# ``from_arrays`` fits a smooth curve near the positions. A preset combines this path with the world: here the anchor is
+# half a metre from the origin. Every function of :mod:`rangenav.observability` accepts the path. Here the spectra of 15
+# windows of 6 s are computed.
 fit = sampled_path.from_arrays(time, derivative(0), name="my flight")
 mine = path_preset.as_preset(fit, anchor=(0.5, 0.0, 0.0))
 start = np.linspace(0.0, mine.duration - 6.0, 15)
@@ -37,11 +38,13 @@ print(fit.fitted)
 print("rank, of 13, on each window:", *windows.rank)
 
 # %%
-# But a curve near positions has a snap of its own, so its excitation says nothing about the flight: it is not judged.
+# The snap of the fitted curve depends on the smoothing, so its excitation says nothing reliable about the flight.
+# Therefore ``analyse`` does not judge a fitted path.
 print(analysis.analyse(mine).verdict)
 
 # %%
-# With the derivatives up to the snap, as a planner knows them, the path is the motion itself.
+# A planner knows the derivatives up to the snap. With these derivatives the path is the motion itself. The two
+# excitations agree here, because the samples of this example have no noise; the samples alone do not show that.
 motion = sampled_path.from_arrays(
     time, derivative(0), velocity=derivative(1), acceleration=derivative(2), jerk=derivative(3), snap=derivative(4)
 )
@@ -50,8 +53,10 @@ for name, path in (("fitted to positions", mine.path), ("all derivatives", known
     print(f"least excitation, {name}: {excitation.eigenvalues(path, start, 6.0)[:, 0].min():.2f} m²/s⁷")
 
 # %%
-# So it is judged. How long must one fly? A window of 6 s has full rank, but half a metre takes nearly 10 s.
+# The path with all derivatives is judged. A window of 6 s has full rank, but a predicted error of half a metre needs a
+# window of nearly 10 s.
 print(analysis.how_long(known).words)
 for window in (6.0, 10.0):
-    found = analysis.analyse(analysis.with_window(known, window, source="my flight"))
-    print(f"{window:g} s: {found.verdict}, rank {found.rank}, predicted 1-σ position {found.lifted_end.position:.3g} m")
+    result = analysis.analyse(analysis.with_window(known, window, source="my flight"))
+    sigma = result.lifted_end.position
+    print(f"{window:g} s: {result.verdict}, rank {result.rank}, predicted 1-σ position {sigma:.3g} m")

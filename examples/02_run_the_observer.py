@@ -2,13 +2,13 @@
 Run the observer
 ================
 
-A whole record at once: gyro, accelerometer, magnetometer and ranges in arrays go in, position, velocity, gravity and
-attitude with their covariances come out.
+The observer processes a whole record at once. The inputs are arrays of gyro, accelerometer, magnetometer and ranges.
+The outputs are position, velocity, gravity and attitude, and the covariances of the first three.
 """
 
 # %%
-# A record to begin with: a shipped preset is simulated and measured with noise. Put your own arrays in its place; where
-# the magnetometer gave no sample, write NaN.
+# The record of this example is a simulation of a shipped preset, with noise. Put your own arrays in its place. Write
+# NaN where the magnetometer gave no sample.
 import numpy as np
 
 from rangenav import cascade, errors, preset, record
@@ -21,14 +21,16 @@ measurements = Measurements(time=z.time, gyro=z.gyro, accel=z.accel, mag=z.mag, 
 print(measurements)
 
 # %%
-# The observer knows the world, the rates and noise of the sensors, and its gains. It starts from nothing: x̂ = 0, R̂ = I.
+# The observer needs the world (gravity, magnetic field, anchor), the rates and noise of the sensors, and its gains. The
+# start is x̂ = 0 and R̂ = I. ``covariance`` holds three 3 × 3 blocks for each time: position, velocity, gravity.
 config = cascade.ObserverConfig(world=chosen.world, sensors=chosen.sensors, gains=chosen.gains)
 start = cascade.Start(state=np.zeros(13), rotation=np.eye(3))
 estimate = cascade.observe(measurements, start, config)
 print(estimate)
 
 # %%
-# The truth of a simulation says how good that is. From nothing the error first grows, then it settles.
+# A simulation knows the truth, so the error of the estimate is known. From x̂ = 0 the position error first grows, and
+# then settles.
 truth = simulated.truth
 wrong = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
 for second in (0, 2, 5, 10, 15, 20):

@@ -2,12 +2,12 @@
 Certify a motion and export it
 ==============================
 
-A certificate states what a file's motion lets one range tell, computed from the bytes of the file. Anybody can verify
-it with the file alone.
+A certificate states what one range can determine on the motion in a file. The certificate is computed from the bytes of
+the file, so anybody who has both files can verify it.
 """
 
 # %%
-# All files go into a temporary folder; take a folder of your own to keep them.
+# The example writes all files into a temporary folder. Use a folder of your own to keep them.
 import tempfile
 from pathlib import Path
 
@@ -17,17 +17,18 @@ from rangenav.certificate import certified_export, exports
 folder = Path(tempfile.mkdtemp(prefix="rangenav-"))
 
 # %%
-# The preset is saved, and the certificate is computed from what was written.
+# Save the preset, and compute the certificate from the file.
 chosen = preset.load("barrel")
 preset.save(chosen, folder / "mine.toml")
-found = certificate.certify_file(folder / "mine.toml")
-print("certified:", found.certified)
-for check in found.checks:
+certified = certificate.certify_file(folder / "mine.toml")
+print("certified:", certified.certified)
+for check in certified.checks:
     print(f"  {check.name}: {check.words}")
 
 # %%
-# Export for a Crazyflie: pieces of degree 7. The gate refuses what misses its requirement, and the certificate beside
-# the file is of the bytes that were written, not of the preset.
+# Export the motion for a Crazyflie, as polynomials of degree 7. ``write`` refuses a preset that misses its requirement;
+# ``otherwise`` is the advice that its error message then ends with. The certificate is computed from the exported
+# bytes, not from the preset.
 exported = certified_export.write(
     chosen, "polynomial", folder / "mine.csv", name="mine", otherwise="uncertified=True writes it all the same"
 )
@@ -36,7 +37,7 @@ for note in exported.notes:
     print("  ", note)
 
 # %%
-# Verify: everything is computed again from the file and compared. One changed digit is found.
+# ``verify_file`` computes the certificate again from the file and compares the two. It detects one changed digit.
 readers = exports.readers()
 print("wrong with the file:", certificate.verify_file(folder / "mine.csv", readers=readers) or "nothing")
 lines = (folder / "mine.csv").read_text().splitlines()

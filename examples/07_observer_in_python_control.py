@@ -2,12 +2,13 @@
 The observer in python-control
 ==============================
 
-The observer of the paper in continuous time is a ``NonlinearIOSystem``: connect it with a model of your own, simulate
-it, linearise it.
+The observer of the paper, in continuous time, is a ``NonlinearIOSystem`` of python-control. Connect the observer with a
+model of your own, simulate the two, or linearise them.
 """
 
 # %%
-# A model of your own: a vehicle whose attitude and position are known functions of time, and what its sensors measure.
+# The model of this example is a vehicle whose attitude and position are known functions of time. Its outputs are the
+# sensor measurements, without noise.
 from typing import Any
 
 import control
@@ -30,7 +31,7 @@ def measured(t, x, u, params):
 vehicle = control.NonlinearIOSystem(None, measured, inputs=0, outputs=control_system.INPUTS, name="vehicle")
 
 # %%
-# The observer with the preset's gains, connected to it signal by signal.
+# The observer has the preset's gains. Connect each of its inputs to the output of the vehicle with the same name.
 config = cascade.ObserverConfig(world=chosen.world, sensors=chosen.sensors, gains=chosen.gains)
 observer = control_system.system(config)
 both = control.interconnect(
@@ -40,7 +41,7 @@ both = control.interconnect(
 )
 
 # %%
-# From x̂ = 0 and an attitude that is 60° off; the truth is known, so the error is, too.
+# The observer starts from x̂ = 0 and from an attitude that is 60° off. The truth is known, so the error is known.
 start = cascade.Start(state=np.zeros(13), rotation=so3.exp(np.array([0.0, np.pi / 3, 0.0])))
 begin: Any = control_system.initial_state(start, config)
 time = np.linspace(0.0, 6.0, 13)
