@@ -21,9 +21,9 @@ SMALLEST = 1e-15
 
 def scaled(picture: Picture) -> Drawing:
     """The 13 singular values in units of 1 m and δ, and the tolerance below which they do not count for the rank."""
-    found = picture.details.spectrum
-    tolerance = found.tolerance[:, None]
-    ascending = found.scaled[:, ::-1]
+    spectrum = picture.details.spectrum
+    tolerance = spectrum.tolerance[:, None]
+    ascending = spectrum.scaled[:, ::-1]
     counts = ascending > tolerance
     values = np.concatenate([np.where(counts, ascending, -np.inf), tolerance], axis=1)
     axis = curves.decades(values)
@@ -35,51 +35,51 @@ def scaled(picture: Picture) -> Drawing:
 
 def functions(picture: Picture) -> Drawing:
     """The 13 functions on the window of least rank, each drawn as a share of its own greatest value."""
-    found = picture.details.functions
-    peak = np.abs(found.values).max(axis=0)
-    shape = found.values / np.where(peak > 0, peak, 1.0)
-    return Drawing(time=found.tau, values=found.values, drawn=shape, axis=(-1.0, 1.0))
+    thirteen = picture.details.functions
+    peak = np.abs(thirteen.values).max(axis=0)
+    shape = thirteen.values / np.where(peak > 0, peak, 1.0)
+    return Drawing(time=thirteen.tau, values=thirteen.values, drawn=shape, axis=(-1.0, 1.0))
 
 
 def rank_by_length(picture: Picture) -> Drawing:
     """Rank by window length: of the window from the start of the flight, and of the worst window."""
-    found = picture.details.horizon
-    values = curves.end_at_first_nan(np.column_stack([found.rank, np.full(len(found.length), float(STATES))]))
-    return Drawing(time=found.length, values=values, drawn=values, axis=RANK_AXIS)
+    horizon = picture.details.horizon
+    values = curves.end_at_first_nan(np.column_stack([horizon.rank, np.full(len(horizon.length), float(STATES))]))
+    return Drawing(time=horizon.length, values=values, drawn=values, axis=RANK_AXIS)
 
 
 def sigma_by_length(picture: Picture) -> Drawing:
     """Predicted σ at the end of the same windows; a blind window has none."""
-    found = picture.details.horizon
-    wanted = np.full(len(found.length), picture.preset.requirement.position_sigma)
-    values = curves.end_at_first_nan(np.column_stack([found.sigma, wanted]))
+    horizon = picture.details.horizon
+    wanted = np.full(len(horizon.length), picture.preset.requirement.position_sigma)
+    values = curves.end_at_first_nan(np.column_stack([horizon.sigma, wanted]))
     axis = curves.decades(values)
-    return Drawing(time=found.length, values=values, drawn=curves.onto_log_axis(values, axis), axis=axis)
+    return Drawing(time=horizon.length, values=values, drawn=curves.onto_log_axis(values, axis), axis=axis)
 
 
 def ranges(picture: Picture) -> Drawing:
     """The range of the true motion and of its twin."""
-    found = picture.details.twin
-    if not isinstance(found, Twin):
+    twin = picture.details.twin
+    if not isinstance(twin, Twin):
         time, true = picture.motion.time, _true_range(picture)
         values = np.column_stack([true, true])
         return Drawing(time=time, values=values, drawn=values, axis=_from_zero(values), hidden=(1,))
-    values = np.column_stack([found.range, found.twin_range])
-    return Drawing(time=found.time, values=values, drawn=values, axis=_from_zero(values))
+    values = np.column_stack([twin.range, twin.twin_range])
+    return Drawing(time=twin.time, values=values, drawn=values, axis=_from_zero(values))
 
 
 def apart(picture: Picture) -> Drawing:
     """The distance of the twin and the difference of its range, on one log axis."""
-    found = picture.details.twin
-    if not isinstance(found, Twin):
+    twin = picture.details.twin
+    if not isinstance(twin, Twin):
         time = picture.motion.time
         values = np.full((len(time), 3), TOLERANCE)
         return Drawing(time=time, values=values, drawn=values, axis=curves.decades(values), hidden=(0, 1))
-    distance = np.linalg.norm(found.shift + found.time[:, None] * found.drift, axis=-1)
-    difference = np.abs(found.twin_range - found.range)
+    distance = np.linalg.norm(twin.shift + twin.time[:, None] * twin.drift, axis=-1)
+    difference = np.abs(twin.twin_range - twin.range)
     values = np.column_stack([distance, difference, np.full_like(distance, TOLERANCE)])
     axis = curves.decades(np.maximum(values, SMALLEST), low_quantile=0.0)
-    return Drawing(time=found.time, values=values, drawn=curves.onto_log_axis(values, axis), axis=axis)
+    return Drawing(time=twin.time, values=values, drawn=curves.onto_log_axis(values, axis), axis=axis)
 
 
 def phi(picture: Picture) -> Drawing:
@@ -90,9 +90,9 @@ def phi(picture: Picture) -> Drawing:
 
 def certificates(picture: Picture) -> Drawing:
     """The least eigenvalue of the excitation: as derived, with each misprint, with both, and the required μ."""
-    windows, found, required = picture.analysis.windows, picture.details.printed, picture.preset.requirement.mu
+    windows, comparison, required = picture.analysis.windows, picture.details.printed, picture.preset.requirement.mu
     derived = np.where(windows.excitation[:, 0] > picture.analysis.mu_floor, windows.excitation[:, 0], 0.0)
-    printed = (found.least_formula, found.least_axes, found.least_printed)
+    printed = (comparison.least_formula, comparison.least_axes, comparison.least_printed)
     largest = max(float(column.max()) for column in (derived, *printed))
     values = np.column_stack([derived, *printed, np.full_like(derived, required)])
     values = np.where(values > plots.EXCITATION_FLOOR * largest, values, 0.0)
@@ -102,20 +102,20 @@ def certificates(picture: Picture) -> Drawing:
 
 def describe_depth(picture: Picture) -> tuple[str, ...]:
     """Sentences: how long to fly, which functions depend on which, and the verdict of the frozen-time test."""
-    found = picture.details
-    tied, unseen = "; ".join(found.functions.relations), "; ".join(found.functions.unseen)
-    relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are independent."
+    of_picture = picture.details
+    tied, unseen = "; ".join(of_picture.functions.relations), "; ".join(of_picture.functions.unseen)
+    relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are thirteen."
     blind = f"So no range of it feels these changes of the state: {unseen}." if unseen else ""
     return tuple(
-        line for line in (found.horizon.words, relations, blind, details.frozen_summary(picture.preset)) if line
+        line for line in (of_picture.horizon.words, relations, blind, details.frozen_summary(picture.preset)) if line
     )
 
 
 def describe_twin(picture: Picture) -> tuple[str, ...]:
     """Sentences: the twin, or why there is none; and what the printed condition certifies."""
-    found = picture.details
-    twin = f"Twin: {found.twin.summary}." if isinstance(found.twin, Twin) else f"{found.twin.reason}."
-    return twin[0].upper() + twin[1:], found.printed.words
+    of_picture = picture.details
+    twin = f"Twin: {of_picture.twin.summary}." if isinstance(of_picture.twin, Twin) else f"{of_picture.twin.reason}."
+    return twin[0].upper() + twin[1:], of_picture.printed.words
 
 
 def _true_range(picture: Picture) -> Float[Array, "n"]:
