@@ -104,7 +104,7 @@ def describe_depth(picture: Picture) -> tuple[str, ...]:
     """Sentences: how long to fly, which functions depend on which, and the verdict of the frozen-time test."""
     of_picture = picture.details
     tied, unseen = "; ".join(of_picture.functions.relations), "; ".join(of_picture.functions.unseen)
-    relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are thirteen."
+    relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are independent."
     blind = f"So no range of it feels these changes of the state: {unseen}." if unseen else ""
     return tuple(
         line for line in (of_picture.horizon.words, relations, blind, details.frozen_summary(picture.preset)) if line
