@@ -59,7 +59,7 @@ def _loop(p: Preset, count: int) -> None:
     course = record.truth_inputs(p)
     truth, z = record.simulated(course), record.measured(course, p.sensors, p.seed)
     observer_config = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
-    for rotation in Rotation.random(count, random_state=0).as_matrix():
+    for rotation in Rotation.random(count, np.random.default_rng(0)).as_matrix():
         estimate = cascade.observe(z, cascade.Start(state=np.zeros(13), rotation=rotation), observer_config)
         result = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
         record.summarise(estimate, result, 0.0)

@@ -20,11 +20,8 @@ from explorer.model import conversion
 from explorer.model.compute import compile_kernels, compute
 from explorer.model.settings import Settings
 from rangenav import preset
-from rangenav.signals import MinimumSnap, Waypoints, waypoints
+from rangenav.signals import MinimumSnap, Multisine, Waypoints, waypoints
 from tests.support.wire import Wire
-
-if missing("playwright") is None:
-    from tests.browser import page
 
 DEFAULT_PRESET = "paper-slow"
 MOVES, WARM_MOVES, SLIDER_EVENTS, STARTS = 100, 5, 40, 3
@@ -49,7 +46,7 @@ def main() -> None:
     stages = {f"stages, {name} moved": _milliseconds(moved, _opened()) for name, moved in MOVED.items()}
     stages |= {f"stages, one of 12 {name} moved": _milliseconds(_waypoint, _drawn(name)) for name in CURVES}
     drags, pictures = _drags()
-    reason = missing("playwright") or page.why_not()
+    reason = missing("playwright") or _why_no_browser()
     events = {} if reason else _slider_events()
     starts = {} if reason else _starts()
     report(
@@ -93,6 +90,7 @@ def _gain(chosen: preset.Preset, factor: float) -> preset.Preset:
 
 
 def _amplitude(chosen: preset.Preset, factor: float) -> preset.Preset:
+    assert isinstance(chosen.path, Multisine)
     first, *others = chosen.path.tones
     tones = (msgspec.structs.replace(first, amplitude=first.amplitude * factor), *others)
     return msgspec.structs.replace(chosen, path=msgspec.structs.replace(chosen.path, tones=tones))
@@ -126,12 +124,15 @@ def _drawn(name: str) -> preset.Preset:
 
 
 def _waypoint(chosen: preset.Preset, factor: float) -> preset.Preset:
+    assert isinstance(chosen.path, Waypoints | MinimumSnap)
     x, y, z = chosen.path.points[3].value
     return msgspec.structs.replace(chosen, path=waypoints.move(chosen.path, 3, (x + factor - 1, y, z)))
 
 
 def _drags() -> tuple[dict[str, np.ndarray], dict[str, float]]:
     """A waypoint dragged as fast as a page tells it: ms until its picture is on the socket, and pictures a second."""
+    from tests.browser import page
+
     elapsed, pictures = {}, {}
     for name in CURVES:
         with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, {"RANGENAV_STATE": folder}):
@@ -154,7 +155,7 @@ def _drag(port: int) -> tuple[np.ndarray, float]:
     box, sent, drawn = tab.find("its place (m)"), [], []
     tab.on_plot = lambda uuid: drawn.append((uuid, time.perf_counter(), tab.elements[box]["value"][0]))
     tab.drag_message(handle, "start", home, home)
-    began = time.perf_counter()
+    began, place = time.perf_counter(), home
     for k in range(DRAGS):
         place = (home[0] + 0.004 * (k + 1), home[1], home[2])
         sent.append((time.perf_counter(), place[0]))
@@ -188,6 +189,13 @@ def _milliseconds(moved: Callable[[preset.Preset, float], preset.Preset], chosen
     return elapsed[WARM_MOVES:]
 
 
+def _why_no_browser() -> str | None:
+    """A sentence if there is no Chromium here, None if there is; needs playwright, as all that drives the page does."""
+    from tests.browser import page
+
+    return page.why_not()
+
+
 def _starts() -> dict[str, np.ndarray]:
     """Seconds from starting the program to an answering page: with warm caches, and with nothing compiled."""
     warm = [_start() for _ in range(STARTS)]
@@ -199,12 +207,16 @@ def _starts() -> dict[str, np.ndarray]:
 
 
 def _start() -> float:
+    from tests.browser import page
+
     with page.served() as server:
         return server.seconds_to_answer
 
 
 def _slider_events() -> dict[str, np.ndarray]:
     """Milliseconds from slider events in Chromium to changed plot data, for one slider of each of two tabs."""
+    from tests.browser import page
+
     elapsed = {}
     with page.served("--preset", DEFAULT_PRESET) as server, page.chromium() as browser:
         for tab, slider, curve in SLIDERS:

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from rangenav.preset import Preset
+from rangenav.signals import Flown
 
 RTOL, ATOL = 1e-8, 1e-10
 STATES, SPLITS = 13, (13, 182, 191)
@@ -38,9 +39,11 @@ def solve(
 def _rate(time: float, flat: np.ndarray, preset: Preset, g: np.ndarray, m: np.ndarray, V: np.ndarray) -> np.ndarray:
     x, P, estimate, R = np.split(flat, SPLITS)
     P, estimate, R = P.reshape(STATES, STATES), estimate.reshape(3, 3), R.reshape(3, 3)
-    omega, p = preset.angular_velocity(time), preset.path(time) - np.asarray(preset.world.anchor)
-    a, mag = R.T @ (preset.path(time, 2) - g), R.T @ m
-    A, b = _matrices(omega, a, g @ g)
+    assert not isinstance(preset.angular_velocity, Flown), "the equations are compared on a signal of its own"
+    now = np.array(time)
+    omega, p = preset.angular_velocity(now), preset.path(now) - np.asarray(preset.world.anchor)
+    a, mag = R.T @ (preset.path(now, 2) - g), R.T @ m
+    A, b = _matrices(omega, a, float(g @ g))
     q, k = preset.gains.riccati.q, preset.gains.attitude
     K = P @ C.T * q
     x_rate = A @ x + b + K @ (p @ p / 2 - C @ x)

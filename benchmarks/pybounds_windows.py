@@ -7,6 +7,9 @@ call compiles again, because the class makes a new jitted function each time. Th
 compiled Jacobians take about 12 ms, but no public name gives access to them.
 """
 
+# pyright: reportMissingImports=false
+# Only the extra `bench` installs jax and pybounds: this module is imported where they are, and checked everywhere.
+
 import warnings
 
 import jax.numpy as jnp

@@ -5,7 +5,7 @@ import json
 import platform
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -36,7 +36,7 @@ class Target:
         return f"{self.name}: {self.value:.3g}{self.unit} ({rule}: {'met' if self.met else 'MISSED'})"
 
 
-def alternate(calls: dict[str, tuple[Callable[[], object], int]], rounds: int) -> dict[str, float]:
+def alternate(calls: Mapping[str, tuple[Callable[[], object], int]], rounds: int) -> dict[str, float]:
     """Median wall-clock time (s) of each named call, made as often as its number says in each of several rounds.
 
     Taking turns lets whatever else the machine does meet all of them alike. The first call of each is not counted.

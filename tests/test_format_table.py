@@ -18,7 +18,7 @@ from rangenav.certificate import certified_export, exports
 from rangenav.commands import export, import_, log
 from rangenav.formats import format, table, text
 from rangenav.formats import tum as witness
-from rangenav.formats.exported_run import inputs_of
+from rangenav.formats.exported_run import run_of
 from rangenav.formats.output_files import write_text
 from rangenav.preset import Preset
 
@@ -27,7 +27,7 @@ COMMANDS = (export, import_, log)
 
 def written(chosen: Preset, path: Path) -> formats.OutputFile:
     """Blank-separated times and positions, under one comment."""
-    run = inputs_of(chosen)
+    run = run_of(chosen)
     rows = [f"{t!r} {x!r} {y!r} {z!r}" for t, (x, y, z) in zip(run.time.tolist(), run.position.tolist(), strict=True)]
     write_text(path, "\n".join(["# a new format", *rows, ""]))
     return formats.OutputFile(files=(path,), frame="as the preset")

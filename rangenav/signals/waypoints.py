@@ -126,7 +126,7 @@ class MinimumSnap(
     degree: ClassVar[int] = 7
 
 
-TimedFamily = TypeVar("TimedFamily", Waypoints, MinimumSnap)
+TimedFamily = TypeVar("TimedFamily", bound=Waypoints | MinimumSnap)
 
 
 def move(curve: TimedFamily, index: int, value: Vec3) -> TimedFamily:

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Playwright, sync_playwright
+from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Playwright, ViewportSize, sync_playwright
 
 CHROMIUM = next((path for path in ("/usr/bin/chromium", "/usr/bin/chromium-browser") if Path(path).exists()), None)
 FLAGS = [
@@ -124,7 +124,7 @@ class Visitor:
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
         self._says, self._alone = says, beside is None
-        size, scale = {"width": width, "height": height}, density
+        size, scale = ViewportSize(width=width, height=height), density
         context = beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
         self.page: Page = context.new_page()
         self.page.on("console", self._listen)

@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from rangenav import preset, record
+from rangenav.signals import Multisine
 from tests.browser.page import COARSE, PATIENCE, Server, Visitor, quantile
 
 ERROR_CURVE = "σ by P"
@@ -45,7 +46,9 @@ def test_another_preset_changes_path_verdict_and_sliders(visitor: Visitor):
     visitor.wait_for_text("BLIND")
     visitor.wait_for_text("nothing excites z")
     visitor.tab("Motion")
-    circle = preset.load("circle").path.tones[0]
+    path = preset.load("circle").path
+    assert isinstance(path, Multisine)
+    circle = path.tones[0]
     visitor.wait_for_text(f"{circle.axis}: {circle.amplitude:.3g} sin({circle.frequency:.3g} t")
 
 

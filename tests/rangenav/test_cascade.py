@@ -82,7 +82,7 @@ def test_many_starts_at_once_are_each_what_it_is_alone(attitude: AttitudeGains, 
     """Nothing flows back from the attitude into x̂, so one x̂ serves all starts, to the last bit."""
     scene = records.scene("paper-slow", duration=2.0, range_rate=range_rate, mag_rate=mag_rate)
     setting = scene.setting(Gains(attitude=attitude))
-    rotations = Rotation.random(5, random_state=4).as_matrix()
+    rotations = Rotation.random(5, np.random.default_rng(4)).as_matrix()
     together = cascade.attitudes(scene.measurements, scene.start, setting, rotations=rotations)
     for rotation, found in zip(rotations, together, strict=True):
         alone = cascade.observe(scene.measurements, Start(state=scene.start.state, rotation=rotation), setting)

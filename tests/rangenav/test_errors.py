@@ -23,7 +23,7 @@ def test_angles_are_those_of_the_rotation_in_between_from_nothing_to_a_half_turn
     rng = np.random.default_rng(1)
     axis = rng.standard_normal((3, 7, 3))
     between = Rotation.from_rotvec((size * axis / np.linalg.norm(axis, axis=-1, keepdims=True)).reshape(-1, 3))
-    truth = Rotation.random(7, random_state=2)
+    truth = Rotation.random(7, rng)
     repeated = Rotation.concatenate([truth] * 3)
     found = (between.inv() * repeated).as_matrix().reshape(3, 7, 3, 3)
     angles = errors.angles(found, truth.as_matrix())

@@ -28,7 +28,7 @@ def test_lifted_covariances_are_the_derivatives_of_the_lift():
     """First-order covariances against central differences of the 13-state in all nine errors."""
     rng = np.random.default_rng(4)
     position, velocity = rng.normal(size=3), rng.normal(size=3)
-    rotation, root = Rotation.random(random_state=5).as_matrix(), rng.normal(size=(9, 9))
+    rotation, root = Rotation.random(None, rng).as_matrix(), rng.normal(size=(9, 9))
     track = Track(
         time=np.array([0.0]),
         position=position[None],

@@ -5,6 +5,7 @@ binomials; nothing of the library is evaluated.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -12,7 +13,9 @@ import numpy as np
 from rangenav.signals import MinimumSnap, Polynomials, Waypoints
 
 mp.mp.dps = 50
-Polynomial = list[mp.mpf]
+Real = Any
+"""A number of mpmath, which makes its classes at run time: no type expression can name them."""
+Polynomial = list[Real]
 Curve = Waypoints | MinimumSnap | Polynomials
 
 
@@ -20,8 +23,8 @@ Curve = Waypoints | MinimumSnap | Polynomials
 class Stretch:
     """One polynomial per axis in u = t − begin, ascending, for 0 ≤ u ≤ length."""
 
-    begin: mp.mpf
-    length: mp.mpf
+    begin: Real
+    length: Real
     axes: list[Polynomial]
 
 
@@ -80,7 +83,7 @@ def nonlinear(curve: Curve, anchor: tuple, start: float, window: float) -> np.nd
     return _eigenvalues(rows, 9) / window
 
 
-def value(polynomial: Polynomial, u: mp.mpf) -> mp.mpf:
+def value(polynomial: Polynomial, u: Real) -> Real:
     """At u, by Horner's scheme."""
     return mp.polyval(polynomial[::-1], u)
 
@@ -92,7 +95,7 @@ def derivative(polynomial: Polynomial, order: int) -> Polynomial:
     return polynomial
 
 
-def moved(polynomial: Polynomial, shift: mp.mpf) -> Polynomial:
+def moved(polynomial: Polynomial, shift: Real) -> Polynomial:
     """p(u + shift), by the binomial formula."""
     degree = len(polynomial) - 1
     return [
@@ -115,7 +118,7 @@ def plus(*terms: Polynomial) -> Polynomial:
     return [mp.fsum(t[j] for t in terms if j < len(t)) for j in range(max(map(len, terms)))]
 
 
-def _table(curve: Curve) -> tuple[list[mp.mpf], list[list[Polynomial]]]:
+def _table(curve: Curve) -> tuple[list[Real], list[list[Polynomial]]]:
     """Knots and, for each piece, the ascending coefficients of each axis, all taken as the doubles that they are."""
     if isinstance(curve, Polynomials):
         knots = [mp.mpf(float(t)) for t in np.concatenate([[0.0], np.cumsum([p.duration for p in curve.pieces])])]
@@ -125,7 +128,7 @@ def _table(curve: Curve) -> tuple[list[mp.mpf], list[list[Polynomial]]]:
     return [mp.mpf(float(t)) for t in found.knots], [[[mp.mpf(float(c)) for c in axis] for axis in p] for p in table]
 
 
-def _eigenvalues(rows: list[tuple[list[Polynomial], mp.mpf]], size: int) -> np.ndarray:
+def _eigenvalues(rows: list[tuple[list[Polynomial], Real]], size: int) -> np.ndarray:
     """Of the sum over stretches of ∫hᵀh."""
     W = mp.zeros(size)
     for h, length in rows:

@@ -2,19 +2,23 @@
 
 import math
 from functools import cache
+from typing import Any
 
 import mpmath as mp
 import numpy as np
 
 from rangenav.preset import Preset
+from rangenav.signals import Multisine
 
 NODES = 40
 PANEL = 20.0
 """rad of the fastest tone per panel of 40 Gauss nodes: exact to 50 digits for squares of such functions."""
 mp.mp.dps = 50
+Real = Any
+"""A number of mpmath, which makes its classes at run time: no type expression can name them."""
 
 
-def gramian_eigenvalues(preset: Preset, start: float, window: float) -> list[mp.mpf]:
+def gramian_eigenvalues(preset: Preset, start: float, window: float) -> list[Real]:
     """Eigenvalues of (1/δ)∫ hᵀh over [start, start + window], ascending."""
     t0, delta = mp.mpf(start), mp.mpf(window)
     gravity = [mp.mpf(g) for g in preset.world.gravity]
@@ -36,9 +40,10 @@ def gramian_eigenvalues(preset: Preset, start: float, window: float) -> list[mp.
     return sorted(mp.eigsy(W, eigvals_only=True))
 
 
-def derivative(preset: Preset, t: mp.mpf, order: int) -> list[mp.mpf]:
+def derivative(preset: Preset, t: Real, order: int) -> list[Real]:
     """The path's derivative in 50 digits; phases and frequencies are the doubles of the preset, taken exactly."""
     path = preset.path
+    assert isinstance(path, Multisine)
     value = [mp.mpf(0)] * 3
     if order == 0:
         value = [mp.mpf(path.offset[i]) + mp.mpf(path.drift[i]) * t for i in range(3)]
@@ -53,7 +58,7 @@ def derivative(preset: Preset, t: mp.mpf, order: int) -> list[mp.mpf]:
 
 
 @cache
-def legendre(count: int) -> tuple[tuple[mp.mpf, mp.mpf], ...]:
+def legendre(count: int) -> tuple[tuple[Real, Real], ...]:
     """Gauss–Legendre nodes and weights on [−1, 1] by Newton's method from numpy's."""
     pairs = []
     for guess in np.polynomial.legendre.leggauss(count)[0]:
@@ -64,6 +69,6 @@ def legendre(count: int) -> tuple[tuple[mp.mpf, mp.mpf], ...]:
     return tuple(pairs)
 
 
-def slope(count: int, x: mp.mpf) -> mp.mpf:
+def slope(count: int, x: Real) -> Real:
     """P′ₙ(x)."""
     return count * (x * mp.legendre(count, x) - mp.legendre(count - 1, x)) / (x * x - 1)

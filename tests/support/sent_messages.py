@@ -29,9 +29,10 @@ class Camera:
     @property
     def wxyz(self) -> np.ndarray:
         """The turn from (right, down, ahead) to the inertial axes."""
-        ahead = np.subtract(self.look_at, self.position)
+        up = np.asarray(self.up, dtype=float)
+        ahead = np.asarray(self.look_at, dtype=float) - np.asarray(self.position, dtype=float)
         ahead = ahead / np.linalg.norm(ahead)
-        right = np.cross(ahead, self.up)
+        right = np.cross(ahead, up)
         right = right / np.linalg.norm(right)
         return SO3.from_matrix(np.stack([right, np.cross(ahead, right), ahead], axis=1)).wxyz
 

@@ -92,5 +92,9 @@ def polynomial_file(name: str) -> Polynomials:
 
 
 def _piece(row: list[float]) -> Piece:
-    x, y, z, yaw = (tuple(row[first : first + 8]) for first in (1, 9, 17, 25))
-    return Piece(duration=row[0], x=x, y=y, z=z, yaw=yaw)
+    return Piece(duration=row[0], x=_eight(row[1:9]), y=_eight(row[9:17]), z=_eight(row[17:25]), yaw=_eight(row[25:33]))
+
+
+def _eight(row: list[float]) -> tuple[float, float, float, float, float, float, float, float]:
+    a, b, c, d, e, f, g, h = row
+    return a, b, c, d, e, f, g, h

@@ -72,7 +72,7 @@ def test_an_unknown_attitude_stays_unknown():
 def test_a_run_turned_over_feels_and_measures_the_same(name):
     """What the body feels is the truth's own accelerometer in the other axes: R'ᵀ(p̈' − g')."""
     p = preset.load(name)
-    down, up = exported_run.inputs_of(p), exported_run.upright_run(p)
+    down, up = exported_run.run_of(p), exported_run.upright_run(p)
     assert (down.frame, up.frame) == ("z-down", "z-up")
     assert up.gravity == (0.0, 0.0, -9.81)
     felt = motion.apparent(up.rotation, up.acceleration, gravity=np.array(up.gravity))

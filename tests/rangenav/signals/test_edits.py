@@ -101,7 +101,7 @@ def test_a_mirror_along_an_axis_keeps_the_tones_as_they_were_entered():
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30))
 def test_turning_again_and_again_does_not_multiply_the_tones(seed, turns):
     path = MULTISINE
-    for matrix in Rotation.random(turns, random_state=seed % 2**31).as_matrix():
+    for matrix in Rotation.random(turns, np.random.default_rng(seed)).as_matrix():
         path = signals.rotated(path, matrix, about=(0.0, 0.0, 0.0))
     assert len(path.tones) <= 9
 
