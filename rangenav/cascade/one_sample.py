@@ -1,0 +1,174 @@
+"""The cascaded observer, one IMU sample at a time: `begin` at the first sample, `step` at each that follows."""
+
+from typing import get_args
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import model, riccati, so3
+from rangenav.arguments import DOUBLE, array, described, finite_array, increasing_array, instance, number
+from rangenav.attitude import MISALIGNED, Schedule
+from rangenav.cascade.values import ObserverConfig, Sample, Start, State, kernel
+from rangenav.gains import Guess
+from rangenav.inputs import Vec3, require
+from rangenav.kernels.layout import (
+    ACCEL_FAULT,
+    GYRO_FAULT,
+    MAG_FAULT,
+    NO_FAULT,
+    RANGE_FAULT,
+    RANGE_TIME_FAULT,
+    TIME_FAULT,
+    Arrays,
+    Parameters,
+)
+from rangenav.motion import World
+from rangenav.riccati import Blocks
+from rangenav.sensors import NO_SAMPLE
+
+NO_PENDING = (np.nan, np.nan)
+VECTOR, MATRIX = (3,), (3, 3)
+FINITE = "gyro, accel and range must be finite"
+FAULTS = {
+    GYRO_FAULT: FINITE,
+    ACCEL_FAULT: FINITE,
+    RANGE_FAULT: FINITE,
+    MAG_FAULT: "mag must be finite, or NaN where there is none",
+    RANGE_TIME_FAULT: "range_time must increase and lie after the last sample and not after this one",
+}
+"""The rule that a sample breaks, by what the kernel returns."""
+
+
+def start(guess: Guess, *, state: Float[Array, "13"], rotation: Float[Array, "3 3"], world: World) -> Start:
+    """The initial estimate that a guess stands for, where the true first state (body axes) and R(0) are these."""
+    axis = np.asarray(guess.attitude_axis) / np.linalg.norm(guess.attitude_axis)
+    start_rotation = so3.exp(-guess.attitude_angle * axis) @ rotation
+    if guess.state == "zero":
+        return Start(state=np.zeros(model.STATES), rotation=start_rotation)
+    if guess.state == "truth":
+        return Start(state=state.copy(), rotation=start_rotation)
+    offsets = (guess.position_offset, guess.velocity_offset, guess.gravity_offset)
+    blocks = (model.POSITION, model.VELOCITY, model.GRAVITY)
+    body = [state[block] + rotation.T @ np.asarray(offset) for block, offset in zip(blocks, offsets, strict=True)]
+    return Start(state=model.lift(*body), rotation=start_rotation)
+
+
+def parameters(setting: ObserverConfig, *, symmetric: bool) -> Parameters:
+    """The configuration in the kernel's terms; `symmetric` where ranges come at the IMU's rate."""
+    instance("setting", setting, ObserverConfig, called="cascade.ObserverConfig")
+    forms = get_args(model.ModelForm)
+    require(setting.form in forms, f"setting.form must be {' or '.join(forms)}, got {described(setting.form)}")
+    gains, sensors, world = setting.gains, setting.sensors, setting.world
+    plan = gains.attitude.schedule or Schedule()  # without a schedule the kernel does not use these numbers
+    matched = gains.mode == "noise-matched"
+    v = gains.riccati.v
+    floor = riccati.V_RANGE[0]
+    return Parameters(
+        gravity=_floats(world.gravity),
+        magnetic=_floats(world.magnetic),
+        b4=model.input_4(float(np.linalg.norm(world.gravity)), setting.form),
+        variance=sensors.range_rate / gains.riccati.q,
+        v=(floor, floor, floor, floor) if matched else _densities(v),
+        k1=float(gains.attitude.k1),
+        rho1=float(gains.attitude.rho1),
+        rho2=float(gains.attitude.rho2),
+        scheduled=gains.attitude.schedule is not None,
+        k1_steady=float(plan.steady),
+        halfway=float(plan.halfway),
+        memory=float(plan.memory),
+        symmetric=symmetric and not matched,
+        matched=matched,
+        range_sigma=float(sensors.sigma.range),
+        accel_density=sensors.sigma.accel**2 / sensors.imu_rate,
+        gyro_density=sensors.sigma.gyro**2 / sensors.imu_rate,
+    )
+
+
+def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bool = False) -> State:
+    """The observer at its first IMU sample; ranges stamped at that time are applied when the next sample comes.
+
+    `symmetric` where every range comes with an IMU sample, at the IMU's rate: half of each correction is then applied
+    before the estimate is read and half after, which makes the estimate second order in the step.
+    Raises ValueError for arrays of the wrong shape or type, stamps out of order, or numbers that are not finite.
+    """
+    instance("first", first, Sample, called="cascade.Sample")
+    time, start, p = number("time", first.time), checked_start(start), parameters(setting, symmetric=symmetric)
+    mag = array("mag", first.mag, VECTOR, none=NO_SAMPLE)
+    require(not np.isinf(mag).any(), f"{FAULTS[MAG_FAULT]}, at time {time:g}")
+    range_time = increasing_array("range_time", first.range_time, ("r",))
+    distance = finite_array("range", first.range, range_time.shape)
+    expected = start.rotation.T @ np.asarray(p.magnetic)
+    arrays = Arrays(
+        x=start.state.copy(),
+        P=np.diag(setting.gains.riccati.p0.diagonal()).ravel(),
+        turned=np.eye(3),
+        rotation=start.rotation.copy(),
+        gyro=finite_array("gyro", first.gyro, VECTOR).copy(),
+        accel=finite_array("accel", first.accel, VECTOR).copy(),
+        mag=expected if np.isnan(mag).any() else mag.copy(),
+        misaligned=np.array([MISALIGNED]),
+        pending=np.array(NO_PENDING),
+    )
+    at_start = range_time == time
+    if at_start.any():
+        kernel().begin(arrays, float(distance[at_start][-1]), p)
+    return State(time=time, arrays=arrays, parameters=p)
+
+
+def step(state: State, sample: Sample) -> State:
+    """The observer at the next IMU sample.
+
+    Raises ValueError for arrays of the wrong shape or type, stamps out of order, or numbers that are not finite.
+    """
+    if type(state) is not State:
+        raise ValueError(f"state must be a cascade.State, got {described(state)}")
+    if type(sample) is not Sample:
+        raise ValueError(f"sample must be a cascade.Sample, got {described(sample)}")
+    time, gyro, accel, mag, range_time, distance = checked_sample(sample)
+    arrays = Arrays(*(part.copy() for part in state.arrays))
+    fault = kernel().step(
+        arrays, state.time, time, gyro, accel, mag, range_time, distance, np.empty((len(distance), 2)),
+        state.parameters,
+    )  # fmt: skip
+    if fault != NO_FAULT:
+        _refuse_sample(fault, state.time, time)
+    return State(time=time, arrays=arrays, parameters=state.parameters)
+
+
+def checked_sample(sample: Sample) -> tuple[float, Array, Array, Array, Array, Array]:
+    """The fields of a sample as a float and arrays of the shapes that the kernel reads; it looks at their numbers.
+
+    Raises ValueError in one sentence for an array of the wrong shape or type.
+    """
+    time, gyro, accel, mag, range_time, distance = sample
+    time = number("time", time)
+    for vector in (gyro, accel, mag):  # what `array` finds to be right already, without the call: half the time
+        if not (type(vector) is Array and vector.dtype is DOUBLE and vector.shape == VECTOR and vector.flags.carray):
+            gyro, accel = array("gyro", gyro, VECTOR), array("accel", accel, VECTOR)
+            mag = array("mag", mag, VECTOR, none=NO_SAMPLE)
+            break
+    range_time = array("range_time", range_time, ("r",))
+    return time, gyro, accel, mag, range_time, array("range", distance, range_time.shape)
+
+
+def checked_start(start: Start) -> Start:
+    """The start as float64 arrays. Raises ValueError for a wrong shape or type, and for numbers that are not finite."""
+    instance("start", start, Start, called="cascade.Start")
+    state = finite_array("start.state", start.state, (model.STATES,))
+    return Start(state=state, rotation=finite_array("start.rotation", start.rotation, MATRIX))
+
+
+def _refuse_sample(fault: int, before: float, time: float) -> None:
+    if fault == TIME_FAULT:
+        raise ValueError(f"time must increase: {time:g} after {before:g}")
+    raise ValueError(f"{FAULTS[fault]}, at time {time:g}")
+
+
+def _floats(vector: Vec3) -> Vec3:
+    """Whole numbers become floats, so that the kernels are called with one type only and compile once."""
+    return float(vector[0]), float(vector[1]), float(vector[2])
+
+
+def _densities(v: Blocks) -> tuple[float, float, float, float]:
+    return float(v.xi), float(v.position), float(v.velocity), float(v.gravity)
