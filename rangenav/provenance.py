@@ -23,7 +23,8 @@ MAX_FILE, MAX_WORDS = 255, 400
 HASH = 64
 """Hexadecimal digits of a SHA-256."""
 CACHED = 32
-Format = Literal["reference", "polynomial", "tum", "euroc", "arrays"]
+SourceFormat = Literal["reference", "polynomial", "tum", "euroc", "arrays"]
+"""Formats whose files hold a path, and paths made of arrays; a test compares the list with the table of formats."""
 """What a path was imported from: a file in one of these formats, or arrays in a program."""
 ADOPT = (
     "judge the flight itself by its IMU (rangenav log), or make the curve a design of your own: change its path, or "
@@ -39,7 +40,7 @@ class Source(Input, frozen=True, kw_only=True, omit_defaults=True):
     """Its name."""
     sha256: str
     """Of its bytes."""
-    format: Format
+    format: SourceFormat
     derivatives: Literal["file", "fit"]
     """Whether the derivatives up to snap stood in the file, or come from fitting."""
     fitted: str = ""

@@ -6,6 +6,7 @@ import io
 import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import get_args
 
 import pytest
 import tyro
@@ -13,7 +14,7 @@ import tyro
 from explorer.panels.presets import bundle, import_panel
 from explorer.storage import import_file
 from explorer.storage.bundle import pack
-from rangenav import certificate, formats, preset
+from rangenav import certificate, formats, preset, provenance
 from rangenav.certificate import certified_export, exports
 from rangenav.commands import export, import_, log
 from rangenav.formats import format, table, text
@@ -119,6 +120,11 @@ def test_every_row_says_what_its_readers_and_writers_need(row: formats.Format) -
     assert (row.writer is None) or (row.hint and row.suffix.startswith("."))
     assert (row.reader is None) or (row.read_label and set(row.reads) <= {"path", "flight"})
     assert (row.writer is None) == (row.certified_as == "neither")
+
+
+def test_a_preset_can_say_that_its_path_came_from_any_format_with_paths() -> None:
+    paths = {row.name for row in formats.holding("path")}
+    assert paths == set(get_args(provenance.SourceFormat)) - {"arrays"}  # arrays come from no file
 
 
 def test_no_two_rows_have_one_name_label_or_suffix() -> None:

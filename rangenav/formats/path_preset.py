@@ -7,7 +7,7 @@ from rangenav.formats.import_result import ImportResult, gravity, settled
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 from rangenav.preset import MAX_DURATION, MAX_TITLE, MIN_DURATION, Preset, Requirement
-from rangenav.provenance import MAX_FILE, MAX_WORDS, Format, Source, fingerprint
+from rangenav.provenance import MAX_FILE, MAX_WORDS, Source, SourceFormat, fingerprint
 from rangenav.signals import AngularVelocity, Flown, Multisine
 
 WINDOW = 6.0
@@ -66,7 +66,7 @@ def source(result: ImportResult) -> Source:
     return Source(
         file="".join(c if c.isprintable() else "?" for c in result.source)[-MAX_FILE:] or "?",
         sha256=result.sha256,
-        format=cast(Format, result.format),
+        format=cast(SourceFormat, result.format),
         derivatives=result.derivatives,
         fitted=result.fitted[:MAX_WORDS],
         unjudged=(result.unjudged or "")[:MAX_WORDS],
