@@ -54,7 +54,7 @@ class Dock:
         self, form: Form, catalog: Catalog, name: str, session_actions: SessionActions, jobs: Jobs, history: History
     ) -> None:
         """`name` is the preset that is shown first."""
-        gui, self._presets = form.gui, catalog.presets
+        self.form, gui, self._presets = form, form.gui, catalog.presets
         self._chosen: Settings | InvalidInputError | ValueError
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)

@@ -21,6 +21,11 @@ class Complaint:
     def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
         self._line = gui.add_html("", visible=False, order=order)
 
+    @property
+    def content(self) -> str:
+        """The HTML that is shown; empty while there is nothing to complain about."""
+        return self._line.content if self._line.visible else ""
+
     def say(self, sentence: str, *, text: str = "", more: Sequence[str] = ()) -> None:
         """Show a sentence, marked by a sign as well as a colour, and `more` sentences below it, one line each.
 

@@ -26,7 +26,7 @@ class Control(ABC, Generic[T]):
     """A value on the page, and the preset's value."""
 
     def __init__(self, section: Section, name: str, handle: Any) -> None:
-        self.name, self._handle = name, handle
+        self.name, self.handle = name, handle
         self._base: T | None = None
         self._text, self._marked = name, False
         self._seen = self._value()
@@ -76,8 +76,8 @@ class Control(ABC, Generic[T]):
 
     def _relabel(self) -> None:
         label = self._text + (CHANGED if self._marked else "")
-        if label != self._handle.label:  # so that an unchanged label sends no message
-            self._handle.label = label
+        if label != self.handle.label:  # so that an unchanged label sends no message
+            self.handle.label = label
 
 
 class Number(Control[float]):

@@ -79,6 +79,21 @@ class Section:
         if label != self._folder.label:  # so that an unchanged label sends no message
             self._folder.label = label
 
+    @property
+    def controls(self) -> tuple[Resettable, ...]:
+        """The controls, in the order in which they were made."""
+        return tuple(self._controls)
+
+    @property
+    def visible(self) -> bool:
+        """Whether it is on the page."""
+        return self._folder.visible
+
+    @property
+    def label(self) -> str | None:
+        """The label of the folder."""
+        return self._folder.label
+
     def show(self, visible: bool) -> None:
         """Show or hide the section."""
         if visible != self._folder.visible:

@@ -33,18 +33,18 @@ class Editing:
 
     def press(self, label: str, option: str | None = None) -> None:
         """Press a button, or one of a row of buttons."""
-        self._run(lambda: self.tab.press(label, option))
+        self.run(lambda: self.tab.press(label, option))
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
-        self._run(lambda: self.tab.command(label))
+        self.run(lambda: self.tab.command(label))
 
     def drag(self, handle: str, place: tuple[float, float, float], *, steps: int = 1) -> None:
         """Drag a handle, once it is there."""
         self.tab.wait_for(lambda: handle in self.tab.nodes, handle)
         self.tab.drag(handle, place, steps=steps)
 
-    def _run(self, trigger: Callable[[], None]) -> None:
+    def run(self, trigger: Callable[[], None]) -> None:
         """Trigger an action, and wait until it has run: viser's threads may deliver it after a later change."""
         form = self.session.form
         before = form.actions_run

@@ -23,7 +23,7 @@ class TwinPanel:
     """An angle, an axis, and a button for the default twin."""
 
     def __init__(self, form: Form) -> None:
-        self._section = section = Section(form, "Evil twin")
+        self.section = section = Section(form, "Evil twin")
         self._turn: Vec3 | None = None
         self._shown: tuple[float, Vec3] | None = None
         with section:
@@ -39,7 +39,7 @@ class TwinPanel:
     def read(self) -> Vec3 | None:
         """The rotation vector (rad) that was dragged or typed; None for the default twin. Raises InvalidInputError."""
         if self._shown is not None:
-            with self._section.catching():
+            with self.section.catching():
                 typed = self.angle.read(), self.axis.read()
                 if typed != self._shown:
                     self._turn, self._shown = _rotation_vector(*typed), typed
@@ -55,10 +55,10 @@ class TwinPanel:
     def draw(self, twin_or_refusal: Twin | Refusal) -> None:
         """Show the rotation of a twin; hide the section if there is no twin, or none that can be turned."""
         if not isinstance(twin_or_refusal, Twin) or not twin_or_refusal.draggable:
-            self._section.show(False)
+            self.section.show(False)
             self._shown = None
             return
-        self._section.show(True)
+        self.section.show(True)
         if self._shown is None or not _same(_rotation_vector(*self._shown), twin_or_refusal.turn):
             self._show(twin_or_refusal.turn, about=twin_or_refusal.axis)
 

@@ -323,7 +323,7 @@ def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPa
 def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: TwinPanel) -> None:
     for name, shown in (("circle", False), ("hover", True), ("lissajous", False)):
         panel.draw(details.details(preset.load(name)).twin)
-        assert panel._section._folder.visible == shown
+        assert panel.section.visible == shown
         assert panel.read() is None
 
 

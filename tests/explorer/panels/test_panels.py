@@ -98,8 +98,8 @@ def test_the_density_switch_turns_the_numbers_and_not_the_noise_and_back_to_the_
     folder.as_density.show(True)
     turned = refreshed(dock).preset.sensors
     assert turned.noise == sensors.in_unit(Noise(gyro=1 / 3, accel=1 / 7), "density", rate=200.0)
-    assert folder.groups["density"]._folder.visible
-    assert not folder.groups["sample"]._folder.visible
+    assert folder.groups["density"].visible
+    assert not folder.groups["sample"].visible
     assert "at 200 Hz: 0.3333 rad/s per sample" in folder.other_unit_line.content
     assert refreshed(dock).preset.sensors == turned  # and stays so
     folder.as_density.show(False)
@@ -152,17 +152,17 @@ def test_a_slider_is_widened_for_what_it_must_show(section: Section):
     dial = Dial(section, "w", (0.0, 1.0), step=0.01, hint="")
     dial.show(math.pi)
     assert dial.read() == math.pi
-    assert dial._slider.max > math.pi
+    assert dial.handle.max > math.pi
     dial.show(-2.0)
-    assert dial._slider.min < -2.0
+    assert dial.handle.min < -2.0
 
 
 def test_a_dial_may_show_another_unit_and_still_hold_the_value_exactly(section: Section):
     dial = Dial(section, "°", (-180.0, 180.0), step=0.1, hint="", scale=math.degrees(1))
     dial.show(math.pi / 2)
-    assert dial._slider.value == 90.0
+    assert dial.handle.value == 90.0
     assert dial.read() == math.pi / 2
-    dial._slider.value = 45.0
+    dial.handle.value = 45.0
     assert dial.read() == pytest.approx(math.pi / 4, rel=1e-15)
 
 
@@ -171,7 +171,7 @@ def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: v
     dial = LogDial(Section(form), "n", (1e-3, 10.0), hint="")
     form.refresh()
     assert form._last is None
-    dial._slider.value = 0.5
+    dial.handle.value = 0.5
     form.refresh()
     assert form._last is dial
 
@@ -188,23 +188,23 @@ def test_a_vector_that_is_none_is_refused(section: Section, sent: tuple[Any, ...
 def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
     dial = LogDial(section, "σ", (1e-3, 10.0), hint="", zero_at_left=True)
     assert dial.read() == 0.0
-    dial._slider.value = -1.0
+    dial.handle.value = -1.0
     assert dial.read() == pytest.approx(0.1, rel=1e-15)
     dial.mark()
-    assert dial._slider.label == "σ = 0.1"
-    dial._slider.value = dial._slider.min
+    assert dial.handle.label == "σ = 0.1"
+    dial.handle.value = dial.handle.min
     assert dial.read() == 0.0
     for value in (1e-3, 1e-7):
         dial.show(value)
         assert dial.read() == value
-        dial._slider.value = dial._slider.min
+        dial.handle.value = dial.handle.min
         assert dial.read() == 0.0
 
 
 def test_a_complaint_is_words_and_a_sign_and_never_html(client: viser.ClientHandle):
     complaint = Complaint(client.gui)
     complaint.say("<script>alert(1)</script>")
-    assert "⚠ &lt;script&gt;" in complaint._line.content
+    assert "⚠ &lt;script&gt;" in complaint.content
 
 
 def _row(picture: compute.Picture, name: str) -> str:

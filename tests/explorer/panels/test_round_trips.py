@@ -96,14 +96,14 @@ DEEDS = st.tuples(st.integers(0, 999), st.tuples(*VALUES.values()))
 
 def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
     """One thing that a visitor does: half of the time another family, for there is most to lose."""
-    form = dock.sensors._section.form
-    controls = [c for section in form.sections if section._folder.visible for c in section._controls]
+    form = dock.form
+    controls = [c for section in form.sections if section.visible for c in section.controls]
     families = [dock.motion.path.base_editor.family_menu, dock.motion.angular_velocity.signal_editor.family_menu]
     control: Any = families[which % 4] if which % 4 < 2 else controls[which % len(controls)]
     value = dict(zip(VALUES, values, strict=True))[type(control)]
     if isinstance(control, Choice):
-        value = list(control._values)[value % len(control._values)]
-    control._handle.value = value
+        value = control.handle.options[value % len(control.handle.options)]
+    control.handle.value = value
 
 
 def _read(dock: Dock) -> Settings | None:

@@ -167,7 +167,7 @@ def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
         refreshed(dock)
     dock.motion.timing.time_scale.show(3.0)
     refreshed(dock)
-    dock.gains._section.form.reset_all()
+    dock.form.reset_all()
     assert refreshed(dock) == SLOW
 
 
@@ -181,7 +181,7 @@ def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far:
         with pytest.raises(InvalidInputError) as refusal:
             refreshed(dock)
         assert GAIN_LABELS[name].label in str(refusal.value.__cause__)
-        assert dock.gains.physical_dials.sections[name].complaint._line.visible
+        assert dock.gains.physical_dials.sections[name].complaint.content
         _dial(dock, name).show(shown)
         assert refreshed(dock).preset.gains == good
 
@@ -196,7 +196,7 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, 
     monkeypatch.setattr("explorer.panels.gains.context_of", nowhere)
     dock.motion.timing.time_scale.show(2.0)
     assert refreshed(dock).preset.gains == good.preset.gains
-    assert "the path&#x27;s typical distance must lie" in dock.gains.physical_dials.noise.complaint._line.content
+    assert "the path&#x27;s typical distance must lie" in dock.gains.physical_dials.noise.complaint.content
     _dial(dock, "range_sigma").show(0.5)
     with pytest.raises(InvalidInputError):
         refreshed(dock)
@@ -209,7 +209,7 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, 
 def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(dock: Dock):
     def shown() -> tuple[bool, ...]:
         panels = (dock.gains.paper_dials, dock.gains.physical_dials)
-        return tuple(s._folder.visible for p in panels for s in (p.noise, p.attitude))
+        return tuple(s.visible for p in panels for s in (p.noise, p.attitude))
 
     refreshed(dock)
     assert shown() == (True, True, False, False)
@@ -231,7 +231,7 @@ def test_the_other_language_stands_beside(dock: Dock):
     dock.gains.draw(picture)
     words = in_physical_units(SLOW.preset.gains, context_of(SLOW))
     assert f"{words.range_sigma:.4g} m" in dock.gains.other_units_table.content
-    assert dock.gains.other_units_section._folder.label == "The same in physical words"
+    assert dock.gains.other_units_section.label == "The same in physical words"
     _speak(dock, "physical")
     refreshed(dock)
     dock.gains.draw(picture)
@@ -240,7 +240,7 @@ def test_the_other_language_stands_beside(dock: Dock):
         dock.gains.other_units_table.content.count(f">{letter}<") == 1
         for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1")
     )
-    assert dock.gains.other_units_section._folder.label == "The same in the paper's letters"
+    assert dock.gains.other_units_section.label == "The same in the paper's letters"
 
 
 @pytest.mark.parametrize("size", [1e-14, 1e-100, 1e-161])
@@ -250,8 +250,8 @@ def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(
     _speak(dock, "physical")
     dock.write(weightless)
     assert refreshed(dock).preset.gains == weightless.preset.gains
-    assert "no physical values" in dock.gains.physical_dials.noise.complaint._line.content
+    assert "no physical values" in dock.gains.physical_dials.noise.complaint.content
     assert "not converted" in summary.in_other_units(compute(weightless), "paper")
     dock.write(SLOW)
     assert refreshed(dock) == SLOW
-    assert not dock.gains.physical_dials.noise.complaint._line.visible
+    assert not dock.gains.physical_dials.noise.complaint.content

@@ -184,7 +184,7 @@ def test_the_three_half_turns_are_started_from_by_their_buttons_and_undone(page:
 
 
 def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
-    noise = page.session.dock.gains.paper_dials.noise._folder
+    noise = page.session.dock.gains.paper_dials.noise
     riccati = page.settings.preset.gains.riccati
     page.set("gains", "noise-matched (outside it)")
     page.tab.wait_for_text("are not used, and not shown")

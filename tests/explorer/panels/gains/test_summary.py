@@ -45,7 +45,7 @@ def test_a_presets_schedule_is_shown_edited_and_kept_while_it_is_off(dock: Dock)
     plan = Schedule(steady=1 / 3, halfway=0.07, memory=math.pi)
     dock.write(_scheduled(plan))
     dials = dock.gains.schedule_dials
-    assert dials.dials_section._folder.visible
+    assert dials.dials_section.visible
     assert dials.steady.read() == 1 / 3
     dials.halfway.show(0.1)
     assert refreshed(dock) == _scheduled(replace(plan, halfway=0.1))
@@ -53,7 +53,7 @@ def test_a_presets_schedule_is_shown_edited_and_kept_while_it_is_off(dock: Dock)
     off = refreshed(dock)
     assert off.preset.gains.attitude.schedule is None
     assert off.drafts.schedule == replace(plan, halfway=0.1)
-    assert not dials.dials_section._folder.visible
+    assert not dials.dials_section.visible
     dock.write(SLOW)
     dock.write(off)  # as after a reload
     dials.enabled.show(True)
@@ -69,7 +69,7 @@ def test_a_schedule_is_off_by_default_and_tells_what_the_theorem_says(dock: Dock
     with pytest.raises(InvalidInputError) as refusal:
         refreshed(dock)
     assert str(refusal.value.__cause__) == "schedule.steady must not exceed k1 (4), got 5"
-    assert dials.dials_section.complaint._line.visible
+    assert dials.dials_section.complaint.content
 
 
 @FEW

@@ -55,7 +55,7 @@ def words(editing: Editing) -> str:
 
 def pick(editing: Editing, place: float) -> None:
     """Move along the curve, and wait until it was taken in."""
-    editing._carried_out(lambda: editing.tab.set("place", place))
+    editing.run(lambda: editing.tab.set("place", place))
 
 
 def test_what_is_found_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
@@ -100,7 +100,7 @@ def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
 def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editing):
     depth, before = tuned.session.history.depth, tuned.settings
     pick(tuned, 1)
-    tuned._carried_out(lambda: tuned.tab.set("pick along", "attitude"))
+    tuned.run(lambda: tuned.tab.set("pick along", "attitude"))
     assert tuned.session.history.depth == depth
     assert tuned.settings == before
 
@@ -109,7 +109,7 @@ def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editin
     ("curve", "settle", "steady"), [(c, *m) for c, m in [("position", POSITION[1:3]), ("attitude", ATTITUDE[1:3])]]
 )
 def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: str, settle: str, steady: str):
-    tuned._carried_out(lambda: tuned.tab.set("pick along", curve))
+    tuned.run(lambda: tuned.tab.set("pick along", curve))
     walk, found = panel(tuned).choices, panel(tuned).result
     assert found is not None
     times, errors = ([getattr(point, name) for point in walk] for name in (settle, steady))
@@ -219,7 +219,7 @@ def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
 @pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", -3), ("place", 1e9), ("pick along", "nothing")])
 def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str, value: object):
     kept = panel(tuned).picked
-    tuned._carried_out(lambda: tuned.tab.set(label, value))
+    tuned.run(lambda: tuned.tab.set(label, value))
     tuned.tab.wait_for_text(f"{label} must be")
     assert panel(tuned).picked is kept
 

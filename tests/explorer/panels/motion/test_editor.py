@@ -12,6 +12,7 @@ from explorer.model.settings import Settings
 from explorer.server import SessionServer
 from explorer.shared import Compilation
 from explorer.web.security import open_server
+from explorer.widgets.form import Action
 from rangenav import preset
 from rangenav.signals import Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
 from tests.support.shared_server import shared
@@ -396,15 +397,15 @@ def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alo
     form, uuid = editing.session.form, editing.tab.find("range (Hz)")
     run_actions, dial = form.run_actions, editing.session.dock.sensors.range_rate
 
-    def busy() -> bool:
+    def busy(before: Action) -> bool:
         """A change and its undo come while the session is at work, and are seen together."""
         form.run_actions = run_actions  # type: ignore[method-assign]
-        pending = len(form._actions)
+        stepped = run_actions(before)
         editing.tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 33.0}})
         editing.tab.wait_for(lambda: dial.read() == 33.0, "the change")
         editing.tab.command("Undo")
-        editing.tab.wait_for(lambda: len(form._actions) > pending, "the undo")
-        return run_actions()
+        editing.tab.wait_for(lambda: form.waiting, "the undo")
+        return run_actions(before) or stepped
 
     form.run_actions = busy  # type: ignore[method-assign]
     editing.settle()
