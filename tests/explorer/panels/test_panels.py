@@ -121,7 +121,7 @@ def _pick(panel: SensorsPanel, name: str) -> None:
 
 
 @pytest.mark.parametrize("entry", CATALOGUE, ids=lambda entry: entry.name)
-def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: Dock, entry: SensorSet):
+def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_described(dock: Dock, entry: SensorSet):
     dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
     panel = dock.sensors
     assert panel.sensor_set.read() == CUSTOM
@@ -137,7 +137,7 @@ def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_told(dock: 
     assert panel.read().sensors == entry.sensors
 
 
-def test_every_effect_that_is_on_is_told_outside_its_closed_folder(dock: Dock):
+def test_every_effect_that_is_on_is_described_outside_its_closed_folder(dock: Dock):
     dock.write(_with_sensors("soft", unmodelled=EVERYTHING))
     refreshed(dock)
     description = dock.sensors.effects.description
@@ -201,7 +201,7 @@ def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
         assert dial.read() == 0.0
 
 
-def test_a_complaint_is_words_and_a_sign_and_never_html(client: viser.ClientHandle):
+def test_a_complaint_is_text_and_a_sign_and_never_html(client: viser.ClientHandle):
     complaint = Complaint(client.gui)
     complaint.say("<script>alert(1)</script>")
     assert "⚠ &lt;script&gt;" in complaint.content
@@ -217,7 +217,7 @@ def test_the_verdict_names_what_is_blind_and_why():
     assert "nothing excites" in _row(picture, "blind")
 
 
-def test_a_diverged_covariance_is_told_instead_of_errors():
+def test_a_diverged_covariance_is_reported_instead_of_errors():
     picture = _computed("hover")
     diverged = dataclasses.replace(picture, summary=dataclasses.replace(picture.summary, diverged=True))
     assert "unobservable, covariance diverges" in _row(diverged, "observer")
@@ -240,7 +240,7 @@ def test_what_is_not_determined_says_so():
     assert verdict.number(5.62e6) == "5.62e6"
 
 
-def test_the_papers_thrust_is_told():
+def test_the_papers_thrust_is_shown():
     assert "14.9 times the weight" in _row(_computed("paper"), "vehicle")
 
 
@@ -297,7 +297,7 @@ def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: v
         before=before,
         after=after,
         by="tones",
-        words="",
+        description="",
         effort=1.0,
         evaluations=1,
         figures_before=looked,

@@ -47,7 +47,7 @@ def test_settings_survive_the_file_they_are_kept_in(settings: Settings):
 
 @FEW
 @given(page_settings())
-def test_axes_named_anew_twice_are_the_old_ones_and_are_shown_as_such(dock: Dock, settings: Settings):
+def test_axes_relabelled_twice_are_the_original_ones(dock: Dock, settings: Settings):
     assert axes.flipped(axes.flipped(settings.preset)) == settings.preset
     dock.write(settings)
     dock.relabel_axes()

@@ -77,7 +77,7 @@ def test_switching_there_and_back_any_number_of_times_changes_no_bit(dock: Dock,
             assert dock.gains.units == units
 
 
-def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_language(dock: Dock):
+def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_units(dock: Dock):
     gains = Gains(mode="noise-matched", attitude=AttitudeGains(k1=999.0, rho1=1e-6, rho2=1 / 3, schedule=Schedule()))
     settings = replace(SLOW, preset=replace(SLOW.preset, gains=gains))
     dock.write(settings)
@@ -88,7 +88,7 @@ def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_lan
 
 
 @pytest.mark.parametrize("name", GAIN_LABELS)
-def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_others(dock: Dock, name: str):
+def test_a_physical_value_that_is_moved_changes_its_gains_and_no_bit_of_the_others(dock: Dock, name: str):
     _speak(dock, "physical")
     before = refreshed(dock).preset.gains
     _dial(dock, name).show(0.6 * _dial(dock, name).read())
@@ -102,7 +102,7 @@ def test_a_word_that_is_moved_changes_the_gains_it_stands_for_and_no_bit_of_the_
 
 
 @pytest.mark.parametrize("name", GAIN_LABELS)
-def test_a_word_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
+def test_a_physical_value_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
     _speak(dock, "physical")
     refreshed(dock)
     dial = _dial(dock, name)
@@ -121,7 +121,7 @@ def test_a_word_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: 
     assert refreshed(dock) == SLOW
 
 
-def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock: Dock):
+def test_another_motion_anchor_or_rate_gives_the_same_gains_other_physical_values(dock: Dock):
     _speak(dock, "physical")
     _dial(dock, "range_sigma").show(0.3)
     gains = refreshed(dock).preset.gains
@@ -146,7 +146,7 @@ def test_another_motion_anchor_or_rate_puts_the_same_gains_into_other_words(dock
     assert refreshed(dock).preset.gains == gains
 
 
-def test_a_word_moved_together_with_the_path_means_what_it_says_on_the_new_path(dock: Dock):
+def test_a_physical_value_moved_together_with_the_path_means_what_it_says_on_the_new_path(dock: Dock):
     _speak(dock, "physical")
     before = refreshed(dock)
     dock.world.move_anchor((4.0, 5.0, 6.0))
@@ -172,7 +172,7 @@ def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
 
 
 @pytest.mark.parametrize("far", [1e280, 1e-280, math.nextafter(0, 1), 1e40])
-def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
+def test_a_physical_value_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
     _speak(dock, "physical")
     good = refreshed(dock).preset.gains
     for name in GAIN_LABELS:
@@ -186,7 +186,7 @@ def test_a_word_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far:
         assert refreshed(dock).preset.gains == good
 
 
-def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, monkeypatch: pytest.MonkeyPatch):
+def test_a_path_without_a_typical_state_changes_no_gain_and_says_so(dock: Dock, monkeypatch: pytest.MonkeyPatch):
     _speak(dock, "physical")
     good = refreshed(dock)
 
@@ -206,7 +206,7 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_is_told(dock: Dock, 
     assert refreshed(dock).preset.gains != good.preset.gains
 
 
-def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(dock: Dock):
+def test_only_the_units_in_use_are_on_the_page_and_only_what_the_mode_uses(dock: Dock):
     def shown() -> tuple[bool, ...]:
         panels = (dock.gains.paper_dials, dock.gains.physical_dials)
         return tuple(s.visible for p in panels for s in (p.noise, p.attitude))
@@ -226,7 +226,7 @@ def test_only_the_language_in_use_is_on_the_page_and_only_what_the_mode_uses(doc
     assert "as the theorem assumes" in dock.gains.mode_line.content
 
 
-def test_the_other_language_stands_beside(dock: Dock):
+def test_the_other_units_are_in_a_table(dock: Dock):
     picture = compute(SLOW)
     dock.gains.draw(picture)
     words = in_physical_units(SLOW.preset.gains, context_of(SLOW))
@@ -244,7 +244,7 @@ def test_the_other_language_stands_beside(dock: Dock):
 
 
 @pytest.mark.parametrize("size", [1e-14, 1e-100, 1e-161])
-def test_a_world_in_which_gains_have_no_physical_words_is_told_and_changes_none(dock: Dock, size: float):
+def test_a_world_in_which_gains_have_no_physical_values_says_so_and_changes_none(dock: Dock, size: float):
     world = replace(SLOW.preset.world, gravity=(0.0, 0.0, size))
     weightless = replace(SLOW, preset=replace(SLOW.preset, world=world))
     _speak(dock, "physical")

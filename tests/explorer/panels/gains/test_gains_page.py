@@ -36,7 +36,7 @@ def _label(page: Editing, label: str) -> str:
     return page.tab.elements[page.tab.find(label)]["label"]
 
 
-def test_switching_the_language_draws_nothing_anew_and_is_no_step_to_undo(page: Editing):
+def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page: Editing):
     picture = page.session.picture
     page.set("shown", WORDS)
     page.tab.wait_for(lambda: _label(page, "noise σ of range") == "noise σ of range = 0.125 m", "the words")
@@ -62,7 +62,7 @@ def test_switching_the_language_draws_nothing_anew_and_is_no_step_to_undo(page: 
     page.tab.wait_for(lambda: _label(page, "noise σ of range").endswith("= 0.25 m •"), "the word, marked")
 
 
-def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, SessionServer]):
+def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, SessionServer]):
     storage = Storage()
     first = _visitor(sessions, storage)
     first.set("shown", WORDS)
@@ -82,12 +82,12 @@ def test_the_language_and_the_gains_are_there_after_a_reload_to_the_last_bit(ses
     again.tab.close()
 
 
-def test_work_kept_before_there_were_languages_is_found(page: Editing):
+def test_work_saved_before_there_were_gain_units_opens(page: Editing):
     old = msgspec.json.encode({"opened": "paper", "settings": page.settings})
     assert msgspec.json.decode(old, type=SavedWork).language == "paper"
 
 
-def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
+def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Editing):
     page.set("shown", WORDS)
     gains, before = page.settings.preset.gains, _label(page, "noise σ of range")
     page.set("anchor (m)", [5.0, 0.0, 0.0])
@@ -117,7 +117,7 @@ def test_another_path_leaves_the_gains_and_changes_the_words(page: Editing):
         ("k1 halfway at s", 0.7, ""),
     ],
 )
-def test_nonsense_in_words_gets_a_sentence_beside_it_and_the_picture_stays(
+def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
     page: Editing, label: str, value: Any, sentence: str
 ):
     page.set("shown", WORDS)
@@ -162,7 +162,7 @@ def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
     page.tab.wait_for(lambda: STIFF not in page.tab.text(), "no warning")
 
 
-def test_the_three_half_turns_are_started_from_by_their_buttons_and_undone(page: Editing):
+def test_the_three_undesired_equilibria_are_started_from_by_their_buttons_and_undone(page: Editing):
     page.tab.wait_for_text("The start is <b>90°</b> from the nearest")
     before = page.settings.preset.guess
     for words in ("between m and g", "in their plane, across it", "across both m and g"):

@@ -87,7 +87,7 @@ def test_schedules_and_their_drafts_are_read_back_as_they_were_written(dock: Doc
     assert refreshed(dock) == settings
 
 
-def test_the_time_constants_stand_beside_and_under_a_schedule_at_both_ends():
+def test_the_time_constants_are_shown_and_for_a_schedule_at_both_ends():
     picture = compute(replace(SLOW, preset=replace(SLOW.preset, gains=Gains(attitude=SCHEDULED))))
     text = summary.rates(picture)
     for k1 in (SCHEDULED.k1, 0.5):
@@ -98,7 +98,7 @@ def test_the_time_constants_stand_beside_and_under_a_schedule_at_both_ends():
     assert summary.rates(compute(SLOW)).count("at k1") == 1
 
 
-def test_stiff_gains_are_warned_of_in_words_and_a_mark_and_others_are_not():
+def test_stiff_gains_are_warned_of_with_text_and_a_mark_and_others_are_not():
     stiff = replace(SLOW.preset, gains=Gains(attitude=AttitudeGains(k1=40.0, rho2=0.1)))
     text = summary.rates(compute(replace(SLOW, preset=stiff)))
     assert "▲ The attitude filter is stiff: 425/s times the IMU&#x27;s 5 ms is 2.1, above 1" in text
@@ -125,7 +125,7 @@ def test_each_button_starts_where_the_filter_stands_still(gains: AttitudeGains, 
         assert min(equilibria.distances(near, equilibria.undesired_equilibria(gains, world))) <= 0.1 + 1e-9
 
 
-def test_the_half_turns_are_told_in_words_and_numbers():
+def test_the_undesired_equilibria_are_described_with_numbers():
     first, second, third = equilibria.undesired_equilibria(AttitudeGains(), World())
     assert first.label == "180° · (0.39, 0, 0.92) · between m and g"
     assert second.label == "180° · (0.92, 0, -0.39) · in their plane, across it"

@@ -58,7 +58,7 @@ def pick(editing: Editing, place: float) -> None:
     editing.run(lambda: editing.tab.set("place", place))
 
 
-def test_what_is_found_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
+def test_a_result_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
     before = gains(tuned)
     found = panel(tuned).result
     assert found is not None
@@ -137,7 +137,7 @@ def test_discarding_takes_the_result_off_and_leaves_the_gains(tuned: Editing):
     assert tuned.settings == before
 
 
-def test_another_path_or_sensor_is_told_beside_the_result_and_another_gain_is_not(tuned: Editing):
+def test_another_path_or_sensor_is_named_with_the_result_and_another_gain_is_not(tuned: Editing):
     tuned.set("k1", 0.3)
     assert "The page shows" not in tuned.tab.text()
     tuned.set("slower s", 0.3)
@@ -179,7 +179,7 @@ def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
     assert "Picked" not in editing.tab.text()
 
 
-def test_what_was_found_stays_when_another_search_is_stopped(tuned: Editing, monkeypatch: pytest.MonkeyPatch):
+def test_a_result_stays_when_another_search_is_stopped(tuned: Editing, monkeypatch: pytest.MonkeyPatch):
     kept = panel(tuned).result
     monkeypatch.setattr("rangenav.tune.tune", endless)
     tuned.press("Tune the gains")

@@ -348,7 +348,7 @@ def _beside(editing: Editing, sentence: str) -> list[str]:
         ("duration (s)", 3.0, "requirement.window must be shorter"),
     ],
 )
-def test_a_refused_number_is_told_beside_its_box_and_no_longer_once_it_is_good(
+def test_a_refused_number_is_reported_at_its_box_and_no_longer_once_it_is_good(
     editing: Editing, label: str, value: float, sentence: str
 ):
     good = editing.tab.value(label)
@@ -369,7 +369,7 @@ def test_a_sentence_about_the_whole_goes_when_another_takes_its_place(editing: E
     assert _beside(editing, "imu_rate must lie")
 
 
-def test_why_a_button_did_nothing_is_told_until_something_else_is_shown(editing: Editing):
+def test_why_a_button_did_nothing_is_said_until_something_else_is_shown(editing: Editing):
     editing.set("family", "waypoints")
     editing.set("ends", "open: at rest at both ends")
     editing.set("points: t x y z", "0 0 0 0\n20 1 1 1")

@@ -26,7 +26,7 @@ def _certificate(name: str) -> certificate.Certificate:
         ("circle", "✕ CERTIFIED UNOBSERVABLE"),
     ],
 )
-def test_a_badge_is_a_shape_and_words_and_says_what_is_certified(name: str, badge: str):
+def test_a_badge_is_a_shape_and_text_and_says_what_is_certified(name: str, badge: str):
     assert badge in card(SHIPPED[name], _certificate(name), changed=False)
 
 

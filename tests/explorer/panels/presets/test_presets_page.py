@@ -176,7 +176,7 @@ def test_what_was_imported_and_not_saved_keeps_its_title_over_a_reload(
     later.tab.wait_for(lambda: later.tab.value("title") == "my_tour", "the title to save under")
 
 
-def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_told(
+def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_reported(
     page: Editing, data: Library, sessions: tuple[int, SessionServer]
 ):
     _save_as(page, "mine")
@@ -256,7 +256,7 @@ def test_a_disk_that_refuses_is_a_sentence_and_the_work_stays_on_the_page(
 
 
 @pytest.mark.parametrize("title", ["", "   ", "x" * 81, "a\x00b", "\u202edesrever"])
-def test_a_title_that_is_none_is_told(page: Editing, data: Library, title: str):
+def test_an_invalid_title_is_reported(page: Editing, data: Library, title: str):
     page.set("title", title)
     page.press(SAVE, "save as")
     assert any("printable characters" in text for text in page.refusals())
@@ -421,7 +421,7 @@ def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
     assert page.settings == before
 
 
-def test_what_was_guessed_is_told_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
+def test_a_guess_is_reported_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
     page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
     page.tab.wait_for(lambda: any("Non_sense 1.csv, line 2" in text for text in page.refusals()), "the file's own name")
     assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
