@@ -1,8 +1,8 @@
 """What one visitor sees: a picture is drawn in plots, controls and scene, and all of it follows the playhead.
 
 draw(picture)      plots and verdict in one batch, then the scene
-draw_details       when nothing has changed for a moment: they take as long to compute as all the rest
-animate            moves everything to the playhead; it computes nothing
+draw_details       when nothing has changed for a moment, because the details take as long to compute as all the rest
+animate            moves cursors and scene to the playhead; it computes nothing
 """
 
 import threading
@@ -23,7 +23,7 @@ from explorer.scene.drag_handles import DragHandles
 HEAD_START = 0.003
 """s between plots and scene: a batch without scene nodes is shown at once, one with them waits for a rendered frame."""
 SETTLED = 0.3
-"""s without another picture, after which the details are drawn too."""
+"""s without a new picture, after which the details are drawn too."""
 
 
 class Display:
@@ -42,7 +42,7 @@ class Display:
         self._client, self._dock, self._charts = client, dock, charts
         self._scene, self._handles, self._timeline, self._playback = scene, handles, timeline, playback
         self.picture: Picture | None = None
-        """What is shown; None before the first picture."""
+        """The picture on the page; None before the first one."""
         self._details_due: float | None = None
         """When to draw the details of the picture (s, monotonic); None if they are drawn."""
 
@@ -76,12 +76,12 @@ class Display:
         self._details_due = time.monotonic() + SETTLED
 
     def draw_handles(self) -> None:
-        """Put the drag handles where anchor and waypoints are chosen to be, also if that gives no picture."""
+        """Move the drag handles to the chosen anchor and waypoints, even if no picture can be computed from them."""
         if self.picture is not None and self._scene.bounds is not None:
             self._handles.draw(self.picture.preset.world.anchor, self._dock.points, self._scene.bounds)
 
     def draw_details_if_due(self, now: float, wake: threading.Event) -> None:
-        """Draw the details if nothing has changed for a moment, and nothing is waiting (`wake` is not set)."""
+        """Draw the details if nothing has changed for a moment and no change is waiting (`wake` is not set)."""
         if self._details_due is None or self.picture is None or now < self._details_due or wake.is_set():
             return
         self._details_due = None

@@ -1,4 +1,4 @@
-"""What the visitor does with the mouse is applied to the controls: handles and the twin dragged, windows drawn."""
+"""The visitor's mouse moves controls: by drags of handles and of the twin, and by windows drawn across a plot."""
 
 from explorer.charts import Charts
 from explorer.model.compute import Picture
@@ -9,7 +9,7 @@ from explorer.scene.drag_handles import DragHandles
 from rangenav import twin
 
 MIN_BRUSH = 0.01
-"""Share of the time axis; a shorter brush is a click."""
+"""Share of the time axis; a shorter drag across a plot is a click."""
 BRUSH_STEP, BRUSH_DIGITS = 0.1, 1
 """s and digits of the window's slider; a window that is drawn across a plot is rounded to them."""
 
@@ -49,7 +49,7 @@ class Interaction:
             self._dock.twin.write(twin.turn_towards(picture.preset, point, time=self._playback.time))
 
     def _apply_brush(self) -> None:
-        """Take over the window δ that was drawn across a plot, and go to its start; a click only goes to its moment."""
+        """Set δ to the length of the window drawn across a plot, and seek its start; a click only seeks a time."""
         brush = self._charts.take_brush()
         if brush is None:
             return
@@ -60,5 +60,5 @@ class Interaction:
 
 
 def drawn_window(length: float, duration: float) -> float:
-    """The window (s) for a brush of some length: at least one step, and shorter than the flight, as every window is."""
+    """The window (s) for a drag of some length (s): at least one step of the slider, and shorter than the flight."""
     return max(round(min(length, duration - BRUSH_STEP), BRUSH_DIGITS), BRUSH_STEP)

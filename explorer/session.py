@@ -49,7 +49,7 @@ log = logging.getLogger(__name__)
 
 
 class Session:
-    """Made when a tab connects, stopped when it leaves."""
+    """The page of one browser tab, from its connection to its end, with a thread of its own."""
 
     def __init__(self, client: viser.ClientHandle, shared: Shared) -> None:
         self._client, self.shared = client, shared
@@ -58,7 +58,7 @@ class Session:
         self.form = Form(client.gui, self._wake.set)
         self.jobs = self.form.new_jobs()
         self._built = False
-        """Whether the page is complete; it is not if the tab leaves before."""
+        """Whether the page is complete; it stays incomplete if the tab disconnects while the page is being built."""
         self.history = History()
         self._autosave = Autosave(shared.work_files, shared.first, self._notify_about_work)
         self._playback = Playback(shared.shipped[shared.first].duration)
@@ -66,7 +66,7 @@ class Session:
 
     @property
     def picture(self) -> Picture | None:
-        """What is shown; None before the first picture."""
+        """The picture on the page; None before the first one."""
         return self._display.picture if self._built else None
 
     def start(self) -> None:
@@ -75,7 +75,7 @@ class Session:
         self.thread.start()
 
     def stop(self) -> None:
-        """Let the thread end, which frees what it holds."""
+        """Let the thread end; it saves the work and frees the slot of the tab."""
         self._stopped = True
         self._wake.set()
 
@@ -96,7 +96,7 @@ class Session:
         self._leave()
 
     def _sleep(self, now: float) -> float | None:
-        """How long (s) to sleep if nothing happens: until a frame, the details or a write is due; None for ever."""
+        """The time (s) until a frame, the details or a write is due; None if none of them is."""
         waits = (self._playback.wait(now), self._autosave.wait(now), self._display.wait(now))
         return min((wait for wait in waits if wait is not None), default=None)
 
@@ -113,9 +113,9 @@ class Session:
         client.gui.set_panel_label("rangenav")
         canvas = client.camera.image_width
         actions = SessionActions(
-            restart_preset=self._again,
-            show_paper_figures=self._paper,
-            download_preset=self._download,
+            restart_preset=self._restart_preset,
+            show_paper_figures=self._show_paper_figures,
+            download_preset=self._download_preset,
             send=self._send,
             notify=self._notify,
         )
@@ -123,7 +123,9 @@ class Session:
         wide = viewport.width(client, canvas, WIDTH)
         self.charts = Charts(client, narrow=viewport.is_narrow(wide), wake=self._wake.set)
         with self.dock.tabs.add_tab("Export"):
-            exports = ExportActions(plan_plot=self.charts.file_writer, settings=self._named, download=self._send)
+            exports = ExportActions(
+                plan_plot=self.charts.file_writer, settings=self._named_settings, download=self._send
+            )
             ExportPanel(self.form, TITLES, exports)
         self.form.command("Show all curves", self.charts.show_all_curves)
         timeline = TimelinePanel(self.form, self._playback, room=wide - WIDTH - self.charts.width)
@@ -150,7 +152,7 @@ class Session:
             settings = msgspec.structs.replace(settings, origin=origin, edition="")
         if work.opened == self.shared.first or not self.shared.requested:
             self.dock.write(settings)
-        self.history.record(settings, time.monotonic(), apart=True)
+        self.history.record(settings, time.monotonic(), separate=True)
 
     def _wait_for_compilation(self) -> None:
         compilation = self.shared.compilation
@@ -160,21 +162,21 @@ class Session:
         self.dock.verdict.progress(1.0, "ready")
 
     def _react(self) -> None:
-        """Take over what the visitor did, and draw if the picture changes."""
-        shown = self._took_over()
+        """Apply the changes of the visitor, and update the marks of the form."""
+        applied = self._apply_changes()
         self.form.refresh()
         self.dock.progress.draw()
         self.dock.presets.refresh()
-        if not shown:
+        if not applied:
             self._display.draw_handles()
 
-    def _took_over(self) -> bool:
-        """Whether what is chosen now can be shown; if not, a complaint on the page says why."""
+    def _apply_changes(self) -> bool:
+        """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""
         began = time.monotonic()
         with contextlib.suppress(InvalidInputError), self.dock.catching():
             pressed = self.form.run_actions(before=self._refresh_before_action)
             self.form.deliver()
-            hold = self._interaction.apply(self.picture)
+            drag = self._interaction.apply(self.picture)
             if self.dock.chosen_preset != self.dock.origin:
                 self._open(self.dock.chosen_preset)
             self.dock.refresh()
@@ -187,33 +189,33 @@ class Session:
                 self._display.show(picture)
                 self.form.forget_answer()
                 opened = self.history.now is not None and self.history.now.origin != settings.origin
-                self.history.record(settings, began, shown=time.monotonic(), apart=pressed or opened, hold=hold)
+                self.history.record(settings, began, shown=time.monotonic(), separate=pressed or opened, drag=drag)
             elif self.dock.changed:
                 self._display.draw(picture)
             return True
         return False
 
     def _refresh_before_action(self) -> None:
-        """Take over the controls, so that an action reads them as they are when it runs."""
+        """Read the controls, so that an action uses their values at the moment when it runs."""
         with contextlib.suppress(ValueError):  # an action that reads the settings raises it again
             self.dock.refresh()
 
     def _open(self, name: str) -> None:
         self.dock.presets.open(name)
 
-    def _again(self) -> None:
+    def _restart_preset(self) -> None:
         self._open(self.dock.origin)
 
-    def _paper(self) -> None:
+    def _show_paper_figures(self) -> None:
         self._open(PAPER)
         self.charts.show_paper_figures()
 
-    def _download(self) -> None:
-        name, settings = self._named()
+    def _download_preset(self) -> None:
+        name, settings = self._named_settings()
         self._send(name, preset_file.document(settings))
 
-    def _named(self) -> tuple[str, Settings]:
-        """The name of a file for what is chosen, and what is chosen."""
+    def _named_settings(self) -> tuple[str, Settings]:
+        """A file name for the chosen settings, and the settings."""
         settings = self.dock.read()
         original = self.catalog.presets[settings.origin]
         return preset_file.file_name(settings.origin, effective(settings), original), settings

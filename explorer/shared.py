@@ -12,12 +12,12 @@ from explorer.web.identity import Slots
 from rangenav.preset import Preset
 
 ESTIMATORS_DELAY = 3.0
-"""s: the first pictures are drawn before the processor compiles estimators that no picture needs at first."""
+"""s between the two compilations: the first pictures need no estimator, and must not wait for one."""
 log = logging.getLogger(__name__)
 
 
 class Compilation:
-    """The compilation of the kernels in a thread of its own; sessions read how far it is."""
+    """The compilation of the kernels in a thread of its own; sessions read its progress."""
 
     def __init__(self) -> None:
         self.fraction, self.stage = 0.0, "waiting"
@@ -28,7 +28,7 @@ class Compilation:
         return self.fraction >= 1
 
     def start(self) -> None:
-        """Begin, in a thread that does not keep the program alive."""
+        """Start the thread, which does not delay the end of the program."""
         threading.Thread(target=self._run, name="compilation", daemon=True).start()
 
     def _run(self) -> None:
@@ -37,14 +37,14 @@ class Compilation:
         try:
             compute.compile_kernels(self._progress)
         except Exception:
-            log.exception("the kernels could not be compiled ahead; they will be when first used")
+            log.exception("the kernels could not be compiled at the start; each will be compiled at its first use")
         self.fraction = 1.0
         details.import_control()
         time.sleep(ESTIMATORS_DELAY)
         try:
             compute.compile_estimators()
         except Exception:
-            log.exception("the estimators of the Compare tab could not be compiled ahead")
+            log.exception("the estimators of the Compare tab could not be compiled at the start")
 
     def _progress(self, fraction: float, stage: str) -> None:
         self.fraction, self.stage = min(fraction, 0.99), stage  # 1 only when the last kernel has been compiled

@@ -1,7 +1,8 @@
 """The basin of attraction of the attitude filter on the page: its inputs, its colours, and the slowest start.
 
-A start is a turn by one angle about one of many axes (`rangenav.ensemble.basin`). Each axis is a point on a sphere; its
-colour says when the attitude error stays below 5°.
+A start is an initial attitude error: a rotation by one fixed angle about one of many axes (`rangenav.ensemble.basin`).
+Each axis is a point on a sphere. The colour of a point is the settling time, after which the attitude error stays
+below 5°.
 """
 
 from typing import NamedTuple
@@ -32,39 +33,39 @@ class Setup(NamedTuple):
     """Without its attitude error, which each start replaces."""
 
 
-def setup_of(shown: Preset) -> Setup:
+def setup_of(preset: Preset) -> Setup:
     """The setup of a preset whose path has its time scale and printed initial values applied."""
-    usual = Guess()
-    guess = replace(shown.guess, attitude_axis=usual.attitude_axis, attitude_angle=usual.attitude_angle)
-    return Setup(record.truth_inputs(shown), shown.sensors, shown.seed, shown.gains, guess)
+    default = Guess()
+    guess = replace(preset.guess, attitude_axis=default.attitude_axis, attitude_angle=default.attitude_angle)
+    return Setup(record.truth_inputs(preset), preset.sensors, preset.seed, preset.gains, guess)
 
 
-def slowest(found: Basin) -> int:
+def slowest(basin: Basin) -> int:
     """The index of the start that settles last; of those that never settle, the one with the largest final error."""
-    return int(np.lexsort((found.final, found.settle))[-1])
+    return int(np.lexsort((basin.final, basin.settle))[-1])
 
 
-def settling_span(found: Basin) -> tuple[float, float] | None:
+def settling_span(basin: Basin) -> tuple[float, float] | None:
     """The first and the last settling time (s); None if no start settles."""
-    settled = found.settle[np.isfinite(found.settle)]
+    settled = basin.settle[np.isfinite(basin.settle)]
     return (float(settled.min()), float(settled.max())) if len(settled) else None
 
 
-def colors(found: Basin) -> UInt8[Array, "a 3"]:
+def colors(basin: Basin) -> UInt8[Array, "a 3"]:
     """A colour for each start; the lightest settles first."""
-    span, share = settling_span(found), np.zeros(len(found.settle))
+    span, share = settling_span(basin), np.zeros(len(basin.settle))
     if span is not None and span[1] > span[0]:
-        share = (np.minimum(found.settle, span[1]) - span[0]) / (span[1] - span[0])
+        share = (np.minimum(basin.settle, span[1]) - span[0]) / (span[1] - span[0])
     scale = on_scale(share)
-    scale[~np.isfinite(found.settle)] = palette.rgb(palette.NEVER_SETTLES)
+    scale[~np.isfinite(basin.settle)] = palette.rgb(palette.NEVER_SETTLES)
     return scale
 
 
 def on_scale(share: Float[Array, "a"]) -> UInt8[Array, "a 3"]:
     """Colours (sRGB) from the light end (0) to the dark one (1)."""
     stops = np.array([palette.rgb(color) for color in palette.SETTLING_SCALE], dtype=float)
-    places = np.linspace(0.0, 1.0, len(stops))
-    channels = [np.interp(share, places, channel) for channel in stops.T]
+    positions = np.linspace(0.0, 1.0, len(stops))
+    channels = [np.interp(share, positions, channel) for channel in stops.T]
     return np.stack(channels, axis=1).round().astype(np.uint8)
 
 

@@ -1,11 +1,11 @@
 """What the shown run is compared with: a pinned run, other estimators on the same record, the band of many seeds.
 
     pinned      a whole Picture of other settings (A)
-    baselines   the extended Kalman filter, and the refinement of the whole record, on the run's own record
+    baselines   the extended Kalman filter and the iterated smoother ("refined"), on the record of the shown run
     seeds       the same settings with other noise
     basin       the same settings started from attitude errors about many axes
-All but the pinned run belong to the inputs of one run (`inputs_of`, `basin.setup_of`); the results of other inputs are
-not drawn.
+A pinned run stays until it is unpinned. All other results belong to the inputs of one run (`inputs_of`,
+`basin.setup_of`), and are drawn only while the page shows that run.
 """
 
 from dataclasses import dataclass

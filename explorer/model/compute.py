@@ -7,7 +7,7 @@ accuracy      <- gramian's inputs, anchor, sensors
 printed       <- path, angular velocity, world, window
 measurements  <- motion's inputs, sensors, seed
 estimate      <- measurements' inputs, gains, guess
-details       <- see `details`; computed when first asked for
+details       <- see `details`; computed at its first use
 """
 
 from collections.abc import Callable
@@ -34,6 +34,7 @@ from rangenav.sensors import Measurements, Sensors
 from rangenav.vehicle import Break, Vehicle
 
 CACHED = 4
+"""How many results of each stage its cache holds."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,30 +70,30 @@ class Picture:
 
     @cached_property
     def details(self) -> Details:
-        """What lies below the verdict. This stage is computed when it is first asked for: it takes as long as all the
-        others together, and the page draws it when nothing has changed for a moment."""
+        """The reasons for the verdict. This stage is computed at its first use: it takes as long as all the others
+        together, and the page draws it when nothing has changed for a moment."""
         return details.details(self.preset, turn=self.settings.twin_turn)
 
 
 def compute(settings: Settings) -> Picture:
-    """Compute everything the page draws. Raises ValueError with one sentence if that is impossible."""
+    """Compute everything the page draws. Raises ValueError with one sentence if no picture is possible."""
     p, printed = effective(settings), settings.printed
-    course, found = truth_inputs(p), analyse(p)
-    phi, phi_printed = _phi(course)
+    inputs, analysis = truth_inputs(p), analyse(p)
+    phi, phi_printed = _phi(inputs)
     outcome, position = _observed(
-        course, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
+        inputs, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
     )
     return Picture(
         settings=settings,
         preset=p,
-        motion=record.simulated(course).motion,
-        limits=_limits(course),
-        breaks=_breaks(course, p.vehicle),
+        motion=record.simulated(inputs).motion,
+        limits=_limits(inputs),
+        breaks=_breaks(inputs, p.vehicle),
         phi=phi,
         phi_printed=phi_printed,
-        analysis=found,
-        printed_excitation=_printed_excitation(course, p.requirement.window, printed),
-        measurements=record.measured(course, p.sensors, p.seed),
+        analysis=analysis,
+        printed_excitation=_printed_excitation(inputs, p.requirement.window, printed),
+        measurements=record.measured(inputs, p.sensors, p.seed),
         estimate=outcome.estimate,
         errors=outcome.errors,
         position_estimate=position,
@@ -100,7 +101,7 @@ def compute(settings: Settings) -> Picture:
         attitude_time_constants=attitude.time_constants(
             p.gains.attitude, p.world, "printed" if printed.attitude_rate else "derived"
         ),
-        reduced_min=_reduced(course, p.requirement.window, found, printed),
+        reduced_min=_reduced(inputs, p.requirement.window, analysis, printed),
     )
 
 
@@ -119,46 +120,46 @@ def compile_estimators() -> None:
 
 
 @lru_cache(maxsize=CACHED)
-def _phi(course: TruthInputs) -> tuple[Array, Array]:
-    moved = record.simulated(course).motion
-    return excitation.phi(moved), excitation.phi_printed(moved)
+def _phi(inputs: TruthInputs) -> tuple[Array, Array]:
+    trajectory = record.simulated(inputs).motion
+    return excitation.phi(trajectory), excitation.phi_printed(trajectory)
 
 
 @lru_cache(maxsize=CACHED)
-def _limits(course: TruthInputs) -> Limits:
-    return motion.limits(record.simulated(course).motion, world=course.world)
+def _limits(inputs: TruthInputs) -> Limits:
+    return motion.limits(record.simulated(inputs).motion, world=inputs.world)
 
 
 @lru_cache(maxsize=CACHED)
-def _breaks(course: TruthInputs, limited: Vehicle) -> tuple[Break, ...]:
-    return vehicle.broken(record.simulated(course).motion, limited, world=course.world)
+def _breaks(inputs: TruthInputs, chosen: Vehicle) -> tuple[Break, ...]:
+    return vehicle.broken(record.simulated(inputs).motion, chosen, world=inputs.world)
 
 
 @lru_cache(maxsize=CACHED)
-def _printed_excitation(course: TruthInputs, window: float, printed: Printed) -> Array:
+def _printed_excitation(inputs: TruthInputs, window: float, printed: Printed) -> Array:
     """Eigenvalues of the excitation under the printed switches, from samples; with none on, of the derived form."""
-    moved = record.simulated(course).motion
-    signal = excitation.chosen_signal(moved, printed_formula=printed.excitation, body_axes=printed.body_axes)
-    start = np.linspace(0, course.duration - window, WINDOWS)
-    return excitation.sampled_eigenvalues(signal, moved.time, start, window)
+    trajectory = record.simulated(inputs).motion
+    signal = excitation.chosen_signal(trajectory, printed_formula=printed.excitation, body_axes=printed.body_axes)
+    start = np.linspace(0, inputs.duration - window, WINDOWS)
+    return excitation.sampled_eigenvalues(signal, trajectory.time, start, window)
 
 
 @lru_cache(maxsize=CACHED)
 def _observed(
-    course: TruthInputs, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: ModelForm
+    inputs: TruthInputs, sensors: Sensors, seed: int, gains: Gains, guess: Guess, form: ModelForm
 ) -> tuple[Outcome, Array]:
     """The estimate, and the estimated position in inertial axes (m)."""
-    truth, z = record.simulated(course), record.measured(course, sensors, seed)
-    outcome = record.observed(truth, z, course.world, sensors, gains, guess, form)
-    return outcome, outcome.estimate.position(course.world)
+    truth, z = record.simulated(inputs), record.measured(inputs, sensors, seed)
+    outcome = record.observed(truth, z, inputs.world, sensors, gains, guess, form)
+    return outcome, outcome.estimate.position(inputs.world)
 
 
-def _reduced(course: TruthInputs, window: float, found: Analysis, printed: Printed) -> float:
+def _reduced(inputs: TruthInputs, window: float, analysis: Analysis, printed: Printed) -> float:
     if not (printed.excitation or printed.reduced_row or printed.body_axes):
-        return found.reduced_min
+        return analysis.reduced_min
     return reduced.sampled_least_eigenvalue(
-        record.simulated(course).motion,
-        found.gramian_at,
+        record.simulated(inputs).motion,
+        analysis.gramian_at,
         window,
         printed_formula=printed.excitation,
         printed_row=printed.reduced_row,

@@ -61,13 +61,13 @@ class RunConsistency:
 
 def of_run(picture: Picture) -> RunConsistency:
     """The figures of the shown run."""
-    time, z, found = picture.motion.time, picture.measurements, picture.estimate
+    time, z, estimate = picture.motion.time, picture.measurements, picture.estimate
     part = _steady(time)
-    moved, anchor = picture.motion, np.asarray(picture.preset.world.anchor)
-    error = found.state[part, POSITION] - to_body(moved.rotation[part], moved.position[part] - anchor)
-    P = found.covariance[part, 0]
+    trajectory, anchor = picture.motion, np.asarray(picture.preset.world.anchor)
+    error = estimate.state[part, POSITION] - to_body(trajectory.rotation[part], trajectory.position[part] - anchor)
+    P = estimate.covariance[part, 0]
     nees = consistency.errors(error, P)
-    nis = consistency.innovations(found.innovation)[_steady(z.range_time)]
+    nis = consistency.innovations(estimate.innovation)[_steady(z.range_time)]
     low, high = (float(end[0]) for end in consistency.band(np.array([AXES])))
     nis_low, nis_high = (float(end[0]) for end in consistency.band(np.array([1])))
     cramer_rao, lifted = _predicted(picture.analysis)
@@ -87,12 +87,12 @@ def of_run(picture: Picture) -> RunConsistency:
     )
 
 
-def of_seeds(runs: Ensemble, found: Analysis) -> RunConsistency:
+def of_seeds(runs: Ensemble, analysis: Analysis) -> RunConsistency:
     """The figures of many seeds of the same settings."""
-    nees, nis, reached = runs.position_consistency, runs.innovation_consistency, ensemble.achieved(runs, found)
+    nees, nis, achieved = runs.position_consistency, runs.innovation_consistency, ensemble.achieved(runs, analysis)
     part = _steady(nees.time)
-    end = reached.time >= STEADY * float(runs.time[-1])
-    cramer_rao, lifted = _predicted(found)
+    end = achieved.time >= STEADY * float(runs.time[-1])
+    cramer_rao, lifted = _predicted(analysis)
     return RunConsistency(
         nis=_mean(nis.mean[_steady(nis.time)]),
         nis_inside=_inside(nis, _steady(nis.time)),
@@ -102,14 +102,14 @@ def of_seeds(runs: Ensemble, found: Analysis) -> RunConsistency:
         nees_inside=_inside(nees, part),
         cramer_rao=cramer_rao,
         lifted=lifted,
-        estimated=_rms(reached.estimated[end]),
+        estimated=_rms(achieved.estimated[end]),
         achieved=float(np.sqrt(np.mean(np.square(runs.steady_position)))),
     )
 
 
-def _predicted(found: Analysis) -> tuple[float, float]:
+def _predicted(analysis: Analysis) -> tuple[float, float]:
     """Predicted 1-σ position (m), nonlinear and lifted: RMS over the windows that end in the steady part."""
-    windows = found.windows
+    windows = analysis.windows
     ends = windows.start + windows.window
     part = ends >= STEADY * float(ends[-1])
     return _rms(windows.sigma_nonlinear[part]), _rms(windows.sigma_lifted[part])
@@ -119,21 +119,23 @@ def _steady(time: Float[Array, "n"]) -> Bool[Array, "n"]:
     return time >= STEADY * float(time[-1]) if len(time) else np.zeros(0, dtype=bool)
 
 
-def _inside(found: Consistency, part: Bool[Array, "n"]) -> float:
-    mean = found.mean[part]
-    there = (mean >= found.low[part]) & (mean <= found.high[part])
-    seen = np.isfinite(mean)
-    return float(np.mean(there[seen])) if seen.any() else np.nan
+def _inside(statistic: Consistency, part: Bool[Array, "n"]) -> float:
+    """Share of the finite means of a part that lie inside their band."""
+    mean = statistic.mean[part]
+    inside = (mean >= statistic.low[part]) & (mean <= statistic.high[part])
+    finite = np.isfinite(mean)
+    return float(np.mean(inside[finite])) if finite.any() else np.nan
 
 
 def _share(square: Float[Array, "n"], low: float, high: float) -> float:
-    kept = square[np.isfinite(square)]
-    return float(np.mean((kept >= low) & (kept <= high))) if len(kept) else np.nan
+    """Share of the finite values that lie between low and high."""
+    finite = square[np.isfinite(square)]
+    return float(np.mean((finite >= low) & (finite <= high))) if len(finite) else np.nan
 
 
 def _mean(square: Float[Array, "n"]) -> float:
-    kept = square[np.isfinite(square)]
-    return float(np.mean(kept)) if len(kept) else np.nan
+    finite = square[np.isfinite(square)]
+    return float(np.mean(finite)) if len(finite) else np.nan
 
 
 def _rms(sigma: Float[Array, "n"]) -> float:

@@ -1,7 +1,7 @@
 """A signal is converted to another family, so that a visitor who chooses another family starts from a similar signal.
 
 Sines become formulas, and minimum-snap curves become polynomials, without loss. All other conversions sample the
-signal: waypoints lie on it, and sums of sines keep its strongest frequencies.
+signal: waypoints lie on it, and sums of sines have its strongest frequencies.
 """
 
 import math
@@ -30,19 +30,19 @@ from rangenav.signals.polynomials import from_minimum_snap
 Conversion = Callable[[Signal, float], AngularVelocity]
 """From a signal and the duration of a flight (s) to a signal of one family that equals or resembles it."""
 REST_DURATION = 1.0
-"""s: over this a body that is flown is at rest, when its angular velocity is converted into a family."""
+"""s; a flown body is converted as a body at rest for this time."""
 POINTS = 12
 SAMPLES, TONES_PER_AXIS = 512, 2
 LEAST_SHARE = 0.02
-"""Of an axis's strongest tone: weaker tones are left out."""
+"""Tones weaker than this share of the strongest one of their axis are left out."""
 DECIMALS = 3
-"""Of the coordinates of points: millimetres, readable where they are typed."""
+"""Decimals of the coordinates of points: millimetres, which are easy to read and to type."""
 
 
 def converted(signal: AngularVelocity, convert: Conversion, duration: float) -> AngularVelocity:
-    """A signal of another family that equals or resembles the given one over a flight (s).
+    """A signal of another family that equals or resembles a signal over a flight of some duration (s).
 
-    A flown body has no angular velocity of its own without a path: it is converted as a body at rest.
+    The angular velocity of a flown body is unknown without its path, so a flown body is converted as a body at rest.
     """
     return convert(Multisine(), REST_DURATION) if isinstance(signal, Flown) else convert(signal, duration)
 
@@ -54,7 +54,7 @@ def constant(signal: Signal, duration: float) -> Multisine:
 
 
 def flown(signal: Signal, duration: float) -> Flown:
-    """What flying the path takes, without yaw."""
+    """The angular velocity with which a multirotor flies the path, without yaw."""
     del signal, duration
     return Flown()
 

@@ -1,4 +1,4 @@
-"""The stage of a picture that lies below the verdict: preset -> Details, in parts cached by their own inputs.
+"""The reasons for the verdict, a stage of a picture: preset -> Details, in parts cached by their own inputs.
 
 horizon    <- path, world, duration, range noise and rate, required σ
 functions  <- path, gravity, the worst window
@@ -37,7 +37,7 @@ LOADED = threading.Event()
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Details:
-    """What lies below the verdict of one preset."""
+    """The reasons for the verdict on one preset."""
 
     spectrum: Spectrum
     """Over sliding windows, the same as in the analysis."""
@@ -51,13 +51,20 @@ class Details:
 
 def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
     """The details of a preset; `turn` (rad, about the anchor) turns a twin that may be turned."""
-    found, needed = analyse(preset), preset.requirement
+    analysis, requirement = analyse(preset), preset.requirement
     return Details(
-        spectrum=seen(preset.path, preset.world.gravity, preset.duration, needed.window).spectrum,
+        spectrum=seen(preset.path, preset.world.gravity, preset.duration, requirement.window).spectrum,
         horizon=how_long(preset),
-        functions=_functions(preset.path, preset.world.gravity, found.gramian_at, needed.window),
+        functions=_functions(preset.path, preset.world.gravity, analysis.gramian_at, requirement.window),
         twin=twin.twin(preset, turn=turn),
-        printed=_printed(record.truth_inputs(preset), needed.window, found.mu, found.mu_floor, needed.mu, found.rank),
+        printed=_printed(
+            record.truth_inputs(preset),
+            requirement.window,
+            analysis.mu,
+            analysis.mu_floor,
+            requirement.mu,
+            analysis.rank,
+        ),
     )
 
 
@@ -80,8 +87,8 @@ def frozen_summary(preset: Preset) -> str:
     """Frozen-time ranks at the start of the window of least rank, and its own rank; empty until `import_control`."""
     if not LOADED.is_set():
         return ""
-    found = analyse(preset)
-    return _frozen(record.truth_inputs(preset), found.gramian_at, found.rank)
+    analysis = analyse(preset)
+    return _frozen(record.truth_inputs(preset), analysis.gramian_at, analysis.rank)
 
 
 @lru_cache(maxsize=CACHED)
@@ -91,16 +98,16 @@ def _functions(path: Signal, gravity: Vec3, start: float, window: float) -> Func
 
 @lru_cache(maxsize=CACHED)
 def _printed(
-    course: TruthInputs, window: float, mu: float, floor: float, required: float, rank: int
+    inputs: TruthInputs, window: float, mu: float, floor: float, required: float, rank: int
 ) -> PrintedAndDerived:
-    start = np.linspace(0, course.duration - window, WINDOWS)
-    moved = record.simulated(course).motion
-    return printed.compare(moved, start, window, mu=mu, floor=floor, required=required, rank=rank)
+    start = np.linspace(0, inputs.duration - window, WINDOWS)
+    trajectory = record.simulated(inputs).motion
+    return printed.compare(trajectory, start, window, mu=mu, floor=floor, required=required, rank=rank)
 
 
 @lru_cache(maxsize=CACHED)
-def _frozen(course: TruthInputs, start: float, rank: int) -> str:
-    return frozen.frozen(record.simulated(course).motion, start, windowed=rank).words
+def _frozen(inputs: TruthInputs, start: float, rank: int) -> str:
+    return frozen.frozen(record.simulated(inputs).motion, start, windowed=rank).words
 
 
 @lru_cache(maxsize=ELLIPSOIDS)

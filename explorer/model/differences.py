@@ -15,7 +15,7 @@ NOTABLE = 0.005
 MAX_CHOICES = 6
 NOT_REACHED = "not reached"
 MIN_FACTOR = 10.0
-"""A larger change is given as a factor, a smaller one in percent."""
+"""A change by this factor or more is written as a factor, a smaller one in percent."""
 
 
 class Figure(NamedTuple):
@@ -46,8 +46,8 @@ def figures(a: Picture, b: Picture) -> list[str]:
     """One sentence for each figure that changed from A to B."""
     before, after = a.analysis.verdict.word, b.analysis.verdict.word
     sentences = [f"{before} → {after}"] if before != after else []
-    for name, seen in (("A", a), ("B", b)):
-        if seen.summary.diverged:
+    for name, run in (("A", a), ("B", b)):
+        if run.summary.diverged:
             sentences.append(f"{name}'s covariance diverges: its errors say nothing")
     changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
     return sentences + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
@@ -62,10 +62,10 @@ def notable(before: float | None, after: float | None) -> bool:
 
 
 def choices(a: Preset, b: Preset) -> list[str]:
-    """The settings that differ, by their key in the preset's file: at most six, and how many more there are."""
-    found = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
-    more = len(found) - MAX_CHOICES
-    return found if more <= 0 else [*found[:MAX_CHOICES], f"and {more} more"]
+    """The settings that differ, by their keys in a preset's file: at most six, then the number of the others."""
+    differing = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
+    more = len(differing) - MAX_CHOICES
+    return differing if more <= 0 else [*differing[:MAX_CHOICES], f"and {more} more"]
 
 
 def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
@@ -73,19 +73,19 @@ def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
         for key in a | b:
             if key not in ("title", "story"):
                 yield from _choices(a.get(key), b.get(key), f"{where}.{key}" if where else key)
-    elif isinstance(a, list | tuple) and isinstance(b, list | tuple) and len(a) == len(b) and _tables(a):
+    elif isinstance(a, list | tuple) and isinstance(b, list | tuple) and len(a) == len(b) and _has_tables(a):
         for k, (x, y) in enumerate(zip(a, b, strict=True)):
             yield from _choices(x, y, f"{where}[{k + 1}]")
     elif a != b:
         yield f"{where} {_value(a)} → {_value(b)}" if _short(a) and _short(b) else f"{where} is another"
 
 
-def _tables(entries: Any) -> bool:
+def _has_tables(entries: Any) -> bool:
     return any(isinstance(entry, dict) for entry in entries)
 
 
 def _short(value: Any) -> bool:
-    """Whether a value takes a few characters: a number, a word or a vector."""
+    """Whether a value can be written in a few characters: a number, a short text or a vector."""
     numbers = isinstance(value, list | tuple) and len(value) <= 3 and all(isinstance(x, float | int) for x in value)
     return numbers or value is None or isinstance(value, float | int) or (isinstance(value, str) and len(value) < 24)
 

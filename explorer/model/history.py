@@ -11,21 +11,21 @@ import msgspec
 from explorer.model.settings import Settings
 
 MOMENT = 0.7
-"""s: changes of one control that follow each other faster, as while a slider is dragged, are undone together."""
+"""s; changes of one control at shorter intervals, as while a slider is dragged, are one step."""
 MAX_STEPS = 200
 
 
 class History:
-    """Past and future settings of one visitor; the last of the past is shown."""
+    """Past and future settings of one visitor; the newest of the past are on the page."""
 
     def __init__(self) -> None:
         self._past: list[Settings] = []
         self._future: list[Settings] = []
-        self._changed = float("-inf")
+        self._changed_at = float("-inf")
         self._parts: frozenset[str] = frozenset()
         """The tables that the last step changed, as dotted paths."""
-        self._hold: int | None = None
-        """The drag that the last step belongs to."""
+        self._drag: int | None = None
+        """The number of the drag that the last step belongs to; None if it belongs to none."""
 
     @property
     def now(self) -> Settings | None:
@@ -43,28 +43,28 @@ class History:
         time: float,
         *,
         shown: float | None = None,
-        apart: bool = False,
-        hold: int | None = None,
+        separate: bool = False,
+        drag: int | None = None,
     ) -> None:
         """Record settings that were chosen at `time` (s) and drawn at `shown` (s), by default the same.
 
         The pause between two changes is counted from `shown`, so that on a slow machine, which draws for a second,
-        two moves of one slider are still one step. With `apart` the settings are a step of their own, however soon
-        they follow. Settings with the same number of a `hold`, the drag of a handle, are one step, however late.
+        two moves of one slider are still one step. With `separate` the settings are a step of their own, however soon
+        they follow. Settings with the same number of a `drag` of a handle are one step, however late they follow.
         """
         if settings == self.now:
             return
         parts = frozenset() if self.now is None else frozenset(differing(self.now, settings))
-        soon = time - self._changed < MOMENT or (hold is not None and hold == self._hold)
-        if not apart and soon and len(self._past) > 1 and parts <= self._parts:
+        soon = time - self._changed_at < MOMENT or (drag is not None and drag == self._drag)
+        if not separate and soon and len(self._past) > 1 and parts <= self._parts:
             self._past.pop()
         else:
             self._parts = parts
-        self._hold = None if apart else hold
+        self._drag = None if separate else drag
         self._past.append(settings)
         del self._past[:-MAX_STEPS]
         self._future.clear()
-        self._changed = float("-inf") if apart else time if shown is None else shown
+        self._changed_at = float("-inf") if separate else time if shown is None else shown
 
     def undo(self) -> Settings | None:
         """The settings one step back; None at the beginning."""
@@ -84,7 +84,7 @@ class History:
 
     def _break(self) -> None:
         """Make the next settings a step of their own, also while a handle is held."""
-        self._changed, self._hold = float("-inf"), None
+        self._changed_at, self._drag = float("-inf"), None
 
 
 def differing(before: Any, after: Any, where: str = "") -> Iterator[str]:

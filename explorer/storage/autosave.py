@@ -10,7 +10,7 @@ from explorer.storage.work_files import StorageError, WorkFiles
 from rangenav.inputs import Input
 
 PERIOD = 1.0
-"""s: changes that follow each other faster are written once."""
+"""s between two writes; of the changes in between only the last is written."""
 
 
 class SavedWork(Input, frozen=True, kw_only=True):
@@ -25,7 +25,7 @@ class SavedWork(Input, frozen=True, kw_only=True):
 
 
 class Autosave:
-    """Saves the work of one tab; where the browser or the disk refuses, it notifies the visitor and saves nothing."""
+    """Saves the work of one tab. If the browser or the disk refuses, the visitor is notified and nothing is saved."""
 
     def __init__(self, work_files: WorkFiles, opened: str, notify: Callable[[str], None]) -> None:
         """`notify` receives a sentence when saving begins to fail."""
@@ -35,7 +35,7 @@ class Autosave:
         self._unwritten: tuple[Settings, GainUnits] | None = None
         self._written_at = float("-inf")
         self._failing = False
-        """Whether the visitor has been notified. Every change is tried again: the disk may have room later."""
+        """Whether the visitor has been notified. The next change is written all the same."""
 
     def restore(self, session_key: str | None) -> SavedWork | None:
         """The work saved under a session key, None if there is none; from now on the work is saved there."""
@@ -53,7 +53,7 @@ class Autosave:
         return None
 
     def remember(self, settings: Settings, units: GainUnits = "paper") -> None:
-        """Have `write` save these settings when it is due."""
+        """Take the settings that `write` saves when the next write is due."""
         if (settings, units) != self._latest:
             self._latest = self._unwritten = settings, units
 

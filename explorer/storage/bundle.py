@@ -1,8 +1,8 @@
 """One zip for download: a preset, and its motion or its run in other formats, each with its certificate.
 
-Every file passes the gate of `rangenav export`, is certified from the bytes in the zip, and can be verified where it is
-unpacked. A file that the gate refuses is left out; with `uncertified` it is included, without a certificate and with
-"uncertified" in its name.
+Every file meets the conditions of `rangenav export`, is certified from the bytes in the zip, and can be verified where
+it is unpacked. A file that does not meet them is left out; with `uncertified` it is included, without a certificate and
+with "uncertified" in its name.
 """
 
 import io
@@ -31,7 +31,7 @@ class Bundle:
     name: str
     content: bytes
     notes: tuple[str, ...]
-    """What a person should know about the files, one sentence each; the README in the zip has them, too."""
+    """Sentences about the files: format, frame, certificate, and what a format cannot hold. The README has them too."""
 
 
 def pack(
@@ -45,8 +45,8 @@ def pack(
 ) -> Bundle:
     """Pack a preset and some formats, each with its certificate.
 
-    Raises ValueError if the gate refuses the preset, or if there is one format and it cannot hold the preset. Of
-    several formats, one that cannot hold it is left out, and a note says why. Raises CancelledError.
+    Raises ValueError if the preset does not meet the conditions, or if there is one format and it cannot hold the
+    preset. Of several formats, one that cannot hold it is left out, and a note says why. Raises CancelledError.
     """
     notes: list[str] = []
     with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
@@ -68,7 +68,7 @@ def pack(
 
 
 def _write_format(preset: Preset, format_name: str, path: Path, *, uncertified: bool) -> list[str]:
-    """Write one format and its certificate; what a person should know about the file."""
+    """Write one format and its certificate. Returns sentences about the file."""
     export = certified_export.write(
         preset, format_name, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE
     )

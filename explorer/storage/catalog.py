@@ -2,7 +2,7 @@
 
 The name of an entry is the shipped preset's name, `mine:<file>` or `new:<title>`. A preset that was opened stays in the
 catalog while the visitor is connected, even if its file is deleted or changed elsewhere: the page marks what differs
-from it, and a save is refused if the file is an edition that this visitor has not seen.
+from it, and a save is refused if the file has changed since this visitor opened or saved it.
 """
 
 import contextlib
@@ -21,14 +21,14 @@ from rangenav.preset import MAX_TITLE, Preset
 MINE, NEW = "mine:", "new:"
 OWN_MARK, NEW_MARK, DELETED_MARK = "★", "◌", "✗"
 REFRESH_PERIOD = 1.0
-"""s between two looks at the files that other pages and programs may have changed."""
+"""s between two scans of the library, whose files other pages and programs may have changed."""
 MAX_CACHED = 512
 """Parsed files in the cache; more than a full library."""
 
 
 @dataclass(frozen=True, eq=False)
 class OwnFile:
-    """One file of the library, as it was read last."""
+    """One file of the library, as it was when it was last read."""
 
     stamp: tuple[int, int, int]
     content: bytes
@@ -75,15 +75,15 @@ class Catalog:
         """The presets that can be opened: shipped, own and imported ones, each as its file is now."""
         shipped = {name: self.presets[name] for name in self._shipped}
         own = {MINE + name: own.preset for name, own in self._own.items() if own.preset is not None}
-        return shipped | own | {name: lent for name, lent in self.presets.items() if name.startswith(NEW)}
+        return shipped | own | {name: imported for name, imported in self.presets.items() if name.startswith(NEW)}
 
     def labels(self, shown: str) -> dict[str, str]:
         """The label of each preset in a menu; the shown one has a label even if it is not offered any more."""
         labels = {}
-        for name, one in self.offered.items():
-            sign = f"{OWN_MARK} " if self.is_own(name) else f"{NEW_MARK} " if name.startswith(NEW) else ""
-            lent = ", not saved" if name.startswith(NEW) else ""
-            labels[name] = f"{sign}{one.title}{lent} ({display_name(name)})"
+        for name, offered in self.offered.items():
+            symbol = f"{OWN_MARK} " if self.is_own(name) else f"{NEW_MARK} " if name.startswith(NEW) else ""
+            remark = ", not saved" if name.startswith(NEW) else ""
+            labels[name] = f"{symbol}{offered.title}{remark} ({display_name(name)})"
         if shown not in labels:
             labels[shown] = f"{DELETED_MARK} {self.presets[shown].title}, deleted ({display_name(shown)})"
         return labels
@@ -150,21 +150,23 @@ class Catalog:
         return self.open(name)
 
     def badge(self, name: str, shown: Preset, wake: Callable[[], None]) -> CertificateOrReason | None:
-        """The certificate of a preset that is shown under a name, the reason why there is none, or None while it is
-        computed; `wake` is called afterwards. The shown preset counts, not what another page has saved meanwhile."""
+        """The certificate of the preset on the page, the reason why it has none, or None while it is being computed.
+
+        `wake` is called when the computation has ended. The certificate is that of the preset `shown`, even if
+        another page has saved a different one under this `name` meanwhile."""
         own = self._own.get(name.removeprefix(MINE)) if self.is_own(name) else None
         own = own if own and own.preset == shown else None
         content = own.content if own else _bytes(shown)
         stored = self._library.read_certificate(name.removeprefix(MINE)) if own else _shipped_certificate(name)
-        valid = None if stored is None else _valid_certificate(stored, content)
-        if valid is not None:
-            return valid
-        found = self._certifier.certificate(content, wake)
-        if own and isinstance(found, certificate.Certificate) and content not in self._certificates_written:
-            self._certificates_written.add(content)  # once: a folder that cannot be written stays so
+        stored_valid = None if stored is None else _valid_certificate(stored, content)
+        if stored_valid is not None:
+            return stored_valid
+        result = self._certifier.certificate(content, wake)
+        if own and isinstance(result, certificate.Certificate) and content not in self._certificates_written:
+            self._certificates_written.add(content)  # only one attempt: a folder that cannot be written stays so
             with contextlib.suppress(LibraryError):
-                self._library.write_certificate(name.removeprefix(MINE), certificate.dumps(found))
-        return found
+                self._library.write_certificate(name.removeprefix(MINE), certificate.dumps(result))
+        return result
 
     def _read(self, name: str, stamp: tuple[int, int, int]) -> OwnFile:
         before = self._own.get(name)
@@ -196,9 +198,9 @@ def display_name(name: str) -> str:
 
 
 def marked(name: str) -> str:
-    """The display name with a mark that tells own and imported presets apart."""
-    sign = OWN_MARK if name.startswith(MINE) else NEW_MARK if name.startswith(NEW) else ""
-    return f"{sign} {display_name(name)}".strip()
+    """The display name after the symbol of an own (★) or an imported (◌) preset."""
+    symbol = OWN_MARK if name.startswith(MINE) else NEW_MARK if name.startswith(NEW) else ""
+    return f"{symbol} {display_name(name)}".strip()
 
 
 def checked_title(text: str) -> str:
@@ -238,11 +240,11 @@ def _shipped_certificate(name: str) -> bytes | None:
 def _valid_certificate(stored: bytes, content: bytes) -> certificate.Certificate | None:
     """A stored certificate, if it can be read and its hash is that of these bytes; else None."""
     try:
-        found = certificate.loads(stored, source="certificate")
+        parsed = certificate.loads(stored, source="certificate")
     except ValueError:
         return None
-    return found if _is_certificate_of(found, content) else None
+    return parsed if _is_certificate_of(parsed, content) else None
 
 
-def _is_certificate_of(found: certificate.Certificate, content: bytes) -> bool:
-    return found.artifact.sha256 == hashlib.sha256(content).hexdigest()
+def _is_certificate_of(candidate: certificate.Certificate, content: bytes) -> bool:
+    return candidate.artifact.sha256 == hashlib.sha256(content).hexdigest()

@@ -1,7 +1,7 @@
 """An uploaded file, as bytes and a name that is not trusted, is read as a path, a recorded flight or a preset.
 
 `rangenav.formats` reads the file once, under a name made of letters and digits in a folder of its own.
-`rangenav.preset` reads a preset, also one in a zip as the page packs it.
+`rangenav.preset` reads a preset, also the one in a zip that the page has packed.
 """
 
 import io
@@ -22,9 +22,9 @@ from rangenav.inputs import Vec3, require
 from rangenav.preset import MAX_TITLE, Preset
 
 HEAD = 4096
-"""Bytes of a file's beginning from which its format is guessed."""
+"""The number of bytes at the beginning of a file from which its format is guessed."""
 ZIPPED, MAX_ENTRIES = b"PK\x03\x04", 1000
-"""How a zip begins; the most files that one may contain."""
+"""The first bytes of a zip, and the largest number of files in it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class ImportFile:
     """An uploaded file."""
 
     name: str
-    """For display only: no file is opened by it."""
+    """For display only: no file is opened under this name."""
     content: bytes
 
 
@@ -40,7 +40,7 @@ class ImportFile:
 class Interpretation:
     """How a file was understood; with a preset if it holds a path and no question is open."""
 
-    found: ImportResult
+    result: ImportResult
     preset: Preset | None
 
 
@@ -56,18 +56,18 @@ def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], an
         copy = Path(folder) / (slug(path.stem) + "." + slug(path.suffix))
         copy.write_bytes(file.content)
         try:
-            found = formats.read(copy, format_name, confirm=confirm)
+            result = formats.read(copy, format_name, confirm=confirm)
         except ValueError as error:
-            raise ValueError(str(error).replace(copy.name, file.name)) from None  # the name that the person knows
-    found = replace(found, source=file.name)
-    if found.questions or found.path is None:
-        return Interpretation(found, None)
-    made = as_preset(found, anchor=anchor)
-    return Interpretation(found, msgspec.structs.replace(made, title=path.stem[:MAX_TITLE] or made.title))
+            raise ValueError(str(error).replace(copy.name, file.name)) from None  # the name that the visitor knows
+    result = replace(result, source=file.name)
+    if result.questions or result.path is None:
+        return Interpretation(result, None)
+    imported = as_preset(result, anchor=anchor)
+    return Interpretation(result, msgspec.structs.replace(imported, title=path.stem[:MAX_TITLE] or imported.title))
 
 
-def looks_like_a_preset(file: ImportFile) -> bool:
-    """Whether a file is a preset or a zip, for which there is another button."""
+def is_preset_or_zip(file: ImportFile) -> bool:
+    """Whether a file is a preset or a zip, which the button “Upload a preset” reads."""
     return file.name.lower().endswith(".toml") or file.content.startswith(ZIPPED)
 
 
@@ -84,7 +84,7 @@ def preset_in(file: ImportFile) -> Preset:
 
 
 def _unzipped(file: ImportFile) -> tuple[str, bytes]:
-    """Name and bytes of the one preset in a zip; at most so many bytes are unpacked as a preset may have."""
+    """Name and bytes of the one preset in a zip. No more bytes are unpacked than a preset may have."""
     try:
         with zipfile.ZipFile(io.BytesIO(file.content)) as packed:
             require(len(packed.filelist) <= MAX_ENTRIES, f"{file.name}: more than {MAX_ENTRIES} files in one zip")
@@ -94,5 +94,5 @@ def _unzipped(file: ImportFile) -> tuple[str, bytes]:
                 content = inside.read(preset.MAX_BYTES + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
         raise ValueError(f"{file.name}: this zip cannot be read ({error})") from None
-    shown = "".join(c for c in presets[0].filename if c.isprintable()).rpartition("/")[2]
-    return f"{shown[:80]} in {file.name}", content
+    display_name = "".join(c for c in presets[0].filename if c.isprintable()).rpartition("/")[2]
+    return f"{display_name[:80]} in {file.name}", content

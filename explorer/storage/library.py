@@ -1,4 +1,5 @@
-"""A person's own presets, one file each: no file is ever half written, and no page or program overwrites another's.
+"""A person's own presets, one file each: no file is ever half written, and no page or program
+overwrites the changes of another.
 
     <data folder>/presets/<name>.toml                  <name>.certificate.json: its certificate
     <data folder>/presets/.trash/                      presets that were deleted or overwritten
@@ -25,15 +26,15 @@ from explorer.storage.trash import Trash, moment, name_of
 DATA = "RANGENAV_DATA"
 SUFFIX, CERTIFICATE, TRASH, LOCK = ".toml", ".certificate.json", ".trash", ".lock"
 MAX_BYTES = 1_000_000
-"""Of one preset file."""
+"""The largest size of one preset file."""
 MAX_PRESETS = 300
 MAX_NAME = 60
 """Characters of a file's name; with a number and a suffix every file system accepts it."""
 MAX_SAME_TITLE = 1000
-"""Presets of one title."""
+"""The largest number of presets with one title."""
 NAMELESS = "preset"
 RESERVED = re.compile(r"con|prn|aux|nul|com\d|lpt\d")
-"""Names that Windows keeps for devices."""
+"""Names that Windows reserves for devices."""
 LOCK_TIMEOUT, LOCK_POLL = 5.0, 0.01
 """s to wait for another program's change of the folder to end, and between two tries."""
 
@@ -122,13 +123,13 @@ class Library:
         if not _is_file_name(name_of(mark)) or not _is_file_name(moment(mark)):
             raise LibraryError(f"{mark[:MAX_NAME]!r} is nothing that was deleted")
         with self._change():
-            kept = self._trash.path(mark)
+            deleted_file = self._trash.path(mark)
             try:
-                content = kept.read_bytes()
+                content = deleted_file.read_bytes()
             except FileNotFoundError:
                 raise LibraryError("it is not in the trash any more") from None
             name = self._add(name_of(mark), content)
-            unlink(kept)
+            unlink(deleted_file)
             return name
 
     def read_certificate(self, name: str) -> bytes | None:
@@ -209,19 +210,19 @@ def slug(title: str) -> str:
 
 
 def data_folder() -> Path:
-    """Where the system wants a program to keep a person's data."""
+    """The folder for a person's data: the one that RANGENAV_DATA names, else the system's own."""
     named = os.environ.get(DATA)
     return Path(named) if named else platformdirs.user_data_path("rangenav", appauthor=False)
 
 
 def _is_file_name(name: str) -> bool:
-    """Whether a name is that of a file in the folder itself, and no path out of it."""
+    """Whether a name can only be that of a file in the folder itself: it contains no separators of a path."""
     return 0 < len(name) <= 2 * MAX_NAME and name[0] != "." and name.isprintable() and not set("/\\:\0") & set(name)
 
 
 @contextlib.contextmanager
 def _locked(path: Path) -> Iterator[None]:
-    """Hold the folder's lock, which the system releases when its holder dies. Raises LibraryError if it stays taken.
+    """Hold the folder's lock, which the system releases when its program ends. Raises LibraryError after a time-out.
 
     The lock is an flock of the file, as in version 0.1.0, so programs of both versions exclude each other.
     """

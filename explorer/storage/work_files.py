@@ -117,6 +117,6 @@ def new_browser_id() -> str:
 
 
 def state_folder() -> Path:
-    """Where the system wants a program to keep its state between two runs."""
+    """The system's folder for the state of a program between two runs."""
     named = os.environ.get(STATE)
     return Path(named) if named else platformdirs.user_state_path("rangenav", appauthor=False)

@@ -25,10 +25,10 @@ KEY, SLOT_KEY, PREFIX = "rangenav-visitor", "rangenav-slot", "viser-user:"
 BROWSER, SLOT = re.compile(r"[0-9a-f]{32}"), re.compile(r"[1-9][0-9]?")
 MAX_SLOTS = 99
 COPIES = 16
-"""Names for the copied slot, so that tabs that reconnect at the same moment do not read each other's."""
+"""How many names the copied slot may have: tabs that reconnect at the same moment use different ones."""
 ANSWER_TIMEOUT = 20.0
-"""s for a browser to answer. A browser that refuses storage says so at once. One that renders in software draws its
-first picture before it answers, and needed six seconds."""
+"""s for a browser to answer. A browser that refuses storage answers at once. A browser that renders in software draws
+its first picture before it answers, and needed six seconds."""
 PONG_TIMEOUT = 2.0
 """s; a browser answers a ping at once, also for a tab in the background."""
 LEAVE_TIMEOUT = 2.0
@@ -39,7 +39,7 @@ class Slots:
     """Which connected tab has which slot of which browser; all sessions share it."""
 
     def __init__(self, alive: Callable[[int], bool]) -> None:
-        """`alive` says whether the tab of a number is still connected; it may take seconds."""
+        """`alive` returns whether the tab of a client id is still connected; it may take seconds."""
         self._alive = alive
         self._tabs: dict[tuple[str, int], int] = {}
         self._changed = threading.Condition()
@@ -55,26 +55,26 @@ class Slots:
     def free(self, tab: int) -> None:
         """Free the slot of a tab that has left and has written its work."""
         with self._changed:
-            self._tabs = {place: holder for place, holder in self._tabs.items() if holder != tab}
+            self._tabs = {key: holder for key, holder in self._tabs.items() if holder != tab}
             self._changed.notify_all()
 
     def has(self, tab: int) -> bool:
-        """Whether the tab has a slot to write to; a tab that did not answer may have lost it."""
+        """Whether the tab has a slot; a tab that did not answer a ping may have lost its slot to another."""
         with self._changed:
             return tab in self._tabs.values()
 
     def _claim(self, browser: str, slot: int, tab: int) -> bool:
-        place = browser, slot
-        holder = self._tabs.get(place)
+        key = browser, slot
+        holder = self._tabs.get(key)
         if holder is not None:
             if self._alive(holder):
                 return False
             with self._changed:
-                self._changed.wait_for(lambda: self._tabs.get(place) != holder, LEAVE_TIMEOUT)
+                self._changed.wait_for(lambda: self._tabs.get(key) != holder, LEAVE_TIMEOUT)
         with self._changed:
-            if self._tabs.get(place) not in (None, holder):
+            if self._tabs.get(key) not in (None, holder):
                 return False
-            self._tabs[place] = tab
+            self._tabs[key] = tab
             return True
 
 
@@ -98,13 +98,13 @@ def browser_id(client: viser.ClientHandle) -> str | None:
     None if the browser refuses storage, does not answer in time, or stores nothing."""
     storage = client.local_storage
     try:
-        found = storage.get_item(KEY, timeout=ANSWER_TIMEOUT)
-        if not _matches(BROWSER, found):
+        answer = storage.get_item(KEY, timeout=ANSWER_TIMEOUT)
+        if not _matches(BROWSER, answer):
             storage.set_item(KEY, new_browser_id())
-            found = storage.get_item(KEY, timeout=ANSWER_TIMEOUT)  # another tab may have been faster
+            answer = storage.get_item(KEY, timeout=ANSWER_TIMEOUT)  # another tab may have been faster
     except (RuntimeError, TimeoutError):
         return None
-    return found if _matches(BROWSER, found) else None
+    return answer if _matches(BROWSER, answer) else None
 
 
 def stored_slot(client: viser.ClientHandle) -> int | None:
@@ -112,15 +112,15 @@ def stored_slot(client: viser.ClientHandle) -> int | None:
     name = f"{SLOT_KEY}-{client.client_id % COPIES}"
     _run(client, f"localStorage.setItem('{PREFIX}{name}', sessionStorage.getItem('{SLOT_KEY}') ?? '')")
     try:
-        found = client.local_storage.get_item(name, timeout=ANSWER_TIMEOUT)
+        answer = client.local_storage.get_item(name, timeout=ANSWER_TIMEOUT)
         client.local_storage.remove_item(name)
     except (RuntimeError, TimeoutError):
         return None
-    return int(found) if found is not None and _matches(SLOT, found) else None
+    return int(answer) if answer is not None and _matches(SLOT, answer) else None
 
 
 def connected(server: viser.ViserServer, tab: int) -> bool:
-    """Whether the tab of this number still answers: viser closes a dead connection only after 45 s."""
+    """Whether the tab of a client id answers a ping: viser closes a dead connection only after 45 s."""
     websocket = server._websock_server
     connection, loop = websocket._live_connections.get(tab), websocket._background_event_loop
     if connection is None or loop is None:
@@ -143,6 +143,6 @@ def _run(client: viser.ClientHandle, script: str) -> None:
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source))
 
 
-def _matches(pattern: re.Pattern[str], found: object) -> bool:
-    """Whether a browser's answer, which may be anything, has the form of a stored value."""
-    return isinstance(found, str) and pattern.fullmatch(found) is not None
+def _matches(pattern: re.Pattern[str], answer: object) -> bool:
+    """Whether the answer of a browser, which may be anything, is text of the expected form."""
+    return isinstance(answer, str) and pattern.fullmatch(answer) is not None

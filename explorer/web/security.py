@@ -3,7 +3,7 @@
 viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), and lets any client open a
 public tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of this. This module
 wraps `websockets.asyncio.server.serve`, which viser calls, and removes or replaces the message handlers in question.
-All of it depends on viser's inside: check it again whenever the pinned version changes.
+All of this depends on viser's internals: check it again whenever the pinned version changes.
 """
 
 import contextlib
@@ -26,16 +26,16 @@ CHECKED_AGAINST = "1.1.1"
 NAMES = ("127.0.0.1", "localhost")
 ADDRESS = "127.0.0.1"
 MAX_MESSAGE = 2**24
-"""Bytes of one message from a browser; viser allows 50 MB. The largest honest message is that of a text box: whoever
-pastes ten megabytes should see a sentence, and not lose the connection."""
+"""Bytes of one message from a browser; viser allows 50 MB. The page's own largest message is that of a text
+box: a visitor who pastes ten megabytes should see a complaint, and not lose the connection."""
 UNUSED_MESSAGES = (
     _messages.FileTransferStartUpload,
     _messages.FileTransferPart,
     _messages.GuiFormDirtyMessage,
     _messages.GuiFormSubmitMessage,
 )
-LOST_LINES = ("opening handshake failed", "connection rejected (403 Forbidden)")
-"""What websockets logs, with a traceback, for a request that is refused on purpose."""
+REFUSAL_LOG_LINES = ("opening handshake failed", "connection rejected (403 Forbidden)")
+"""Lines that websockets logs, with a traceback, when a request is refused; they are suppressed."""
 
 log = logging.getLogger(__name__)
 
@@ -47,9 +47,12 @@ def open_server(host: str, port: int) -> viser.ViserServer:
     if not 0 <= port < 2**16:
         raise ValueError(f"--port {port}: must lie between 0 and 65535")
     _refuse_busy(port)
-    with _guarded_serve(), contextlib.redirect_stdout(io.StringIO()):  # viser prints a table where we want one line
+    with (
+        _guarded_serve(),
+        contextlib.redirect_stdout(io.StringIO()),
+    ):  # viser prints a table; the program prints one line instead
         server = viser.ViserServer(host=ADDRESS, port=port, verbose=False)
-    if port not in (0, server.get_port()):  # taken meanwhile: viser has silently taken the next one
+    if port not in (0, server.get_port()):  # another program was faster, and viser has silently taken the next port
         server.stop()
         raise ValueError(_busy(port))
     for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
@@ -65,8 +68,9 @@ def close_server(server: viser.ViserServer) -> None:
 
 
 def accept_values_only(client: viser.ClientHandle) -> None:
-    """Let this client set the values of its own controls and the poses of its own gizmos, and nothing else; notify it
-    when it sends anything that is no value."""
+    """Let this client set only the values of its own controls and the poses of its own gizmos.
+
+    The client is notified when it sends anything else for a control."""
     connection = client.gui._websock_interface
     (update,) = connection._incoming_handlers[_messages.GuiUpdateMessage]
 
@@ -76,24 +80,24 @@ def accept_values_only(client: viser.ClientHandle) -> None:
                 raise ValueError(f"only a control's value may be set, not {sorted(message.updates)}")
             await update(client_id, message)  # type: ignore[misc]
         except (ValueError, TypeError, AssertionError, OverflowError) as error:
-            log.warning("client %s sent what is no value: %s", client_id, error)
+            log.warning("client %s sent an invalid value for a control: %s", client_id, error)
             client.add_notification(
                 "⚠ Not a value", "That control takes another kind of value.", color=palette.NOTIFY_ERROR
             )
 
     connection.unregister_handler(_messages.GuiUpdateMessage)
     connection.register_handler(_messages.GuiUpdateMessage, checked)  # type: ignore[arg-type]
-    _place_gizmos_by_numbers_only(client)
+    _accept_finite_poses_only(client)
     _drop_unused(client.gui)
 
 
 def refusal(request: Request, port: int) -> str | None:
-    """Why a request is refused, None if it is not. It must name our Host; a websocket must also come from our page."""
+    """Why a request is refused, or None. Host must name this server; the Origin of a websocket must be the page."""
     hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
     if len(hosts) != 1 or hosts[0].lower() not in {f"{name}:{port}" for name in NAMES}:
         return "This page answers only to its own address on this machine."
-    own = {f"http://{name}:{port}" for name in NAMES}
-    if len(origins) > 1 or not own.issuperset(origins):
+    page_origins = {f"http://{name}:{port}" for name in NAMES}
+    if len(origins) > 1 or not page_origins.issuperset(origins):
         return "Requests from other sites are refused."
     if request.headers.get_all("Upgrade") and not origins:
         return "A websocket must say which page it comes from."
@@ -101,7 +105,7 @@ def refusal(request: Request, port: int) -> str | None:
 
 
 def add_headers(response: Response, port: int) -> None:
-    """Headers that keep the page out of frames, and the page itself from talking to anyone else."""
+    """Add headers that forbid other sites to embed the page, and forbid the page to connect to other servers."""
     sockets = " ".join(f"ws://{name}:{port}" for name in NAMES)
     response.headers["X-Frame-Options"] = "DENY"
     response.headers["Content-Security-Policy"] = (
@@ -117,7 +121,7 @@ def add_headers(response: Response, port: int) -> None:
 
 @contextlib.contextmanager
 def _guarded_serve():
-    """While a server is made, viser's call of `serve` goes through the checks of this module."""
+    """Within this context, viser's call of `serve` goes through the checks of this module."""
     serve = websockets.asyncio.server.serve
 
     def guarded(handler: Any, host: str, port: int, *, process_request: Callable, **options: Any) -> Any:
@@ -133,7 +137,7 @@ def _guarded_serve():
 
 def _checked(process_request: Callable) -> Callable[[ServerConnection, Request], Response | None]:
     """viser's HTTP answers, with refusals before them and with security headers."""
-    logging.getLogger("websockets.server").addFilter(lambda record: record.getMessage() not in LOST_LINES)
+    logging.getLogger("websockets.server").addFilter(lambda record: record.getMessage() not in REFUSAL_LOG_LINES)
 
     def answer(connection: ServerConnection, request: Request) -> Response | None:
         port = connection.local_address[1]
@@ -146,27 +150,27 @@ def _checked(process_request: Callable) -> Callable[[ServerConnection, Request],
     return answer
 
 
-def _place_gizmos_by_numbers_only(client: viser.ClientHandle) -> None:
-    """viser stores any pose that a browser sends for a gizmo, and fails on it at the next move."""
+def _accept_finite_poses_only(client: viser.ClientHandle) -> None:
+    """Accept the pose of a gizmo only as finite numbers: viser would store any other, and fail at the next move."""
     connection = client.gui._websock_interface
     (update,) = connection._incoming_handlers[_messages.TransformControlsUpdateMessage]
 
     async def checked(client_id: Any, message: _messages.TransformControlsUpdateMessage) -> None:
-        if _numbers(message.position, 3) and _numbers(message.wxyz, 4):
+        if _are_finite_numbers(message.position, 3) and _are_finite_numbers(message.wxyz, 4):
             await update(client_id, message)  # type: ignore[misc]
         else:
-            log.warning("client %s moved a gizmo to what is no place", client_id)
+            log.warning("client %s sent an invalid pose of a gizmo", client_id)
 
     connection.unregister_handler(_messages.TransformControlsUpdateMessage)
     connection.register_handler(_messages.TransformControlsUpdateMessage, checked)  # type: ignore[arg-type]
 
 
-def _numbers(sent: Any, count: int) -> bool:
+def _are_finite_numbers(value: Any, count: int) -> bool:
     """Whether a value from a browser is a tuple of `count` finite numbers."""
     return (
-        isinstance(sent, tuple)
-        and len(sent) == count
-        and all(isinstance(entry, float) and math.isfinite(entry) for entry in sent)
+        isinstance(value, tuple)
+        and len(value) == count
+        and all(isinstance(entry, float) and math.isfinite(entry) for entry in value)
     )
 
 
@@ -185,7 +189,9 @@ def _busy(port: int) -> str:
 
 
 def _drop_unused(gui: viser.GuiApi) -> None:
-    """Refuse viser's forms, whose messages it passes on to every other visitor and which the page does not use, and its
-    uploads, which it collects without limit as the value of any control: `web.uploads` takes them for its buttons."""
+    """Refuse the messages of viser's forms and uploads.
+
+    The page has no forms, and viser passes their messages on to every other visitor. viser collects uploads without
+    limit, as the value of any control; `web.uploads` handles them for its own buttons."""
     for message in UNUSED_MESSAGES:
         gui._websock_interface.unregister_handler(message)

@@ -15,17 +15,17 @@ import viser
 from viser import _messages
 
 MAX_BYTES = 20_000_000
-"""Of one file: some 100 000 lines of a log."""
+"""The largest size of one file: about 100 000 lines of a log."""
 MAX_PART = 2**20
 """Bytes of one part; viser's page sends half of that."""
 MAX_PARTS = 64
 MAX_TOGETHER = 4
-"""Transfers at a time, over all visitors: they hold at most 80 MB."""
+"""The largest number of simultaneous transfers of all visitors; together they hold at most 80 MB."""
 STALLED = 20.0
 """s without a part, after which a transfer is dropped."""
 LONGEST_NAME = 80
 Receive = Callable[[str, bytes], None]
-"""Receives (name for display, content)."""
+"""Called with the name for display and the content of a file."""
 
 
 @dataclass(eq=False)
@@ -37,9 +37,12 @@ class Transfer:
     name: str
     size: int
     parts: int
-    got: list[bytes] = field(default_factory=list)
+    contents: list[bytes] = field(default_factory=list)
+    """The parts that have arrived, in order."""
     bytes: int = 0
-    heard: float = field(default_factory=time.monotonic)
+    """The sum of their sizes."""
+    last_part_at: float = field(default_factory=time.monotonic)
+    """s, monotonic; when the last part, or the announcement, arrived."""
 
 
 class Traffic:
@@ -47,28 +50,28 @@ class Traffic:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._heard: dict[int, float] = {}
+        self._last_part_at: dict[int, float] = {}
 
     def enter(self, visitor: int) -> bool:
-        """Whether this visitor may begin a transfer; it then counts."""
+        """Count a new transfer of this visitor. Returns False, and does not count it, if too many are running."""
         now = time.monotonic()
         with self._lock:
-            self._heard = {one: heard for one, heard in self._heard.items() if now - heard < STALLED}
-            if len(self._heard) >= MAX_TOGETHER:
+            self._last_part_at = {other: at for other, at in self._last_part_at.items() if now - at < STALLED}
+            if len(self._last_part_at) >= MAX_TOGETHER:
                 return False
-            self._heard[visitor] = now
+            self._last_part_at[visitor] = now
             return True
 
-    def hear(self, visitor: int) -> None:
-        """A part of this visitor's file has arrived."""
+    def record_part(self, visitor: int) -> None:
+        """Record that a part of this visitor's file has arrived."""
         with self._lock:
-            if visitor in self._heard:
-                self._heard[visitor] = time.monotonic()
+            if visitor in self._last_part_at:
+                self._last_part_at[visitor] = time.monotonic()
 
     def leave(self, visitor: int) -> None:
-        """The transfer of this visitor has ended."""
+        """Record that the transfer of this visitor has ended."""
         with self._lock:
-            self._heard.pop(visitor, None)
+            self._last_part_at.pop(visitor, None)
 
 
 TRAFFIC = Traffic()
@@ -78,9 +81,9 @@ class Uploads:
     """The upload buttons of one visitor, and the one transfer that may be running."""
 
     def __init__(self, gui: viser.GuiApi, do: Callable[[Callable[[], None]], None]) -> None:
-        """`do` leaves an action for the session's loop."""
+        """`do` queues an action for the session's loop."""
         self._gui, self._do = gui, do
-        self._of: dict[str, tuple[Receive, Callable[[str], None]]] = {}
+        self._callbacks: dict[str, tuple[Receive, Callable[[str], None]]] = {}
         self._transfer: Transfer | None = None
         wire = gui._websock_interface
         for message, handler in (
@@ -92,25 +95,25 @@ class Uploads:
 
     def button(self, label: str, receive: Receive, refuse: Callable[[str], None], *, hint: str) -> None:
         """A button that uploads a file. `receive`, or `refuse` with the reason, is called in the session's loop."""
-        made = self._gui.add_upload_button(label, hint=hint)
-        self._of[made._impl.uuid] = receive, refuse
+        button = self._gui.add_upload_button(label, hint=hint)
+        self._callbacks[button._impl.uuid] = receive, refuse
 
     def _start(self, client: int, message: _messages.FileTransferStartUpload) -> None:
         button, size, parts = message.source_component_uuid, message.size_bytes, message.part_count
-        if not isinstance(button, str) or button not in self._of or not isinstance(message.transfer_uuid, str):
+        if not isinstance(button, str) or button not in self._callbacks or not isinstance(message.transfer_uuid, str):
             return
-        stalled = self._transfer is not None and time.monotonic() - self._transfer.heard > STALLED
+        stalled = self._transfer is not None and time.monotonic() - self._transfer.last_part_at > STALLED
         if stalled:
             self._drop()
         name = readable(message.filename)
-        reason = self._why_not(name, size, parts)
+        reason = self._reason_to_refuse(name, size, parts)
         if reason is not None:
             self._refuse(button, message.transfer_uuid, size, reason)
             return
         self._transfer = Transfer(message.transfer_uuid, button, name, size, parts)
 
-    def _why_not(self, name: str, size: object, parts: object) -> str | None:
-        """Why a file is refused; None if it is accepted, and it then counts."""
+    def _reason_to_refuse(self, name: str, size: object, parts: object) -> str | None:
+        """Why a file is refused, or None; an accepted file is counted in `TRAFFIC`."""
         if type(size) is not int or type(parts) is not int or size <= 0 or parts <= 0:
             return f"{name}: the file is empty"
         if size > MAX_BYTES:
@@ -127,16 +130,16 @@ class Uploads:
         transfer, content = self._transfer, message.content
         if transfer is None or message.transfer_uuid != transfer.uuid:
             return
-        fits = isinstance(content, bytes) and len(content) <= MAX_PART and message.part_index == len(transfer.got)
-        if not fits or transfer.bytes + len(content) > transfer.size:
+        valid = isinstance(content, bytes) and len(content) <= MAX_PART and message.part_index == len(transfer.contents)
+        if not valid or transfer.bytes + len(content) > transfer.size:
             self._drop()
             self._refuse(transfer.button, transfer.uuid, transfer.size, f"{transfer.name}: it did not arrive as sent")
             return
-        transfer.got.append(content)
+        transfer.contents.append(content)
         transfer.bytes += len(content)
-        transfer.heard = time.monotonic()
-        TRAFFIC.hear(id(self))
-        if len(transfer.got) == transfer.parts:
+        transfer.last_part_at = time.monotonic()
+        TRAFFIC.record_part(id(self))
+        if len(transfer.contents) == transfer.parts:
             self._finish(transfer)
         else:
             self._acknowledge(transfer.button, transfer.uuid, transfer.bytes, transfer.size)
@@ -147,13 +150,13 @@ class Uploads:
             reason = f"{transfer.name}: {transfer.bytes} bytes came of {transfer.size}"
             self._refuse(transfer.button, transfer.uuid, transfer.size, reason)
             return
-        receive, content = self._of[transfer.button][0], b"".join(transfer.got)
+        receive, content = self._callbacks[transfer.button][0], b"".join(transfer.contents)
         self._acknowledge(transfer.button, transfer.uuid, transfer.size, transfer.size)
         self._do(lambda: receive(transfer.name, content))
 
     def _refuse(self, button: str, uuid: str, size: object, reason: str) -> None:
-        """Report the reason. The page enables its button again when it hears of the last byte."""
-        refuse, whole = self._of[button][1], size if type(size) is int else 0
+        """Report the reason. The page enables its button again when the last byte is acknowledged."""
+        refuse, whole = self._callbacks[button][1], size if type(size) is int else 0
         self._acknowledge(button, uuid, whole, whole)
         self._do(lambda: refuse(reason))
 

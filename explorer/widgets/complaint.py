@@ -32,8 +32,8 @@ class Complaint:
         With a `text`, show an excerpt of it that points at the column which the sentence names.
         """
         lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
-        said = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
-        shown = f'<div role="alert" style="{ALERT}">{said}</div>'
+        alert = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
+        shown = f'<div role="alert" style="{ALERT}">{alert}</div>'
         if shown != self._line.content:
             self._line.content = shown
         self._line.visible = True

@@ -29,13 +29,15 @@ class Control(ABC, Generic[T]):
         self.name, self.handle = name, handle
         self._base: T | None = None
         self._text, self._marked = name, False
-        self._seen = self._value()
+        self._last_value = self._value()
         when_moved(handle, section.wake)
         section.add(self)
 
     @abstractmethod
     def read(self) -> T:
-        """The value as written, or as the visitor has moved it. Raises ValueError if the browser sent no such value."""
+        """The value that was written, or to which the visitor has moved the control.
+
+        Raises ValueError if the browser sent a value of another kind."""
 
     @abstractmethod
     def show(self, value: T) -> None:
@@ -45,7 +47,7 @@ class Control(ABC, Generic[T]):
         """Show a value, and remember the preset's value; None if the preset has none."""
         self._base = base
         self.show(value)
-        self._seen = self._value()
+        self._last_value = self._value()
 
     def mark(self) -> bool:
         """Whether the value differs from the preset's; the label says so."""
@@ -54,15 +56,15 @@ class Control(ABC, Generic[T]):
         return self._marked
 
     def moved(self) -> bool:
-        """Whether the visitor has moved it since the last call."""
-        before, self._seen = self._seen, self._value()
-        return self._seen != before
+        """Whether the visitor has moved the control since the last call."""
+        before, self._last_value = self._last_value, self._value()
+        return self._last_value != before
 
     def reset(self) -> None:
         """Show the preset's value."""
         if self._base is not None and self._value() != self._base:
             self.show(self._base)
-            self._seen = self._value()
+            self._last_value = self._value()
 
     def _value(self) -> T | None:
         try:
@@ -129,7 +131,7 @@ class Choice(Control[T]):
     """A dropdown; each of its labels stands for a value."""
 
     def __init__(self, section: Section, label: str, labels: Mapping[T, str], *, hint: str) -> None:
-        self._labels, self._values = dict(labels), {word: value for value, word in labels.items()}
+        self._labels, self._values = dict(labels), {text_label: value for value, text_label in labels.items()}
         self._menu = section.gui.add_dropdown(label, tuple(self._values), hint=hint)
         super().__init__(section, label, self._menu)
 
@@ -146,7 +148,7 @@ class Choice(Control[T]):
     def offer(self, labels: Mapping[T, str]) -> None:
         """Offer other values; the chosen one stays if it is among them."""
         if dict(labels) != self._labels:
-            self._labels, self._values = dict(labels), {word: value for value, word in labels.items()}
+            self._labels, self._values = dict(labels), {text_label: value for value, text_label in labels.items()}
             self._menu.options = tuple(self._values)
 
 
@@ -158,7 +160,7 @@ class Switch(Control[bool]):
         super().__init__(section, label, self._box)
 
     def read(self) -> bool:
-        """Whether it is on."""
+        """Whether the checkbox is on."""
         return self._box.value
 
     def show(self, value: bool) -> None:
@@ -167,7 +169,7 @@ class Switch(Control[bool]):
 
 
 class Text(Control[str]):
-    """A box for text of one or several lines. The text is never changed; one that is far too long is refused."""
+    """A box for text of one or several lines. The text is never changed; a text that is far too long is refused."""
 
     def __init__(self, section: Section, label: str, *, hint: str, longest: int, lines: bool = False) -> None:
         self._longest = longest

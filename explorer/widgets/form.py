@@ -18,7 +18,7 @@ from explorer.model.jobs import Jobs
 from explorer.widgets.complaint import Complaint
 
 Wake = Callable[[], None]
-"""Called from viser's threads: it may set an event and nothing else."""
+"""Called from viser's threads; it may do nothing but set an event."""
 Action = Callable[[], None]
 """What a button does; the session's loop runs it."""
 MAX_ACTIONS = 64
@@ -32,15 +32,15 @@ RESET_HINT = (
 
 
 def _nothing() -> None:
-    """No action: for a button that the browser made up."""
+    """Do nothing: the action of a button that does not exist but that a browser reports as pressed."""
 
 
 class InvalidInputError(Exception):
-    """What is chosen is no valid input; a complaint beside the control says why."""
+    """The chosen values are no valid input; a complaint below the control says why."""
 
 
 class Resettable(Protocol):
-    """What a section uses of a control."""
+    """The part of a control that a section uses."""
 
     name: str
 
@@ -50,7 +50,7 @@ class Resettable(Protocol):
 
 
 class Section:
-    """A folder of controls; without a label it has no frame. Controls made in its context stand in it."""
+    """A folder of controls; without a label it has no frame. Controls created in its `with` block are in the folder."""
 
     def __init__(self, form: "Form", label: str | None = None, *, expanded: bool = True) -> None:
         self.form, self.gui, self.wake = form, form.gui, form.wake
@@ -86,7 +86,7 @@ class Section:
 
     @property
     def visible(self) -> bool:
-        """Whether it is on the page."""
+        """Whether the section is on the page."""
         return self._folder.visible
 
     @property
@@ -126,7 +126,7 @@ class Section:
             raise InvalidInputError from error
 
     def answer(self, sentence: str, *, more: Sequence[str] = ()) -> None:
-        """Say here why a button did nothing, until something else is done or shown."""
+        """Say here why a button did nothing, until the next answer or the next picture."""
         self.form.forget_answer()
         with self._folder:
             self.form.answer(Complaint(self.gui, order=COMPLAINTS), sentence, more=more)
@@ -151,9 +151,9 @@ class Section:
             control.reset()
 
     def _reset(self, name: str) -> None:
-        for control in (
-            self._controls if self in self.form.sections else ()
-        ):  # the section may have been removed since the press
+        if self not in self.form.sections:  # it may have been removed since the press
+            return
+        for control in self._controls:
             if name in (control.name, "all"):
                 control.reset()
 
@@ -172,31 +172,31 @@ class Form:
         self._jobs: list[Jobs] = []
 
     def new_jobs(self) -> Jobs:
-        """Jobs of a panel's own, whose results `deliver` hands over with all others."""
+        """A queue of jobs for one panel; `deliver` hands over its results together with those of the other queues."""
         jobs = Jobs(self.wake)
         self._jobs.append(jobs)
         return jobs
 
     def deliver(self) -> None:
-        """Hand over the results of all finished jobs. Raises what a job raised, unless a complaint says it already."""
+        """Hand over the results of all finished jobs. Raises the error of a job, except an InvalidInputError."""
         for jobs in self._jobs:
             with suppress(InvalidInputError):
                 jobs.deliver()
 
     def cancel_jobs(self) -> None:
-        """The visitor has left."""
+        """Cancel all jobs, because the visitor has left."""
         for jobs in self._jobs:
             jobs.cancel()
 
     def do(self, action: Action, *, step: bool = True) -> None:
-        """Queue an action for the session's loop; called from viser's threads. With `step` it is a step to undo."""
+        """Queue an action for the session's loop; called from viser's threads. With `step` it can be undone."""
         self._actions.append((action, step))
         self.wake()
 
     def run_actions(self, before: Action = _nothing) -> bool:
-        """Run the actions left since the last call, the oldest first, and `before` before each of them.
+        """Run the actions queued since the last call, the oldest first, and `before` before each of them.
 
-        Returns whether a step to undo was among them. A complaint already says where an action was refused.
+        Returns whether one of them is a step to undo. An action that raises InvalidInputError has shown its complaint.
         """
         count, stepped = len(self._actions), False
         for _ in range(count):
@@ -242,9 +242,9 @@ class Form:
 
     def button(self, label: str, action: Action, *, hint: str, quiet: bool = False) -> viser.GuiButtonHandle:
         """A button whose action the session's loop runs; a `quiet` one is grey, for an action that is rarely wanted."""
-        made = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
-        made.on_click(lambda _: self.do(action))
-        return made
+        button = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
+        button.on_click(lambda _: self.do(action))
+        return button
 
     def command(
         self,
@@ -254,7 +254,7 @@ class Form:
         key: HotkeyKey | None = None,
         modifier: KeyModifier | None = None,
     ) -> None:
-        """A command of the Ctrl+K palette, with a hotkey if one is given."""
+        """A command of the Ctrl+K palette, with an optional hotkey."""
         self.gui.add_command(label, hotkey=key, modifier=modifier).on_trigger(lambda _: self.do(action))
 
     @property
@@ -264,6 +264,6 @@ class Form:
 
     def buttons(self, label: str, actions: dict[str, Action], *, hint: str) -> viser.GuiButtonGroupHandle:
         """A row of small buttons, each with an action."""
-        made = self.gui.add_button_group(label, tuple(actions), hint=hint)
-        made.on_click(lambda event: self.do(actions.get(event.target.value, _nothing)))
-        return made
+        row = self.gui.add_button_group(label, tuple(actions), hint=hint)
+        row.on_click(lambda event: self.do(actions.get(event.target.value, _nothing)))
+        return row

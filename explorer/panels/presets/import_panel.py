@@ -1,4 +1,4 @@
-"""Import: a file is read, its open questions are asked, and the answers are confirmed before the file is used.
+"""Import: a file is read, the visitor is asked what the file leaves open, and confirms the answers before it is used.
 
 A question shows the answer that the data suggest, with the evidence. A path becomes a preset that is opened and not
 saved yet. A recorded flight goes to the panel that judges flights.
@@ -9,7 +9,7 @@ from functools import partial
 
 from explorer.model.jobs import Jobs
 from explorer.storage.catalog import Catalog
-from explorer.storage.import_file import ImportFile, Interpretation, guess, interpret, looks_like_a_preset
+from explorer.storage.import_file import ImportFile, Interpretation, guess, interpret, is_preset_or_zip
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form, Section
@@ -20,7 +20,7 @@ from rangenav.formats import ImportResult, Question
 from rangenav.number_format import quantity, significant
 
 ANCHOR = (0.0, 0.0, 0.0)
-"""m; no path says where the anchor stands, and the World tab moves it."""
+"""m; no file of a path contains the anchor. The World tab moves it."""
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
 FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
 CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have confirmed it."
@@ -46,7 +46,7 @@ class ImportPanel:
         *,
         judge: Callable[[ImportResult], None],
     ) -> None:
-        """`judge` takes a recorded flight."""
+        """`judge` is called with a recorded flight, and judges it."""
         self._form, self._catalog, self._page, self._jobs, self._judge = form, catalog, page, jobs, judge
         self._section = section = Section(form, "Import a path or a recorded flight", expanded=False)
         self._file: ImportFile | None = None
@@ -64,7 +64,7 @@ class ImportPanel:
     def _receive(self, name: str, content: bytes) -> None:
         file = ImportFile(name, content)
         with self._section.catching():
-            if looks_like_a_preset(file):
+            if is_preset_or_zip(file):
                 raise ValueError(f"{name}: presets, and zips with one, are taken by “Upload a preset” further up")
         self._file = file
         self._format.show(guess(self._file))
@@ -97,7 +97,7 @@ class ImportPanel:
         self._section.complaint.say(f"{reason}. {advice}")
 
     def _take_interpretation(self, interpretation: Interpretation) -> None:
-        result = interpretation.found
+        result = interpretation.result
         self._show_message(*report(result))
         if result.questions:
             self._show_questions(result.questions)
@@ -152,7 +152,7 @@ class ImportPanel:
 
 
 def report(result: ImportResult) -> tuple[str, ...]:
-    """What a file was understood to be, one sentence each."""
+    """Sentences that describe how a file was read: its format, rate, duration, frame and fit."""
     rate = "" if result.rate is None else f" at {significant(result.rate, 4)} Hz"
     duration = quantity(result.duration, "s", digits=4)
     sentences = [f"{result.source}: {result.format}, {result.rows} rows{rate}, {duration}, {result.frame}"]

@@ -51,8 +51,8 @@ def test_what_is_held_is_one_step_however_slowly_it_moves():
     history = History()
     history.record(_at(1.0), 0.0)
     for k in range(4):
-        history.record(_at(2.0 + k), 10.0 * (k + 1), hold=3)
-    history.record(_at(8.0), 60.0, hold=4)
+        history.record(_at(2.0 + k), 10.0 * (k + 1), drag=3)
+    history.record(_at(8.0), 60.0, drag=4)
     assert history.undo() == _at(5.0)
     assert history.undo() == _at(1.0)
 
@@ -88,7 +88,7 @@ def test_what_differs_is_named_to_the_innermost_table():
 def test_a_step_apart_stays_apart_however_soon_the_next_one_comes():
     history = History()
     history.record(_at(1.0), 0.0)
-    history.record(_at(2.0), 0.01, apart=True)
+    history.record(_at(2.0), 0.01, separate=True)
     history.record(_at(3.0), 0.02)
     assert history.undo() == _at(2.0)
     assert history.undo() == _at(1.0)
@@ -98,13 +98,13 @@ def test_a_drag_that_goes_on_after_undo_or_after_a_step_apart_is_another_step():
     history = History()
     for k, scale in enumerate((1.0, 2.0)):
         history.record(_at(scale), 10.0 * k)
-    history.record(_at(3.0), 20.0, hold=0)
+    history.record(_at(3.0), 20.0, drag=0)
     assert history.undo() == _at(2.0)
-    history.record(_at(4.0), 30.0, hold=0)
+    history.record(_at(4.0), 30.0, drag=0)
     assert history.undo() == _at(2.0)
-    history.record(_at(5.0), 40.0, apart=True, hold=0)
-    history.record(_at(6.0), 50.0, hold=0)
-    history.record(_at(7.0), 60.0, hold=0)
+    history.record(_at(5.0), 40.0, separate=True, drag=0)
+    history.record(_at(6.0), 50.0, drag=0)
+    history.record(_at(7.0), 60.0, drag=0)
     assert [history.undo() for _ in range(3)] == [_at(5.0), _at(2.0), _at(1.0)]
 
 
