@@ -55,7 +55,7 @@ for name, path in (("fitted to positions", mine.path), ("all derivatives", known
 # %%
 # The path with all derivatives is judged. A window of 6 s has full rank, but a predicted error of half a metre needs a
 # window of nearly 10 s.
-print(analysis.how_long(known).words)
+print(analysis.how_long(known).summary)
 for window in (6.0, 10.0):
     result = analysis.analyse(analysis.with_window(known, window, source="my flight"))
     sigma = result.lifted_end.position

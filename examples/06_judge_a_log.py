@@ -34,7 +34,7 @@ if flight is None:
 # Judge windows of 12 s and of 6 s: this motion needs the longer windows.
 for window in (12.0, 6.0):
     judged = logs.informative(flight, window=window, range_sigma=0.1, requirement=0.15, noise=None)
-    print(f"{judged.verdict}: {judged.words}")
+    print(f"{judged.verdict}: {judged.summary}")
 
 # %%
 # Run the observer on the same record. If the file has a true position, the error of the observer is known.

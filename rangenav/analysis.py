@@ -1,4 +1,4 @@
-"""What a preset's motion lets one range tell: sliding windows, the worst of them, blind directions, a verdict."""
+"""Observability of a preset's motion from one range: sliding windows, the worst of them, blind directions, verdict."""
 
 from functools import lru_cache
 
@@ -13,7 +13,7 @@ from rangenav.observability import accuracy, blindness, excitation, horizon, red
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
-from rangenav.observability.rows import Visit
+from rangenav.observability.rows import PathSamples
 from rangenav.preset import Preset, Requirement
 from rangenav.provenance import Source
 from rangenav.results import result
@@ -22,11 +22,11 @@ from rangenav.signals import Signal
 from rangenav.verdict import Verdict, judge, restriction
 
 WINDOWS = 101
-"""Start times on which spectra are taken: a curve that looks smooth, at 5 ms for 101 windows of 13 columns."""
+"""Start times at which spectra are computed: enough for a smooth curve; 101 windows of 13 columns take 5 ms."""
 FINE_WINDOWS = 401
 """Start times for the worst excitation, which is far cheaper than a Gramian."""
-CACHED, VISITED = 8, 2
-"""Results kept for each stage: enough for undo and A/B, small enough for many visitors; places take more memory."""
+CACHED, CACHED_SAMPLES = 8, 2
+"""Cached results of each stage: enough for undo and for A/B, few enough for many visitors. Samples take most memory."""
 
 
 @result
@@ -56,7 +56,7 @@ class Windows:
 
 @result
 class Analysis:
-    """The answer for one preset, always about its worst windows."""
+    """The analysis of one preset. Every number without a window of its own is that of a worst window."""
 
     windows: Windows
     mu: float
@@ -81,7 +81,7 @@ class Analysis:
     nonlinear_rank: int
     directions: tuple[Direction, ...]
     accuracy_at: float
-    """s, where the window with the largest lifted position error at its end starts; a blind one counts as largest."""
+    """s, the start of the window whose lifted position error at its end is largest; a blind window counts as worst."""
     lifted_start: Accuracy
     lifted_end: Accuracy
     nonlinear_start: Accuracy
@@ -94,13 +94,13 @@ class Analysis:
 
 @result
 class MotionAnalysis:
-    """The stage that knows neither anchor nor sensors."""
+    """The part of an analysis that depends on neither anchor nor sensors."""
 
     start: Float[Array, "w"]
     spectrum: spectrum.Spectrum
     excitation: Float[Array, "w 3"]
     worst: int
-    """The window that sees least, by its Gramian."""
+    """Index of the window of least rank, and then of least scaled singular value."""
     least: Float[Array, "3"]
     least_at: float
     bound_for_all_t: float | None
@@ -124,17 +124,17 @@ def analyse(preset: Preset) -> Analysis:
     )
 
 
-@lru_cache(maxsize=VISITED)
-def visited(path: Signal, duration: float, window: float) -> Visit:
-    """Where the path is during the windows: for lifted and nonlinear rows, for spectra and accuracy."""
-    return rows.visit(path, np.linspace(0, duration - window, WINDOWS), window)
+@lru_cache(maxsize=CACHED_SAMPLES)
+def path_samples(path: Signal, duration: float, window: float) -> PathSamples:
+    """Samples of the path in all windows; both spectra and the accuracy are computed from them."""
+    return rows.sample(path, np.linspace(0, duration - window, WINDOWS), window)
 
 
 @lru_cache(maxsize=CACHED)
-def seen(path: Signal, gravity: Vec3, duration: float, window: float) -> MotionAnalysis:
-    """Excitation, Gramian and blind directions: they depend on path, gravity and window only."""
-    visit = visited(path, duration, window)
-    start, gramians = visit.start, spectrum.lifted_spectra(visit, gravity)
+def motion_analysis(path: Signal, gravity: Vec3, duration: float, window: float) -> MotionAnalysis:
+    """Excitation, Gramian and blind directions, which depend on path, gravity and window only."""
+    samples = path_samples(path, duration, window)
+    start, gramians = samples.start, spectrum.lifted_spectra(samples, gravity)
     k = spectrum.worst(gramians)
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
@@ -164,16 +164,16 @@ def analysis(
     arriving: float = 1.0,
     source: Source | None = None,
 ) -> Analysis:
-    """The whole answer; everything that does not depend on anchor and noise comes from `seen`.
+    """The whole analysis. What depends on neither anchor nor noise comes from `motion_analysis`.
 
     `arriving` is the share of ranges that random drop-outs leave. `source` is the file that the path was imported from.
     """
     window = requirement.window
-    lifted = seen(path, world.gravity, duration, window)
-    visit = visited(path, duration, window)
-    local = spectrum.local_spectra(visit, world.anchor)
+    lifted = motion_analysis(path, world.gravity, duration, window)
+    samples = path_samples(path, duration, window)
+    local = spectrum.local_spectra(samples, world.anchor)
     k, j = lifted.worst, spectrum.worst(local)
-    windows = _windows(visit, world, lifted, local, range_sigma, range_rate, arriving)
+    windows = _windows(samples, world, lifted, local, range_sigma, range_rate, arriving)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     ranges = accuracy.ranged(path, at, window, range_rate)
 
@@ -236,7 +236,7 @@ def with_window(preset: Preset, window: float, *, source: str) -> Preset:
 
 
 def _windows(
-    visit: Visit,
+    samples: PathSamples,
     world: World,
     lifted: MotionAnalysis,
     local: spectrum.Spectrum,
@@ -245,11 +245,11 @@ def _windows(
     share: float,
 ) -> Windows:
     def end_position(kind: accuracy.Problem) -> Array:
-        return accuracy.along(visit, world, sigma=sigma, rate=rate, kind=kind, share=share)[:, 0]
+        return accuracy.along(samples, world, sigma=sigma, rate=rate, kind=kind, share=share)[:, 0]
 
     return Windows(
         start=lifted.start,
-        window=visit.window,
+        window=samples.window,
         excitation=lifted.excitation,
         gramian=lifted.spectrum.eigenvalues,
         floor=lifted.spectrum.floor,
@@ -264,7 +264,7 @@ def _windows(
 
 
 def noise_note(sensors: Sensors) -> str:
-    """What the predicted accuracy assumes, for wherever it is shown."""
+    """What the predicted accuracy assumes, as a text to show with it."""
     lost = sensors.unmodelled.dropout_probability
     thinned = f", {100 * lost:g} of 100 of them lost" if lost else ""
     note = f"ranges at {sensors.range_rate:g} Hz with {sensors.sigma.range:g} m noise{thinned}, no IMU noise"

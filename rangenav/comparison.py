@@ -34,7 +34,7 @@ class Candidate:
     estimate: Estimate
     errors: Errors
     summary: Summary
-    words: str
+    outcome: str
     """One sentence on how it ended."""
 
 
@@ -49,7 +49,7 @@ def compare(of: Record) -> tuple[Candidate, ...]:
             estimate=of.estimate,
             errors=of.errors,
             summary=of.summary,
-            words=outcome_text(of.estimate, of.errors, of.summary),
+            outcome=outcome_text(of.estimate, of.errors, of.summary),
         ),
         refined(of),
         filtered(of),
@@ -61,7 +61,7 @@ def refined(of: Record) -> Candidate:
     """The whole record refined, starting from the cascade's last estimate."""
     began = time.perf_counter()
     found = refine.refine(of.measurements, of.estimate, config_of(of))
-    return candidate(REFINEMENT, found.track, of, time.perf_counter() - began, words=found.words)
+    return candidate(REFINEMENT, found.track, of, time.perf_counter() - began, outcome=found.summary)
 
 
 def filtered(of: Record) -> Candidate:
@@ -82,21 +82,22 @@ def _filtered(name: str, run: Callable[[], Track], of: Record) -> Candidate:
     return candidate(name, track, of, time.perf_counter() - began)
 
 
-def candidate(name: str, track: Track, of: Record, seconds: float, *, words: str | None = None) -> Candidate:
-    """A track as a candidate: its errors, its summary and the text, with `words` of its own before it if there are any.
+def candidate(name: str, track: Track, of: Record, seconds: float, *, outcome: str | None = None) -> Candidate:
+    """A track as a candidate, with its errors and its summary.
 
-    seconds: how long the estimator took.
+    seconds: how long the estimator took. outcome: a sentence of the estimator on how it ended, if it has one; where the
+    estimate does not settle, the comparison with the truth is added to it.
     """
     with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
-        found = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
-        summary = record.summarise(estimate, found, seconds)
-        by_truth = outcome_text(estimate, found, summary)
-        if words is None:
-            words = by_truth
+        tracking = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
+        summary = record.summarise(estimate, tracking, seconds)
+        by_truth = outcome_text(estimate, tracking, summary)
+        if outcome is None:
+            outcome = by_truth
         elif summary.settle_position_s is None:  # perhaps it converged, but not to the truth
-            words = f"{words}; {by_truth}"
-    return Candidate(name=name, estimate=estimate, errors=found, summary=summary, words=words)
+            outcome = f"{outcome}; {by_truth}"
+    return Candidate(name=name, estimate=estimate, errors=tracking, summary=summary, outcome=outcome)
 
 
 def outcome_text(estimate: Estimate, errors: Errors, summary: Summary) -> str:

@@ -45,7 +45,7 @@ class Consistency:
         return self._share(self.mean > self.high)
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """The shares as a sentence."""
         if np.isnan(self.inside):
             return "nothing to judge by"

@@ -28,8 +28,8 @@ def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
         **verdict(preset, analysed),
         "horizon": _horizon(preset),
         "functions": _functions(preset, analysed),
-        "excitation": {"at": shaken.start, "weakest": shaken.weakest.tolist(), "words": shaken.words},
-        "frozen": {"at": stopped.time, "body": stopped.body, "turned": stopped.turned, "words": stopped.words},
+        "excitation": {"at": shaken.start, "weakest": shaken.weakest.tolist(), "words": shaken.summary},
+        "frozen": {"at": stopped.time, "body": stopped.body, "turned": stopped.turned, "words": stopped.summary},
         "printed": _printed(preset, truth, analysed),
         "twin": _twin(found) if isinstance(found, Twin) else _refusal(found),
     }
@@ -40,7 +40,7 @@ def _horizon(preset: Preset) -> Json:
     return {
         "full_rank": {"from_start": found.full_rank[0], "worst": found.full_rank[1]},
         "accurate": {"from_start": found.accurate[0], "worst": found.accurate[1]},
-        "words": found.words,
+        "words": found.summary,
     }
 
 
@@ -68,7 +68,7 @@ def _printed(preset: Preset, truth: Motion, analysed: Analysis) -> Json:
         "phi": found.phi,
         "phi_printed": found.phi_printed,
         "false_certificate": found.false_certificate,
-        "words": found.words,
+        "words": found.summary,
     }
 
 

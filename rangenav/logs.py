@@ -74,7 +74,7 @@ class Informative:
         return self.each[0] if len(set(self.each)) == 1 else "partly"
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """Where the record was informative."""
         blind = np.array([one == "blind" for one in self.each])
         if blind.all():

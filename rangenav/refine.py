@@ -86,7 +86,7 @@ class Refinement:
     """How many starts were tried; more than one if the first fitted poorly."""
 
     @property
-    def words(self) -> str:
+    def summary(self) -> str:
         """How it ended, in one sentence."""
         count, last = len(self.passes), self.passes[-1]
         if not np.isfinite(last.step):

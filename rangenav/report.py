@@ -42,7 +42,7 @@ def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
             "eigenvalues": found.nonlinear.tolist(),
             "rank": found.nonlinear_rank,
         },
-        "blind_directions": [{"vector": d.vector.tolist(), "words": d.words} for d in found.directions],
+        "blind_directions": [{"vector": d.vector.tolist(), "words": d.summary} for d in found.directions],
         "accuracy": {
             "window": window,
             "at": found.accuracy_at,

@@ -130,7 +130,7 @@ class Break:
     """s, when."""
     where: Bool[Array, "n"]
     """Samples on which it is broken."""
-    words: str
+    summary: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,4 +239,4 @@ def _break(limit: str, allowed: float, reached: float, at: float, where: Array) 
     relation = "below the least" if limit.endswith("_min") else "above the most"
     kept = f" ({THRUST_MARGIN:.0%} kept in hand)" if limit == "thrust_to_weight" else ""
     text = f"{name} {factor * reached:.3g} {unit} at t = {at:.2f} s, {relation} allowed, {factor * allowed:.3g}{kept}"
-    return Break(limit=limit, allowed=allowed, reached=reached, at=at, where=where, words=text)
+    return Break(limit=limit, allowed=allowed, reached=reached, at=at, where=where, summary=text)

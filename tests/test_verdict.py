@@ -74,7 +74,7 @@ def test_page_command_line_and_library_agree_on_a_recorded_flight(answer, tmp_pa
         said = answer("log", tmp_path / "demo.csv", "--window", window)
         page = flight_report.judge(flight, FlightOptions(anchor=(0.0, 0.0, 0.0), window=window))
         assert library.verdict == said["verdict"] == page.verdict
-        assert said["informative"]["words"] == page.summary == library.words
+        assert said["informative"]["words"] == page.summary == library.summary
 
 
 @pytest.mark.parametrize(

@@ -107,7 +107,7 @@ def describe_depth(picture: Picture) -> tuple[str, ...]:
     relations = f"Not independent on the worst window: {tied}." if tied else "All 13 functions are independent."
     blind = f"So no range of it feels these changes of the state: {unseen}." if unseen else ""
     return tuple(
-        line for line in (of_picture.horizon.words, relations, blind, details.frozen_summary(picture.preset)) if line
+        line for line in (of_picture.horizon.summary, relations, blind, details.frozen_summary(picture.preset)) if line
     )
 
 
@@ -115,7 +115,7 @@ def describe_twin(picture: Picture) -> tuple[str, ...]:
     """Sentences: the twin, or why there is none; and what the printed condition certifies."""
     of_picture = picture.details
     twin = f"Twin: {of_picture.twin.summary}." if isinstance(of_picture.twin, Twin) else f"{of_picture.twin.reason}."
-    return twin[0].upper() + twin[1:], of_picture.printed.words
+    return twin[0].upper() + twin[1:], of_picture.printed.summary
 
 
 def _true_range(picture: Picture) -> Float[Array, "n"]:

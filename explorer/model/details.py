@@ -107,7 +107,7 @@ def _printed(
 
 @lru_cache(maxsize=CACHED)
 def _frozen(inputs: TruthInputs, start: float, rank: int) -> str:
-    return frozen.frozen(record.simulated(inputs).motion, start, windowed=rank).words
+    return frozen.frozen(record.simulated(inputs).motion, start, windowed=rank).summary
 
 
 @lru_cache(maxsize=ELLIPSOIDS)

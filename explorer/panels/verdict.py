@@ -102,7 +102,7 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     rank = f"<b>{analysis.rank} of 13</b>, {nonlinear}; worst window from {significant(analysis.gramian_at)} s"
     rows = [("rank", rank)]
     if analysis.directions:
-        rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.words)}" for direction in analysis.directions)))
+        rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.summary)}" for direction in analysis.directions)))
     met = "✓" if analysis.mu >= needed.mu else "✕"
     where = f"over δ = {needed.window:g} s from {significant(analysis.mu_at)} s"
     mu = (
@@ -167,7 +167,7 @@ def _flyable(picture: Picture) -> list[str]:
     if not picture.breaks:
         return [f'<b style="color:{VERDICT_STYLES["observable"][1]}">✓ flyable</b> by {name}']
     head = f'<b style="color:{VERDICT_STYLES["blind"][1]}">✕ not flyable</b> by {name}'
-    return [head, *(f"✕ {html.escape(one.words)}" for one in picture.breaks)]
+    return [head, *(f"✕ {html.escape(one.summary)}" for one in picture.breaks)]
 
 
 def _demands(picture: Picture) -> str:

@@ -85,7 +85,7 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
-    return FlightReport(seen.words, seen.verdict, flight_summary.summarise_windows(seen), observed, source)
+    return FlightReport(seen.summary, seen.verdict, flight_summary.summarise_windows(seen), observed, source)
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:

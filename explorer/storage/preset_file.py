@@ -41,7 +41,7 @@ def verdict_comments(shown: Preset) -> str:
         f"{nonlinear} nonlinear; required {needed.position_sigma:g} m",
         f"it assumes {analysis.noise_note(shown.sensors)}",
     ]
-    lines += [f"blind: {direction.words}" for direction in found.directions]
+    lines += [f"blind: {direction.summary}" for direction in found.directions]
     return "".join(f"# {line}\n" for line in lines)
 
 

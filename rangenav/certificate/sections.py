@@ -140,7 +140,7 @@ def rank_section(preset: Preset, claim: Claim) -> schema.Rank:
         at=figure(float(start[k])),
         nonlinear=int(local.rank.min()),
         windows=len(start),
-        blind=tuple(direction.words for direction in blind),
+        blind=tuple(direction.summary for direction in blind),
         reason=msgspec.UNSET if rank == STATES else "smallest_singular: null, below the tolerance",
     )
 
@@ -207,7 +207,7 @@ def limits_section(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
         name=preset.vehicle.name,
         flyable=not broken,
         thrust_margin=THRUST_MARGIN,
-        broken=tuple(one.words for one in broken),
+        broken=tuple(one.summary for one in broken),
     )
     return limits, flying
 

@@ -107,7 +107,7 @@ def log(
     with working(f"judging {found.source}"):
         seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
     report = _understood(found, flight, told) | {
-        "informative": windows_report(flight_summary.summarise_windows(seen), seen.words),
+        "informative": windows_report(flight_summary.summarise_windows(seen), seen.summary),
         "verdict": seen.verdict,
     }
     if len(flight.range) and around is not None:

@@ -1,7 +1,7 @@
-"""Predicted accuracy: how well noisy ranges in a window determine position, velocity and gravity, without IMU noise.
+"""Predicted accuracy: the 1-σ errors of position, velocity and gravity from noisy ranges in a window, no IMU noise.
 
 y = ½d² has variance d²σ² + ½σ⁴, so the lifted information is Σ hᵀh/(d²σ² + ½σ⁴): the weighted least-squares
-covariance. The nonlinear one, rows/(dσ), is a Cramér–Rao bound. Results are 1-σ as sqrt(trace) of each block.
+covariance. The nonlinear problem, with rows/(dσ), has a Cramér–Rao bound. Results are sqrt(trace) of each block.
 """
 
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ from rangenav.arguments import number
 from rangenav.inputs import require
 from rangenav.motion import World
 from rangenav.observability import rows, windows
-from rangenav.observability.rows import Moment, Visit
+from rangenav.observability.rows import Moment, PathSamples
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
 from rangenav.signals import Signal
 
 NULL_SHARE = 1e-6
-"""A block whose share in every unseen direction is below this is determined although the whole state is not."""
+"""A block whose part of every null vector is shorter than this is determined, although the whole state is not."""
 NEAREST = 1e-9
-"""m; at the anchor a range has no direction: its row is zero, and is divided by this instead of by zero."""
+"""m; at the anchor a range has no direction: its row is zero, and this distance replaces the zero it is divided by."""
 Problem = Literal["lifted", "nonlinear"]
 LIFTED_BLOCKS = (slice(4, 7), slice(7, 10), slice(10, 13))
 NONLINEAR_BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
@@ -59,18 +59,20 @@ def predict(
     return of_ranges(ranged(path, start, window, rate), world, sigma=sigma, kind=kind, at=at, share=share)
 
 
-def ranged(path: Signal, start: float, window: float, rate: float) -> Visit:
-    """One window (s) at all its ranges, which come at `rate` (Hz). Raises ValueError as `windows.checked_one` does."""
+def ranged(path: Signal, start: float, window: float, rate: float) -> PathSamples:
+    """Samples of one window (s) at its ranges, of `rate` (Hz). Raises ValueError as `windows.checked_one` does."""
     starts, window = windows.checked_one(path, start, window)
     rate = number("rate", rate)
     require(rate > 0, f"rate must be positive, got {rate:g} Hz")
     tau = np.arange(int(window * rate + 1e-9) + 1)[None] / rate
-    return rows.visit_at(path, starts, window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+    return rows.sample_at(path, starts, window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
 
-def of_ranges(seen: Visit, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0) -> Accuracy:
-    """Accuracy from one range, with noise sigma (m), at each time of a visit of one window, or from a share of them."""
-    values = sigmas(seen, np.full(seen.tau.shape, share), world, sigma=sigma, kind=kind, at=at)[0]
+def of_ranges(
+    samples: PathSamples, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0
+) -> Accuracy:
+    """Accuracy from one range, with noise sigma (m), at each sample of one window, or from a share of these ranges."""
+    values = sigmas(samples, np.full(samples.tau.shape, share), world, sigma=sigma, kind=kind, at=at)[0]
     return Accuracy(position=float(values[0]), velocity=float(values[1]), gravity=float(values[2]))
 
 
@@ -85,50 +87,50 @@ def end_sigmas(
     kind: Problem,
     share: float = 1.0,
 ) -> Float[Array, "w 3"]:
-    """Accuracy at the end of many windows, as `along` has it."""
-    return along(rows.visit(path, start, window), world, sigma=sigma, rate=rate, kind=kind, share=share)
+    """Accuracy at the end of many windows; see `along`."""
+    return along(rows.sample(path, start, window), world, sigma=sigma, rate=rate, kind=kind, share=share)
 
 
 def along(
-    seen: Visit, world: World, *, sigma: float, rate: float, kind: Problem, share: float = 1.0
+    samples: PathSamples, world: World, *, sigma: float, rate: float, kind: Problem, share: float = 1.0
 ) -> Float[Array, "w 3"]:
-    """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ and half of both ends.
+    """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ plus half of each end.
 
-    Some dozens of nodes instead of hundreds of ranges: the same as `predict` to a percent, to seven where the path
-    passes within decimetres of the anchor and 1/d² has a peak narrower than the nodes. For curves; verdicts use
-    `predict`.
+    It takes some dozens of nodes instead of hundreds of ranges. It differs from `predict` by 1%, or by 7% where the path
+    passes within decimetres of the anchor and 1/d² has a peak narrower than the spacing of the nodes. Curves use it;
+    verdicts use `predict`.
     """
-    count = seen.weight * (share * seen.window * rate)
+    count = samples.weight * (share * samples.window * rate)
     count[:, [0, -1]] = 0.5 * share
-    return sigmas(seen, count, world, sigma=sigma, kind=kind, at="end")
+    return sigmas(samples, count, world, sigma=sigma, kind=kind, at="end")
 
 
 def sigmas(
-    seen: Visit, count: Float[Array, "v k"], world: World, *, sigma: float, kind: Problem, at: Moment
+    samples: PathSamples, count: Float[Array, "v k"], world: World, *, sigma: float, kind: Problem, at: Moment
 ) -> Float[Array, "w 3"]:
     """sqrt(trace) of the position, velocity and gravity blocks of each window, from `count` ranges at each time."""
-    distance2 = np.sum((seen.place - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
+    distance2 = np.sum((samples.position - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
     noise = sigma if sigma > 0 else 1.0  # without noise every determined block is exact: computed for 1 m, then zero
     if kind == "lifted":
         powers, blocks, variance = LIFTED_TIME_POWERS, LIFTED_BLOCKS, distance2 * noise**2 + noise**4 / 2
     else:
         powers, blocks, variance = NONLINEAR_TIME_POWERS, NONLINEAR_BLOCKS, np.maximum(distance2, NEAREST**2) * noise**2
 
-    def made(part: Visit) -> Float[Array, "_ k n"]:
+    def rows_of(part: PathSamples) -> Float[Array, "_ k n"]:
         if kind == "lifted":
             return rows.lifted_of(part, world.gravity, at)
         return rows.nonlinear_of(part, world.anchor, at)
 
-    R = rows.triangles(seen, count / variance, made)
-    result = _block_sigmas(R, seen.window ** -powers.astype(float), blocks)
+    R = rows.triangles(samples, count / variance, rows_of)
+    result = _block_sigmas(R, samples.window ** -powers.astype(float), blocks)
     return result if sigma > 0 else result * 0.0
 
 
 def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
-    """Norms of the rows of S R⁻¹ in each block; windows that may be blind are left to their singular vectors.
+    """Norms of the rows of S R⁻¹ in each block; for windows that may be blind, from singular vectors instead.
 
-    Where 1/|R⁻¹| exceeds the tolerance times |R|, every singular value counts, and a triangle is inverted ten times as
-    fast as it is decomposed.
+    Where 1/|R⁻¹| exceeds the tolerance times |R|, every singular value counts. The inverse of a triangle takes a tenth
+    of the time of its singular value decomposition.
     """
     missing = R.shape[-1] - R.shape[-2]  # fewer ranges than unknowns: rows of zeros add no information
     R = (np.pad(R, ((0, 0), (0, missing), (0, 0))) if missing > 0 else R) * scale
@@ -137,24 +139,24 @@ def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
     result = np.empty((len(R), len(blocks)))
     with np.errstate(over="ignore", invalid="ignore"):
         inverse = np.linalg.inv(R[regular])
-        seen = np.linalg.norm(inverse, axis=(1, 2)) * RANK_TOLERANCE * size[regular] < 1
+        determined = np.linalg.norm(inverse, axis=(1, 2)) * RANK_TOLERANCE * size[regular] < 1
         variance = np.einsum("wij,wij->wi", inverse, inverse) * scale**2
     result[regular] = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in blocks], axis=1))
-    regular[regular] = seen
+    regular[regular] = determined
     if not regular.all():
-        result[~regular] = _seen_sigmas(R[~regular], scale, blocks)
+        result[~regular] = _determined_sigmas(R[~regular], scale, blocks)
     return result
 
 
-def _seen_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
+def _determined_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:
     """Row norms of S V Σ⁻¹ over each block; NaN where the null space reaches into the block."""
     _, singular, right = np.linalg.svd(R)
-    seen = singular > RANK_TOLERANCE * singular[:, :1]
-    inverse = np.where(seen, 1 / np.where(seen, singular, 1.0), 0.0)
+    determined = singular > RANK_TOLERANCE * singular[:, :1]
+    inverse = np.where(determined, 1 / np.where(determined, singular, 1.0), 0.0)
     result = np.empty((len(R), len(blocks)))
     for j, block in enumerate(blocks):
         part = right[:, :, block]
-        unseen = np.max(np.linalg.norm(part, axis=-1) * ~seen, axis=-1) > NULL_SHARE
+        undetermined = np.max(np.linalg.norm(part, axis=-1) * ~determined, axis=-1) > NULL_SHARE
         trace = np.sum((part * scale[block] * inverse[:, :, None]) ** 2, axis=(1, 2))
-        result[:, j] = np.where(unseen, np.nan, np.sqrt(trace))
+        result[:, j] = np.where(undetermined, np.nan, np.sqrt(trace))
     return result

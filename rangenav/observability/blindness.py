@@ -26,7 +26,7 @@ class Direction:
     vector: Float[Array, "3"]
     kinds: tuple[str, ...]
     """Of "snap", "position", "velocity", "gravity"."""
-    words: str
+    summary: str
 
 
 def directions(
@@ -47,7 +47,7 @@ def directions(
     for kind, span in spans.items():
         for vector in _readable_basis(span):
             _add(found, vector, kind)
-    return tuple(Direction(vector=v, kinds=tuple(kinds), words=_words(v, kinds)) for v, kinds in found)
+    return tuple(Direction(vector=v, kinds=tuple(kinds), summary=_summary(v, kinds)) for v, kinds in found)
 
 
 def _add(found: list[tuple[Array, list[str]]], vector: Array, kind: str) -> None:
@@ -77,7 +77,7 @@ def name(vector: Float[Array, "3"]) -> str:
     return "(" + ", ".join(f"{value + 0.0:.2f}" for value in vector) + ")"
 
 
-def _words(vector: Array, kinds: list[str]) -> str:
+def _summary(vector: Array, kinds: list[str]) -> str:
     along = name(vector)
     undetermined = [kind for kind in kinds if kind != "snap"]
     sentences = [f"nothing excites {along}: the path has no snap along it"] if "snap" in kinds else []

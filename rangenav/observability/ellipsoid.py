@@ -23,7 +23,7 @@ class Ellipsoid:
     """m²/s⁷, ascending; what is rounding is 0."""
     axes: Float[Array, "3 3"]
     """Columns, in the order of the eigenvalues: a right-handed frame, inertial."""
-    words: str
+    summary: str
 
     @property
     def semi_axes(self) -> Float[Array, "3"]:
@@ -43,10 +43,10 @@ def ellipsoid(path: Signal, start: float, window: float) -> Ellipsoid:
     values = np.where(excited, values, 0.0)
     axes = axes * np.where(axes[np.abs(axes).argmax(axis=0), range(3)] < 0, -1.0, 1.0)
     axes[:, 2] *= np.sign(np.linalg.det(axes))
-    return Ellipsoid(start=start, window=window, eigenvalues=values, axes=axes, words=_words(values, axes))
+    return Ellipsoid(start=start, window=window, eigenvalues=values, axes=axes, summary=_summary(values, axes))
 
 
-def _words(values: Array, axes: Array) -> str:
+def _summary(values: Array, axes: Array) -> str:
     weakest, strongest = (blindness.name(np.where(np.abs(n) < 1e-9, 0.0, n)) for n in (axes[:, 0], axes[:, 2]))
     if values[2] == 0:
         return "nothing is excited: the path has no snap in this window"

@@ -30,7 +30,7 @@ class Frozen:
     """Of 13, in body axes."""
     turned: int
     """Of 13, in axes turned by the gyro, fixed in inertia."""
-    words: str
+    summary: str
     """Both ranks, the rank of the window, and why the frozen ones mislead."""
 
 
@@ -59,10 +59,10 @@ def frozen(motion: Motion, time: float, *, windowed: int) -> Frozen:
     gyro, accel = motion.angular_velocity[k], motion.apparent_acceleration[k]
     body, at = rank(gyro, accel), float(motion.time[k])
     turned = rank(np.zeros(3), to_inertial(motion.rotation[k], accel))
-    return Frozen(time=at, body=body, turned=turned, words=_words(at, body, turned, windowed))
+    return Frozen(time=at, body=body, turned=turned, summary=_summary(at, body, turned, windowed))
 
 
-def _words(time: float, body: int, turned: int, windowed: int) -> str:
+def _summary(time: float, body: int, turned: int, windowed: int) -> str:
     ranks = f"Frozen at {time:.3g} s: rank {body} of {model.STATES} in body axes, {turned} in turned axes"
     if windowed == model.STATES:
         return (

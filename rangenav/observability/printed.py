@@ -33,7 +33,7 @@ class PrintedAndDerived:
     """The least of `least_printed`."""
     false_certificate: bool
     """Whether the printed condition, and not the derived one, holds where the Gramian is singular."""
-    words: str
+    summary: str
 
 
 def compare(
@@ -56,7 +56,7 @@ def compare(
         mu=mu,
         mu_printed=mu_printed,
         false_certificate=mu_printed >= required > mu and rank < STATES,
-        words=verdict(mu, mu_printed, required=required, rank=rank),
+        summary=verdict(mu, mu_printed, required=required, rank=rank),
     )
 
 

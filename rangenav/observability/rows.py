@@ -5,7 +5,7 @@ In axes fixed in inertia, with τ = s − t and D = p(s) − p(t) − τ v(t) �
     ∂(½d²)/∂(p, v, g) = [qᵀ, τ qᵀ, ½τ² qᵀ],  q = p(s) − p_anchor         (nonlinear, 9)
     r_4 R̄ᵀ = [p⁗ᵀ, 4p⃛ᵀ, 6a_Iᵀ], the fourth derivative of Dᵀ(p + τv + ½τ²g)     (reduced pair, 9; Proposition 1)
 A window is observable exactly when the 13 functions {1, τ, τ², τ³, Dᵢ, τDᵢ, τ²Dᵢ} are linearly independent on it.
-All rows of one window come from the same places: a Visit keeps them, so that the path is evaluated once.
+All rows of a window need the path at the same times. `PathSamples` holds these samples, so the path is evaluated once.
 """
 
 import math
@@ -24,9 +24,10 @@ from rangenav.results import result
 from rangenav.signals import Signal, curved_part
 
 CHUNK = 4096
-"""Rows weighted and reduced at once: half a megabyte stays in the cache, all windows together cost twice the time."""
+"""Rows that are weighted and reduced at once: half a megabyte, which fits the cache. All rows at once take twice the
+time."""
 ROUNDING = 64 * np.finfo(float).eps
-"""Absolute error of a row per metre of path amplitude, when D is a small difference of large positions."""
+"""Absolute error of a row per metre of path amplitude, where D is a small difference of large positions."""
 TALLEST = 512
 """Rows of one QR decomposition. From about 700 rows of 13 on, OpenBLAS wakes its threads for it: five windows then take
 0.17 ms on a machine with nothing else to do, and 130 to 230 ms on one whose cores are busy."""
@@ -34,8 +35,8 @@ Moment = Literal["start", "end"]
 
 
 @result
-class Visit:
-    """Where a path is during w windows, k times in each: at quadrature nodes, or where ranges were taken."""
+class PathSamples:
+    """Positions of a path in w windows, at k times in each: at quadrature nodes, or where ranges are measured."""
 
     start: Float[Array, "w"]
     """s"""
@@ -43,27 +44,28 @@ class Visit:
     tau: Float[Array, "v k"]
     """s since each start; one row for all windows (v = 1), or w rows."""
     weight: Float[Array, "v k"]
-    """Of each time in a mean over its window."""
-    place: Float[Array, "w 3 k"]
+    """The weight of each time in a mean over its window."""
+    position: Float[Array, "w 3 k"]
     """m, inertial; axes before times, so that sums run along the long side."""
-    bent: Float[Array, "w 3 k"]
-    """m, without the path's offset and drift: they cancel in D, and beforehand they cost no digits."""
-    position: Float[Array, "2 w 3"]
-    """Of the bent path, at the windows' starts and ends."""
-    velocity: Float[Array, "2 w 3"]
+    curved: Float[Array, "w 3 k"]
+    """m, the position without the path's offset and drift: both cancel in D, and leaving them out saves digits."""
+    end_position: Float[Array, "2 w 3"]
+    """m, of the curved part, at the windows' starts and ends."""
+    end_velocity: Float[Array, "2 w 3"]
+    """m/s, likewise."""
     rounding: float
-    """The rows' absolute error."""
+    """The absolute rounding error of the rows."""
 
 
-def visit(path: Signal, start: Float[Array, "w"], window: float) -> Visit:
-    """The windows at their quadrature nodes, and at both ends with no weight.
+def sample(path: Signal, start: Float[Array, "w"], window: float) -> PathSamples:
+    """Samples at the quadrature nodes of each window, and at both of its ends with weight 0.
 
     Raises ValueError for what `windows.checked` refuses, and for windows with too many nodes.
     """
     start, window = windows.checked(path, start, window)
     tau, weight = quadrature.nodes(path, start, window)
     ends = np.zeros((len(tau), 1))
-    return visit_at(
+    return sample_at(
         path,
         start,
         window,
@@ -72,10 +74,10 @@ def visit(path: Signal, start: Float[Array, "w"], window: float) -> Visit:
     )
 
 
-def visit_at(
+def sample_at(
     path: Signal, start: Float[Array, "w"], window: float, *, tau: Float[Array, "v k"], weight: Float[Array, "v k"]
-) -> Visit:
-    """The windows at chosen times. The path is evaluated without its straight part, which is then added.
+) -> PathSamples:
+    """Samples at chosen times. The path is evaluated without its straight part, which is then added.
 
     Raises ValueError for what `windows.checked` refuses, and for times or weights of other shapes.
     """
@@ -83,17 +85,17 @@ def visit_at(
     tau = windows.offsets("tau", tau, len(start))
     weight = finite_array("weight", weight, ("v", tau.shape[-1]))
     curve, time, ends = curved_part(path), start[:, None] + tau, np.stack([start, start + window])
-    places = _axes_first(curve(time))
+    curved_position = _axes_first(curve(time))
     offset, drift = (path(start[:1], order) - curve(start[:1], order) for order in (0, 1))
-    return Visit(
+    return PathSamples(
         start=start,
         window=window,
         tau=tau,
         weight=weight,
-        place=places + offset[..., None] + drift[..., None] * (time - start[0])[:, None],
-        bent=places,
-        position=curve(ends),
-        velocity=curve(ends, 1),
+        position=curved_position + offset[..., None] + drift[..., None] * (time - start[0])[:, None],
+        curved=curved_position,
+        end_position=curve(ends),
+        end_velocity=curve(ends, 1),
         rounding=rounding(path, start, window),
     )
 
@@ -101,7 +103,7 @@ def visit_at(
 def rounding(path: Signal, start: Float[Array, "w"], window: float) -> float:
     """The rows' absolute rounding error: positions of size |p| and velocities times δ are subtracted in D.
 
-    A path that no bound is known of, because it drifts or jumps, is as large as it is seen to be.
+    Where no bound of the path is known, because it drifts or jumps, its largest sampled values are used.
     """
     path = curved_part(path)
     sizes = [path.bound(order) for order in (0, 1)]
@@ -112,66 +114,66 @@ def rounding(path: Signal, start: Float[Array, "w"], window: float) -> float:
 
 
 def triangles(
-    seen: Visit, weight: Float[Array, "v k"], made: Callable[[Visit], Float[Array, "_ k n"]]
+    samples: PathSamples, weight: Float[Array, "v k"], rows_of: Callable[[PathSamples], Float[Array, "_ k n"]]
 ) -> Float[Array, "w r n"]:
-    """R of the QR decomposition of each window's weighted rows, which `made` makes of a visit: RᵀR = Σ weight hᵀh."""
-    root = np.broadcast_to(np.sqrt(weight), (len(seen.start), weight.shape[1]))
-    found = []
-    for inside, part in _parts(seen):
-        matrix = made(part)
+    """R of the QR decomposition of each window's weighted rows h, which `rows_of` computes: RᵀR = Σ weight hᵀh."""
+    root = np.broadcast_to(np.sqrt(weight), (len(samples.start), weight.shape[1]))
+    factors = []
+    for inside, some in _parts(samples):
+        matrix = rows_of(some)
         matrix *= root[inside, :, None]
-        found.append(_triangle(matrix))
-    return np.concatenate(found)
+        factors.append(_triangle(matrix))
+    return np.concatenate(factors)
 
 
 def _triangle(matrix: Float[Array, "w k n"]) -> Float[Array, "w r n"]:
-    """R, of tall matrices by blocks of rows and then of the blocks' own triangles."""
+    """R of each matrix. A tall matrix is reduced by blocks of rows first; then their stacked R is reduced."""
     if matrix.shape[1] > TALLEST:
         blocks = [matrix[:, first : first + TALLEST] for first in range(0, matrix.shape[1], TALLEST)]
         matrix = np.concatenate([np.linalg.qr(block, mode="r") for block in blocks], axis=1)
     return np.asarray(np.linalg.qr(matrix, mode="r"))
 
 
-def _parts(seen: Visit) -> Iterator[tuple[slice, Visit]]:
-    """A few windows after the other."""
-    each = max(1, CHUNK // seen.tau.shape[1])
-    for first in range(0, len(seen.start), each):
+def _parts(samples: PathSamples) -> Iterator[tuple[slice, PathSamples]]:
+    """The samples in groups of a few windows."""
+    each = max(1, CHUNK // samples.tau.shape[1])
+    for first in range(0, len(samples.start), each):
         inside = slice(first, first + each)
         yield (
             inside,
             replace(
-                seen,
-                start=seen.start[inside],
-                tau=seen.tau if len(seen.tau) == 1 else seen.tau[inside],
-                weight=seen.weight if len(seen.weight) == 1 else seen.weight[inside],
-                place=seen.place[inside],
-                bent=seen.bent[inside],
-                position=seen.position[:, inside],
-                velocity=seen.velocity[:, inside],
+                samples,
+                start=samples.start[inside],
+                tau=samples.tau if len(samples.tau) == 1 else samples.tau[inside],
+                weight=samples.weight if len(samples.weight) == 1 else samples.weight[inside],
+                position=samples.position[inside],
+                curved=samples.curved[inside],
+                end_position=samples.end_position[:, inside],
+                end_velocity=samples.end_velocity[:, inside],
             ),
         )
 
 
-def lifted_of(seen: Visit, gravity: Vec3, moment: Moment) -> Float[Array, "w k 13"]:
+def lifted_of(samples: PathSamples, gravity: Vec3, moment: Moment) -> Float[Array, "w k 13"]:
     """Rows 𝒞Φ for the state at the start or the end of each window."""
     end = int(moment == "end")
-    tau = _since(seen, moment)
-    return _lifted(_departure(seen.bent, seen.position[end], seen.velocity[end], gravity, tau), tau)
+    tau = _since(samples, moment)
+    return _lifted(_departure(samples.curved, samples.end_position[end], samples.end_velocity[end], gravity, tau), tau)
 
 
-def nonlinear_of(seen: Visit, anchor: Vec3, moment: Moment) -> Float[Array, "w k 9"]:
+def nonlinear_of(samples: PathSamples, anchor: Vec3, moment: Moment) -> Float[Array, "w k 9"]:
     """Rows of ½d² for position, velocity and gravity at the start or the end of each window."""
-    return _nonlinear(seen.place - np.asarray(anchor)[:, None], _since(seen, moment))
+    return _nonlinear(samples.position - np.asarray(anchor)[:, None], _since(samples, moment))
 
 
 def lifted(
     path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 13"]:
-    """Rows 𝒞Φ(t + τ, t) for each reference time t (s); τ may be negative (what past ranges say about now)."""
+    """Rows 𝒞Φ(t + τ, t) for each reference time t (s); τ is negative for ranges before t."""
     reference, tau = _checked(path, reference, tau)
     curve = curved_part(path)
-    places = _axes_first(curve(reference[:, None] + tau))
-    return _lifted(_departure(places, curve(reference), curve(reference, 1), gravity, tau), tau)
+    curved_position = _axes_first(curve(reference[:, None] + tau))
+    return _lifted(_departure(curved_position, curve(reference), curve(reference, 1), gravity, tau), tau)
 
 
 def nonlinear(
@@ -185,7 +187,7 @@ def nonlinear(
 def reduced(
     path: Signal, gravity: Vec3, reference: Float[Array, "w"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 9"]:
-    """Rows of the reduced pair, r_4 = [p⁗ᵀ, 4 p⃛ᵀ, 6 a_Iᵀ] in inertial axes, carried to the reference time."""
+    """Rows of the reduced pair, r_4 = [p⁗ᵀ, 4 p⃛ᵀ, 6 a_Iᵀ] in inertial axes, propagated to the reference time."""
     reference, tau = _checked(path, reference, tau)
     time = reference[:, None] + tau
     return carry(path(time, 4), 4 * path(time, 3), 6 * (path(time, 2) - np.asarray(gravity)), tau)
@@ -194,7 +196,7 @@ def reduced(
 def carry(
     first: Float[Array, "w k 3"], second: Float[Array, "w k 3"], third: Float[Array, "w k 3"], tau: Float[Array, "*v k"]
 ) -> Float[Array, "w k 9"]:
-    """Rows on (p, v, g) at the window's start from rows on (p, v, g) at τ: p + τv + ½τ²g, v + τg, g."""
+    """Rows for (p, v, g) at the window's start from rows for (p, v, g) at τ, which is (p + τv + ½τ²g, v + τg, g)."""
     s = tau[..., None]
     return np.concatenate([first, s * first + second, s**2 / 2 * first + s * second + third], axis=-1)
 
@@ -205,18 +207,18 @@ def _checked(path: Signal, reference: Array, tau: Array) -> tuple[Array, Array]:
     return reference, windows.offsets("tau", tau, len(reference))
 
 
-def _since(seen: Visit, moment: Moment) -> Array:
-    return seen.tau - seen.window if moment == "end" else seen.tau
+def _since(samples: PathSamples, moment: Moment) -> Array:
+    return samples.tau - samples.window if moment == "end" else samples.tau
 
 
 def _axes_first(vectors: Float[Array, "w k 3"]) -> Float[Array, "w 3 k"]:
     return np.ascontiguousarray(vectors.swapaxes(1, 2))
 
 
-def _departure(places: Array, position: Array, velocity: Array, gravity: Vec3, tau: Array) -> Array:
+def _departure(curved_position: Array, position: Array, velocity: Array, gravity: Vec3, tau: Array) -> Array:
     """D = p(t+τ) − p(t) − τ v(t) − ½τ² g, (w, 3, k)."""
     s = tau[..., None, :]
-    return places - position[..., None] - s * velocity[..., None] - s**2 / 2 * np.asarray(gravity)[:, None]
+    return curved_position - position[..., None] - s * velocity[..., None] - s**2 / 2 * np.asarray(gravity)[:, None]
 
 
 def _lifted(D: Array, tau: Array) -> Array:

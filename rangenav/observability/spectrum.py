@@ -11,7 +11,7 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
 from rangenav.observability import rows, windows
-from rangenav.observability.rows import Visit
+from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -41,12 +41,12 @@ class Spectrum:
 
 def window_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
     """Spectra of the 13-state lifted Gramian on windows [t, t + δ]. They depend on path and gravity only."""
-    return lifted_spectra(rows.visit(path, start, window), gravity)
+    return lifted_spectra(rows.sample(path, start, window), gravity)
 
 
 def nonlinear_spectra(path: Signal, anchor: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
     """Spectra of the 9-state Gramian of ½d², linearised at the true motion; they depend on where the anchor is."""
-    return local_spectra(rows.visit(path, start, window), anchor)
+    return local_spectra(rows.sample(path, start, window), anchor)
 
 
 def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float, *, rate: float) -> Spectrum:
@@ -58,20 +58,20 @@ def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], windo
     weight = np.full((1, count + 1), 1.0 / count)
     weight[:, [0, -1]] /= 2
     return lifted_spectra(
-        rows.visit_at(path, start, window, tau=np.arange(count + 1)[None] / rate, weight=weight), gravity
+        rows.sample_at(path, start, window, tau=np.arange(count + 1)[None] / rate, weight=weight), gravity
     )
 
 
-def lifted_spectra(seen: Visit, gravity: Vec3) -> Spectrum:
-    """Spectra of the 13-state lifted Gramian of windows that are visited already."""
-    R = rows.triangles(seen, seen.weight, lambda part: rows.lifted_of(part, gravity, "start"))
-    return of_triangles(R, seen.window, time_powers=LIFTED_TIME_POWERS, rounding=seen.rounding)
+def lifted_spectra(samples: PathSamples, gravity: Vec3) -> Spectrum:
+    """Spectra of the 13-state lifted Gramian of windows whose samples are known."""
+    R = rows.triangles(samples, samples.weight, lambda some: rows.lifted_of(some, gravity, "start"))
+    return of_triangles(R, samples.window, time_powers=LIFTED_TIME_POWERS, rounding=samples.rounding)
 
 
-def local_spectra(seen: Visit, anchor: Vec3) -> Spectrum:
-    """Spectra of the 9-state nonlinear Gramian of windows that are visited already."""
-    R = rows.triangles(seen, seen.weight, lambda part: rows.nonlinear_of(part, anchor, "start"))
-    return of_triangles(R, seen.window, time_powers=NONLINEAR_TIME_POWERS, rounding=seen.rounding)
+def local_spectra(samples: PathSamples, anchor: Vec3) -> Spectrum:
+    """Spectra of the 9-state nonlinear Gramian of windows whose samples are known."""
+    R = rows.triangles(samples, samples.weight, lambda some: rows.nonlinear_of(some, anchor, "start"))
+    return of_triangles(R, samples.window, time_powers=NONLINEAR_TIME_POWERS, rounding=samples.rounding)
 
 
 def spectra(

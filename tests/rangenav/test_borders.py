@@ -267,7 +267,7 @@ QUESTIONS = {
     "sampled": lambda path, start, window: spectra.sampled_spectra(path, (0.0, 0.0, 9.81), start, window, rate=50.0),
     "excitation": excitation.eigenvalues,
     "worst": excitation.worst,
-    "visit": rows.visit,
+    "sample": rows.sample,
 }
 
 

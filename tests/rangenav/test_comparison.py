@@ -20,7 +20,7 @@ def test_the_refinement_is_best_and_all_judge_the_same_record():
     assert found[comparison.CASCADE].estimate is of.estimate
     steady = {name: c.summary.steady_position for name, c in found.items()}
     assert steady[comparison.REFINEMENT] < min(steady[comparison.CASCADE], steady[comparison.EKF_TRUTH])
-    assert found[comparison.REFINEMENT].words.startswith("converged after")
+    assert found[comparison.REFINEMENT].outcome.startswith("converged after")
     for c in found.values():
         assert c.estimate.state.shape == of.truth.state.shape
         assert c.estimate.innovation.shape == of.estimate.innovation.shape
@@ -29,26 +29,26 @@ def test_the_refinement_is_best_and_all_judge_the_same_record():
 
 def test_the_text_names_a_wrong_place():
     found = candidates("soft")
-    assert found[comparison.EKF].words.startswith("in a wrong place: ")
-    assert found[comparison.CASCADE].words.startswith("within 0.3 m from t = ")
+    assert found[comparison.EKF].outcome.startswith("in a wrong place: ")
+    assert found[comparison.CASCADE].outcome.startswith("within 0.3 m from t = ")
 
 
 def test_a_refinement_that_converged_to_the_mirror_image_says_so():
     of = record.run(preset.load("soft"))
     track = refine.refine(of.measurements, of.estimate, comparison.config_of(of)).track
     away = changed(track, position=track.position + 3.0)
-    assert comparison.candidate("refined", away, of, 0.1, words="converged after 9 passes").words.startswith(
+    assert comparison.candidate("refined", away, of, 0.1, outcome="converged after 9 passes").outcome.startswith(
         "converged after 9 passes; in a wrong place: "
     )
-    assert comparison.candidate("refined", track, of, 0.1, words="converged").words == "converged"
+    assert comparison.candidate("refined", track, of, 0.1, outcome="converged").outcome == "converged"
 
 
 def test_the_text_names_what_is_not_a_number():
     of = record.run(replace(preset.load("paper"), duration=7.0))
     lost = of.errors.position.copy()
     lost[200:] = np.nan
-    words = comparison.outcome_text(of.estimate, changed(of.errors, position=lost), of.summary)
-    assert words == "not a number from t = 1 s on"
+    text = comparison.outcome_text(of.estimate, changed(of.errors, position=lost), of.summary)
+    assert text == "not a number from t = 1 s on"
 
 
 @pytest.mark.parametrize("name", ["hover", "line"])

@@ -126,8 +126,8 @@ def test_counts_weigh_the_means_they_belong_to():
     assert found.mean[0] == pytest.approx(7 / 4)
     np.testing.assert_allclose([found.low[0], found.high[0]], scipy.stats.chi2.ppf([0.025, 0.975], 4) / 4)
     assert np.isnan(found.mean[1])
-    assert found.words == "100% inside the 95% band, 0% too sure, 0% too cautious"
-    assert "nothing" in consistency.averaged(square[:, 1:], np.array([1.0]), freedom=1).words
+    assert found.summary == "100% inside the 95% band, 0% too sure, 0% too cautious"
+    assert "nothing" in consistency.averaged(square[:, 1:], np.array([1.0]), freedom=1).summary
 
 
 def test_noise_matched_innovations_of_the_observer_are_consistent_and_constant_ones_too_cautious_or_too_sure():

@@ -123,7 +123,7 @@ def test_where_a_record_is_blind_is_told_in_its_own_time():
     found = seen(both, 6.0)
     assert found.verdict == "partly"
     assert (found.rank[found.start > 21] < 13).all()
-    assert "blind around" in found.words
+    assert "blind around" in found.summary
 
 
 def test_windows_that_do_not_fit_and_parts_that_are_empty_are_refused():
@@ -301,4 +301,4 @@ def test_before_broads_motion_begins_no_window_is_informative():
     noise = (still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias)))
     found = seen(recorded_flight.between(broad(), 0.0, 35.0), 6.0, noise=noise)
     assert (found.verdict, int(found.rank.max())) == ("blind", 5)
-    assert found.words == "nowhere informative: no window of 6 s reaches rank 13"
+    assert found.summary == "nowhere informative: no window of 6 s reaches rank 13"

@@ -195,7 +195,7 @@ def test_it_is_within_25_millimetres_on_the_papers_paths(name: str):
         scene = records.scene(name, duration=20.0, seed=seed)
         before = scene.observe()
         found = refined(scene.measurements, before, scene.setting())
-        assert found.words.startswith("converged after")
+        assert found.summary.startswith("converged after")
         assert found.fit == pytest.approx(1, abs=0.06)
         errors = body_errors(scene, found.track)
         assert rms(errors.position) < rms(scene.errors(before).position)
@@ -226,7 +226,7 @@ def test_slow_irregular_and_missing_samples_do_not_stop_it(range_rate: float, ma
     z = records.without_ranges(scene.measurements, gone)
     scene = dataclasses.replace(scene, measurements=z)
     found = refined(z, scene.observe(), scene.setting())
-    assert found.words.startswith("converged after")
+    assert found.summary.startswith("converged after")
     assert rms(body_errors(scene, found.track).position) < 0.1
     assert np.isfinite(found.track.innovation).all()
 
@@ -244,7 +244,7 @@ def test_a_wrong_minimum_is_said():
     other = dataclasses.replace(scene.measurements, range=scene.measurements.range[::-1] + 0.5)
     found = refine.smooth(other, from_truth(scene), scene.setting())
     assert found.fit > refine.WORST_FIT
-    assert ("off by" in found.words) or found.words.startswith(("stopped after", "diverged"))
+    assert ("off by" in found.summary) or found.summary.startswith(("stopped after", "diverged"))
 
 
 def test_a_start_that_is_no_number_is_a_divergence_said():
@@ -253,7 +253,7 @@ def test_a_start_that_is_no_number_is_a_divergence_said():
     nowhere = dataclasses.replace(nominal, position=np.full_like(nominal.position, np.nan))
     found = refine.smooth(scene.measurements, nowhere, scene.setting())
     assert not found.converged
-    assert found.words == "diverged: pass 1 is not finite"
+    assert found.summary == "diverged: pass 1 is not finite"
 
 
 def test_too_few_passes_are_said(monkeypatch: pytest.MonkeyPatch):
@@ -261,7 +261,7 @@ def test_too_few_passes_are_said(monkeypatch: pytest.MonkeyPatch):
     scene = records.scene("soft", duration=10.0)
     found = refined(scene.measurements, scene.observe(Gains()), scene.setting())
     assert not found.converged
-    assert found.words.startswith("stopped after 2 passes: the last one still moved the position by")
+    assert found.summary.startswith("stopped after 2 passes: the last one still moved the position by")
 
 
 def test_nominal_and_measurements_are_left_as_they_were():
@@ -295,7 +295,7 @@ def test_without_a_magnetometer_the_position_in_body_axes_is_refined_all_the_sam
     silent = dataclasses.replace(scene.measurements, mag=np.full_like(scene.measurements.mag, np.nan))
     scene = dataclasses.replace(scene, measurements=silent)
     found = refined(silent, scene.observe(), scene.setting())
-    assert found.words.startswith("converged after")
+    assert found.summary.startswith("converged after")
     assert rms(body_errors(scene, found.track).position) < 0.05
 
 
@@ -325,7 +325,7 @@ def test_from_random_starts_it_follows_the_cascade():
         start = Start(state=model.lift(p, v, turn @ state[10:]), rotation=scene.truth.motion.rotation[0] @ turn.T)
         estimate = cascade.observe(scene.measurements, start, scene.setting())
         found = refined(scene.measurements, estimate, scene.setting())
-        assert found.words.startswith("converged after")
+        assert found.summary.startswith("converged after")
         assert rms(body_errors(scene, found.track).position) < 0.05
 
 
@@ -346,6 +346,6 @@ def test_a_minimum_that_fits_less_well_than_chance_is_left_for_the_true_one():
                 continue
             first = refine.smooth(run.measurements, refine.started(run.measurements, run.estimate, setting), setting)
             assert first.fit > found.fit
-            assert found.words.endswith(f"passes, the best of {found.starts} starts")
+            assert found.summary.endswith(f"passes, the best of {found.starts} starts")
             helped += 1
     assert helped > 0

@@ -80,7 +80,7 @@ def test_thrust_keeps_35_percent_in_hand():
     assert vehicle.broken(moved, enough, world=world) == ()
     (found,) = vehicle.broken(moved, little, world=world)
     assert found.reached == pytest.approx(needed)
-    assert "35% kept in hand" in found.words
+    assert "35% kept in hand" in found.summary
     assert found.where.all()
 
 
@@ -94,7 +94,7 @@ def test_where_a_limit_breaks_and_when_it_is_worst_are_told():
     assert found["speed"].at in (0.0, 2.0, 4.0)
     np.testing.assert_array_equal(found["speed"].where, np.abs(np.cos(math.pi / 2 * moved.time)) * math.pi > 2)
     assert found["anchor_distance_min"].at in (0.0, 2.0, 4.0)
-    assert found["speed"].words == f"speed 3.14 m/s at t = {found['speed'].at:.2f} s, above the most allowed, 2"
+    assert found["speed"].summary == f"speed 3.14 m/s at t = {found['speed'].at:.2f} s, above the most allowed, 2"
 
 
 def test_floor_and_ceiling_follow_gravity():

@@ -86,7 +86,7 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
             lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
         else:
             lines += _estimator_row(name, color, candidate.summary, steps, cost)
-            texts.append(f"<b>{name}</b>: {html.escape(candidate.words)}")
+            texts.append(f"<b>{name}</b>: {html.escape(candidate.outcome)}")
     texts += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
     return BLOCK.format(TABLE.format(lines) + "<br>".join(texts))
 

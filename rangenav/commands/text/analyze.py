@@ -26,7 +26,7 @@ def report(preset: Preset, found: Analysis, *, name: str) -> Report:
         title=preset.title,
         groups=(
             *group("what can be seen", _rank(found), excitation_lines(preset, found)),
-            *group("why not", (f"✗ {direction.words}" for direction in found.directions)),
+            *group("why not", (f"✗ {direction.summary}" for direction in found.directions)),
             *group("how well", accuracy_lines(preset, found)),
             *group("can it be flown", flight_lines(preset)),
             *group("spectrum", spectrum_bar(found.gramian.tolist(), found.floor)),

@@ -60,7 +60,7 @@ def flight_lines(preset: Preset) -> list[str]:
     if preset.vehicle == vehicle.FREE:
         answer = ["no vehicle is chosen, so no limit applies"]
     elif broken:
-        answer = [f"✗ not by {name}", *(f"✗ {one.words}" for one in broken)]
+        answer = [f"✗ not by {name}", *(f"✗ {one.summary}" for one in broken)]
     else:
         answer = [f"✓ by {name}, within its limits"]
     return [

@@ -109,7 +109,7 @@ def test_of_many_broken_limits_three_are_said_and_all_are_drawn(page: Page) -> N
 
 @pytest.mark.parametrize("limit", list(vehicle.WORDS))
 def test_every_limit_has_a_short_word(limit: str) -> None:
-    one = Break(limit=limit, allowed=1.0, reached=2.0, at=4.06, where=np.ones(3, dtype=bool), words="")
+    one = Break(limit=limit, allowed=1.0, reached=2.0, at=4.06, where=np.ones(3, dtype=bool), summary="")
     assert limits.marker_label(one).startswith("✕ ")
     assert limits.marker_label(one).endswith(" at 4.1 s")
     assert len(limits.marker_label(one)) < 50

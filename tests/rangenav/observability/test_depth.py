@@ -47,17 +47,17 @@ def test_the_ellipsoid_is_that_of_the_integral_of_the_snap(name: str):
 
 
 def test_the_weakest_axis_is_named_and_where_nothing_is_excited_it_is_said():
-    assert ellipsoid.ellipsoid(CIRCLE.path, 0.0, 6.0).words == (
+    assert ellipsoid.ellipsoid(CIRCLE.path, 0.0, 6.0).summary == (
         "nothing is excited along z: the path has no snap there"
     )
-    assert ellipsoid.ellipsoid(HOVER.path, 0.0, 6.0).words == (
+    assert ellipsoid.ellipsoid(HOVER.path, 0.0, 6.0).summary == (
         "nothing is excited: the path has no snap in this window"
     )
     one = Multisine(tones=(Tone(axis="y", amplitude=1.0, frequency=2.0),))
-    assert ellipsoid.ellipsoid(one, 0.0, 6.0).words == "nothing is excited but y: the path has no snap there"
+    assert ellipsoid.ellipsoid(one, 0.0, 6.0).summary == "nothing is excited but y: the path has no snap there"
     weak = ellipsoid.ellipsoid(preset.load("wiggle").path, 0.0, 6.0)
     ratio = math.sqrt(weak.eigenvalues[2] / weak.eigenvalues[0])
-    assert weak.words == f"weakest along x: μ = {weak.eigenvalues[0]:.3g} m²/s⁷, shaken {ratio:.3g} times less than z"
+    assert weak.summary == f"weakest along x: μ = {weak.eigenvalues[0]:.3g} m²/s⁷, shaken {ratio:.3g} times less than z"
 
 
 # How long must I fly?
@@ -107,7 +107,7 @@ def test_the_shortest_full_rank_and_accurate_lengths_hold_and_a_little_shorter_o
     assert rank(full - 1.01 * gap) < 13
     wanted = SLOW.requirement.position_sigma
     assert error(good) <= wanted < error(good - 1.01 * gap)
-    assert found.words.startswith(f"From 0 s: rank 13 after {full:.3g} s, σ ≤ {wanted:g} m after {good:.3g} s. ")
+    assert found.summary.startswith(f"From 0 s: rank 13 after {full:.3g} s, σ ≤ {wanted:g} m after {good:.3g} s. ")
 
 
 @pytest.mark.parametrize("name", ["hover", "line", "circle", "helix", "vertical-circle", "paper-implied"])
@@ -115,7 +115,7 @@ def test_no_length_makes_a_blind_path_observable(name: str):
     found = horizon_of(name)
     assert found.full_rank == found.accurate == (None, None)
     assert (found.sigma == np.inf).all()
-    assert found.words == (
+    assert found.summary == (
         "From 0 s no window of up to 20 s has rank 13. "
         f"At the worst of {horizon.STARTS + 1} starts no window of up to 20 s has rank 13."
     )
@@ -125,7 +125,7 @@ def test_an_accuracy_that_is_never_met_is_told_with_the_best_there_is():
     found = horizon_of("wiggle")
     assert found.accurate == (None, None)
     best = found.sigma[:, 1].min()
-    assert f"σ ≤ 0.5 m not within 20 s ({best:.3g} m at best)." in found.words
+    assert f"σ ≤ 0.5 m not within 20 s ({best:.3g} m at best)." in found.summary
 
 
 def test_windows_that_do_not_fit_behind_the_chosen_start_are_left_out():
@@ -292,14 +292,14 @@ def test_the_frozen_test_misleads_in_both_directions_and_says_so():
     said = frozen.frozen(slow, 3.0, windowed=13)
     assert (said.body, said.turned) == (11, 5)
     assert said.time == pytest.approx(3.0, abs=0.003)
-    assert said.words.startswith(
+    assert said.summary.startswith(
         "Frozen at 3 s: rank 11 of 13 in body axes, 5 in turned axes, so it calls unobservable"
     )
     hover = record.simulated(record.truth_inputs(HOVER)).motion
     said = frozen.frozen(hover, 3.0, windowed=5)
     assert said.body == 11
-    assert "more than the 5 of the window from here" in said.words
-    assert "They need not agree" in frozen.frozen(slow, 3.0, windowed=11).words
+    assert "more than the 5 of the window from here" in said.summary
+    assert "They need not agree" in frozen.frozen(slow, 3.0, windowed=11).summary
 
 
 # Printed beside derived
@@ -329,7 +329,7 @@ def test_the_printed_condition_certifies_a_tumbling_body_that_cannot_be_observed
     assert found.false_certificate
     assert found.mu == 0.0
     assert found.mu_printed == found.least_printed.min() > 10
-    assert found.words == (
+    assert found.summary == (
         f"False certificate: as printed, the condition holds for a motion of rank {rank} of 13 "
         f"(printed μ = {found.mu_printed:.3g}, derived μ = 0, required 1 m²/s⁷)."
     )
@@ -380,7 +380,7 @@ def test_the_four_signals_are_those_of_the_chosen_switches():
 
 def test_tall_windows_decomposed_by_blocks_have_the_singular_values_of_all_their_rows():
     path = preset.load("wiggle").path
-    seen = rows.visit(path, np.array([0.0, 1.0]), 18.0)
+    seen = rows.sample(path, np.array([0.0, 1.0]), 18.0)
     assert seen.tau.shape[1] > rows.TALLEST
     triangles = rows.triangles(seen, seen.weight, lambda part: rows.lifted_of(part, SLOW.world.gravity, "start"))
     whole = rows.lifted_of(seen, SLOW.world.gravity, "start") * np.sqrt(seen.weight)[..., None]

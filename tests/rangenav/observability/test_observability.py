@@ -398,7 +398,7 @@ def test_window_accuracy_by_integral_matches_the_sum_over_ranges(name: str, tole
 
 
 def test_what_is_blind_is_called_by_its_name():
-    words = {name: [d.words for d in analysis.analyse(preset.load(name)).directions] for name in SHIPPED}
+    words = {name: [d.summary for d in analysis.analyse(preset.load(name)).directions] for name in SHIPPED}
     assert words["circle"] == [
         "nothing excites z: the path has no snap along it; position and velocity along z cannot be told"
     ]

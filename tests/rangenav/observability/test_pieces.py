@@ -158,7 +158,7 @@ def test_a_sum_is_integrated_between_the_knots_of_both_parts(base, wiggle):
     found = excitation.eigenvalues(curve, np.array([start]), WINDOW)[0]
     witness = np.linalg.eigvalsh(integral(snaps))
     np.testing.assert_allclose(found, witness, rtol=1e-10, atol=1e-12 * witness[-1])
-    seen = rows.visit(curve, np.array([start]), WINDOW)
+    seen = rows.sample(curve, np.array([start]), WINDOW)
     R = rows.triangles(seen, seen.weight, lambda part: rows.lifted_of(part, GRAVITY, "start"))[0]
     expected = integral(lifted) / WINDOW
     np.testing.assert_allclose(R.T @ R, expected, atol=1e-12 * np.abs(expected).max())
@@ -181,9 +181,9 @@ def test_weights_sum_to_one_and_no_panel_has_a_knot_inside(curve):
 
 @curves
 def test_shared_rows_are_those_of_each_window_alone(curve):
-    """A visit evaluates the path once, without its straight part, and makes its rows a few windows at a time."""
+    """The path is evaluated once, without its straight part, and rows are computed for a few windows at a time."""
     start = np.linspace(0.0, 8.0, 71)
-    seen = rows.visit(curve, start, WINDOW)
+    seen = rows.sample(curve, start, WINDOW)
     assert seen.tau.size > rows.CHUNK / 2
     for moment, shift in (("start", 0.0), ("end", WINDOW)):
         lifted = rows.lifted(curve, GRAVITY, start + shift, seen.tau - shift)
@@ -198,7 +198,7 @@ def test_shared_rows_are_those_of_each_window_alone(curve):
         np.testing.assert_allclose(R.swapaxes(1, 2) @ R, expected, atol=1e-12 * np.abs(expected).max())
 
 
-def _local_rows(part: rows.Visit) -> np.ndarray:
+def _local_rows(part: rows.PathSamples) -> np.ndarray:
     return rows.nonlinear_of(part, ANCHOR, "start")
 
 
@@ -362,7 +362,7 @@ def test_accuracy_by_triangles_is_accuracy_by_singular_vectors():
     soft = preset.load("soft")
     for curve in (WAYPOINTS, LOOP, MULTISINE):
         seen = accuracy.ranged(curve, 0.5, 6.0, 50.0)
-        distance2 = np.sum((seen.place - np.asarray(soft.world.anchor)[:, None]) ** 2, axis=1)[0]
+        distance2 = np.sum((seen.position - np.asarray(soft.world.anchor)[:, None]) ** 2, axis=1)[0]
         matrix = rows.nonlinear_of(seen, soft.world.anchor, "end")[0] / (0.1 * np.sqrt(distance2))[:, None]
         covariance = np.linalg.inv(matrix.T @ matrix)  # nine unknowns, condition 1e9 at worst: seven digits are left
         found = accuracy.of_ranges(seen, soft.world, sigma=0.1, kind="nonlinear", at="end")

@@ -116,7 +116,7 @@ def test_the_figure_eight_of_crazyswarm2_is_smooth_planar_and_blind():
     found = _analysed(path, 7.28, 5.0)
     assert found.mu == 0.0
     assert found.rank == 11
-    assert any("nothing excites z" in direction.words for direction in found.directions)
+    assert any("nothing excites z" in direction.summary for direction in found.directions)
 
 
 def test_the_jump_in_a_file_shipped_with_crazyswarm2_is_named():
