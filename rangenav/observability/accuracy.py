@@ -96,9 +96,9 @@ def along(
 ) -> Float[Array, "w 3"]:
     """Accuracy at the end of many windows. The sum over ranges is Euler–Maclaurin's: rate · ∫ plus half of each end.
 
-    It takes some dozens of nodes instead of hundreds of ranges. It differs from `predict` by 1%, or by 7% where the path
-    passes within decimetres of the anchor and 1/d² has a peak narrower than the spacing of the nodes. Curves use it;
-    verdicts use `predict`.
+    It takes some dozens of nodes instead of hundreds of ranges. It differs from `predict` by 1%, or by 7% where 1/d²
+    has a peak narrower than the nodes, as it has on a path that passes within decimetres of the anchor.
+    Curves use it; verdicts use `predict`.
     """
     count = samples.weight * (share * samples.window * rate)
     count[:, [0, -1]] = 0.5 * share
