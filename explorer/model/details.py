@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from rangenav import record, twin
-from rangenav.analysis import WINDOWS, analyse, how_long, seen
+from rangenav.analysis import WINDOWS, analyse, how_long, motion_analysis
 from rangenav.inputs import Vec3
 from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.observability.ellipsoid import Ellipsoid
@@ -53,7 +53,7 @@ def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
     """The details of a preset; `turn` (rad, about the anchor) turns a twin that may be turned."""
     analysis, requirement = analyse(preset), preset.requirement
     return Details(
-        spectrum=seen(preset.path, preset.world.gravity, preset.duration, requirement.window).spectrum,
+        spectrum=motion_analysis(preset.path, preset.world.gravity, preset.duration, requirement.window).spectrum,
         horizon=how_long(preset),
         functions=_functions(preset.path, preset.world.gravity, analysis.gramian_at, requirement.window),
         twin=twin.twin(preset, turn=turn),
