@@ -9,10 +9,13 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 from tests.support import shape_checker
 
 SOURCE = Path(__file__).parent.parent
+BROWSER_TESTS = "tests/browser/"
 COMPILED = "kernels"
 """numba needs the functions as they are written; a wrapper around each cannot be compiled."""
 NO_VISER = ("explorer.model.compute", "explorer.model.details", "explorer.model.settings")
@@ -32,12 +35,16 @@ settings.load_profile("gate" if os.environ.get("CI") else "developer")
 install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling:
     """Each file stays in one worker, for it shares what it computed; the browser tests share one worker."""
-    for item in items:
-        browser = "tests/browser" in item.path.as_posix()
-        item.add_marker(pytest.mark.xdist_group("browser" if browser else item.path.as_posix()))
+    return OneBrowser(config, log)
+
+
+class OneBrowser(LoadFileScheduling):
+    """By file, and the folder of the browser tests as one file."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        return BROWSER_TESTS if nodeid.startswith(BROWSER_TESTS) else super()._split_scope(nodeid)
 
 
 @pytest.fixture(autouse=True, scope="session")
