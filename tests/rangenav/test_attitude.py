@@ -1,6 +1,7 @@
 """The complementary filter: direction of its correction, speed of its decay, equilibria, order of its steps."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -11,12 +12,14 @@ from scipy.integrate import solve_ivp
 from rangenav import attitude, preset, so3
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.motion import World
+from rangenav.signals import Flown
 from tests.support.refusals import exactly
 
 EPS = np.finfo(float).eps
 WORLD = World()
 GAINS = AttitudeGains()
 SPIN = preset.load("paper").angular_velocity
+assert not isinstance(SPIN, Flown)
 START = so3.exp(np.array([0.0, np.pi / 2, 0.0]))
 
 vectors = st.tuples(*[st.floats(-2, 2)] * 3).map(np.array)
@@ -27,7 +30,7 @@ def body(rotation, vector):
     return rotation.T @ np.asarray(vector)
 
 
-def filtered(error, h, steps, *, chosen=GAINS, world=WORLD, spin=SPIN):
+def filtered(error, h, steps, *, chosen=GAINS, world=WORLD, spin: Callable[[np.ndarray], np.ndarray] = SPIN):
     """R̃ after each step of a filter that starts with R̃ = error, with exact measurements of a vehicle that turns."""
     R, estimate, misaligned, result = START, error.T @ START, attitude.MISALIGNED, [error]
     for k in range(steps):

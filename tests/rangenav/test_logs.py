@@ -9,9 +9,10 @@ from scipy.spatial.transform import Rotation
 
 from rangenav import analysis, cascade, formats, logs, preset, record, rest
 from rangenav.formats import recorded_flight
-from rangenav.formats.recorded_flight import Flight
+from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.observability import spectrum
 from rangenav.sensors import Noise
+from tests.support.present import present
 from tests.support.real_files import shared
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
@@ -147,15 +148,15 @@ def test_observing_a_log_is_observing_its_measurements():
     found = logs.observe(flight, p.world, sensors=p.sensors, gains=p.gains)
     np.testing.assert_array_equal(found.estimate.state, wanted.state)
     late = flight.time > 15
-    assert found.position_error[late].max() < 1.0
-    assert np.degrees(found.attitude_error[late]).max() < 10
+    assert present(found.position_error)[late].max() < 1.0
+    assert np.degrees(present(found.attitude_error)[late]).max() < 10
     blind = recorded_flight.replace(flight, position=None, rotation=None)
     assert logs.observe(blind, p.world, sensors=p.sensors).position_error is None
 
 
 def test_synthetic_ranges_are_those_of_the_true_position_where_it_is_known():
     _, flight = flown("soft")
-    position = flight.position.copy()
+    position = present(flight.position).copy()
     position[100:300] = np.nan
     found = recorded_flight.with_ranges(
         recorded_flight.replace(flight, position=position), (1.0, 2.0, 3.0), sigma=0.05, seed=3
@@ -170,7 +171,7 @@ def test_synthetic_ranges_are_those_of_the_true_position_where_it_is_known():
 # --- rest
 
 
-def resting(seconds=5.0, *, rate=100.0, tilt=(0.3, -0.2, 0.9), truth=True, frame="z-up") -> Flight:
+def resting(seconds=5.0, *, rate=100.0, tilt=(0.3, -0.2, 0.9), truth=True, frame: Frame = "z-up") -> Flight:
     """A noisy body at rest at some attitude, then turning; true attitude from the start, if asked for."""
     rng = np.random.default_rng(7)
     t = np.arange(int((seconds + 5) * rate)) / rate
@@ -227,10 +228,11 @@ def test_the_world_is_asked_for_and_not_assumed():
     assert [(q.key, q.suggestion) for q in questions] == [("world", "still")]
     assert "s are still and give gravity 9.8" in questions[0].evidence
     world, questions, told = rest.world_of(flight, anchor=(1.0, 0.0, 0.0), confirmed=True)
-    assert (questions, world.anchor) == ((), (1.0, 0.0, 0.0))
+    assert (questions, present(world).anchor) == ((), (1.0, 0.0, 0.0))
     assert "are still and give gravity 9.8" in told
     given = ((0.0, 0.0, -9.8), (1.0, 0.0, 0.0))
-    assert rest.world_of(flight, anchor=(0.0, 0.0, 0.0), given=given)[0].gravity == given[0]
+    world, _, _ = rest.world_of(flight, anchor=(0.0, 0.0, 0.0), given=given)
+    assert present(world).gravity == given[0]
 
 
 def test_a_record_that_starts_moving_has_no_rest_to_tell_the_world():
@@ -248,7 +250,7 @@ def test_a_record_that_starts_moving_has_no_rest_to_tell_the_world():
 @functools.cache
 def broad() -> Flight:
     path = shared("imu/broad_21_undisturbed_fast_combined.mat")
-    return formats.settled(formats.read(path, "mat", confirm={"mag": "uT"})).flight
+    return present(formats.settled(formats.read(path, "mat", confirm={"mag": "uT"})).flight)
 
 
 def rms(values, where):
@@ -269,8 +271,10 @@ def test_on_a_real_imu_with_ranges_of_5_cm_the_observer_finds_its_place(anchor):
     """From x̂ = 0, 2.7 m off and R̂ = I: decimetres to a metre after ten seconds, for as long as the motion lasts."""
     world, _, _ = rest.world_of(broad(), anchor=anchor, confirmed=True)
     flight = recorded_flight.between(recorded_flight.with_ranges(broad(), anchor, sigma=0.05, seed=0), 36.3, 154.2)
-    assert np.nanmean(np.linalg.norm(flight.position - np.array(anchor), axis=-1)) == pytest.approx(2.77, abs=0.05)
-    found = logs.observe(flight, world, sensors=logs.sensors_of(flight, range_sigma=0.05))
+    assert np.nanmean(np.linalg.norm(present(flight.position) - np.array(anchor), axis=-1)) == pytest.approx(
+        2.77, abs=0.05
+    )
+    found = logs.observe(flight, present(world), sensors=logs.sensors_of(flight, range_sigma=0.05))
     since = flight.time - flight.time[0]
     for begin in range(10, 110, 10):
         part = (since >= begin) & (since < begin + 10)
@@ -291,7 +295,7 @@ def test_where_broads_motion_ends_the_imu_alone_says_so_and_the_observer_loses_i
     assert np.nanmedian(found.sigma) < 0.7
     assert found.sigma[-2] > 1.5  # the window before the last is half at rest
     world, _, _ = rest.world_of(broad(), anchor=ANCHORS[0], confirmed=True)
-    observed = logs.observe(flight, world, sensors=logs.sensors_of(flight, range_sigma=0.05))
+    observed = logs.observe(flight, present(world), sensors=logs.sensors_of(flight, range_sigma=0.05))
     since = flight.time - flight.time[0]
     assert rms(observed.position_error, since > 112) > 2 * rms(observed.position_error, (since > 10) & (since < 105))
 

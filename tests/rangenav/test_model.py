@@ -12,6 +12,7 @@ from scipy.integrate import solve_ivp
 from rangenav import model, motion, preset, so3
 from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI
 from rangenav.observability import rows
+from rangenav.signals import Flown
 
 EPS = np.finfo(float).eps
 G = 9.81
@@ -178,14 +179,15 @@ def test_the_frozen_ranks_are_those_of_exact_arithmetic(w, a, rank):
 @pytest.fixture(scope="module")
 def integrated_output_rows():
     """Φ̇ = 𝒜(ω, a)Φ and Ṙ = R[ω]x in body axes from t = 1.3 s, by DOP853: (τ, 𝒞Φ(s,t) turned to inertial axes)."""
-    t, g = 1.3, np.asarray(P.world.gravity)
+    t, g, turning = 1.3, np.asarray(P.world.gravity), P.angular_velocity
+    assert not isinstance(turning, Flown)
     tau = np.linspace(0, 3, 13)
     R0 = so3.exp(np.array([0.4, -0.8, 1.1]))
 
     def rate(s, z):
         R, phi = z[:9].reshape(3, 3), z[9:].reshape(STATES, STATES)
         now = np.array(s)
-        w = 3 * P.angular_velocity(now)  # faster turning than the preset's: the rows must not care
+        w = 3 * turning(now)  # faster turning than the preset's: the rows must not care
         A, _ = model.dynamics(w, R.T @ (P.path(now, 2) - g), gravity_norm=G)
         return np.concatenate([(R @ so3.hat(w)).ravel(), (A @ phi).ravel()])
 

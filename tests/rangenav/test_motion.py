@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from rangenav import motion, preset, so3
 from rangenav.motion import World
-from rangenav.signals import Multisine, Tone
+from rangenav.signals import Flown, Multisine, Tone
 
 EPS = np.finfo(float).eps
 PAPER = preset.load("paper")
@@ -165,6 +165,7 @@ def test_the_papers_path_asks_for_14_9_times_its_weight_and_1_8_when_slowed_four
     for name, ratio in (("paper", 14.9), ("paper-slow", 1.8)):
         p = preset.load(name)
         found = motion.limits(simulated(p), world=p.world).thrust_to_weight
+        assert isinstance(p.path, Multisine)
         t = np.linspace(0, 2 * math.pi / p.path.tones[0].frequency, 20_001)
         dense = np.linalg.norm(p.path(t, 2) - np.asarray(p.world.gravity), axis=-1).max() / 9.81
         assert round(found, 1) == ratio
@@ -178,6 +179,7 @@ def test_limits_are_the_extremes_of_the_path_found_on_a_dense_grid():
     for name, order in (("speed", 1), ("acceleration", 2), ("jerk", 3), ("snap", 4)):
         # between samples a sine of 4.5 rad/s at 200 Hz hides (4.5·2.5ms)²/2
         assert getattr(found, name) == pytest.approx(np.linalg.norm(p.path(t, order), axis=-1).max(), rel=1e-4)
+    assert not isinstance(p.angular_velocity, Flown)
     assert found.body_rate == pytest.approx(np.linalg.norm(p.angular_velocity(t), axis=-1).max(), rel=1e-4)
     distance = np.linalg.norm(p.path(t) - np.asarray(p.world.anchor), axis=-1).min()
     assert found.anchor_distance_min == pytest.approx(distance, rel=1e-3)

@@ -18,7 +18,8 @@ from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
 from rangenav.provenance import Source
 from rangenav.signals import Multisine, Tone
-from tests.support.signal_examples import EXAMPLES
+from tests.support.present import present
+from tests.support.signal_examples import EXAMPLES, POLYNOMIALS
 
 replace = msgspec.structs.replace
 SOFT = preset.load("soft")
@@ -134,7 +135,7 @@ def test_whoever_changes_the_path_has_designed_one_and_whoever_undoes_it_has_not
     kept = replace(made, title="other", seed=7, duration=made.duration - 1, world=replace(made.world, anchor=(1, 2, 3)))
     assert verdict.restriction(kept.path, kept.source, kept.duration) is not None  # all but the path may change
     slower = effective(Settings(preset=made, time_scale=2.0))
-    assert provenance.edited(slower.source, slower.path)
+    assert provenance.edited(present(slower.source), slower.path)
     assert effective(Settings(preset=made)).path == made.path
 
 
@@ -166,7 +167,7 @@ def test_the_gate_and_repair_say_what_would_help(complaint, run, tmp_path: Path)
 
 
 def test_a_jump_is_named_with_its_time_wherever_a_verdict_is_asked(answer, tmp_path: Path):
-    piece = EXAMPLES["polynomials"].pieces[0]
+    piece = POLYNOMIALS.pieces[0]
     jumping = signals.Polynomials(pieces=(piece, replace(piece, x=(piece.x[0] + 5, *piece.x[1:]))))
     length = 2 * piece.duration
     made = replace(SOFT, path=jumping, duration=length, requirement=replace(SOFT.requirement, window=length / 2))
@@ -207,10 +208,9 @@ def test_a_zero_has_no_sign_and_a_whole_number_no_kind():
     ],
 )
 def test_a_source_that_says_too_little_is_refused(change: dict[str, str], said: str):
-    good = {"file": "x.csv", "sha256": "0" * 64, "format": "tum", "derivatives": "file", "path_sha256": "f" * 64}
-    Source(**good)
+    good = Source(file="x.csv", sha256="0" * 64, format="tum", derivatives="file", path_sha256="f" * 64)
     with pytest.raises(ValueError, match=said):
-        Source(**good | change)
+        replace(good, **change)
 
 
 def test_the_page_remembers_the_visitors_own_name_of_the_file(tmp_path: Path):
@@ -262,6 +262,7 @@ def test_a_wiggle_that_does_nothing_makes_no_design_of_a_fit(tmp_path: Path, amp
     """As when “plus a wiggle” is switched on and no tone of it is set."""
     _, made = imported(tmp_path, "tum")
     tones = () if amplitude is None else (Tone(axis="z", amplitude=amplitude, frequency=2.0),)
+    assert not isinstance(made.path, signals.Sum)
     wiggled = replace(made, path=signals.Sum(base=made.path, wiggle=Multisine(tones=tones)))
     assert (verdict.restriction(wiggled.path, wiggled.source, wiggled.duration) is None) == bool(amplitude)
     turned = axes.flipped(wiggled)

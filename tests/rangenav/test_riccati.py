@@ -13,6 +13,7 @@ from rangenav.gains import Gains
 from rangenav.model import STATES
 from rangenav.preset import Preset
 from rangenav.riccati import Blocks, RiccatiGains
+from rangenav.signals import Flown
 from tests.support import records
 
 SOFT = Gains(
@@ -29,7 +30,8 @@ class PaperOde:
     """Equations (8) and (9) as printed, but for the derived model; continuous true signals, body axes."""
 
     def __init__(self, preset: Preset, gains: Gains) -> None:
-        self.preset, self.gains = preset, gains
+        assert not isinstance(preset.angular_velocity, Flown)
+        self.preset, self.gains, self.turning = preset, gains, preset.angular_velocity
         self.gravity = np.asarray(preset.world.gravity)
         self.magnetic = np.asarray(preset.world.magnetic)
         self.V = np.diag(gains.riccati.v.diagonal())
@@ -48,7 +50,7 @@ class PaperOde:
 
     def rate(self, t: float, y: np.ndarray) -> np.ndarray:
         x, P, R, estimate = self.split(y)
-        w, k = self.preset.angular_velocity(np.array(t)), self.gains.attitude
+        w, k = self.turning(np.array(t)), self.gains.attitude
         A, b = model.dynamics(w, self.accel(t, R), gravity_norm=9.81)
         distance2 = np.sum((self.preset.path(np.array(t)) - np.asarray(self.preset.world.anchor)) ** 2)
         gain = P[:, 0] * self.gains.riccati.q

@@ -3,6 +3,7 @@
 import csv
 import math
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -92,9 +93,10 @@ def polynomial_file(name: str) -> Polynomials:
 
 
 def _piece(row: list[float]) -> Piece:
-    return Piece(duration=row[0], x=_eight(row[1:9]), y=_eight(row[9:17]), z=_eight(row[17:25]), yaw=_eight(row[25:33]))
+    return Piece(duration=row[0], x=eight(row[1:9]), y=eight(row[9:17]), z=eight(row[17:25]), yaw=eight(row[25:33]))
 
 
-def _eight(row: list[float]) -> tuple[float, float, float, float, float, float, float, float]:
+def eight(row: Sequence[float]) -> polynomials.Coefficients:
+    """The coefficients of one axis of a piece, ascending."""
     a, b, c, d, e, f, g, h = row
     return a, b, c, d, e, f, g, h

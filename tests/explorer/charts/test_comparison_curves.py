@@ -127,7 +127,8 @@ def test_an_estimator_at_work_has_its_place_but_no_curve(slow: Picture) -> None:
 
 def test_estimators_are_the_librarys_on_the_same_record(slow: Picture) -> None:
     found = {c.name: c for c in estimators.compare(record.run(slow.preset))}
-    for name, full in (("EKF", estimators.EKF), ("refined", estimators.REFINEMENT)):
+    names: tuple[tuple[comparison.Name, str], ...] = (("EKF", estimators.EKF), ("refined", estimators.REFINEMENT))
+    for name, full in names:
         ours = comparison.run_baseline(name, slow)
         np.testing.assert_array_equal(ours.errors.position, found[full].errors.position)
 

@@ -227,15 +227,15 @@ def _download(tab: Wire, row: str, option: str) -> tuple[str, bytes]:
     return tab.downloads[-1]
 
 
-@pytest.mark.parametrize("kind", ["CSV", "SVG", "PNG"])
-def test_a_visitor_gets_the_file_of_the_plot_they_chose(tab: Wire, kind: str):
+@pytest.mark.parametrize("kind", ["csv", "svg", "png"])
+def test_a_visitor_gets_the_file_of_the_plot_they_chose(tab: Wire, kind: plot_file.PlotFormat):
     tab.set("plot", "Attitude error")
     time.sleep(0.1)
-    name, content = _download(tab, "file", kind)
-    assert name == f"paper-slow-attitude.{kind.lower()}"
+    name, content = _download(tab, "file", kind.upper())
+    assert name == f"paper-slow-attitude.{kind}"
     plot = ALL["attitude"]
     seen = picture("paper-slow")
-    assert content == plot_file.WRITERS[kind.lower()](plot, plot.draw(seen), (0,), _duration(seen))
+    assert content == plot_file.WRITERS[kind](plot, plot.draw(seen), (0,), _duration(seen))
 
 
 def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):

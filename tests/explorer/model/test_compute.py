@@ -16,6 +16,7 @@ from rangenav.motion import World
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Effects, Noise, Sensors
 from rangenav.signals import Multisine, Tone
+from rangenav.signals.multisine import LETTERS
 
 replace = msgspec.structs.replace
 SLOW = preset.load("paper-slow")
@@ -178,7 +179,7 @@ def test_the_printed_excitation_certifies_a_hover_that_turns():
 
 def test_body_axes_certify_a_planar_circle_flown_by_a_tumbling_vehicle():
     tumbling = Multisine(
-        tones=tuple(Tone(axis=a, amplitude=1.5, frequency=w) for a, w in (("x", 1.0), ("y", 1.3), ("z", 0.7)))
+        tones=tuple(Tone(axis=a, amplitude=1.5, frequency=w) for a, w in zip(LETTERS, (1.0, 1.3, 0.7), strict=True))
     )
     circle = changed("angular_velocity", tumbling, Settings(preset=preset.load("circle")))
     inertial, body = (compute(replace(circle, printed=Printed(body_axes=on))) for on in (False, True))
@@ -206,7 +207,7 @@ def test_snap_in_body_axes_is_the_derived_phi_and_the_printed_one_is_its_misprin
     sensors = Sensors(imu_rate=1000.0, mag_rate=200.0)
     tumbling = Multisine(
         tones=tuple(
-            Tone(axis=a, amplitude=1.0, frequency=w, phase=1.0) for a, w in (("x", 1.0), ("y", 1.3), ("z", 0.7))
+            Tone(axis=a, amplitude=1.0, frequency=w, phase=1.0) for a, w in zip(LETTERS, (1.0, 1.3, 0.7), strict=True)
         )
     )
     picture = compute(changed("angular_velocity", tumbling, changed("sensors", sensors, changed("duration", 7.0))))
@@ -346,7 +347,9 @@ def test_any_valid_choice_gives_a_picture_with_finite_truth_and_excitation_and_n
 
 def test_an_anchor_on_the_path_gives_a_picture():
     """Where the range is zero it has no direction: nothing may be divided by it."""
-    for name, anchor in (("hover", preset.load("hover").path.offset), ("circle", (1.0, 0.0, 0.0))):
+    hover = preset.load("hover").path
+    assert isinstance(hover, Multisine)
+    for name, anchor in (("hover", hover.offset), ("circle", (1.0, 0.0, 0.0))):
         picture = compute(changed("world.anchor", anchor, Settings(preset=preset.load(name))))
         assert picture.limits.anchor_distance_min < 1e-12
         assert picture.analysis.verdict.word == "blind"

@@ -249,5 +249,5 @@ def test_the_estimated_path_is_left_out_where_it_strays_and_kept_elsewhere():
     error = np.linalg.norm(seen.position_estimate - seen.motion.position, axis=1)
     gone = np.isnan(kept).any(axis=1)
     np.testing.assert_array_equal(gone, error >= MAX_STRAY * bounds.radius)
-    assert 0 < gone.sum() < len(gone)
+    assert 0 < gone.sum() < gone.size
     np.testing.assert_array_equal(kept[~gone], seen.position_estimate[~gone])

@@ -22,6 +22,7 @@ from rangenav.signals import (
     Waypoint,
     Waypoints,
 )
+from rangenav.signals.multisine import LETTERS
 from tests.support.signal_examples import EXAMPLES, LOOP, MINIMUM_SNAP, MULTISINE, PERIODIC_FORMULA, WAYPOINTS
 
 TIGHT = 0.95
@@ -72,6 +73,7 @@ def test_no_window_of_any_sines_lies_outside_the_bounds(path: Multisine, window:
     """The closed form at many starts, none of them on the grid: never below the lower bound, never above the upper."""
     period = path.period
     assume(period)
+    assert period is not None
     found = bounds(path, window, period)
     dense = least(path, np.linspace(0, 2 * period, 301) + 0.137, window)
     slack = 1e-12 * float(np.trace(excitation(path, 0.0, window)))  # of the closed form itself
@@ -87,7 +89,7 @@ def test_no_window_of_any_sines_lies_outside_the_bounds(path: Multisine, window:
 def test_the_lower_bound_gives_away_little(numbers: tuple, turns: float):
     """On windows that hold half a turn of the slowest tone; on shorter ones λ_min is a difference of large numbers."""
     sizes, phases, frequencies = numbers[:3], numbers[3:6], numbers[6][:3]
-    made = zip("xyz", sizes, frequencies, phases, strict=True)
+    made = zip(LETTERS, sizes, frequencies, phases, strict=True)
     path = Multisine(tones=tuple(Tone(axis=a, amplitude=size, frequency=w, phase=f) for a, size, w, f in made))
     found = bounds(path, turns * 2 * math.pi / min(frequencies), path.period or 0.0)
     if found.found > 1e4 * found.floor:

@@ -104,6 +104,7 @@ def test_every_shipped_preset_is_analysed_with_finite_numbers_or_a_null_with_its
 
 
 def test_a_path_without_a_common_period_says_why_there_is_no_bound_for_all_t(answer, tmp_path):
+    assert isinstance(SHORT.path, Multisine)
     tones = tuple(
         msgspec.structs.replace(tone, frequency=w)
         for tone, w in zip(SHORT.path.tones, (2.0, 3.1415926, 2.7182818), strict=True)

@@ -11,6 +11,7 @@ import pytest
 from explorer.storage.bundle import pack
 from rangenav import formats, preset
 from rangenav.certificate import exports
+from tests.support.present import present
 from tests.support.real_files import shared
 
 EVERYTHING = tuple(row.name for row in formats.writable() if row.name != "preset")
@@ -57,7 +58,7 @@ def test_a_preset_that_misses_its_requirement_is_exported_only_marked(answer, co
 def test_the_page_and_the_command_line_pass_one_gate(complaint, tmp_path):
     """What the command refuses, the page's zip refuses or leaves out, in the same words: direction, window, by how
     much, and what would help."""
-    circle, words = preset.load("circle"), exports.gate(preset.load("circle"), "reference")
+    circle, words = preset.load("circle"), present(exports.gate(preset.load("circle"), "reference"))
     for said in ("along z over the 10 s from t = 0 s is nothing, 1 m²/s⁷ required", "it would do to add a tone of at"):
         assert said in words
     assert words in complaint("export", "circle", "--to", "reference", "-o", tmp_path / "x.csv")

@@ -15,6 +15,8 @@ from rangenav.axes import upright
 from rangenav.formats import exported_run, frames, hover_ramps
 from rangenav.observability import excitation
 from rangenav.signals import polynomials
+from tests.support.present import present
+from tests.support.signal_examples import eight
 
 pytestmark = pytest.mark.filterwarnings("default")  # other people's warnings are theirs
 
@@ -158,13 +160,14 @@ def test_what_cflib_sends_a_crazyflie_is_the_path_to_the_precision_of_its_floats
     pieces = []
     for data in sent:
         numbers = struct.unpack("<33f", data)
-        x, y, z, yaw = (numbers[k : k + 8] for k in (0, 8, 16, 24))
+        x, y, z, yaw = (eight(numbers[k : k + 8]) for k in (0, 8, 16, 24))
         pieces.append(polynomials.Piece(duration=numbers[32], x=x, y=y, z=z, yaw=yaw))
     flown = polynomials.Polynomials(pieces=tuple(pieces))
-    course = hover_ramps.with_ramps(upright(p).path, written.steady[1], window=p.requirement.window)
+    begin, end = present(written.steady)
+    course = hover_ramps.with_ramps(upright(p).path, end, window=p.requirement.window)
     t = np.linspace(0, course.end, 500)
     assert np.linalg.norm(flown(t) - course(t), axis=-1).max() < 3e-4
-    start = np.linspace(written.steady[0], written.steady[1] - p.requirement.window, 9)
+    start = np.linspace(begin, end - p.requirement.window, 9)
     mu = excitation.eigenvalues(flown, start, p.requirement.window)[:, 0]
     np.testing.assert_allclose(mu.min(), written.figures["mu"], rtol=2e-3)
 

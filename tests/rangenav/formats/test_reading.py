@@ -13,6 +13,10 @@ from scipy.io import savemat
 from rangenav import formats, preset
 from rangenav.formats import euroc, mat5, text, units
 from rangenav.formats.path_preset import as_preset
+from rangenav.observability import excitation
+from rangenav.signals import Multisine, Polynomials, Tone
+from rangenav.signals.multisine import LETTERS
+from tests.support.present import present
 from tests.support.refusals import exactly
 
 RATE = 100.0
@@ -55,9 +59,10 @@ def asked(found):
 def test_what_is_stated_in_si_is_not_asked_and_not_changed():
     columns = spun()
     found = formats.settled(read(csv(STATED, *columns), frame="z-up"))
-    np.testing.assert_array_equal(found.flight.gyro, columns[1])
-    np.testing.assert_array_equal(found.flight.accel, columns[2])
-    np.testing.assert_allclose(found.flight.mag, columns[3] / np.median(np.linalg.norm(columns[3], axis=-1)))
+    flight = present(found.flight)
+    np.testing.assert_array_equal(flight.gyro, columns[1])
+    np.testing.assert_array_equal(flight.accel, columns[2])
+    np.testing.assert_allclose(present(flight.mag), columns[3] / np.median(np.linalg.norm(columns[3], axis=-1)))
     assert found.rate == pytest.approx(RATE)
     assert found.duration == pytest.approx(3.99)
 
@@ -76,10 +81,10 @@ def test_units_that_nobody_states_are_asked_with_the_right_suggestion(gyro, acce
     assert found.flight is None
     with pytest.raises(ValueError, match=rf"not used before this is answered: .*--gyro-unit {gyro}"):
         formats.settled(found)
-    answered = read(data, time="s", gyro=gyro, accel=accel, mag=mag, frame="z-up").flight
+    answered = present(read(data, time="s", gyro=gyro, accel=accel, mag=mag, frame="z-up").flight)
     np.testing.assert_allclose(answered.gyro[0], TURN, rtol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(answered.accel, axis=-1), 9.81, rtol=1e-12)
-    np.testing.assert_allclose(np.linalg.norm(answered.mag, axis=-1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(present(answered.mag), axis=-1), 1.0, rtol=1e-12)
 
 
 def test_a_header_that_says_si_is_doubted_where_gravity_and_the_field_say_otherwise():
@@ -91,7 +96,7 @@ def test_a_header_that_says_si_is_doubted_where_gravity_and_the_field_say_otherw
 def test_the_callers_word_stands_against_what_the_numbers_suggest():
     t, gyro, accel, mag = spun()
     found = formats.settled(read(csv(STATED, t, gyro / 1000, accel, mag), frame="z-up", gyro="rad/s"))
-    np.testing.assert_array_equal(found.flight.gyro, gyro / 1000)
+    np.testing.assert_array_equal(present(found.flight).gyro, gyro / 1000)
     with pytest.raises(ValueError, match=r"gyro must be one of rad/s, deg/s, got 'rpm'"):
         read(csv(STATED, t, gyro, accel, mag), gyro="rpm")
 
@@ -107,8 +112,8 @@ def test_other_loggers_names_are_understood():
         stamps = np.rint(t * 1e9) if "ns" in names[0] else t
         found = read(csv(names, stamps, gyro, accel, mag), time="ns" if "ns" in names[0] else "s", gyro="rad/s",
                      accel="m/s2", mag="1", frame="z-up")  # fmt: skip
-        np.testing.assert_allclose(formats.settled(found).flight.time, t, atol=1e-9)
-        np.testing.assert_array_equal(found.flight.gyro, gyro)
+        np.testing.assert_allclose(present(formats.settled(found).flight).time, t, atol=1e-9)
+        np.testing.assert_array_equal(present(found.flight).gyro, gyro)
 
 
 def test_two_columns_for_one_thing_and_unknown_units_are_refused():
@@ -133,7 +138,7 @@ def test_repeated_stamps_gaps_and_missing_numbers_are_told_by_line_and_dropped_o
     said = "numbers are missing on line 22 and stamps repeat or go back on lines 12, 13"
     assert said in found.findings
     kept = formats.settled(read(data, frame="z-up", lines="drop"))
-    assert len(kept.flight.time) == 47
+    assert len(present(kept.flight).time) == 47
     assert f"{said}: dropped, as asked" in kept.findings
     assert any(re.startswith("3 gaps, the longest 0.11 s") and "line" in re for re in kept.findings), kept.findings
 
@@ -153,9 +158,10 @@ def test_a_range_may_have_a_row_of_its_own():
     between[0, 0], between[0, 10] = 0.105, 2.5
     table = np.insert(table, 11, between, axis=0)
     found = formats.settled(read(csv([*STATED, "range [cm]"], table), frame="z-up", range="cm"))
-    assert len(found.flight.time) == 30
-    assert found.flight.range_time.tolist() == [0.105]
-    assert found.flight.range.tolist() == [0.025]
+    flight = present(found.flight)
+    assert len(flight.time) == 30
+    assert flight.range_time.tolist() == [0.105]
+    assert flight.range.tolist() == [0.025]
 
 
 @pytest.mark.parametrize(
@@ -256,6 +262,7 @@ def test_a_polynomial_file_keeps_every_coefficient_whatever_the_case_of_its_head
     names = ["Duration", *(f"{a}^{k}" for a in ("X", "y", "z", "Yaw") for k in range(8))]
     data = csv(names, rows).replace(b"\n", b",\n")  # the trailing commas that planners write
     path = read(data, "polynomial").path
+    assert isinstance(path, Polynomials)
     for piece, row in zip(path.pieces, rows, strict=True):
         np.testing.assert_array_equal([piece.duration, *piece.x, *piece.y, *piece.z, *piece.yaw], row)
 
@@ -297,20 +304,17 @@ def reference(duration=8.0, rate=100.0, digits=None):
 @pytest.mark.parametrize(("digits", "within"), [(None, 1e-3), (5, 0.03)])
 def test_exact_derivatives_become_a_path_with_their_snap_in_any_order_of_columns(digits, within):
     """∫snap snapᵀ of the path against that of the formula: five printed digits still hold it to a few percent."""
-    from rangenav.observability import excitation
-    from rangenav.signals import Multisine, Tone
-
     columns, w, a = reference(digits=digits)
     names = list(columns)
     np.random.default_rng(3).shuffle(names)
     found = read(csv(names, *(columns[name] for name in names)), "reference")
     assert found.unjudged is None
-    assert found.fit_error < 1e-3
+    assert present(found.fit_error) < 1e-3
     own = Multisine(
-        tones=tuple(Tone(axis=x, amplitude=float(a[k]), frequency=float(w[k])) for k, x in enumerate("xyz"))
+        tones=tuple(Tone(axis=x, amplitude=float(a[k]), frequency=float(w[k])) for k, x in enumerate(LETTERS))
     )
     start = np.linspace(0, 2, 5)
-    got, wanted = (excitation.eigenvalues(path, start, 6.0) for path in (found.path, own))
+    got, wanted = (excitation.eigenvalues(path, start, 6.0) for path in (present(found.path), own))
     np.testing.assert_allclose(got, wanted, rtol=within)
 
 
@@ -345,8 +349,8 @@ def test_poses_become_a_curve_near_them_whose_snap_is_not_believed_and_whose_fra
     data = tum(1305031098 + t, position, decimals=4)
     found = read(data, "tum")
     assert asked(found) == {"frame": "z-up"}
-    assert found.fit_error < 0.01
-    assert "positions in steps of 0.0001 m every 10 ms" in found.unjudged
+    assert present(found.fit_error) < 0.01
+    assert "positions in steps of 0.0001 m every 10 ms" in present(found.unjudged)
     for frame, z in (("z-up", -9.81), ("z-down", 9.81)):
         assert as_preset(read(data, "tum", frame=frame)).world.gravity == (0.0, 0.0, z)
     with pytest.raises(ValueError, match="which way does z point"):

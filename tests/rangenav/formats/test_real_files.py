@@ -8,6 +8,7 @@ from rangenav import analysis, formats
 from rangenav.formats import mat5
 from rangenav.formats.path_preset import as_preset
 from rangenav.observability import excitation
+from tests.support.present import present
 from tests.support.real_files import shared
 
 
@@ -41,7 +42,7 @@ def test_a_race_with_exact_snap_is_judged_and_agrees_with_its_own_snap_columns()
     path = shared("racing/togt_traj.csv")
     found, made, seen = judged("racing/togt_traj.csv", "reference")
     assert found.unjudged is None
-    assert found.fit_error < 2e-3
+    assert present(found.fit_error) < 2e-3
     assert seen.rank == 13
     table = np.genfromtxt(path, delimiter=",", names=True)
     snap = np.column_stack([table[f"snap_{a}"] for a in "xyz"])
@@ -59,7 +60,7 @@ def test_a_refined_race_is_read_by_the_names_of_its_columns_and_its_zero_snap_is
     for word in ("acceleration", "jerk", "snap"):
         assert f"the {word} columns are all zero: taken as missing" in found.findings
     assert found.unjudged is not None
-    np.testing.assert_allclose(made.path(np.zeros(1))[0], [-5.0, 4.5, 1.2], atol=found.fit_error)
+    np.testing.assert_allclose(made.path(np.zeros(1))[0], [-5.0, 4.5, 1.2], atol=present(found.fit_error))
     assert 8 < np.linalg.norm(made.path(np.linspace(0, 7, 500), 1), axis=-1).max() < 25  # to 19 m/s; not the quaternion
 
 
@@ -81,7 +82,8 @@ def test_the_unit_trap_is_asked_about_and_not_guessed():
         ValueError, match=r"fusion_sensor_data\.csv: not used before this is answered: .*--gyro-unit deg/s"
     ):
         formats.settled(found)
-    flight = formats.settled(formats.read(path, "log", confirm=suggested)).flight
+    answers = {key: present(suggestion) for key, suggestion in suggested.items()}
+    flight = present(formats.settled(formats.read(path, "log", confirm=answers)).flight)
     assert np.median(np.linalg.norm(flight.accel, axis=-1)) == pytest.approx(9.81, rel=0.02)
     assert np.abs(flight.gyro).max() == pytest.approx(365.3081 * np.pi / 180)
 
@@ -93,10 +95,10 @@ def test_broad_is_read_as_scipy_reads_it_and_asks_only_for_its_microtesla():
         np.testing.assert_array_equal(own[name], theirs[name].astype(float))
     found = formats.read(path, "mat")
     assert [question.key for question in found.questions] == ["mag"]
-    flight = formats.settled(formats.read(path, "mat", confirm={"mag": "uT"})).flight
+    flight = present(formats.settled(formats.read(path, "mat", confirm={"mag": "uT"})).flight)
     np.testing.assert_array_equal(flight.gyro, theirs["imu_gyr"])
-    assert int(np.isnan(flight.position).any(axis=1).sum()) == 219
-    assert flight.moving.sum() == theirs["movement"].sum()
+    assert int(np.isnan(present(flight.position)).any(axis=1).sum()) == 219
+    assert present(flight.moving).sum() == theirs["movement"].sum()
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from rangenav.formats.path_preset import as_preset
 from rangenav.formats.polynomial import MAX_SEGMENTS
 from rangenav.observability import excitation
 from rangenav.signals import Flown, Polynomials
+from tests.support.present import present
 from tests.support.refusals import exactly
 from tests.support.signal_examples import EXAMPLES
 
@@ -109,11 +110,11 @@ def test_a_polynomial_file_follows_its_path_and_keeps_its_excitation(name, tmp_p
     assert found.rows <= MAX_SEGMENTS
     assert found.unjudged is None  # nothing jumps
     assert written.figures["fit_error"] < 3e-4
-    begin, end = written.steady
+    begin, end = present(written.steady)
     assert end - begin >= p.requirement.window - 1e-9
     start = np.linspace(begin, end - p.requirement.window, 20)
     path = preset.load(name).path
-    got = excitation.eigenvalues(found.path, start, p.requirement.window)
+    got = excitation.eigenvalues(present(found.path), start, p.requirement.window)
     wanted = excitation.eigenvalues(path, start - begin / 2, p.requirement.window)  # turning over does not change them
     np.testing.assert_allclose(got, wanted, rtol=2e-3, atol=1e-9 * max(wanted.max(), 1.0))
     assert written.figures["mu"] == pytest.approx(written.figures["mu_path"], rel=2e-3)
@@ -152,13 +153,13 @@ def test_a_reference_file_is_read_back_as_the_path_it_came_from(name, tmp_path):
     found = formats.read(tmp_path / "x.csv", "reference")
     assert found.unjudged is None
     assert found.duration == pytest.approx(course.end)
-    t = np.linspace(2.5, 17.5, 200)
-    np.testing.assert_allclose(found.path(t), course(t), atol=1e-6)
-    np.testing.assert_allclose(found.path(t, 4), course(t, 4), atol=1e-3 * np.abs(course(t, 4)).max())
+    t, path = np.linspace(2.5, 17.5, 200), present(found.path)
+    np.testing.assert_allclose(path(t), course(t), atol=1e-6)
+    np.testing.assert_allclose(path(t, 4), course(t, 4), atol=1e-3 * np.abs(course(t, 4)).max())
     begin, end = course.steady
     start = np.linspace(begin, end - p.requirement.window, 10)
     got, wanted = (
-        excitation.eigenvalues(one, s, p.requirement.window) for one, s in ((found.path, start), (p.path, start - 1))
+        excitation.eigenvalues(one, s, p.requirement.window) for one, s in ((path, start), (p.path, start - 1))
     )
     np.testing.assert_allclose(got, wanted, rtol=1e-3)
 
@@ -179,26 +180,26 @@ def test_the_presets_own_attitude_can_be_asked_for(tmp_path):
 def test_a_log_is_read_back_without_a_question_and_to_the_last_bit(tmp_path):
     p = preset.load("soft")
     formats.export(p, "log", tmp_path / "x.csv")
-    flight = formats.settled(formats.read(tmp_path / "x.csv", "log")).flight
+    flight = present(formats.settled(formats.read(tmp_path / "x.csv", "log")).flight)
     z = record.run(p).measurements
     for name in ("time", "gyro", "accel", "range_time", "range"):
         np.testing.assert_array_equal(getattr(flight, name), getattr(z, name))
-    np.testing.assert_allclose(flight.rotation, record.run(p).truth.motion.rotation, atol=1e-12)
+    np.testing.assert_allclose(present(flight.rotation), record.run(p).truth.motion.rotation, atol=1e-12)
     assert (flight.gravity, flight.anchor, flight.frame) == (p.world.gravity, p.world.anchor, "z-down")
 
 
 def test_a_euroc_folder_is_read_back_with_its_ranges_and_field(tmp_path):
     p = preset.load("soft")
     formats.export(p, "euroc", tmp_path / "flight")
-    flight = formats.settled(formats.read(tmp_path / "flight", "euroc")).flight
+    flight = present(formats.settled(formats.read(tmp_path / "flight", "euroc")).flight)
     z = record.run(p).measurements
     np.testing.assert_allclose(flight.time, z.time, atol=1e-9)
     np.testing.assert_array_equal(flight.gyro, z.gyro * [1, -1, -1])
     np.testing.assert_array_equal(flight.range, z.range)
     np.testing.assert_allclose(flight.range_time, z.range_time, atol=1e-9)
-    assert np.isfinite(flight.position).all()
+    assert np.isfinite(present(flight.position)).all()
     truth = formats.read(tmp_path / "flight" / "mav0" / "state_groundtruth_estimate0" / "data.csv", "euroc")
-    assert truth.fit_error < 0.1  # the flight begins at speed, and such a curve at rest
+    assert present(truth.fit_error) < 0.1  # the flight begins at speed, and such a curve at rest
     assert truth.unjudged is not None
 
 

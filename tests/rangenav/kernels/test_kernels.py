@@ -1,6 +1,7 @@
 """Each compiled kernel against plain numpy, and the sign of P over a million steps at every corner of the sliders."""
 
 import itertools
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -172,7 +173,9 @@ def test_orthonormal_squares_the_drift_and_finds_the_nearest_rotation():
 @pytest.mark.parametrize("schedule", [None, Schedule()], ids=["constant k1", "scheduled k1"])
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])
 @pytest.mark.parametrize(("range_rate", "mag_rate"), [(200.0, 200.0), (50.0, 200.0), (333.0, 57.0), (7.0, 11.0)])
-def test_compiled_cascade_and_plain_numpy_agree(mode: str, range_rate: float, mag_rate: float, schedule):
+def test_compiled_cascade_and_plain_numpy_agree(
+    mode: Literal["constant", "noise-matched"], range_rate: float, mag_rate: float, schedule
+):
     """Two coordinate systems, one scheme: they differ by rounding only.
 
     It is amplified by the first corrections, which take a variance of 1e4 down to R: 10⁶ times when R = 1/(q h), 2·10⁸

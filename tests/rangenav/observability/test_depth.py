@@ -38,7 +38,7 @@ def test_the_ellipsoid_is_that_of_the_integral_of_the_snap(name: str):
     found = ellipsoid.ellipsoid(p.path, 1.3, 4.0)
     time = np.linspace(1.3, 5.3, 4001)
     snap = p.path(time, 4)
-    exact = scipy.integrate.simpson(snap[:, :, None] * snap[:, None, :], x=time, axis=0)
+    exact = np.asarray(scipy.integrate.simpson(snap[:, :, None] * snap[:, None, :], x=time, axis=0))
     again = found.axes @ np.diag(found.semi_axes**2) @ found.axes.T
     np.testing.assert_allclose(again, exact, atol=1e-9 * np.abs(exact).max())
     assert np.linalg.det(found.axes) == pytest.approx(1.0)

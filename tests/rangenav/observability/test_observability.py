@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 from rangenav import analysis, motion, preset
 from rangenav.motion import World
 from rangenav.observability import accuracy, blindness, excitation, quadrature, reduced, rows, spectrum
-from rangenav.signals import Multisine, Tone, slowed
+from rangenav.signals import Multisine, Signal, Tone, slowed
 from tests.support import precise_gramian
 from tests.support.motion_examples import circle, tilted, tumbling, turned
 
@@ -53,11 +53,11 @@ offsets = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
 laws = settings(max_examples=40)
 
 
-def lifted_rank(path: Multisine, window: float, gravity: tuple = GRAVITY) -> int:
+def lifted_rank(path: Signal, window: float, gravity: tuple = GRAVITY) -> int:
     return int(spectrum.window_spectra(path, gravity, np.array([0.3]), window).rank[0])
 
 
-def nonlinear_rank(path: Multisine, window: float, anchor: tuple) -> int:
+def nonlinear_rank(path: Signal, window: float, anchor: tuple) -> int:
     return int(spectrum.nonlinear_spectra(path, anchor, np.array([0.3]), window).rank[0])
 
 
@@ -329,7 +329,7 @@ def test_predicted_accuracy_is_the_inverse_of_the_information():
     rate, sigma, window, start = 10.0, 0.1, 6.0, 0.5
     tau = np.arange(61) / rate
     d2 = np.sum(p.path(start + tau) ** 2, axis=-1)
-    cases = {
+    cases: dict[accuracy.Problem, tuple[np.ndarray, np.ndarray, int]] = {
         "lifted": (rows.lifted(p.path, p.world.gravity, np.array([start]), tau)[0], d2 * sigma**2 + sigma**4 / 2, 4),
         "nonlinear": (rows.nonlinear(p.path, p.world.anchor, np.array([start]), tau)[0], d2 * sigma**2, 0),
     }

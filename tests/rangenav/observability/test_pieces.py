@@ -3,6 +3,7 @@
 import itertools
 import math
 import re
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -53,7 +54,7 @@ def uneven(family, *, gap: float, seed: int, period: float | None = None):
     return family(points=points, period=period)
 
 
-def jumping(*, seed: int, ends: str) -> Polynomials:
+def jumping(*, seed: int, ends: Literal["hold", "repeat"]) -> Polynomials:
     """Pieces that begin where the last one ended, with a rate and a curvature of their own: all but the place jumps."""
     rng = np.random.default_rng(seed)
     pieces, at = [], np.zeros(3)
@@ -185,7 +186,8 @@ def test_shared_rows_are_those_of_each_window_alone(curve):
     start = np.linspace(0.0, 8.0, 71)
     seen = rows.sample(curve, start, WINDOW)
     assert seen.tau.size > rows.CHUNK / 2
-    for moment, shift in (("start", 0.0), ("end", WINDOW)):
+    shifts: dict[rows.Moment, float] = {"start": 0.0, "end": WINDOW}
+    for moment, shift in shifts.items():
         lifted = rows.lifted(curve, GRAVITY, start + shift, seen.tau - shift)
         local = rows.nonlinear(curve, ANCHOR, start + shift, seen.tau - shift)
         # D at the end subtracts δ · velocity: what the rows themselves call rounding, times τ²/2
@@ -272,7 +274,8 @@ def _burst(direction: tuple[float, float, float], duration: float) -> Piece:
 
 def _turns(size: float, count: int) -> tuple[Piece, ...]:
     """Snap of one size along x, y and z in turn, 0.02 s each: 0.06 s excite everything."""
-    return tuple(_burst(tuple(size * (k == axis) for k in range(3)), 0.02) for axis in range(3)) * count
+    x, y, z = (size, 0.0, 0.0), (0.0, size, 0.0), (0.0, 0.0, size)
+    return (_burst(x, 0.02), _burst(y, 0.02), _burst(z, 0.02)) * count
 
 
 def test_a_rest_is_found_by_the_window_that_starts_and_ends_with_it():

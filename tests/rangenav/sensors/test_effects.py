@@ -93,8 +93,10 @@ def test_more_of_an_effect_keeps_what_less_of_it_did():
 
 
 def test_a_longer_flight_begins_as_the_shorter_one_did():
-    effects = {"outlier_probability": 0.2, "dropout_probability": 0.3, "range_bias": 0.1}
-    short, long = (measured(noise=Noise(), duration=duration, **effects) for duration in (10.0, 20.0))
+    short, long = (
+        measured(noise=Noise(), duration=duration, outlier_probability=0.2, dropout_probability=0.3, range_bias=0.1)
+        for duration in (10.0, 20.0)
+    )
     begun = long.range_time <= 10.0
     np.testing.assert_array_equal(short.range_time, long.range_time[begun])
     np.testing.assert_array_equal(short.range, long.range[begun])
@@ -268,7 +270,7 @@ def test_a_value_beyond_its_limit_is_refused_with_the_fields_name(field):
     beyond = 1.001 * row.limits[1]
     Effects(**{field: example(field)})
     with pytest.raises(ValueError, match=f"^{field} must .*, got "):
-        Effects(**{field: (0.0, beyond, 0.0) if row.body_vector else beyond})
+        replace(MODELLED, **{field: (0.0, beyond, 0.0) if row.body_vector else beyond})
 
 
 def run(**effects):

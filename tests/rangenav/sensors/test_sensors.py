@@ -60,7 +60,7 @@ def test_the_same_seed_gives_the_same_record_to_the_last_bit_and_another_seed_an
 
 @pytest.mark.parametrize("changed", [*VECTORS, "range"])
 def test_changing_one_noise_leaves_the_other_sensors_to_the_last_bit(changed):
-    before, after = measured(), measured(noise=Noise(**{changed: 0.7}))
+    before, after = measured(), measured(noise=msgspec.structs.replace(Noise(), **{changed: 0.7}))
     assert_same(before, after, *({*VECTORS, "range"} - {changed}))
     assert np.all(getattr(before, changed) != getattr(after, changed))
 
@@ -79,7 +79,7 @@ def test_a_slower_magnetometer_keeps_the_samples_it_still_gives():
 
 @pytest.mark.parametrize("name", [*VECTORS, "range"])
 def test_noise_is_proportional_to_its_standard_deviation(name):
-    exact, once, twice = (measured(noise=Noise(**{name: s})) for s in (0.0, 0.25, 0.5))
+    exact, once, twice = (measured(noise=msgspec.structs.replace(Noise(), **{name: s})) for s in (0.0, 0.25, 0.5))
     first, second = (getattr(z, name) - getattr(exact, name) for z in (once, twice))
     np.testing.assert_allclose(second, 2 * first, atol=1e-14)  # a sum of a few units, rounded
 

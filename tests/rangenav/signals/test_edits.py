@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from rangenav import signals
-from rangenav.signals import Sum
+from rangenav.signals import Multisine, Sum
 from tests.support.signal_examples import EXAMPLES, MULTISINE, WAYPOINTS
 
 T = np.linspace(0, 12, 301)
@@ -94,6 +94,7 @@ def test_centring_puts_the_middle_of_the_box_on_the_point(name):
 
 def test_a_mirror_along_an_axis_keeps_the_tones_as_they_were_entered():
     mirrored = signals.mirrored(MULTISINE, (1.0, 0.0, 0.0), about=(0.0, 0.0, 0.0))
+    assert isinstance(mirrored, Multisine)
     assert [tone.phase for tone in mirrored.tones] == [tone.phase for tone in MULTISINE.tones]
     assert [tone.amplitude for tone in mirrored.tones] == [-1.0, 0.3, -0.4]
 
@@ -103,6 +104,7 @@ def test_turning_again_and_again_does_not_multiply_the_tones(seed, turns):
     path = MULTISINE
     for matrix in Rotation.random(turns, np.random.default_rng(seed)).as_matrix():
         path = signals.rotated(path, matrix, about=(0.0, 0.0, 0.0))
+    assert isinstance(path, Multisine)
     assert len(path.tones) <= 9
 
 

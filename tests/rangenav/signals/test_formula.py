@@ -46,7 +46,7 @@ WITNESSES = [
 @pytest.mark.parametrize("order", range(6))
 def test_every_derivative_is_the_one_sympy_finds(text, order):
     t = sympy.symbols("t")
-    expression = sympy.sympify(text, locals={"e": sympy.E, "pow": sympy.Pow})
+    expression = sympy.parse_expr(text, local_dict={"e": sympy.E, "pow": sympy.Pow})
     derivative = sympy.diff(expression, t, order)
     witness = np.array([float(derivative.evalf(30, subs={t: sympy.Float(value, 30)})) for value in TIMES[::6].tolist()])
     found = Formula(y=text)(TIMES[::6], order)[:, 1]

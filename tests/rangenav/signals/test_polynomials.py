@@ -78,6 +78,7 @@ def test_a_smooth_one_has_nothing_to_complain_of():
 
 def test_slowing_keeps_the_shape_and_the_yaw():
     slow = slowed(STEP, 2.0)
+    assert isinstance(slow, Polynomials)
     np.testing.assert_allclose(slow(np.array([1.0, 5.0, 6.9])), STEP(np.array([0.5, 2.5, 3.45])))
     assert slow.pieces[0].yaw == STEP.pieces[0].yaw
 

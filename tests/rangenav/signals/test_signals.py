@@ -1,6 +1,7 @@
 """Signals against sympy, finite differences and their own laws."""
 
 import math
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -79,7 +80,12 @@ def test_bound_is_never_exceeded(signal, order, moments):
 @pytest.mark.parametrize("order", ORDERS)
 def test_bound_of_tones_in_step_is_reached(order):
     """Tones whose frequencies are 1 : 5 : 9 peak together a quarter turn into the first one, at every order."""
-    parts = [("x", 2.0, 1.0), ("x", 0.5, 5.0), ("y", 1.5, 5.0), ("z", -1.0, 9.0)]
+    parts: list[tuple[Literal["x", "y", "z"], float, float]] = [
+        ("x", 2.0, 1.0),
+        ("x", 0.5, 5.0),
+        ("y", 1.5, 5.0),
+        ("z", -1.0, 9.0),
+    ]
     together = Multisine(
         tones=tuple(Tone(axis=a, amplitude=A, frequency=w, phase=-order * math.pi / 2) for a, A, w in parts),
         offset=(1.0, 0.0, 0.0),
@@ -156,6 +162,7 @@ def test_slowing_by_s_divides_the_excitation_over_a_period_by_s_to_the_7(factor)
     path = signals.curved_part(msgspec.structs.replace(EXAMPLE, tones=EXAMPLE.tones[:3]))
     slow = signals.slowed(path, factor)
     assert path.period is not None
+    assert slow.period is not None
     assert slow.period == pytest.approx(factor * path.period, rel=1e-13)
     fast = excitation.eigenvalues(path, np.array([0.1]), path.period)
     # quadrature is exact to rounding; eigenvalues are within a factor 50 of each other
