@@ -33,8 +33,8 @@ class Chart:
     duration: float = 0.0
     """s; the length of the time axis."""
     described: tuple[object, ...] = ()
-    """The inputs of the axes and curves that were described last: another description rebuilds the chart in the
-    browser."""
+    """The inputs from which the axes and curves on the page were described. They are described again only when an input
+    changes, because each description rebuilds the chart in the browser."""
     bands: tuple[tuple[int, int], ...] = ()
     outdated: bool = True
     """Whether it shows an earlier picture, or none."""
@@ -139,6 +139,6 @@ def scales(plot: Plot, axis: curves.Range, duration: float) -> dict[str, uplot.S
 
 def axes(plot: Plot, axis: curves.Range) -> tuple[uplot.Axis, uplot.Axis]:
     """Axes of fixed size. The labels are written here: uPlot would write 1e-6 as 0, and 1e5 needs more room there."""
-    places, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
-    y = uplot.Axis(size=markup.AXIS_WIDTH, gap=2, splits=tuple(places), values=tuple(labels))
+    positions, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
+    y = uplot.Axis(size=markup.AXIS_WIDTH, gap=2, splits=tuple(positions), values=tuple(labels))
     return uplot.Axis(size=markup.AXIS_HEIGHT, gap=2), y

@@ -21,7 +21,7 @@ from explorer.model.compute import Picture
 from rangenav.ensemble import Ensemble
 
 PINNED_DASHES = (9.0, 3.0, 2.0, 3.0, 2.0, 3.0), (4.0, 3.0)
-"""Of A's first curve in a plot, and of its second; no curve of a picture has either."""
+"""The dashes of A's first and second curve in a plot; no other curve has them."""
 ESTIMATOR_CURVES: dict[Name, Curve] = {
     "EKF": Curve(label="EKF", color=palette.ESTIMATORS["EKF"], dash=(12.0, 2.0), width=1.25),
     "refined": Curve(label="refined", color=palette.ESTIMATORS["refined"], dash=(5.0, 2.0), width=1.25),
@@ -48,7 +48,7 @@ class AddedCurves(NamedTuple):
     values: Float[Array, "n k"]
     drawn: Float[Array, "n k"]
     axis: Range
-    """The axis for which `drawn` was made."""
+    """The axis for which `drawn` was computed."""
     max_widening: float = np.inf
     """The factor by which they may widen the plot's axis."""
     band: bool = False

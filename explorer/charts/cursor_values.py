@@ -7,7 +7,7 @@ from explorer.model.compute import Picture
 from rangenav.number_format import significant
 
 ROUND_OFF_DIGITS = 9
-"""Decimals of a length (m): what is below is rounding."""
+"""Decimals of a length (m); further decimals are rounding errors."""
 
 
 def legend_text(value: float) -> str:
@@ -18,15 +18,15 @@ def legend_text(value: float) -> str:
 
 
 def status_line(picture: Picture, time: float) -> str:
-    """What the 3-D picture shows at a time (s), in one line of HTML."""
+    """Time (s), distance from the anchor and errors of the estimate at a time, in one line of HTML."""
     motion, errors = picture.motion, picture.errors
     k = int(np.clip(np.searchsorted(motion.time, time - 1e-9), 0, len(motion.time) - 1))
     distance = float(np.linalg.norm(motion.position[k] - np.asarray(picture.preset.world.anchor)))
-    away, position = (
+    anchor_distance, position_error = (
         f"{significant(round(length, ROUND_OFF_DIGITS))} m" for length in (distance, float(errors.position[k]))
     )
-    attitude = f"{significant(float(np.degrees(errors.attitude[k])))}°"
-    return f"<b>{time:.2f} s</b> · {away} from the anchor · estimate off by <b>{position}</b>, <b>{attitude}</b>"
+    estimate = f"estimate off by <b>{position_error}</b>, <b>{significant(float(np.degrees(errors.attitude[k])))}°</b>"
+    return f"<b>{time:.2f} s</b> · {anchor_distance} from the anchor · {estimate}"
 
 
 def window_at(picture: Picture, time: float) -> tuple[float, float]:
@@ -36,7 +36,7 @@ def window_at(picture: Picture, time: float) -> tuple[float, float]:
 
 
 def row_at(drawing: Drawing, time: float) -> np.ndarray:
-    """The row at a time (s); NaN after the last window has started, and where no range has ever come."""
+    """The row at a time (s); NaN later than one step after the last row, and if there are no rows."""
     if not len(drawing.time):
         return np.full(drawing.values.shape[1], np.nan)
     step = drawing.time[1] - drawing.time[0] if len(drawing.time) > 1 else 0.0

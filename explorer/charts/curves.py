@@ -12,10 +12,10 @@ from numpy import ndarray as Array
 from rangenav.number_format import power_of_ten, significant
 
 BUCKETS = 200
-"""Each gives two points: about one point for every pixel across a plot."""
+"""Each bucket gives two points: about one point for every pixel across a plot."""
 MAX_LABELS = 6
 OUTSIDE = 10.0
-"""Factor beyond the last decade at which a value is put that a log axis does not have."""
+"""Factor beyond the last decade to which values outside a log axis are moved."""
 FIXED_EXPONENTS = range(-2, 4)
 """Decades that are written in full (0.01 … 1000); the others are written as powers of ten."""
 Range = tuple[float, float]
@@ -38,8 +38,8 @@ def decimate(
     order = np.stack([np.minimum(least, greatest), np.maximum(least, greatest)], axis=1)
     ends = np.minimum(np.arange(count)[:, None] * size + [0, size - 1], len(time) - 1)
     points = np.take_along_axis(blocks, order, axis=1).reshape(2 * count, -1)
-    keep = np.diff(time[ends].ravel(), prepend=-np.inf) > 0
-    return time[ends].ravel()[keep], points[keep]
+    later = np.diff(time[ends].ravel(), prepend=-np.inf) > 0
+    return time[ends].ravel()[later], points[later]
 
 
 def end_at_first_nan(values: Float[Array, "n k"]) -> Float[Array, "n k"]:
@@ -54,11 +54,11 @@ def onto_log_axis(values: Float[Array, "n k"], axis: Range) -> Float[Array, "n k
 
 def decades(values: Float[Array, "..."], *, low_quantile: float = 0.0) -> Range:
     """The whole decades that hold the positive finite values, but for a share `low_quantile` of the smallest."""
-    kept = values[np.isfinite(values) & (values > 0)]
-    if not len(kept):
+    positive = values[np.isfinite(values) & (values > 0)]
+    if not len(positive):
         return 1e-3, 1.0
-    low = math.floor(math.log10(float(np.quantile(kept, low_quantile))))
-    high = math.ceil(math.log10(float(kept.max())))
+    low = math.floor(math.log10(float(np.quantile(positive, low_quantile))))
+    high = math.ceil(math.log10(float(positive.max())))
     return 10.0**low, 10.0 ** max(high, low + 1)
 
 
@@ -76,8 +76,8 @@ def even_range(values: Float[Array, "..."], *, symmetric: bool) -> Range:
 def even_ticks(axis: Range) -> tuple[list[float], list[str]]:
     """Positions and labels of a linear axis: its ends and the middles between them and zero."""
     low, high = axis
-    places = [low, low / 2, 0.0, high / 2, high] if low < 0 else [0.0, high / 2, high]
-    return places, [significant(place) for place in places]
+    positions = [low, low / 2, 0.0, high / 2, high] if low < 0 else [0.0, high / 2, high]
+    return positions, [significant(position) for position in positions]
 
 
 def decade_ticks(axis: Range) -> tuple[list[float], list[str]]:

@@ -1,6 +1,6 @@
 """The numbers of each plot: functions Picture -> Drawing. No viser here.
 
-A Drawing holds `values`, which the legend gives at the cursor (+∞ for a blind window, −∞ for a value below the floor),
+A Drawing holds `values`, which the legend shows at the cursor (+∞ for a blind window, −∞ for a value below the floor),
 and `drawn`, the same numbers moved outside the axes where a plot cannot show them.
 """
 
@@ -20,12 +20,12 @@ SOLID: Dash = ()
 DASHED, DOTTED, DASH_DOT = (7.0, 4.0), (2.0, 3.0), (8.0, 3.0, 2.0, 3.0)
 LONG, SPARSE, LONG_DOT = (14.0, 4.0), (3.0, 7.0), (14.0, 3.0, 2.0, 3.0)
 SMALLEST_SHARE = 0.01
-"""Share of an error's samples that may lie below a log axis: an error is close to 0 for moments."""
+"""Share of the samples of an error that may lie below a log axis: an error may be close to 0 for a moment."""
 EXCITATION_FLOOR = 1e-13
-"""Times the greatest eigenvalue: what is smaller is rounding noise, and is given as 0."""
+"""Eigenvalues below this share of the greatest one are rounding noise, and are shown as 0."""
 STATES = 13
 FLATTENING = 2.0
-"""A limit above this times the greatest value is given in the legend but not drawn: it would flatten the curve."""
+"""A limit above this multiple of the greatest value is in the legend but not drawn: it would flatten the curve."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class Drawing:
 
     time: Float[Array, "n"]
     values: Float[Array, "n k"]
-    """What the legend gives at the cursor: NaN for no value, +∞ for blind, −∞ for below the floor."""
+    """The numbers that the legend shows at the cursor: NaN for no value, +∞ for blind, −∞ for below the floor."""
     drawn: Float[Array, "n k"]
     axis: curves.Range
     hidden: tuple[int, ...] = ()
@@ -152,7 +152,7 @@ def _with_norm(vectors: Array) -> Array:
 
 
 def excitation(picture: Picture) -> Drawing:
-    """Eigenvalues of each window's excitation, the required μ, and the printed eigenvalues when a switch asks."""
+    """Eigenvalues of each window's excitation, the required μ, and printed eigenvalues if a printed switch is on."""
     windows, mu = picture.analysis.windows, picture.preset.requirement.mu
     shown = picture.settings.printed.excitation or picture.settings.printed.body_axes
     printed = picture.printed_excitation if shown else np.full_like(windows.excitation, mu)
@@ -169,7 +169,7 @@ def excitation(picture: Picture) -> Drawing:
 
 
 def gramian(picture: Picture) -> Drawing:
-    """The 13 eigenvalues of each window, and the floor: what lies below it is rounding noise and runs along it."""
+    """The 13 eigenvalues of each window, and the noise floor. An eigenvalue below the floor is drawn along it."""
     windows = picture.analysis.windows
     floor = windows.floor[:, None]
     above = windows.gramian > floor
@@ -195,11 +195,11 @@ def innovation(picture: Picture) -> Drawing:
     value, variance = picture.estimate.innovation.T
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = _finite(value / np.sqrt(variance))
-    has = np.isfinite(ratio)
+    finite = np.isfinite(ratio)
     time = picture.measurements.range_time
-    if not has.any():
+    if not finite.any():
         return _linear_drawing(time, (np.full_like(time, np.nan),), symmetric=True)
-    return _linear_drawing(time[has], (ratio[has],), symmetric=True)
+    return _linear_drawing(time[finite], (ratio[finite],), symmetric=True)
 
 
 def distance(picture: Picture) -> Drawing:

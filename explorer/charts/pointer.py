@@ -1,4 +1,4 @@
-"""What the mouse does on the plots: its share of the time axis, brushes, and clicks on legend entries.
+"""The mouse on the plots: its position along the time axis, brushes (drags), and clicks on legend entries.
 
 viser reports none of it, and its own legends write 1e-6 as 0. A small script on the page therefore writes the following
 into a hidden text box, as if it were typed there:
@@ -28,7 +28,7 @@ NUMBER = r"0(?:\.\d{1,6})?|1(?:\.0{1,6})?"
 SHARE, CLICK = re.compile(NUMBER), re.compile(r"(\d{1,16}):([a-z-]{1,40}-\d{1,3})")
 BRUSH = re.compile(rf"(\d{{1,16}}):({NUMBER})-({NUMBER})")
 MAX_CLICKS = 64
-"""Clicks kept while the session is busy; of more, the oldest are dropped."""
+"""Clicks stored while the session is busy; beyond that the oldest are dropped."""
 MARK_ORDER, BOX_ORDER = -3.0, -2.0
 """viser's order of controls in a tab: both before all others, the box directly behind the script."""
 SCRIPT = """if (!window.rnPointer) {
@@ -86,7 +86,7 @@ def curve_id(plot: Plot, column: int) -> str:
 
 
 class Pointer:
-    """What the mouse has done since the session last took it."""
+    """The position, clicks and brush of the mouse since the session last took them."""
 
     def __init__(self, wake: Callable[[], None]) -> None:
         """`wake` is called from viser's threads when the mouse has done something."""
@@ -121,7 +121,7 @@ class Pointer:
         return brush
 
     def receive(self, text: str) -> None:
-        """Keep what the script has written; any other text is ignored."""
+        """Store what the script has written; any other text is ignored."""
         share, *events = text[:MAX_LENGTH].split(" ")
         with self._lock:
             self._fraction = float(share) if SHARE.fullmatch(share) else None

@@ -100,16 +100,18 @@ def in_physical_units(gains: Gains, context: GainContext) -> PhysicalGains:
         raise ValueError("they are beyond all numbers in this world") from None
 
 
-def in_paper_units(words: PhysicalGains, context: GainContext, known: Iterable[Gains]) -> Gains:
-    """The paper's gains of some physical ones. Where a `known` set of gains has the same physical value, the result has
-    its gain to the last bit. Raises ValueError if a gain is outside its range."""
+def in_paper_units(physical: PhysicalGains, context: GainContext, known: Iterable[Gains]) -> Gains:
+    """The paper's gains of physical ones.
+
+    Where a set of `known` gains has the same physical value, the result has the gain of that set to the last bit.
+    Raises ValueError if a gain is outside its range."""
     at, rest = context.at, {"world": context.world, "sensors": context.sensors}
-    unscheduled = [replace(one, mode="constant", attitude=replace(one.attitude, schedule=None)) for one in known]
-    return physical_gains.keep_known(physical_gains.to_paper(words, at, **rest), unscheduled, at, **rest)
+    unscheduled = [replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None)) for gains in known]
+    return physical_gains.keep_known(physical_gains.to_paper(physical, at, **rest), unscheduled, at, **rest)
 
 
 def with_page_labels(sentence: str) -> str:
     """A sentence of the model with the names of the fields replaced by the labels of the page."""
-    for name, word in GAIN_LABELS.items():
-        sentence = sentence.replace(name, word.label)
+    for name, row in GAIN_LABELS.items():
+        sentence = sentence.replace(name, row.label)
     return sentence

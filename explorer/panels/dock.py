@@ -40,11 +40,11 @@ from rangenav.preset import Preset
 from rangenav.signals import Signal
 
 WIDTH = 380
-"""px; narrower, the labels of the sliders break."""
+"""px; in a narrower dock the labels of the sliders would take two lines."""
 TAB_STYLE = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
-"""So that all tabs of a dock stand in one row."""
+"""Narrow tabs, so that all of them fit in one row."""
 SENSORS_SENTENCES = ("seed", "duration × rate", "requirement.window must be at least")
-"""How the errors of a whole preset begin that the Sensors tab causes; all others belong to the Motion tab."""
+"""Beginnings of the errors of a whole preset that are shown in the Sensors tab; others are shown in the Motion tab."""
 
 
 class Dock:
@@ -95,7 +95,7 @@ class Dock:
         """Take over what the visitor has moved, and write what follows from it on the page: the editor of another
         family, gains in other units, the values of a set of sensors, a label with its number.
 
-        Raises InvalidInputError after saying why beside the control, or ValueError if the values do not fit together.
+        Raises InvalidInputError after a complaint below the control, or ValueError if the values do not fit together.
         """
         try:
             self._chosen = self._take_over()
@@ -141,7 +141,7 @@ class Dock:
     @contextmanager
     def catching(self) -> Iterator[None]:
         """Show below its cause, and in the verdict, why no picture can be made; raise InvalidInputError."""
-        self.motion.clear()  # first: what a control is refused for may be said in the same places
+        self.motion.clear()  # first: the complaint about a control may appear in the same places
         self.sensors.clear()
         try:
             yield
@@ -156,7 +156,7 @@ class Dock:
         self.verdict.complaint.clear()
 
     def write(self, settings: Settings) -> None:
-        """Show settings; what differs from the preset they came from can be seen and reset."""
+        """Show settings, and mark the controls that differ from the preset that the settings came from."""
         self._settings = settings
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
@@ -225,7 +225,7 @@ class Dock:
         self.motion.path.replace(change(preset.path, preset.world.anchor))
 
     def relabel_axes(self) -> None:
-        """Name y and z of all axes the other way round."""
+        """Reverse y and z of all axes: z up instead of down, or down instead of up."""
         self.write(relabelled(self.read()))
 
     def _say_not_shown(self, reason: BaseException | None) -> None:

@@ -1,4 +1,4 @@
-"""The timeline: play, scrub, step, speed and loop, with keys for all of them."""
+"""The timeline: play, scrub, step, speed and loop, each with a command and most with a key."""
 
 import time
 from typing import Literal
@@ -19,7 +19,7 @@ BUTTONS = {
     "↻ loop": "loop",
 }
 MAX_WIDTH, MIN_WIDTH, GAP = 700, 480, 10
-"""px; and the distance to the docks."""
+"""px: limits of the width of the panel, and its distance to the docks."""
 KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] | None]] = {
     "play": ("Play or pause", "space"),
     "back": ("One step back in time", "arrowleft"),
@@ -30,7 +30,7 @@ KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] |
     "loop": ("Loop, or stop at the end", None),
 }
 REDRAW = 0.1
-"""s between two moves of the slider while playing; the scene moves at every frame."""
+"""s between two updates of the slider while playing; the scene is updated at every frame."""
 KEEP_CAMERA_STILL = (
     # viser also turns its camera with the arrow keys; its listener sits one level further out than that of the hotkeys.
     '<img alt="" src="data:," style="display:none" onerror="document.documentElement.addEventListener('

@@ -62,7 +62,8 @@ class VerdictPanel:
 
 
 def _head(picture: Picture) -> tuple[str, str, str, str]:
-    """Shape, colour, word and meaning; of an imported curve whose snap is a fit's, or that jumps, why there is none."""
+    """Shape, colour, word and meaning of the verdict. An imported curve that jumps, or whose snap comes from a fit, has
+    no verdict; its meaning is the reason."""
     verdict = picture.analysis.verdict
     if not verdict.judged:
         reason = html.escape(verdict.reason)
@@ -74,21 +75,22 @@ def _head(picture: Picture) -> tuple[str, str, str, str]:
 
 
 def number(value: float, unit: str = "") -> str:
-    """The value with its unit. A length that is rounding is 0."""
+    """The value with its unit. A length of the size of rounding errors is written as 0."""
     return quantity(0.0 if unit == "m" and abs(value) < ROUND_OFF else value, unit)
 
 
 def chips(picture: Picture) -> str:
-    """Labels beside the verdict: switches “as printed” that are on, and a covariance that diverges."""
+    """Labels after the verdict: the switches “as printed” that are on, and a covariance that diverges."""
     printed = picture.settings.printed
     on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
-    chips = [CHIP.format(palette.PRINTED_FORMULA, f"PRINTED: {', '.join(on)}")] if on else []
+    labels = [CHIP.format(palette.PRINTED_FORMULA, f"PRINTED: {', '.join(on)}")] if on else []
     if picture.summary.diverged:
-        chips.append(CHIP.format(palette.ERROR, "⚠ covariance diverges"))
-    return "".join(chips)
+        labels.append(CHIP.format(palette.ERROR, "⚠ covariance diverges"))
+    return "".join(labels)
 
 
 def rows(picture: Picture) -> list[tuple[str, str]]:
+    """Name and text of every row of the verdict's table."""
     rows = [*_observability_rows(picture), *_observer_rows(picture)]
     sentences = sensors.effect_sentences(picture.preset.sensors)
     if sentences:
@@ -159,7 +161,7 @@ def _vehicle(picture: Picture) -> str:
 
 
 def _flyable(picture: Picture) -> list[str]:
-    """Whether the vehicle can fly the motion, and the limits that it would break; a free vehicle has none."""
+    """Whether the vehicle can fly the motion, and the limits that the motion exceeds; a free vehicle has no limits."""
     chosen = picture.preset.vehicle
     name = html.escape(chosen.name)
     if chosen == FREE:
@@ -167,7 +169,7 @@ def _flyable(picture: Picture) -> list[str]:
     if not picture.breaks:
         return [f'<b style="color:{VERDICT_STYLES["observable"][1]}">✓ flyable</b> by {name}']
     head = f'<b style="color:{VERDICT_STYLES["blind"][1]}">✕ not flyable</b> by {name}'
-    return [head, *(f"✕ {html.escape(one.summary)}" for one in picture.breaks)]
+    return [head, *(f"✕ {html.escape(limit_break.summary)}" for limit_break in picture.breaks)]
 
 
 def _demands(picture: Picture) -> str:

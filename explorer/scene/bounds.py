@@ -51,7 +51,7 @@ class SceneBounds:
     cell: float
     """m between grid lines: 1, 2 or 5 times a power of ten."""
     view_centre: Float[Array, "3"]
-    """Where the camera looks."""
+    """The point at which the camera looks."""
     view_radius: float
     """m: what the camera should take in: path, anchor and most of the range sphere."""
 
@@ -148,8 +148,8 @@ def _cut_into_dashes(timed: Float[Array, "n 4"], dash: float) -> Float[Array, "m
     along = _arc_length(timed)
     places = np.union1d(along, np.arange(0.0, along[-1], dash))
     at = np.stack([np.interp(places, along, column) for column in timed.T], axis=1)
-    kept = np.floor((places[:-1] + places[1:]) / 2 / dash) % 2 == 0
-    return np.stack([at[:-1], at[1:]], axis=1)[kept]
+    drawn = np.floor((places[:-1] + places[1:]) / 2 / dash) % 2 == 0
+    return np.stack([at[:-1], at[1:]], axis=1)[drawn]
 
 
 def rotation_from_x(direction: Float[Array, "3"]) -> tuple[float, float, float, float]:

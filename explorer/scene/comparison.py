@@ -1,4 +1,4 @@
-"""The runs that are compared with the one on view, in the 3-D picture.
+"""The runs that are compared with the run on the page, in the 3-D picture.
 
 The pinned run A has its true path where that differs, its estimated path, and a ghost. Each other estimator has its
 estimated path. Every run has the colour that it has in the plots, and dashes of its own length.
@@ -18,7 +18,7 @@ from rangenav.comparison import Candidate
 from rangenav.motion import Motion
 
 PINNED_DASHES = 36
-"""Per radius of the scene; the estimate of the run on view has 14."""
+"""Dashes per radius of the scene; the estimate of the run on the page has 14."""
 ESTIMATOR_DASHES: dict[Name, int] = {"EKF": 7, "refined": 24}
 TRAIL_THICKNESS, PATH_THICKNESS = 2.0, 1.5
 """px; the true path has 3."""

@@ -1,6 +1,6 @@
 """Drag handles of the anchor and the waypoints: a sphere moves across the screen, a gizmo along an axis.
 
-viser's loop     a handle is moved: keep the latest position, wake()          nothing else
+viser's loop     a handle is moved: store the latest position, wake()         nothing else
 session's loop   for move in handles.take_moves(): settings = …               the dragged handle follows the pointer
                  handles.draw(anchor, waypoints, scene.bounds)                all other handles follow the settings
 
@@ -38,7 +38,7 @@ Callback = Coroutine[Any, Any, None]
 
 
 class _Handle:
-    """A sphere to be dragged; a waypoint's has its number as a label."""
+    """A sphere to be dragged. The sphere of a waypoint has the number of the waypoint as its label."""
 
     def __init__(self, scene: SceneApi, kind: HandleKind, index: int) -> None:
         self.kind: HandleKind = kind
@@ -76,7 +76,7 @@ class DragHandles:
         self._shown = 0
         self._step = 1e-3
         self._touched: _Handle | None = None
-        """The handle that the visitor touched since the session last looked; it is given the gizmo."""
+        """The handle that was touched since the last `take_moves`, which then moves the gizmo to it."""
         self._selected: _Handle | None = None
         """The handle that carries the gizmo."""
         self._handle_clicked_at = self._background_clicked_at = -math.inf
@@ -95,8 +95,8 @@ class DragHandles:
         return any(handle.drag is not None for handle in self._drawn())
 
     def draw(self, anchor: Vec3, waypoints: tuple[Vec3, ...], bounds: SceneBounds) -> None:
-        """Show the handles where the settings have anchor and waypoints (m); a handle that is held stays at the
-        pointer."""
+        """Show the handles at the anchor and the waypoints of the settings (m). A handle that is being dragged stays at
+        the pointer."""
         self._step = 10.0 ** math.floor(math.log10(bounds.radius / STEPS_PER_RADIUS))
         self._show_waypoints(len(waypoints))
         for handle, position in zip(self._drawn(), (anchor, *waypoints), strict=False):
@@ -108,8 +108,8 @@ class DragHandles:
         self._draw_gizmo()
 
     def take_moves(self) -> list[HandleMove]:
-        """The moves since the last call, at most one for each handle, at its latest position; the picture already shows
-        the handles there."""
+        """The moves since the last call, at most one for each handle: to its latest position, where the scene shows it
+        already."""
         taken = (self._take_move(handle) for handle in self._drawn())
         moves = [move for move in taken if move is not None]
         self._update_selection()
@@ -186,7 +186,9 @@ class DragHandles:
             else:
                 self._scene.on_click()(self._background_clicked)
         if selected is not None and (selected.drag is None or selected.drag.start is not None):
-            self._gizmo.position = selected.position  # not while it is dragged itself: the browser has moved it already
+            self._gizmo.position = (
+                selected.position
+            )  # not while the gizmo itself is dragged: the browser has already moved it
 
     def _drag_callback(self, handle: _Handle) -> Callable[[SceneNodeDragEvent[Any]], Callback]:
         async def dragged(event: SceneNodeDragEvent[Any]) -> None:  # async: viser calls only those in their order
@@ -212,7 +214,7 @@ class DragHandles:
             self._record(self._selected, event.phase, None, event.target.position.tolist())
 
     def _record(self, handle: _Handle, phase: str, start: Any, latest: Any) -> None:
-        """Keep the latest position of a drag; one that the session has not taken is replaced."""
+        """Store the latest position of a drag, in place of one that the session has not taken."""
         with self._lock:
             if phase == "start":
                 handle.drag, self._touched = Drag(handle.position, start), handle

@@ -1,4 +1,4 @@
-"""Where a drag handle goes: position = origin + (pointer now − pointer at the press), for each axis.
+"""The position of a dragged handle: position = origin + (pointer now − pointer at the press), for each axis.
 
 A browser may send anything. A position is accepted only if it is three finite numbers within 100 km of the origin.
 """
@@ -20,7 +20,7 @@ class HandleMove:
 
     kind: HandleKind
     index: int
-    """Of the waypoint, from 0."""
+    """The index of the waypoint, from 0."""
     position: Vec3
     """m, inertial frame."""
     done: bool
@@ -32,13 +32,13 @@ class Drag:
     """A drag in progress, from the press until the session has taken the release."""
 
     origin: Vec3
-    """m; where the handle was at the press."""
+    """m; the position of the handle at the press."""
     start: Any
-    """Where the pointer was at the press, unchecked; None when the gizmo moves the handle."""
+    """The position of the pointer at the press, unchecked; None when the gizmo moves the handle."""
     latest: Any = None
-    """Where the pointer is now, unchecked."""
+    """The latest position of the pointer, unchecked."""
     moved: bool = False
-    """Whether `latest` has come since the session last took the drag."""
+    """Whether `latest` is newer than the last `take_moves`."""
     done: bool = False
     last_valid: Vec3 | None = None
     """m; the last position that was accepted."""
@@ -59,11 +59,11 @@ def dragged_position(drag: Drag, latest: Any, step: float) -> Vec3 | None:
     return (moved[0], moved[1], moved[2]) if is_position(moved) else None
 
 
-def is_position(sent: Any) -> bool:
+def is_position(value: Any) -> bool:
     """Whether a value from the browser is three finite numbers within reach."""
     return (
-        isinstance(sent, tuple | list)
-        and len(sent) == 3
-        and all(isinstance(entry, float | int) for entry in sent)
-        and all(abs(entry) <= MAX_REACH for entry in sent)  # false for NaN
+        isinstance(value, tuple | list)
+        and len(value) == 3
+        and all(isinstance(entry, float | int) for entry in value)
+        and all(abs(entry) <= MAX_REACH for entry in value)  # false for NaN
     )

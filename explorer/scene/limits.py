@@ -1,4 +1,4 @@
-"""Where the path asks more than the vehicle's limits allow: a thick line over that part, and markers with a label.
+"""The parts of the path that exceed limits of the vehicle: a thick line over them, and markers with labels.
 
 Each marker stands where one limit is exceeded most. The line is recognised without its colour: it is wider than the
 other lines, and the estimate's path is dashed.
@@ -19,9 +19,9 @@ from rangenav.number_format import quantity, significant
 from rangenav.vehicle import WORDS, Break
 
 THICKNESS = 8.0
-"""px; the path itself has 3."""
+"""px; the line of the path itself has 3."""
 LABEL_ANCHORS = ("bottom-left", "top-left", "bottom-right")
-"""On which side of its marker each label lies: two limits are often exceeded most at the same position."""
+"""The sides of the markers on which the labels lie: two limits are often exceeded most at the same position."""
 MARKER_SHARE = 0.12
 """Radius of a marker, in units of the scene."""
 
@@ -61,7 +61,9 @@ class LimitMarks:
 
 def exceeding_samples(breaks: tuple[Break, ...], count: int) -> Bool[Array, "n"]:
     """The samples at which any limit is exceeded."""
-    return np.logical_or.reduce([one.where for one in breaks]) if breaks else np.zeros(count, dtype=bool)
+    return (
+        np.logical_or.reduce([limit_break.where for limit_break in breaks]) if breaks else np.zeros(count, dtype=bool)
+    )
 
 
 def exceeding_segments(motion: Motion, where: Bool[Array, "n"], bounds: SceneBounds) -> Float[Array, "m 2 3"]:
@@ -71,13 +73,13 @@ def exceeding_segments(motion: Motion, where: Bool[Array, "n"], bounds: SceneBou
     return np.stack([motion.position[ends[:-1][hit]], motion.position[ends[1:][hit]]], axis=1)
 
 
-def marker_label(one: Break) -> str:
+def marker_label(limit_break: Break) -> str:
     """Which limit is exceeded, the value that is reached, and when."""
-    name, unit = WORDS[one.limit]
-    if one.limit == "thrust_to_weight":
-        reached = f"{significant(one.reached)} × weight"
-    elif one.limit == "tilt":
-        reached = quantity(math.degrees(one.reached), "°")
+    name, unit = WORDS[limit_break.limit]
+    if limit_break.limit == "thrust_to_weight":
+        reached = f"{significant(limit_break.reached)} × weight"
+    elif limit_break.limit == "tilt":
+        reached = quantity(math.degrees(limit_break.reached), "°")
     else:
-        reached = quantity(one.reached, unit)
-    return f"✕ {name} {reached} at {one.at:.1f} s"
+        reached = quantity(limit_break.reached, unit)
+    return f"✕ {name} {reached} at {limit_break.at:.1f} s"

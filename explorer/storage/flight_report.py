@@ -1,4 +1,4 @@
-"""The report on a recorded flight: was it informative, and how far off are the observers on its ranges?
+"""The report on a recorded flight: was it informative, and how large are the errors of the observers?
 
 The functions are those of `rangenav log`: rest.world_of → logs.informative → logs.observe.
 """

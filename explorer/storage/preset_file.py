@@ -25,8 +25,9 @@ def document(settings: Settings) -> bytes:
 
 
 def verdict_comments(shown: Preset) -> str:
-    """Comment lines that state what was computed, without a word from the preset's own text; of an imported curve whose
-    snap is a fit's, or that jumps, that nothing is judged."""
+    """Comment lines with the verdict and its figures; they contain no text of the preset.
+
+    For an imported curve that jumps, or whose snap comes from a fit, they state that nothing is judged."""
     found, needed = analysis.analyse(shown), shown.requirement
     if not found.verdict.judged:
         return UNJUDGED

@@ -159,7 +159,7 @@ class ComparePanel:
         _assign(self._consistency, text.consistency(consistency.of_run(picture), many, count, matched=matched))
 
     def pin(self) -> None:
-        """Keep the run on the page as A."""
+        """Pin the run on the page as A."""
         self.pinned, self._changed = self._picture, True
 
     def _unpin(self) -> None:

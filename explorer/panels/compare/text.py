@@ -1,4 +1,5 @@
-"""The text and the tables of the Compare tab, as HTML. Names of presets and of files come from visitors: escaped."""
+"""The text and the tables of the Compare tab, as HTML. Names of presets and files come from visitors, so they are
+escaped."""
 
 import html
 from collections.abc import Iterable
@@ -11,7 +12,6 @@ from rangenav.ensemble import Ensemble, spread
 from rangenav.number_format import NEVER, percent, quantity, significant
 from rangenav.record import Summary
 
-"""The run on view."""
 BLOCK = (
     '<div style="padding:0.2em 0.9em 0.5em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">{}</div>'
 )
@@ -22,7 +22,7 @@ GREY = '<span style="opacity:.7">{}</span>'
 
 
 def nothing_pinned() -> str:
-    """The use of pinning, while nothing is pinned."""
+    """A text on the use of pinning, shown while no run is pinned."""
     return BLOCK.format(
         GREY.format("Pin a run, change anything: A stays in every plot, and what changed is told here.")
     )
@@ -58,11 +58,11 @@ def seeds(picture: Picture, runs: Ensemble | None, message: str) -> str:
         _row(
             [
                 name,
-                f"<b>{quantity(middle.median, unit, otherwise=NEVER)}</b>",
-                " – ".join(quantity(end, unit, otherwise=NEVER) for end in (middle.low, middle.high)),
+                f"<b>{quantity(statistics.median, unit, otherwise=NEVER)}</b>",
+                " – ".join(quantity(end, unit, otherwise=NEVER) for end in (statistics.low, statistics.high)),
             ]
         )
-        for name, middle, unit in ((name, spread(values), unit) for name, values, unit in rows)
+        for name, statistics, unit in ((name, spread(values), unit) for name, values, unit in rows)
     )
     return BLOCK.format(
         f"{seed_text}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude."
@@ -75,9 +75,9 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
     if not shown:
         return BLOCK.format(GREY.format("Switch one on: it runs on the same record, and is drawn beside the cascade."))
     steps = len(picture.motion.time) - 1
-    cost = _milliseconds(picture.summary, steps)
+    cascade_duration = _milliseconds(picture.summary, steps)
     lines = _head(["", "settled", "steady", "time"]) + _estimator_row(
-        "cascade", palette.ESTIMATE, picture.summary, steps, cost
+        "cascade", palette.ESTIMATE, picture.summary, steps, cascade_duration
     )
     texts = []
     for name, candidate in shown:
@@ -85,33 +85,36 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
         if candidate is None:
             lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
         else:
-            lines += _estimator_row(name, color, candidate.summary, steps, cost)
+            lines += _estimator_row(name, color, candidate.summary, steps, cascade_duration)
             texts.append(f"<b>{name}</b>: {html.escape(candidate.outcome)}")
     texts += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
     return BLOCK.format(TABLE.format(lines) + "<br>".join(texts))
 
 
-def _estimator_row(name: str, color: str, summary: Summary, steps: int, cost: float) -> str:
+def _estimator_row(name: str, color: str, summary: Summary, steps: int, cascade_duration: float) -> str:
+    """One estimator's row; `cascade_duration` (ms) is the computing time of the cascade, for comparison."""
     settled = quantity(summary.settle_position_s, "s", otherwise=NEVER)
     steady = f"<b>{significant(summary.steady_position)} m</b>, {significant(summary.steady_attitude_deg)}°"
-    seed_text = _milliseconds(summary, steps)
-    ratio = f" ({significant(seed_text / cost, 2)}×)" if cost > 0 and name != "cascade" else ""
-    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{quantity(seed_text, 'ms')}{ratio}"])
+    duration = _milliseconds(summary, steps)
+    ratio = f" ({significant(duration / cascade_duration, 2)}×)" if cascade_duration > 0 and name != "cascade" else ""
+    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{quantity(duration, 'ms')}{ratio}"])
 
 
 def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int, *, matched: bool) -> str:
     """Normalized innovations (NIS) and errors (NEES), and predicted and achieved σ, over the last quarter."""
-    columns = [run] if of_seeds is None else [run, of_seeds]
+    results = [run] if of_seeds is None else [run, of_seeds]
     lines = _head(["last quarter", "this run", *([f"{count} seeds"] if of_seeds is not None else [])])
-    lines += _row(["NIS (1 expected)", *(f"<b>{significant(column.nis)}</b>" for column in columns)])
-    lines += _row(["inside its 95 % band", *(percent(column.nis_inside) for column in columns)])
-    lines += _row(["NEES (3 expected)", *(f"<b>{significant(column.nees)}</b>" for column in columns)])
-    lines += _row(["its 95 % band", *(f"{significant(c.nees_low)} – {significant(c.nees_high)}" for c in columns)])
-    lines += _row(["inside it", *(percent(column.nees_inside) for column in columns)])
-    lines += _row(["σ achieved (RMS)", *(f"<b>{quantity(column.achieved, 'm')}</b>" for column in columns)])
-    lines += _row(["σ that P claims", *(quantity(column.estimated, "m") for column in columns)])
-    lines += _row(["σ predicted, lifted", *(quantity(column.lifted, "m") for column in columns)])
-    lines += _row(["σ predicted, nonlinear", *(quantity(column.cramer_rao, "m") for column in columns)])
+    lines += _row(["NIS (1 expected)", *(f"<b>{significant(result.nis)}</b>" for result in results)])
+    lines += _row(["inside its 95 % band", *(percent(result.nis_inside) for result in results)])
+    lines += _row(["NEES (3 expected)", *(f"<b>{significant(result.nees)}</b>" for result in results)])
+    lines += _row(
+        ["its 95 % band", *(f"{significant(result.nees_low)} – {significant(result.nees_high)}" for result in results)]
+    )
+    lines += _row(["inside it", *(percent(result.nees_inside) for result in results)])
+    lines += _row(["σ achieved (RMS)", *(f"<b>{quantity(result.achieved, 'm')}</b>" for result in results)])
+    lines += _row(["σ that P claims", *(quantity(result.estimated, "m") for result in results)])
+    lines += _row(["σ predicted, lifted", *(quantity(result.lifted, "m") for result in results)])
+    lines += _row(["σ predicted, nonlinear", *(quantity(result.cramer_rao, "m") for result in results)])
     text = (
         "Bands here are of single values; many seeds have one of their mean, which is narrow."
         if of_seeds is None
@@ -141,4 +144,5 @@ def _row(cells: list[str]) -> str:
 
 
 def _milliseconds(summary: Summary, steps: int) -> float:
+    """Computing time (ms) of a run of so many steps."""
     return summary.microseconds_per_step * steps / 1e3

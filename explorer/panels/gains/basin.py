@@ -1,8 +1,10 @@
-"""Basin of attraction: settling times of the attitude filter from starts about axes all around, as a globe in 3-D.
+"""Basin of attraction: settling times of the attitude filter for starts about axes in all directions, on a globe.
 
-The convergence is almost global (paper, theorem), and yet starts near the undesired equilibria linger: the globe shows
-where, and for how long. A globe belongs to the settings that it was computed for, except for their initial attitude
-error. It disappears when these settings change. Autosave and undo do not include it.
+The convergence is almost global (paper, theorem), but starts near the undesired equilibria converge slowly: the globe
+shows which starts do, and how long they take.
+
+A globe belongs to the settings that it was computed for, except for their initial attitude error. It disappears when
+these settings change. Autosave and undo do not include it.
 """
 
 import html

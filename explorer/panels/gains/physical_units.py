@@ -50,7 +50,7 @@ class PhysicalDials:
         self._add(self.attitude, ATTITUDE)
 
     def write(self, gains: Gains, base: Gains) -> None:
-        """Take gains; the next `read`, which knows the path, shows them."""
+        """Take gains. The next `read` shows them, because their physical values depend on the path."""
         self._gains, self._base, self._context = gains, base, None
 
     def show(self, visible: bool, *, noise: bool) -> None:
@@ -81,7 +81,7 @@ class PhysicalDials:
         return self._gains
 
     def _keep_without_values(self, why: str, error: ValueError, moved_dials: dict[str, float]) -> Gains:
-        """Keep the gains, and say why they have no physical values here. A dial that was moved is refused."""
+        """Leave the gains as they are, and show why they have no physical values. A dial that was moved is refused."""
         self.noise.complaint.say(f"no physical values: {why}")
         if moved_dials:
             raise InvalidInputError from error

@@ -1,4 +1,6 @@
-"""One signal on the page: the menu of families, and the editor of the family in use. The others keep what was typed."""
+"""One signal on the page: the menu of families, and the editor of the family in use.
+
+The editors of the other families are hidden, and their text and values stay as they were typed."""
 
 from collections.abc import Mapping
 
@@ -14,7 +16,7 @@ from rangenav.signals import AngularVelocity, Multisine, Waypoint
 
 
 class SignalEditor:
-    """A menu of families, and below it the editor of the chosen family. An editor is made when it is first needed."""
+    """A menu of families, and below it the editor of the chosen family. An editor is created at its first use."""
 
     def __init__(
         self, form: Form, slot: SignalSlot, labels: Mapping[str, str], *, hint: str, visible: bool = True
@@ -42,7 +44,7 @@ class SignalEditor:
     def write(
         self, signal: AngularVelocity, base: AngularVelocity | None, drafts: tuple[AngularVelocity, ...] = ()
     ) -> None:
-        """Show a signal, and keep drafts of other families."""
+        """Show a signal, and store drafts of other families."""
         self._base = base
         self._last_valid = {self._family_name(draft): draft for draft in drafts}
         family = self._family_name(signal)

@@ -17,13 +17,13 @@ from rangenav.preset import Preset
 SIDE, MARGIN, POINTS = 92, 7, 240
 """px of one drawing and of the space around its path; points along it."""
 CACHED_DRAWINGS = 64
-"""Drawings remembered."""
+"""The largest number of drawings in the cache."""
 BADGES = {
     "observable": ("●", palette.GOOD, "CERTIFIED OBSERVABLE"),
     "weak": ("▲", palette.WARNING, "CERTIFIED WEAK"),
     "unobservable": ("✕", palette.UNOBSERVABLE, "CERTIFIED UNOBSERVABLE"),
 }
-"""Shape, colour (on white, on black) and words of what a certificate confirms, by what the preset expects."""
+"""Shape, colour (on white, on black) and text of the badge of a certified preset, by the verdict it expects."""
 UNCERTIFIED = ("◌", palette.ERROR, "UNCERTIFIED")
 BEING_CERTIFIED = ("◌", palette.NEUTRAL, "BEING CERTIFIED …")
 EXPECTED_TEXTS = {
@@ -57,7 +57,7 @@ def card(preset: Preset, certificate_or_reason: CertificateOrReason | None, *, c
 
 
 def badge(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> tuple[str, str, str]:
-    """Shape, colour and words of what is known about a preset."""
+    """Shape, colour and text of a preset's badge: certified, not certified, or being certified."""
     if certificate_or_reason is None:
         return BEING_CERTIFIED
     return (
@@ -103,7 +103,7 @@ def picture(preset: Preset, view: Float[Array, "3 2"], side: int, points: int, t
 
 
 def _positions(preset: Preset, points: int) -> Float[Array, "n 3"]:
-    """Where the path goes, z up."""
+    """Positions (m) along the path, z up."""
     length = min(preset.duration, preset.path.period or preset.duration)
     return preset.path(np.linspace(0.0, length, points)) * (1.0, 1.0, _up(preset))
 

@@ -16,7 +16,7 @@ from explorer.widgets.form import Form, Section
 from rangenav.preset import Preset
 
 SIDE, POINTS = 70, 120
-"""px of a drawing, so that four stand beside each other in the dock; points along it."""
+"""px of a drawing, of which four fit in a row of the dock; and the number of points along it."""
 MAX_TILES = 60
 """More tiles would make the page slow; the menu has all presets."""
 CACHED_DRAWINGS = 2 * MAX_TILES

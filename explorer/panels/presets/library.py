@@ -153,9 +153,9 @@ def _show_message(line: viser.GuiHtmlHandle, sentence: str) -> None:
 
 
 def _other_file_note(name: str, title: str) -> str:
-    """A note if the file could not get the name that the title would give it, because another file has it."""
-    usual = slug(title)
-    return "" if display_name(name) == usual else f", beside {usual}.toml, which is left as it was"
+    """A remark if the file has another name than its title suggests, because another file has that name."""
+    suggested = slug(title)
+    return "" if display_name(name) == suggested else f", beside {suggested}.toml, which is left as it was"
 
 
 def file_text(name: str) -> str:

@@ -48,7 +48,7 @@ class RepairPanel:
     """A kind of change, two buttons, and the proposed change."""
 
     def __init__(self, form: Form, page: Page, jobs: Jobs, pin: Action) -> None:
-        """`pin` keeps the run on the page as A."""
+        """`pin` pins the run on the page as A."""
         self._page, self._jobs, self._pin = page, jobs, pin
         self._section = section = Section(form, "Repair", expanded=False)
         self._result: Repair | None = None
@@ -81,7 +81,7 @@ class RepairPanel:
         self._jobs.start(f"{name} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by))
 
     def _refuse(self, by: ChangeKind, reason: str) -> None:
-        """Show why no change was found, with the menu's label of the kind of change."""
+        """Show why there is no such change, with the label of its kind in the menu."""
         self._section.answer(reason.replace(f"{by}: ", f"{CHANGE_LABELS[by]}: ", 1))
 
     def show(self, result: Repair) -> None:
@@ -116,8 +116,9 @@ class RepairPanel:
 
 
 def accepted(settings: Settings, result: Repair) -> Settings:
-    """The settings with what was changed in them, and with what the visitor has chosen otherwise meanwhile; time scale
-    and printed start are in the path."""
+    """The settings with the changes of a repair, and with everything else as the visitor has chosen it meanwhile.
+
+    The repaired path contains the time scale and the printed initial values, so both are switched off."""
     changed = {
         name: getattr(result.after, name)
         for name in result.after.__struct_fields__
@@ -129,7 +130,7 @@ def accepted(settings: Settings, result: Repair) -> Settings:
 
 
 def repair_text(result: Repair) -> tuple[str, ...]:
-    """What was changed, and what the certificate of the result says."""
+    """Sentences: the change, and the verdict of the certificate of its result."""
     certificate = result.certificate
     certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
     broken = certificate.vehicle.broken
@@ -138,7 +139,7 @@ def repair_text(result: Repair) -> tuple[str, ...]:
 
 
 def figures(result: Repair) -> str:
-    """Before and after, side by side."""
+    """A table of μ and σ before and after the change."""
     before, after = result.figures_before, result.figures_after
     return table(
         ("", "before (A)", "after (B)"),

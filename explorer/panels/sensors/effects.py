@@ -1,4 +1,4 @@
-"""The effects that the paper does not model: one control for each field of `Effects`, made from the field's row."""
+"""The effects that the paper does not model: one control for each field of `Effects`, by the field's row."""
 
 import html
 from typing import Any

@@ -14,7 +14,7 @@ from rangenav.signals import AngularVelocity
 
 @dataclass(frozen=True, kw_only=True)
 class SignalSlot:
-    """What tells the edited signals (path, wiggle, angular velocity) apart on the page."""
+    """The properties in which the edited signals (path, wiggle, angular velocity) differ on the page."""
 
     unit: str
     amplitude: tuple[float, float]

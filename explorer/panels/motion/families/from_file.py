@@ -1,4 +1,4 @@
-"""A signal that no editor can show, such as a sum as an angular velocity: it is described, and kept as it is."""
+"""A signal that no editor can show, such as a sum as an angular velocity: it is described, and stays as it is."""
 
 import html
 
