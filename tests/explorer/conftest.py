@@ -10,7 +10,7 @@ from tests.support.sent_messages import Page
 
 @pytest.fixture
 def page() -> Iterator[Page]:
-    """Remembers every message that a server would send to its one visitor."""
+    """A page that records every message which the server would send to a visitor."""
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     yield Page(server)
     server.stop()

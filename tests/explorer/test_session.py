@@ -1,4 +1,4 @@
-"""A visitor's session through viser's messages: latest wins, nonsense gets a sentence, tabs are apart."""
+"""A session through viser's messages: the latest change counts, bad input gets a complaint, tabs are independent."""
 
 import math
 import threading
@@ -53,7 +53,7 @@ def _drawn(tab: Wire) -> str:
 
 
 def _settled(tab: Wire) -> None:
-    """Until the server has said nothing new for a while."""
+    """Wait until the server has sent nothing for a while."""
     before = None
     while before != (before := sum(tab.counts.values())):
         time.sleep(0.3)
@@ -154,8 +154,8 @@ def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
         visitor.set("q", 1.0 + step / 30)
     visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •", "the last value")
     _settled(visitor)
-    made = sum(len(group.plots) for group in plot_list.GROUPS)
-    assert visitor.counts["GuiUplotMessage"] <= made  # plots are made once, however many changes come
+    plot_count = sum(len(group.plots) for group in plot_list.GROUPS)
+    assert visitor.counts["GuiUplotMessage"] <= plot_count  # plots are created once, however many changes arrive
     assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •"
 
 
@@ -243,7 +243,7 @@ def test_the_clock_plays_loops_and_stops():
     clock.advance(101.0)
     assert clock.time == 1.0
     assert clock.wait(101.0) == pytest.approx(1 / FRAME_RATE)
-    assert clock.wait(105.0) == 0.0  # late frames are dropped, not made up for
+    assert clock.wait(105.0) == 0.0  # late frames are dropped
     clock.change_speed(+1)
     clock.advance(106.0)
     assert clock.time == 1.0  # 1 + 5 · 2 = 11 s of a 10 s run that loops

@@ -1,4 +1,4 @@
-"""A value of every effect of real sensors that switches it on, made from the effects' rows."""
+"""An example value, different from the default, for every sensor effect that the paper does not model."""
 
 from typing import Any
 

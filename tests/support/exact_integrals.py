@@ -29,7 +29,7 @@ class Stretch:
 
 
 def stretches(curve: Curve, first: float, last: float) -> list[Stretch]:
-    """The curve from first to last (s), cut at its knots; it stands still, or begins anew, outside its pieces."""
+    """The curve from first to last (s), cut at its knots. Outside its pieces it rests, or repeats with its period."""
     knots, table = _table(curve)
     start, end = mp.mpf(first), mp.mpf(last)
     duration = knots[-1] - knots[0]
@@ -54,11 +54,11 @@ def excitation(curve: Curve, start: float, window: float) -> np.ndarray:
 
 def lifted(curve: Curve, gravity: tuple, start: float, window: float) -> np.ndarray:
     """Eigenvalues of the lifted Gramian (1/δ)∫hᵀh, ascending."""
-    found = stretches(curve, start, start + window)
-    position = [axis[0] for axis in found[0].axes]
-    velocity = [value(derivative(axis, 1), mp.mpf(0)) for axis in found[0].axes]
+    parts = stretches(curve, start, start + window)
+    position = [axis[0] for axis in parts[0].axes]
+    velocity = [value(derivative(axis, 1), mp.mpf(0)) for axis in parts[0].axes]
     rows = []
-    for stretch in found:
+    for stretch in parts:
         tau = [stretch.begin - mp.mpf(start), mp.mpf(1)]
         square = [c / 2 for c in times(tau, tau)]
         fall = [[-p] for p in position]
@@ -84,12 +84,12 @@ def nonlinear(curve: Curve, anchor: tuple, start: float, window: float) -> np.nd
 
 
 def value(polynomial: Polynomial, u: Real) -> Real:
-    """At u, by Horner's scheme."""
+    """The value of a polynomial at u, by Horner's scheme."""
     return mp.polyval(polynomial[::-1], u)
 
 
 def derivative(polynomial: Polynomial, order: int) -> Polynomial:
-    """Of any order."""
+    """The derivative of a polynomial, of any order."""
     for _ in range(order):
         polynomial = [j * c for j, c in enumerate(polynomial)][1:] or [mp.mpf(0)]
     return polynomial
@@ -105,16 +105,16 @@ def moved(polynomial: Polynomial, shift: Real) -> Polynomial:
 
 
 def times(a: Polynomial, b: Polynomial) -> Polynomial:
-    """Their product."""
-    found = [mp.mpf(0)] * (len(a) + len(b) - 1)
+    """The product of two polynomials."""
+    product = [mp.mpf(0)] * (len(a) + len(b) - 1)
     for i, x in enumerate(a):
         for j, y in enumerate(b):
-            found[i + j] += x * y
-    return found
+            product[i + j] += x * y
+    return product
 
 
 def plus(*terms: Polynomial) -> Polynomial:
-    """Their sum."""
+    """The sum of polynomials."""
     return [mp.fsum(t[j] for t in terms if j < len(t)) for j in range(max(map(len, terms)))]
 
 
@@ -129,7 +129,7 @@ def _table(curve: Curve) -> tuple[list[Real], list[list[Polynomial]]]:
 
 
 def _eigenvalues(rows: list[tuple[list[Polynomial], Real]], size: int) -> np.ndarray:
-    """Of the sum over stretches of ∫hᵀh."""
+    """Eigenvalues of the sum of ∫hᵀh over all stretches, ascending."""
     W = mp.zeros(size)
     for h, length in rows:
         powers = [length**j for j in range(60)]

@@ -1,4 +1,4 @@
-"""The nine-state problem once more, written to be read: scipy's rotations and matrix exponential, matrices in full."""
+"""A reference implementation of the nine-state error dynamics, with scipy's rotations and matrix exponential."""
 
 import numpy as np
 from scipy.linalg import expm
@@ -16,7 +16,7 @@ def axes(setting: ObserverConfig) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def turn(z: Measurements, k: int) -> np.ndarray:
-    """Body axes at k + 1 seen from those at k."""
+    """The rotation from body axes at k + 1 to body axes at k."""
     return Rotation.from_rotvec((z.gyro[k] + z.gyro[k + 1]) / 2 * (z.time[k + 1] - z.time[k])).as_matrix()
 
 
@@ -37,7 +37,7 @@ def transition(a: np.ndarray, h: float) -> np.ndarray:
 
 
 def noise_input(h: float) -> np.ndarray:
-    """Where the velocity's and the attitude's noise go: the former is spread over the interval."""
+    """The input matrix of velocity and attitude noise; velocity noise acts evenly over the interval."""
     G = np.zeros((9, 6))
     G[:3, :3], G[3:6, :3], G[6:, 3:] = h / 2 * np.eye(3), np.eye(3), np.eye(3)
     return G
@@ -49,7 +49,7 @@ def intensity(noise: Noise, rate: float, h: float) -> np.ndarray:
 
 
 def ranges_at(z: Measurements, k: int) -> np.ndarray:
-    """Numbers of the ranges since the sample before."""
+    """Indices of the ranges after sample k − 1, up to sample k."""
     before = z.time[k - 1] if k > 0 else -np.inf
     return np.flatnonzero((z.range_time > before) & (z.range_time <= z.time[k]) & (z.range_time >= z.time[0]))
 
@@ -57,7 +57,7 @@ def ranges_at(z: Measurements, k: int) -> np.ndarray:
 def outputs(
     z: Measurements, k: int, p: np.ndarray, v: np.ndarray, R: np.ndarray, a: np.ndarray, setting: ObserverConfig
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Residuals, rows and variances of everything that sample k brings: ranges, then all three of R m_y − m."""
+    """Residuals, rows and variances of the measurements at sample k: ranges, then all three components of R m_y − m."""
     g, m, _ = axes(setting)
     noise = setting.sensors.noise
     residuals, rows, variances = [], [], []

@@ -1,4 +1,4 @@
-"""Settings as a visitor of the page could have made them, drawn by hypothesis; every field of every value is drawn.
+"""Settings as a visitor of the page could choose them, drawn by hypothesis; every field of every value is drawn.
 
 A field that is added to a value and not drawn here fails the import, so that no panel can lose it unnoticed.
 """
@@ -31,7 +31,7 @@ SLOW_DRAWS = (
     HealthCheck.large_base_example,
     HealthCheck.function_scoped_fixture,
 )
-"""For tests that draw whole settings, which takes hypothesis long, and many of which fit no rate."""
+"""For tests that draw whole settings: they are drawn slowly, and many are rejected for their rates."""
 EVERYTHING = Effects(
     gyro_bias=(0.1 / 3, -0.2, 1e-9),
     accel_bias=(0.1, 1 / 7, -0.3),
@@ -119,13 +119,13 @@ FIELDS: dict[str, st.SearchStrategy[Any]] = {
     "vehicle": st.sampled_from(CATALOGUE),
 }
 WITHOUT_CONTROLS = {"version", "title", "story", "expect", "requirement", "source"}
-"""Fields of a preset that stay as in the preset; of the requirement, the page sets the window."""
+"""Fields of a preset that have no control; only the window of the requirement has one."""
 if set(FIELDS) | WITHOUT_CONTROLS != set(Preset.__struct_fields__):
     raise TypeError(f"Preset: {set(FIELDS) ^ set(Preset.__struct_fields__) ^ WITHOUT_CONTROLS} not drawn, or no field")
 
 
-def _as_kept(used: AngularVelocity | None, drafts: list[Any]) -> tuple[Any, ...]:
-    """Drafts as the page leaves them: one of each family that is not in use."""
+def _other_drafts(used: AngularVelocity | None, drafts: list[Any]) -> tuple[Any, ...]:
+    """Drafts as the page stores them: one for each family that is not in use."""
     each = {family_name(draft): draft for draft in drafts}
     if used is not None:
         each.pop(family_name(used), None)
@@ -145,9 +145,9 @@ def page_settings(draw: st.DrawFn) -> Settings:
     path, few = p.path, st.lists(FAMILIES, max_size=4)
     base, wiggle = (path.base, path.wiggle) if isinstance(path, Sum) else (path, None)
     drafts = Drafts(
-        path=_as_kept(base, draw(few)),
-        wiggle=_as_kept(wiggle, draw(few)),
-        angular_velocity=_as_kept(p.angular_velocity, draw(st.lists(ANGULAR_VELOCITIES, max_size=4))),
+        path=_other_drafts(base, draw(few)),
+        wiggle=_other_drafts(wiggle, draw(few)),
+        angular_velocity=_other_drafts(p.angular_velocity, draw(st.lists(ANGULAR_VELOCITIES, max_size=4))),
     )
     switches = draw(every_field(Printed, **dict.fromkeys(Printed.__struct_fields__, st.booleans())))
     return Settings(origin=origin, preset=p, time_scale=draw(st.floats(0.1, 10)), printed=switches, drafts=drafts)

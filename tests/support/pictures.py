@@ -1,4 +1,4 @@
-"""Pictures of shipped presets, as the page computes them; and one whose estimate runs away."""
+"""Pictures of shipped presets, as the page computes them, and one whose estimate diverges."""
 
 import dataclasses
 from functools import lru_cache
@@ -13,7 +13,7 @@ from rangenav import preset
 
 @lru_cache(maxsize=16)
 def picture(name: str) -> Picture:
-    """What the page shows of a shipped preset."""
+    """The picture of a shipped preset."""
     return compute(Settings(preset=preset.load(name)))
 
 
@@ -34,16 +34,16 @@ def astronomic(name: str) -> Picture:
 
 
 def check_drawable(plot: Plot, drawing: Drawing) -> None:
-    """Finite, or NaN to the end; positive on a log axis; one column for each curve."""
+    """Check that a drawing is finite, or NaN to the end; positive on a log axis; with one column for each curve."""
     low, high = drawing.axis
     assert drawing.drawn.shape == drawing.values.shape == (len(drawing.time), len(plot.curves))
     assert np.isfinite([low, high]).all()
     assert low < high
     ended = np.isnan(drawing.drawn)
     assert np.array_equal(ended, np.maximum.accumulate(ended, axis=0)), f"{plot.name}: a line would bridge the gap"
-    kept = drawing.drawn[~ended]
-    assert np.isfinite(kept).all()
+    shown = drawing.drawn[~ended]
+    assert np.isfinite(shown).all()
     if plot.log:
-        assert (kept > 0).all()
+        assert (shown > 0).all()
         assert low > 0
     assert (np.diff(drawing.time) > 0).all()

@@ -1,4 +1,4 @@
-"""Real files that nobody here wrote; they stay where they are, and tests that want them skip where they are not."""
+"""Recorded files of other projects. They are not in the repository; a test that needs a missing one is skipped."""
 
 import os
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 FOLDER = "RANGENAV_SHARED_DATA"
-"""An environment variable: the folder of MANIFEST.md; else one beside the repository is tried."""
+"""An environment variable: the folder of MANIFEST.md; by default `shared/data` next to the repository."""
 
 
 def shared(name: str) -> Path:

@@ -46,7 +46,7 @@ def scene(
     seed: int = 0,
     guess: str = "zero",
 ) -> Scene:
-    """A shipped preset run at other rates, for another time."""
+    """A shipped preset with other rates and another duration."""
     p = preset.load(name)
     sensors = Sensors(
         imu_rate=imu_rate, range_rate=range_rate, mag_rate=mag_rate or imu_rate, noise=noise or p.sensors.noise

@@ -5,6 +5,6 @@ from explorer.panels.dock import Dock
 
 
 def refreshed(dock: Dock) -> Settings:
-    """What the controls say now. Raises what `Dock.refresh` raises."""
+    """The settings that the controls show now. Raises the errors of `Dock.refresh`."""
     dock.refresh()
     return dock.read()

@@ -1,4 +1,4 @@
-"""Refusals are compared word for word."""
+"""Error messages are compared word for word."""
 
 import re
 

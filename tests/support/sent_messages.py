@@ -14,7 +14,7 @@ from explorer.charts import markup
 
 @dataclass
 class Camera:
-    """What the page would report of its camera."""
+    """The camera that the page would report."""
 
     position: Any = (3.0, 3.0, 3.0)
     look_at: Any = (0.0, 0.0, 0.0)
@@ -28,7 +28,7 @@ class Camera:
 
     @property
     def wxyz(self) -> np.ndarray:
-        """The turn from (right, down, ahead) to the inertial axes."""
+        """The rotation from (right, down, ahead) to the inertial axes."""
         up = np.asarray(self.up, dtype=float)
         ahead = np.asarray(self.look_at, dtype=float) - np.asarray(self.position, dtype=float)
         ahead = ahead / np.linalg.norm(ahead)
@@ -48,7 +48,7 @@ class Camera:
 
 @dataclass
 class Page:
-    """Stands in for one client."""
+    """A stand-in for one client."""
 
     server: viser.ViserServer
     camera: Camera = field(default_factory=Camera)
@@ -93,7 +93,7 @@ class Page:
         return [update[prop] for update in sent if prop in update]
 
     def live_style(self) -> str:
-        """The elements that change as time moves: places of the cursors, and values in the legends."""
+        """The elements that change as time moves: positions of the cursors, and values in the legends."""
         return "".join(content for content in self.updates("content") if f"{markup.FRACTION}:" in content)
 
     def type_text(self, label: str, text: str) -> None:

@@ -10,4 +10,4 @@ checked = beartype(
         )
     )
 )
-"""Arrays are checked by jaxtyping's shapes; whether a scalar is numpy's or Python's is no error worth stopping for."""
+"""Arrays are checked by jaxtyping's shapes. A scalar of numpy is accepted in place of one of Python."""

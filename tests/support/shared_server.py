@@ -9,7 +9,7 @@ from rangenav import preset
 
 
 def shared(server: viser.ViserServer, compilation: Compilation, first: str = "paper-slow") -> Shared:
-    """Shipped presets, and a store where tests/conftest.py has put it."""
+    """Shipped presets, and work files in the folder that tests/conftest.py has set."""
     slots = Slots(lambda tab: connected(server, tab))
     return Shared(
         shipped=preset.shipped(),

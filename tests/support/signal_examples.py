@@ -82,7 +82,7 @@ EXAMPLES: dict[str, Signal] = {
 
 
 def polynomial_file(name: str) -> Polynomials:
-    """A uav_trajectories file, repeated neither in the project nor here; skips the test where there is none."""
+    """A file of uav_trajectories, which is not in the repository; skips the test if the file is missing."""
     shared = Path(os.environ.get(SHARED_DATA, Path(__file__).parents[3] / "shared" / "data"))
     path = Path(os.environ.get(POLYNOMIAL_FILES, shared / "polynomial")) / name
     if not path.is_file():

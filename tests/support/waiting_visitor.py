@@ -1,6 +1,6 @@
 """A visitor without a browser who waits until the session has taken over each change before making the next.
 
-The fixtures `sessions` and `editing` of tests/conftest.py give a server of a module's own, and a visitor of a test's.
+The fixtures `sessions` and `editing` of tests/conftest.py give a module its own server, and a test its own visitor.
 """
 
 import re
@@ -21,7 +21,7 @@ class Editing:
 
     @property
     def settings(self) -> Settings:
-        """What is shown."""
+        """The settings of the picture on the page."""
         picture = self.session.picture
         assert picture is not None
         return picture.settings
@@ -39,10 +39,10 @@ class Editing:
         """Trigger a command of the palette."""
         self.run(lambda: self.tab.command(label))
 
-    def drag(self, handle: str, place: tuple[float, float, float], *, steps: int = 1) -> None:
-        """Drag a handle, once it is there."""
+    def drag(self, handle: str, position: tuple[float, float, float], *, steps: int = 1) -> None:
+        """Drag a handle, once it exists."""
         self.tab.wait_for(lambda: handle in self.tab.nodes, handle)
-        self.tab.drag(handle, place, steps=steps)
+        self.tab.drag(handle, position, steps=steps)
 
     def run(self, trigger: Callable[[], None]) -> None:
         """Trigger an action, and wait until it has run: viser's threads may deliver it after a later change."""
@@ -68,7 +68,7 @@ class Editing:
         return [re.sub(r"<[^>]+>", " ", p["content"]) for p in shown]
 
 
-def newest(made: SessionServer, tab: Wire) -> Session:
+def newest(server: SessionServer, tab: Wire) -> Session:
     """The session of a tab that has just connected, once it has drawn."""
     tab.wait_for_text("of 13</b>, nonlinear")
-    return made.sessions[-1]
+    return server.sessions[-1]

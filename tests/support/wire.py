@@ -1,6 +1,6 @@
 """A visitor without a browser: viser's websocket messages, sent and received as they are (checked against 1.1.1).
 
-It sends whatever a test asks for, also what no honest page would send.
+It sends whatever a test asks for, also messages that the page itself never sends.
 """
 
 import re
@@ -32,30 +32,30 @@ CAMERA = {
 HEADER = 8
 """Bytes of each of the two lengths before the compressed messages."""
 NO_DOCK = 0.5
-"""s after which the server is taken to have no docks."""
+"""s after which a server without docks is not waited for any longer."""
 CHANGED = " •"
 """Ends the label of a control that differs from its preset."""
-PATIENCE = 30.0
+WAIT_TIMEOUT = 30.0
 """s; the first picture may have to wait for a compiler."""
 
 
 REMEMBERED = re.compile(r"sessionStorage\.setItem\('([\w-]+)', '(\w+)'\)")
 COPIED = re.compile(r"localStorage\.setItem\('viser-user:([\w-]+)', sessionStorage\.getItem\('([\w-]+)'\) \?\? ''\)")
-"""The statements of ours that a page would run."""
+"""The statements of the explorer that a page would run."""
 
 
 @dataclass
 class Storage:
-    """What a browser keeps: `shared` by its tabs, and in one `tab`, over a reload."""
+    """The storage of a browser: `shared` by its tabs, and that of one `tab`, which survives a reload."""
 
     shared: dict[str, str] = field(default_factory=dict)
     tab: dict[str, str] = field(default_factory=dict)
     refused: bool = False
-    """As when cookies are blocked."""
+    """Whether the browser refuses storage, as when cookies are blocked."""
     silent: bool = False
-    """Never answers when asked."""
+    """Whether the browser never answers."""
     forgetful: bool = False
-    """Takes everything and keeps nothing."""
+    """Accepts every write and stores nothing."""
 
 
 class Wire:
@@ -73,9 +73,9 @@ class Wire:
         """Position, visibility and properties of every node of the scene, by its name; "owner" is echoed to viser."""
         self.storage = storage or Storage()
         self.on_plot: Callable[[str], object] = lambda uuid: None
-        """Called, in the listener's thread, with the id of a plot that has been given other data."""
+        """Called, in the listener's thread, with the id of a plot that has new data."""
         self.dock = 0
-        """Width (px) of the first panel that was given one."""
+        """Width (px) of the first panel that has one."""
         self.downloads: list[tuple[str, bytes]] = []
         """Names and contents of the files that have come."""
         self._transfers: dict[str, tuple[dict[str, Any], list[bytes]]] = {}
@@ -113,21 +113,21 @@ class Wire:
                 return
         raise LookupError(f"no button {option!r} in a row {label!r}")
 
-    def upload(self, label: str, name: Any, content: bytes, *, part: int = 2**19, **said: Any) -> None:
-        """Hand over a file as the page would; `said` replaces what is said about it."""
+    def upload(self, label: str, name: Any, content: bytes, *, part: int = 2**19, **changed: Any) -> None:
+        """Upload a file as the page would; `changed` replaces fields of the announcement."""
         parts = [content[k : k + part] for k in range(0, len(content), part)]
-        whose = {"source_component_uuid": self.find(label), "transfer_uuid": f"{name}-{time.monotonic()}"}
-        about = {"filename": name, "mime_type": "", "part_count": len(parts), "size_bytes": len(content)}
-        self.send({"type": "FileTransferStartUpload", **whose, **about, **said})
+        ids = {"source_component_uuid": self.find(label), "transfer_uuid": f"{name}-{time.monotonic()}"}
+        announcement = {"filename": name, "mime_type": "", "part_count": len(parts), "size_bytes": len(content)}
+        self.send({"type": "FileTransferStartUpload", **ids, **announcement, **changed})
         for k, piece in enumerate(parts):
-            self.send({"type": "FileTransferPart", **whose, "part_index": k, "content": piece})
+            self.send({"type": "FileTransferPart", **ids, "part_index": k, "content": piece})
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
         self.send({"type": "CommandTriggerMessage", "uuid": self.commands[label]})
 
     def drag(self, name: str, position: Sequence[float], *, steps: int = 1, done: bool = True) -> None:
-        """Drag a node to a place as the page would, in equal steps."""
+        """Drag a node to a position as the page would, in equal steps."""
         start = tuple(self.nodes[name]["position"])
         self.drag_message(name, "start", start, start)
         for k in range(1, steps + 1):
@@ -139,19 +139,19 @@ class Wire:
     def drag_message(self, name: str, phase: str, start: Any, end: Any) -> None:
         """One message of a drag: where the node was taken hold of, and where the pointer is, unchecked."""
         screen = {"start_screen_pos": (0.5, 0.5), "end_screen_pos": (0.5, 0.5)}
-        how = {"instance_index": None, "button": "left", "modifier": None, "owner": self.nodes[name]["owner"]}
+        button = {"instance_index": None, "button": "left", "modifier": None, "owner": self.nodes[name]["owner"]}
         places = {"start_position": start, "end_position": end}
-        self.send({"type": "SceneNodeDragMessage", "phase": phase, "name": name, **places, **screen, **how})
+        self.send({"type": "SceneNodeDragMessage", "phase": phase, "name": name, **places, **screen, **button})
 
     def click(self, name: str, *, screen: tuple[float, float] = (0.5, 0.5)) -> None:
-        """Click on a node, which viser tells as a click on the scene as well."""
+        """Click on a node, which viser reports as a click on the scene as well."""
         ray: dict[str, Any] = {"ray_origin": (0.0, 0.0, 9.0), "ray_direction": (0.0, 0.0, -1.0), "modifier": None}
         owned = {"instance_index": None, "owner": self.nodes[name]["owner"]}
         self.send({"type": "SceneNodeClickMessage", "name": name, "screen_pos": screen, **ray, **owned})
         self.send({"type": "ScenePointerMessage", "event_type": "click", "screen_pos": (screen,), **ray})
 
     def move_gizmo(self, name: str, position: Sequence[Any], *, done: bool = True) -> None:
-        """Pull a gizmo to a place, unchecked."""
+        """Pull a gizmo to a position, unchecked."""
         owned = {"name": name, "owner": self.nodes[name]["owner"]}
         self.send({"type": "TransformControlsDragStartMessage", **owned})
         pose = {"wxyz": (1.0, 0.0, 0.0, 0.0), "position": position}
@@ -176,16 +176,16 @@ class Wire:
         shown = [p for p in list(self.elements.values()) if p.get("visible", True)]
         return "\n".join(str(p.get("content") or p.get("_markdown") or "") for p in shown)
 
-    def wait_for(self, holds: Callable[[], Any], what: str, patience: float = PATIENCE) -> None:
-        """Wait until it holds."""
-        deadline = time.monotonic() + patience
+    def wait_for(self, holds: Callable[[], Any], what: str, timeout: float = WAIT_TIMEOUT) -> None:
+        """Wait until the condition `holds`. Raises AssertionError after a time-out."""
+        deadline = time.monotonic() + timeout
         while not holds():
             if time.monotonic() > deadline:
-                raise AssertionError(f"waited {patience:g} s in vain for {what}; the page says:\n{self.text()}")
+                raise AssertionError(f"waited {timeout:g} s in vain for {what}; the page says:\n{self.text()}")
             time.sleep(0.01)
 
     def wait_for_text(self, text: str) -> None:
-        """Wait until the page says so."""
+        """Wait until the page shows a text."""
         self.wait_for(lambda: text in self.text(), repr(text))
 
     def close(self) -> None:
@@ -248,7 +248,7 @@ class Wire:
             node.update({key: message[key] for key in ("position", "wxyz", "visible", "bindings") if key in message})
 
     def _use_storage(self, message: dict[str, Any]) -> None:
-        """What the page does with its storages."""
+        """Use the storages as the page does."""
         storage, name = self.storage, message["type"].removeprefix("LocalStorage").removesuffix("Message")
         if name == "GetItemRequest" and not storage.silent:
             value, error = (None, "denied") if storage.refused else (storage.shared.get(message["key"]), None)

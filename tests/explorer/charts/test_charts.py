@@ -84,24 +84,24 @@ def test_labels_of_decades_and_numbers() -> None:
 
 @pytest.mark.parametrize("name", [path.stem for path in preset.shipped_files()])
 def test_every_plot_of_every_preset_is_drawable(name: str) -> None:
-    seen = picture(name)
+    example = picture(name)
     for plot in ALL:
-        check_drawable(plot, plot.draw(seen))
+        check_drawable(plot, plot.draw(example))
 
 
 @pytest.mark.parametrize("name", ["hover", "paper-slow"])
 def test_plots_of_an_astronomic_estimate_are_drawable(name: str) -> None:
-    seen = astronomic(name)
+    example = astronomic(name)
     for plot in ALL:
-        check_drawable(plot, plot.draw(seen))
-    position = named("position").draw(seen)
+        check_drawable(plot, plot.draw(example))
+    position = named("position").draw(example)
     assert np.nanmax(position.values[:, 0]) > 1e15  # the legend gives the number as it is
     assert np.isnan(position.drawn[-1]).all()  # and the curve ends where it is none
 
 
 def test_eigenvalues_below_the_floor_say_so_and_run_along_it() -> None:
-    seen = picture("circle")
-    drawing, windows = plots.gramian(seen), seen.analysis.windows
+    example = picture("circle")
+    drawing, windows = plots.gramian(example), example.analysis.windows
     below = windows.gramian <= windows.floor[:, None]
     assert below.any()
     assert (drawing.values[:, :13][below] == -np.inf).all()
@@ -127,11 +127,11 @@ def test_a_blind_window_has_no_predicted_sigma() -> None:
 
 
 def test_predicted_sigma_stands_next_to_the_error_at_the_same_windows_end() -> None:
-    seen = picture("paper-slow")
-    drawing, windows = plots.predicted(seen), seen.analysis.windows
+    example = picture("paper-slow")
+    drawing, windows = plots.predicted(example), example.analysis.windows
     k = len(windows.start) // 2
-    at = np.argmin(np.abs(seen.motion.time - (windows.start[k] + windows.window)))
-    assert drawing.values[k, 2] in seen.errors.position[at - 1 : at + 2]
+    at = np.argmin(np.abs(example.motion.time - (windows.start[k] + windows.window)))
+    assert drawing.values[k, 2] in example.errors.position[at - 1 : at + 2]
 
 
 def sensed(**effects: Any) -> Picture:
@@ -149,13 +149,13 @@ def test_the_true_range_is_the_antennas() -> None:
 
 
 def test_plots_of_a_flight_without_any_range_are_drawable_and_their_values_are_dashes(page: Page) -> None:
-    seen = sensed(burst_length=100.0)
+    example = sensed(burst_length=100.0)
     for plot in ALL:
-        check_drawable(plot, plot.draw(seen))
+        check_drawable(plot, plot.draw(example))
     charts = Charts(page.client, narrow=False)
-    charts.draw(seen)
+    charts.draw(example)
     page.messages.clear()
-    charts.cursor(seen, 5.0)
+    charts.cursor(example, 5.0)
     assert '--distance-0:"–"' in page.live_style()
 
 
@@ -173,8 +173,8 @@ def flown_by(name: str, by: Vehicle) -> Picture:
 
 
 def test_limits_of_the_vehicle_are_drawn_with_what_the_path_needs_and_are_hidden_where_it_has_none() -> None:
-    seen = flown_by("paper-slow", CRAZYFLIE)
-    speed, effort = plots.speed(seen), plots.effort(seen)
+    example = flown_by("paper-slow", CRAZYFLIE)
+    speed, effort = plots.speed(example), plots.effort(example)
     assert speed.hidden == effort.hidden == ()
     assert (speed.values[:, 1] == 8.3).all()
     assert effort.values[0, 2:] == pytest.approx([1.95 / 1.35, 10.0])
@@ -187,15 +187,17 @@ def test_limits_of_the_vehicle_are_drawn_with_what_the_path_needs_and_are_hidden
 def test_a_limit_that_is_near_is_in_the_plot_and_one_far_away_does_not_flatten_the_curve(
     slow: Picture, speed: float, rate: float
 ) -> None:
-    seen = dataclasses.replace(slow, preset=replace(slow.preset, vehicle=Vehicle(name="a", speed=speed)))
-    drawing = plots.speed(seen)
+    example = dataclasses.replace(slow, preset=replace(slow.preset, vehicle=Vehicle(name="a", speed=speed)))
+    drawing = plots.speed(example)
     greatest = float(drawing.values[:, 0].max())
     assert drawing.axis[1] >= greatest
     assert (drawing.axis[1] >= speed) or speed >= plots.FLATTENING * greatest
     assert greatest >= drawing.axis[1] / (2 * plots.FLATTENING)
     check_drawable(named("speed"), drawing)
     both = Vehicle(name="b", thrust_to_weight=speed, body_rate=rate)
-    check_drawable(named("effort"), plots.effort(dataclasses.replace(seen, preset=replace(seen.preset, vehicle=both))))
+    check_drawable(
+        named("effort"), plots.effort(dataclasses.replace(example, preset=replace(example.preset, vehicle=both)))
+    )
 
 
 def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> None:
@@ -215,58 +217,58 @@ def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> Non
 
 
 def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=False), picture("paper")
+    charts, example = Charts(page.client, narrow=False), picture("paper")
     page.messages.clear()
-    charts.draw(seen)
+    charts.draw(example)
     assert len(page.updates("data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.slow)
-    charts.draw_details(seen)
+    charts.draw_details(example)
     data = page.updates("data")
     assert len(data) == len(ALL)
     for arrays in data:
         assert len({len(array) for array in arrays}) == 1
         assert len(arrays[0]) <= MOST_POINTS
         assert arrays[0][0] >= 0
-        assert arrays[0][-1] <= seen.preset.duration
-    assert [scales["x"]["range"] for scales in page.updates("scales")] == [(0.0, seen.preset.duration)] * len(ALL)
+        assert arrays[0][-1] <= example.preset.duration
+    assert [scales["x"]["range"] for scales in page.updates("scales")] == [(0.0, example.preset.duration)] * len(ALL)
     assert all(scales["x"]["time"] is False for scales in page.updates("scales"))
 
 
 def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
-    charts.draw(seen)
+    charts, example = Charts(page.client, narrow=False), picture("paper-slow")
+    charts.draw(example)
     page.messages.clear()
-    charts.draw(dataclasses.replace(seen))
+    charts.draw(dataclasses.replace(example))
     assert page.updates("scales") == page.updates("axes") == page.updates("series") == []
     assert page.kinds() == {"GuiUpdateMessage"}
 
 
 def test_cursor_is_one_small_message_for_each_column_and_gives_the_values_there(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
-    charts.draw(seen)
+    charts, example = Charts(page.client, narrow=False), picture("paper-slow")
+    charts.draw(example)
     page.messages.clear()
-    charts.cursor(seen, 5.0)
+    charts.cursor(example, 5.0)
     assert len(page.messages) == 2
     text = page.live_style()
     assert len(text) < 2500
     fraction = re.findall(r"--tcur:([\d.]+)", text)
-    assert [float(f) for f in fraction] == pytest.approx([5.0 / seen.preset.duration] * 2)
-    k = int(np.argmin(np.abs(seen.motion.time - 5.0)))
-    shown_error = significant(seen.errors.position[k])
+    assert [float(f) for f in fraction] == pytest.approx([5.0 / example.preset.duration] * 2)
+    k = int(np.argmin(np.abs(example.motion.time - 5.0)))
+    shown_error = significant(example.errors.position[k])
     assert f'--position-0:"{shown_error}"' in text
     assert f"estimate off by <b>{shown_error} m</b>" in text
-    distance = float(np.linalg.norm(seen.motion.position[k] - seen.preset.world.anchor))
+    distance = float(np.linalg.norm(example.motion.position[k] - example.preset.world.anchor))
     assert f"{significant(distance)} m from the anchor" in text
 
 
 def test_a_window_is_read_only_while_it_can_start(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=True), picture("circle")
-    charts.draw(seen)
+    charts, example = Charts(page.client, narrow=True), picture("circle")
+    charts.draw(example)
     page.messages.clear()
-    charts.cursor(seen, 1.0)
+    charts.cursor(example, 1.0)
     assert '--gramian-0:"< floor"' in page.live_style()
     assert '--predicted-0:"blind"' in page.live_style()
     page.messages.clear()
-    charts.cursor(seen, seen.preset.duration)
+    charts.cursor(example, example.preset.duration)
     assert '--gramian-0:"–"' in page.live_style()
     assert '--position-0:"–"' not in page.live_style()
 
@@ -309,10 +311,10 @@ def test_every_plot_repeats_only_curves_it_has_for_the_pinned_run() -> None:
 
 
 def test_paper_figures_in_the_narrow_page_keep_one_tab_and_fill_the_new_ones(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=True), picture("paper")
-    charts.draw(seen)
+    charts, example = Charts(page.client, narrow=True), picture("paper")
+    charts.draw(example)
     page.messages.clear()
     charts.show_paper_figures()
-    made = [message for message in page.messages if type(message).__name__ == "GuiUplotMessage"]
-    assert len(made) == len(ALL) - len(plot_list.ERRORS.plots)
+    created = [message for message in page.messages if type(message).__name__ == "GuiUplotMessage"]
+    assert len(created) == len(ALL) - len(plot_list.ERRORS.plots)
     assert len(page.updates("data")) == len(ALL)

@@ -1,4 +1,4 @@
-"""What stands beside a picture: drawn in every plot on the picture's own times, told in words, and gone without it."""
+"""Compared runs: drawn in every plot at the times of the picture, described in text, absent without a comparison."""
 
 import dataclasses
 
@@ -35,18 +35,18 @@ def slow() -> Picture:
 
 @pytest.fixture(scope="module")
 def crowd(slow: Picture) -> Comparison:
-    """Everything at once."""
+    """A comparison with a pinned run, all other estimators and many seeds."""
     baselines = tuple(Baseline(name, comparison.run_baseline(name, slow)) for name in comparison.NAMES)
     return Comparison(pinned=picture("paper"), baselines=baselines, seeds=ensemble.seeds(slow.preset, 12))
 
 
-def over(plot: plots.Plot, seen: Picture, shown: Comparison) -> tuple[plots.Plot, plots.Drawing]:
-    return comparison_curves.with_comparison(plot, seen, shown, comparison_curves.pinned(plot, shown.pinned, None))
+def compared(plot: plots.Plot, example: Picture, shown: Comparison) -> tuple[plots.Plot, plots.Drawing]:
+    return comparison_curves.with_comparison(plot, example, shown, comparison_curves.pinned(plot, shown.pinned, None))
 
 
 def test_with_nothing_beside_a_plot_is_what_it_was(slow: Picture) -> None:
     for plot in ALL:
-        same, drawing = over(plot, slow, comparison.NOTHING)
+        same, drawing = compared(plot, slow, comparison.NOTHING)
         assert same is plot
         np.testing.assert_array_equal(drawing.drawn, plot.draw(slow).drawn)
 
@@ -54,21 +54,21 @@ def test_with_nothing_beside_a_plot_is_what_it_was(slow: Picture) -> None:
 @pytest.mark.parametrize("name", ["paper-slow", "paper", "circle", "hover", "soft"])
 def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, slow: Picture) -> None:
     other = picture(name)
-    for seen, a in ((slow, other), (other, slow), (astronomic("hover"), other), (slow, astronomic("hover"))):
+    for example, a in ((slow, other), (other, slow), (astronomic("hover"), other), (slow, astronomic("hover"))):
         for plot in ALL:
-            more, drawing = over(plot, seen, Comparison(pinned=a))
+            more, drawing = compared(plot, example, Comparison(pinned=a))
             check_drawable(more, drawing)
             labels = [curve.label for curve in more.curves[len(plot.curves) :]]
             assert len(labels) == len(plot.pinned_curves)
             assert all(label.startswith("A") for label in labels)
-            own = plot.draw(seen)
+            own = plot.draw(example)
             assert drawing.axis[0] <= own.axis[0] < own.axis[1] <= drawing.axis[1]
             np.testing.assert_array_equal(drawing.values[:, : len(plot.curves)], own.values)
 
 
 def test_a_run_pinned_beside_itself_lies_on_its_own_curves(slow: Picture) -> None:
     for plot in ALL:
-        _, drawing = over(plot, slow, Comparison(pinned=slow))
+        _, drawing = compared(plot, slow, Comparison(pinned=slow))
         first = len(plot.curves)
         for k, column in enumerate(plot.pinned_curves):
             if column in drawing.hidden:
@@ -81,35 +81,35 @@ def test_what_a_plot_cannot_show_stays_outside_a_wider_axis() -> None:
     blind, free = picture("circle"), picture("paper-slow")
     for name in ("excitation", "predicted", "gramian"):
         plot = next(plot for plot in ALL if plot.name == name)
-        for seen, a in ((blind, free), (free, blind)):
-            _, drawing = over(plot, seen, Comparison(pinned=a))
+        for example, a in ((blind, free), (free, blind)):
+            _, drawing = compared(plot, example, Comparison(pinned=a))
             zero, none = drawing.values == 0, drawing.values == np.inf
             assert (drawing.drawn[zero] < drawing.axis[0]).all()
             assert (drawing.drawn[none] > drawing.axis[1]).all()
 
 
 def test_pinned_curves_are_computed_once(slow: Picture) -> None:
-    kept = comparison_curves.pinned(ERRORS[0], slow, None)
-    assert comparison_curves.pinned(ERRORS[0], slow, kept) is kept
-    assert comparison_curves.pinned(ERRORS[0], dataclasses.replace(slow), kept) is not kept
-    assert comparison_curves.pinned(ERRORS[0], None, kept) is None
+    pinned_drawing = comparison_curves.pinned(ERRORS[0], slow, None)
+    assert comparison_curves.pinned(ERRORS[0], slow, pinned_drawing) is pinned_drawing
+    assert comparison_curves.pinned(ERRORS[0], dataclasses.replace(slow), pinned_drawing) is not pinned_drawing
+    assert comparison_curves.pinned(ERRORS[0], None, pinned_drawing) is None
 
 
 def test_band_and_estimators_stand_in_the_error_plots_alone(slow: Picture, crowd: Comparison) -> None:
     for plot in ALL:
-        more, drawing = over(plot, slow, crowd)
+        more, drawing = compared(plot, slow, crowd)
         check_drawable(more, drawing)
         labels = {curve.label for curve in more.curves}
         assert ({"12 seeds", "EKF", "refined"} <= labels) == (plot in ERRORS)
         assert len(more.bands) == (plot in ERRORS)
-        looks = [(curve.dash, curve.width, curve.filled) for curve in more.curves if curve.label]
-        assert len(set(looks)) == len(looks)
+        curve_styles = [(curve.dash, curve.width, curve.filled) for curve in more.curves if curve.label]
+        assert len(set(curve_styles)) == len(curve_styles)
 
 
 def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd: Comparison) -> None:
     runs = crowd.seeds
     assert runs is not None
-    more, drawing = over(ERRORS[3], slow, crowd)
+    more, drawing = compared(ERRORS[3], slow, crowd)
     ((upper, lower),) = more.bands
     high, low, median = drawing.values[:, upper], drawing.values[:, lower], drawing.values[:, upper - 1]
     assert (low <= median).all()
@@ -119,18 +119,18 @@ def test_the_band_is_the_ensembles_and_encloses_its_median(slow: Picture, crowd:
 
 
 def test_an_estimator_at_work_has_its_place_but_no_curve(slow: Picture) -> None:
-    more, drawing = over(ERRORS[0], slow, Comparison(baselines=(Baseline("refined", None),)))
+    more, drawing = compared(ERRORS[0], slow, Comparison(baselines=(Baseline("refined", None),)))
     assert more.curves[-1].label == "refined"
     assert np.isnan(drawing.drawn[:, -1]).all()
     assert drawing.axis == ERRORS[0].draw(slow).axis
 
 
 def test_estimators_are_the_librarys_on_the_same_record(slow: Picture) -> None:
-    found = {c.name: c for c in estimators.compare(record.run(slow.preset))}
+    result = {c.name: c for c in estimators.compare(record.run(slow.preset))}
     names: tuple[tuple[comparison.Name, str], ...] = (("EKF", estimators.EKF), ("refined", estimators.REFINEMENT))
     for name, full in names:
         ours = comparison.run_baseline(name, slow)
-        np.testing.assert_array_equal(ours.errors.position, found[full].errors.position)
+        np.testing.assert_array_equal(ours.errors.position, result[full].errors.position)
 
 
 def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were(
@@ -180,18 +180,20 @@ def test_differences_name_the_choice_and_the_figures_that_moved(slow: Picture) -
     b = altered(slow, gains=gains, seed=7)
     q = f"gains.riccati.q {slow.preset.gains.riccati.q:.4g} → 1"
     assert set(differences.choices(slow.preset, b.preset)) == {q, f"seed {slow.preset.seed} → 7"}
-    told = differences.figures(slow, b)
-    assert not any(sentence.startswith(("rank", "μ", "predicted")) for sentence in told)  # gains change none of these
+    sentences = differences.figures(slow, b)
+    assert not any(
+        sentence.startswith(("rank", "μ", "predicted")) for sentence in sentences
+    )  # gains change none of these
     before, after = slow.summary.steady_position, b.summary.steady_position
-    (steady,) = (sentence for sentence in told if sentence.startswith("steady position"))
+    (steady,) = (sentence for sentence in sentences if sentence.startswith("steady position"))
     assert steady.startswith(f"steady position {before:.3g} → {after:.3g} m (")
 
 
 def test_differences_of_verdicts_and_of_what_never_comes(slow: Picture) -> None:
-    told = differences.figures(slow, picture("circle"))
-    assert told[0] == "observable → blind"
-    assert any(sentence.startswith("rank 13 → ") for sentence in told)
-    assert any("→ not reached" in sentence for sentence in told)
+    sentences = differences.figures(slow, picture("circle"))
+    assert sentences[0] == "observable → blind"
+    assert any(sentence.startswith("rank 13 → ") for sentence in sentences)
+    assert any("→ not reached" in sentence for sentence in sentences)
     assert differences.choices(slow.preset, picture("circle").preset)
 
 
@@ -209,39 +211,39 @@ def test_a_fit_has_no_verdict_to_differ_from(slow: Picture) -> None:
 
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])
 def test_agreement_is_what_its_definition_says(mode: str, slow: Picture) -> None:
-    seen = altered(slow, gains=Gains(mode=mode))  # pyright: ignore[reportArgumentType]
-    found, part = consistency.of_run(seen), seen.motion.time >= 0.75 * seen.preset.duration
-    truth = record.simulated(record.truth_inputs(seen.preset)).state
-    error, P = (seen.estimate.state - truth)[part, 4:7], seen.estimate.covariance[part, 0]
+    example = altered(slow, gains=Gains(mode=mode))  # pyright: ignore[reportArgumentType]
+    result, part = consistency.of_run(example), example.motion.time >= 0.75 * example.preset.duration
+    truth = record.simulated(record.truth_inputs(example.preset)).state
+    error, P = (example.estimate.state - truth)[part, 4:7], example.estimate.covariance[part, 0]
     nees = [e @ np.linalg.inv(p) @ e for e, p in zip(error, P, strict=True)]
-    assert found.nees == pytest.approx(np.mean(nees), rel=1e-6)
-    value, variance = seen.estimate.innovation[seen.measurements.range_time >= 0.75 * seen.preset.duration].T
-    assert found.nis == pytest.approx(np.mean(value**2 / variance))
-    assert found.achieved == pytest.approx(np.sqrt(np.mean(np.sum(error**2, axis=1))), rel=0.01)
+    assert result.nees == pytest.approx(np.mean(nees), rel=1e-6)
+    value, variance = example.estimate.innovation[example.measurements.range_time >= 0.75 * example.preset.duration].T
+    assert result.nis == pytest.approx(np.mean(value**2 / variance))
+    assert result.achieved == pytest.approx(np.sqrt(np.mean(np.sum(error**2, axis=1))), rel=0.01)
     if mode == "constant":
-        assert found.nees < 1.5  # the shipped gains are far too cautious about the noise that there is
+        assert result.nees < 1.5  # the shipped gains are far too cautious about the noise that there is
 
 
 def test_a_blind_run_has_no_predicted_sigma_in_the_table() -> None:
-    seen = picture("circle")
-    found = consistency.of_run(seen)
-    assert np.isnan(found.lifted)
-    assert "not determined" in text.consistency(found, None, 0, matched=False)
+    example = picture("circle")
+    result = consistency.of_run(example)
+    assert np.isnan(result.lifted)
+    assert "not determined" in text.consistency(result, None, 0, matched=False)
 
 
 def test_what_visitors_type_is_escaped(slow: Picture) -> None:
     named = dataclasses.replace(slow, settings=replace(slow.settings, origin="<img src=x onerror=alert(1)>"))
-    said = text.differences(named, named, ["<b>"], ["<i>"])
-    assert "<img" not in said
-    assert "<li><b>" not in said
+    html_text = text.differences(named, named, ["<b>"], ["<i>"])
+    assert "<img" not in html_text
+    assert "<li><b>" not in html_text
 
 
 def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd: Comparison) -> None:
     assert crowd.seeds is not None
     never = dataclasses.replace(crowd.seeds, settle_position=np.full(12, np.inf))
-    said = text.seeds(slow, never, "")
-    assert "never – never<" in said
-    assert "0 of 12 settle" in said
+    html_text = text.seeds(slow, never, "")
+    assert "never – never<" in html_text
+    assert "0 of 12 settle" in html_text
 
 
 def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_later(

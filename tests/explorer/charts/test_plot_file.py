@@ -41,15 +41,15 @@ def _columns(plot: Plot, drawing: Drawing) -> tuple[int, ...]:
     return tuple(i for i in range(len(plot.curves)) if i not in drawing.hidden)
 
 
-def _duration(seen: Picture) -> float:
-    return float(seen.motion.time[-1])
+def _duration(example: Picture) -> float:
+    return float(example.motion.time[-1])
 
 
-def _table(seen: Picture, name: str) -> tuple[list[str], np.ndarray]:
+def _table(example: Picture, name: str) -> tuple[list[str], np.ndarray]:
     """Names and numbers of a plot's CSV, an empty cell as NaN."""
     plot = ALL[name]
-    drawing = plot.draw(seen)
-    content = plot_file.table(plot, drawing, _columns(plot, drawing), _duration(seen)).decode()
+    drawing = plot.draw(example)
+    content = plot_file.table(plot, drawing, _columns(plot, drawing), _duration(example)).decode()
     names, *rows = csv.reader(io.StringIO(content))
     return names, np.array([[float(cell) if cell else math.nan for cell in row] for row in rows])
 
@@ -57,9 +57,9 @@ def _table(seen: Picture, name: str) -> tuple[list[str], np.ndarray]:
 @pytest.mark.parametrize("name", list(ALL))
 @pytest.mark.parametrize("of", ["paper-slow", "circle"])
 def test_a_table_holds_every_sample_of_every_curve_to_the_last_digit(name: str, of: str):
-    seen = picture(of)
-    drawing = ALL[name].draw(seen)
-    names, numbers = _table(seen, name)
+    example = picture(of)
+    drawing = ALL[name].draw(example)
+    names, numbers = _table(example, name)
     shown = drawing.values[:, _columns(ALL[name], drawing)]
     np.testing.assert_array_equal(numbers[:, 0], drawing.time)
     np.testing.assert_array_equal(numbers[:, 1:], np.where(np.isneginf(shown), np.nan, shown))
@@ -67,61 +67,61 @@ def test_a_table_holds_every_sample_of_every_curve_to_the_last_digit(name: str, 
 
 
 def test_the_first_line_names_every_curve_with_its_unit():
-    seen = picture("paper-slow")
-    assert _table(seen, "position")[0] == ["t (s)", "error (m)", "σ by P (m)"]
-    assert _table(seen, "effort")[0] == ["t (s)", "thrust/weight", "|ω| (rad/s)"]
-    gramian = _table(seen, "gramian")[0]
+    example = picture("paper-slow")
+    assert _table(example, "position")[0] == ["t (s)", "error (m)", "σ by P (m)"]
+    assert _table(example, "effort")[0] == ["t (s)", "thrust/weight", "|ω| (rad/s)"]
+    gramian = _table(example, "gramian")[0]
     assert gramian[:3] == ["window start (s)", "λ₁ (SI)", "λ₂ (SI)"]
     assert gramian[-3:] == ["λ₁₂ (SI)", "λ₁₃ (SI)", "floor (SI)"]
-    assert _table(seen, "snap")[0][1] == "x (m/s⁴)"
+    assert _table(example, "snap")[0][1] == "x (m/s⁴)"
 
 
 def test_a_table_is_not_the_decimated_curve():
-    seen = picture("paper-slow")
-    assert len(_table(seen, "position")[1]) == len(seen.motion.time) > 1000
+    example = picture("paper-slow")
+    assert len(_table(example, "position")[1]) == len(example.motion.time) > 1000
 
 
 def test_a_blind_window_is_inf_and_below_the_floor_there_is_nothing():
-    seen = picture("circle")
-    assert (_table(seen, "predicted")[1][:, 1] == math.inf).all()
-    assert np.isnan(_table(seen, "gramian")[1][:, 1]).all()
+    example = picture("circle")
+    assert (_table(example, "predicted")[1][:, 1] == math.inf).all()
+    assert np.isnan(_table(example, "gramian")[1][:, 1]).all()
 
 
 def _patches(root: ElementTree.Element, colour: str) -> list[np.ndarray]:
     """The points (px) of all open lines of a colour."""
-    found = []
+    points = []
     for path in root.iter(f"{SVG}path"):
         if f"stroke: {colour}" in path.get("style", "") and "clip-path" in path.attrib:
             numbers = re.findall(r"-?\d+(?:\.\d+)?", path.get("d", ""))
-            found.append(np.array(numbers, dtype=float).reshape(-1, 2))
-    return found
+            points.append(np.array(numbers, dtype=float).reshape(-1, 2))
+    return points
 
 
 def test_the_svg_draws_the_curve_on_a_logarithmic_axis():
-    seen, plot = picture("paper-slow"), ALL["attitude"]
-    drawing = plot.draw(seen)
-    root = ElementTree.fromstring(plot_file.svg(plot, drawing, (0,), _duration(seen)))
+    example, plot = picture("paper-slow"), ALL["attitude"]
+    drawing = plot.draw(example)
+    root = ElementTree.fromstring(plot_file.svg(plot, drawing, (0,), _duration(example)))
     (curve,) = _patches(root, plot.curves[0].color.lower())
     corners = next(group for group in root.iter(f"{SVG}g") if group.get("id") == "patch_2")[0].get("d", "")
     frame = np.array(re.findall(r"-?\d+(?:\.\d+)?", corners), dtype=float).reshape(-1, 2)
     left, right, top, bottom = *(f(frame[:, 0]) for f in (min, max)), *(f(frame[:, 1]) for f in (min, max))
     share = (bottom - curve[:, 1]) / (bottom - top)
     low, high = np.log10(drawing.axis)
-    told = 10 ** (low + share * (high - low))
-    when = (curve[:, 0] - left) / (right - left) * _duration(seen)
-    inside = (told > drawing.axis[0]) & (told < drawing.axis[1])
+    read_off = 10 ** (low + share * (high - low))
+    when = (curve[:, 0] - left) / (right - left) * _duration(example)
+    inside = (read_off > drawing.axis[0]) & (read_off < drawing.axis[1])
     assert inside.sum() > 100
     # Lines are simplified to a ninth of a pixel, which is less than a hundredth of the axis' height per vertex.
-    near = [np.abs(np.log10(drawing.values[np.abs(seen.motion.time - t) < 0.05, 0]) - np.log10(v)).min()
-            for t, v in zip(when[inside], told[inside], strict=True)]  # fmt: skip
+    near = [np.abs(np.log10(drawing.values[np.abs(example.motion.time - t) < 0.05, 0]) - np.log10(v)).min()
+            for t, v in zip(when[inside], read_off[inside], strict=True)]  # fmt: skip
     assert max(near) < 0.01 * (high - low)
 
 
 @pytest.mark.parametrize("name", ["gramian", "snap", "predicted"])
 def test_a_picture_has_its_size_and_the_same_plot_gives_the_same_bytes(name: str):
-    seen, plot = picture("circle"), ALL[name]
-    drawing = plot.draw(seen)
-    columns, duration = _columns(plot, drawing), _duration(seen)
+    example, plot = picture("circle"), ALL[name]
+    drawing = plot.draw(example)
+    columns, duration = _columns(plot, drawing), _duration(example)
     drawn = plot_file.png(plot, drawing, columns, duration)
     assert drawn[:8] == b"\x89PNG\r\n\x1a\n"
     assert [int.from_bytes(drawn[k : k + 4], "big") for k in (16, 20)] == [1440, 720]
@@ -129,22 +129,22 @@ def test_a_picture_has_its_size_and_the_same_plot_gives_the_same_bytes(name: str
 
 
 def test_the_floor_is_drawn_and_a_curve_that_is_not_shown_is_not():
-    seen, plot = picture("circle"), ALL["gramian"]
-    drawing = plot.draw(seen)
+    example, plot = picture("circle"), ALL["gramian"]
+    drawing = plot.draw(example)
     grey, blue = plot.curves[-1].color.lower(), plot.curves[-2].color.lower()
-    every = ElementTree.fromstring(plot_file.svg(plot, drawing, _columns(plot, drawing), _duration(seen)))
+    every = ElementTree.fromstring(plot_file.svg(plot, drawing, _columns(plot, drawing), _duration(example)))
     assert len(_patches(every, grey)) == len(_patches(every, blue)) == 1
-    some = ElementTree.fromstring(plot_file.svg(plot, drawing, (0, 13), _duration(seen)))
+    some = ElementTree.fromstring(plot_file.svg(plot, drawing, (0, 13), _duration(example)))
     assert (len(_patches(some, grey)), len(_patches(some, blue))) == (1, 0)
 
 
 def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    charts, seen, other = Charts(Page(server).client, narrow=False), picture("paper-slow"), picture("circle")
-    charts.draw(seen)
+    charts, example, other = Charts(Page(server).client, narrow=False), picture("paper-slow"), picture("circle")
+    charts.draw(example)
     with pytest.raises(ValueError, match="no plot 'scaled' yet"):
         charts.file_writer("scaled", "csv")
-    charts.draw_details(seen)
+    charts.draw_details(example)
     assert charts.file_writer("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
     charts.draw(other)
     assert charts.file_writer("position", "csv")()
@@ -192,16 +192,16 @@ def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp
     )
     assert ran.stderr == ""
     position, mu, verdict, *rest = json.loads(ran.stdout)
-    seen = compute(settings)
-    np.testing.assert_array_equal(position, seen.errors.position)
-    assert (mu, verdict) == (seen.analysis.mu, seen.analysis.verdict.word)
+    example = compute(settings)
+    np.testing.assert_array_equal(position, example.errors.position)
+    assert (mu, verdict) == (example.analysis.mu, example.analysis.verdict.word)
     if rest:
         # The same sums, but in a process where numpy may add in another order: 14 digits of the greatest.
-        np.testing.assert_allclose(rest[0], seen.printed_excitation, rtol=0, atol=1e-14 * np.max(rest[0]))
+        np.testing.assert_allclose(rest[0], example.printed_excitation, rtol=0, atol=1e-14 * np.max(rest[0]))
 
 
 def test_the_printed_switches_change_what_the_lines_compute():
-    """Else the test above could not tell whether they are followed."""
+    """Otherwise the test above would also pass for lines that ignore the switches."""
     plain = [compute(Settings(origin=case.origin, preset=case.preset)) for case in CASES]
     assert plain[0].analysis.mu != compute(CASES[0]).analysis.mu
     assert not np.array_equal(plain[1].errors.position, compute(CASES[1]).errors.position)
@@ -234,8 +234,8 @@ def test_a_visitor_gets_the_file_of_the_plot_they_chose(tab: Wire, kind: plot_fi
     name, content = _download(tab, "file", kind.upper())
     assert name == f"paper-slow-attitude.{kind}"
     plot = ALL["attitude"]
-    seen = picture("paper-slow")
-    assert content == plot_file.WRITERS[kind](plot, plot.draw(seen), (0,), _duration(seen))
+    example = picture("paper-slow")
+    assert content == plot_file.WRITERS[kind](plot, plot.draw(example), (0,), _duration(example))
 
 
 def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):

@@ -1,4 +1,4 @@
-"""The mouse on the plots: the legends give the values where it is, and their entries switch curves."""
+"""The mouse on the plots: the legends show the values at its position, and clicks on their entries hide curves."""
 
 import dataclasses
 import re
@@ -183,7 +183,7 @@ def test_hidden_curves_stay_hidden_when_tabs_are_made_anew(page: Page):
 
 @given(st.floats(0.5, 100.0), st.floats(0.0, 1.0))
 def test_every_brush_draws_a_window_that_the_flight_has(duration: float, share: float):
-    """Also across the whole plot, and on a flight so short that a hundredth of it is no tenth of a second."""
+    """This includes brushes across the whole plot, and flights so short that 1 % of them is less than 0.1 s."""
     soft = preset.load("soft")
     drawn = drawn_window(share * duration, duration)
     assert drawn == pytest.approx(min(share * duration, duration - BRUSH_STEP), abs=BRUSH_STEP)

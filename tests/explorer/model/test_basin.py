@@ -27,7 +27,7 @@ from tests.support.sent_messages import Page
 from tests.support.waiting_visitor import Editing
 
 
-def made(settle: list[float], *, angle: float = 3.0, final: list[float] | None = None) -> Basin:
+def basin_of(settle: list[float], *, angle: float = 3.0, final: list[float] | None = None) -> Basin:
     count = len(settle)
     return Basin(
         angle=angle,
@@ -45,8 +45,8 @@ seconds = st.floats(0.0, 1e3)
 @given(st.lists(seconds | st.just(math.inf), min_size=1, max_size=60))
 def test_colours_are_those_of_viridis_at_the_share_of_each_settling_time(settle: list[float]):
     """matplotlib's own table is the witness."""
-    found, scale = made(settle), matplotlib.colormaps["viridis"]
-    colors = basin.colors(found).astype(float)
+    result, scale = basin_of(settle), matplotlib.colormaps["viridis"]
+    colors = basin.colors(result).astype(float)
     finite = [value for value in settle if math.isfinite(value)]
     for value, color in zip(settle, colors, strict=True):
         if not math.isfinite(value):
@@ -70,8 +70,8 @@ def test_the_scale_darkens_evenly_and_the_sign_of_never_is_far_from_all_of_it():
 
 
 def test_the_slowest_start_never_settles_if_there_is_one_such_and_then_ends_farthest_away():
-    assert basin.slowest(made([1.0, 7.0, 3.0])) == 1
-    assert basin.slowest(made([1.0, math.inf, 9.0, math.inf], final=[0.0, 0.2, 3.0, 0.1])) == 1
+    assert basin.slowest(basin_of([1.0, 7.0, 3.0])) == 1
+    assert basin.slowest(basin_of([1.0, math.inf, 9.0, math.inf], final=[0.0, 0.2, 3.0, 0.1])) == 1
 
 
 def test_equilibria_are_the_axes_whose_half_turns_the_filter_leaves_alone():
@@ -93,9 +93,9 @@ def test_equilibria_are_the_axes_whose_half_turns_the_filter_leaves_alone():
 # The globe
 
 
-def globe(page: Page, found: Basin | None, name: str = "soft") -> Scene:
+def globe(page: Page, result: Basin | None, name: str = "soft") -> Scene:
     scene = Scene(page.client, lambda: None)
-    scene.draw(picture(name), Comparison(basin=found))
+    scene.draw(picture(name), Comparison(basin=result))
     return scene
 
 
@@ -106,13 +106,13 @@ def cloud(page: Page, name: str) -> viser.PointCloudHandle:
 
 
 def test_each_start_is_a_dot_along_its_axis_and_what_never_settles_is_larger_and_of_another_shape(page: Page):
-    found = made([1.0, math.inf, 4.0, 2.0])
-    globe(page, found)
+    result = basin_of([1.0, math.inf, 4.0, 2.0])
+    globe(page, result)
     settling, never = cloud(page, "/basin/settling"), cloud(page, "/basin/never")
     for handle, chosen in ((settling, [0, 2, 3]), (never, [1])):
         directions = handle.points / np.linalg.norm(handle.points, axis=1, keepdims=True)
-        assert directions == pytest.approx(found.axis[chosen], abs=1e-6)
-        assert (handle.colors == basin.colors(found)[chosen]).all()
+        assert directions == pytest.approx(result.axis[chosen], abs=1e-6)
+        assert (handle.colors == basin.colors(result)[chosen]).all()
     assert never.point_size > 1.5 * settling.point_size
     assert never.point_shape != settling.point_shape
     core = page.node("/basin/core")
@@ -122,7 +122,7 @@ def test_each_start_is_a_dot_along_its_axis_and_what_never_settles_is_larger_and
 
 @pytest.mark.parametrize("name", list(preset.shipped()))
 def test_the_globe_hides_nothing_of_a_path_and_is_in_view_as_the_camera_is_first_set(name: str):
-    """Along the camera's direction, so that it is true of what is seen."""
+    """Measured along the direction of the camera, as the globe appears on the page."""
     shown = picture(name)
     bounds, anchor = scene_bounds(shown), np.array(shown.preset.world.anchor)
     centre, towards = globe_centre(shown.motion.position, anchor, bounds), view_direction(bounds.up)
@@ -139,8 +139,8 @@ def test_it_is_hidden_before_and_after_and_nodes_are_made_once(page: Page):
     scene = globe(page, None)
     assert not page.node("/basin").visible
     before = len(page.messages)
-    for found in (made([1.0, 2.0]), made([3.0] * 50), made([math.inf] * 3)):
-        scene.draw(picture("soft"), Comparison(basin=found))
+    for result in (basin_of([1.0, 2.0]), basin_of([3.0] * 50), basin_of([math.inf] * 3)):
+        scene.draw(picture("soft"), Comparison(basin=result))
         assert page.node("/basin").visible
     scene.draw(picture("soft"))
     assert not page.node("/basin").visible
@@ -149,7 +149,7 @@ def test_it_is_hidden_before_and_after_and_nodes_are_made_once(page: Page):
 
 
 def test_equilibria_are_named_at_both_ends(page: Page):
-    globe(page, made([1.0, 2.0]))
+    globe(page, basin_of([1.0, 2.0]))
     names = [page.node(f"/basin/u{k}") for k in range(6)]
     assert all(isinstance(label, viser.LabelHandle) for label in names)
     assert {label.text for label in names} == {f"{sign}u{digit}" for sign in "+−" for digit in "₁₂₃"}  # type: ignore[attr-defined]
@@ -167,18 +167,18 @@ def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for(lambda: editing.tab.nodes["/basin"]["visible"], "the globe")
     editing.settle()
-    found = editing.session.dock.basin.computed
-    assert found is not None
-    return found[1]
+    result = editing.session.dock.basin.computed
+    assert result is not None
+    return result[1]
 
 
 def test_a_sphere_of_starts_is_shown_described_hidden_and_shown_again(editing: Editing):
     assert not editing.tab.nodes["/basin"]["visible"]
-    found = compute(editing)
-    said = re.sub(r"<[^>]+>", "", editing.tab.text())
-    assert f"{np.isfinite(found.settle).sum()} of 40 starts at 179° settle" in said
-    assert f"Median {np.median(found.settle):.3g} s" in said
-    assert f"{found.settle.min():.3g} s{found.settle.max():.3g} s" in said  # both ends of the scale
+    result = compute(editing)
+    page_text = re.sub(r"<[^>]+>", "", editing.tab.text())
+    assert f"{np.isfinite(result.settle).sum()} of 40 starts at 179° settle" in page_text
+    assert f"Median {np.median(result.settle):.3g} s" in page_text
+    assert f"{result.settle.min():.3g} s{result.settle.max():.3g} s" in page_text  # both ends of the scale
     editing.press(panel.HIDE_LABEL)
     editing.tab.wait_for(lambda: not editing.tab.nodes["/basin"]["visible"], "no globe")
     editing.press(panel.SHOW_LABEL)
@@ -186,14 +186,14 @@ def test_a_sphere_of_starts_is_shown_described_hidden_and_shown_again(editing: E
 
 
 def test_the_run_started_from_the_slowest_settles_when_its_dot_said_and_ctrl_z_takes_it_back(editing: Editing):
-    found, before = compute(editing), editing.settings
-    last = int(np.argmax(found.settle))
+    result, before = compute(editing), editing.settings
+    last = int(np.argmax(result.settle))
     editing.press("Start from the slowest")
-    assert editing.settings.preset.guess.attitude_axis == pytest.approx(found.axis[last])
+    assert editing.settings.preset.guess.attitude_axis == pytest.approx(result.axis[last])
     assert math.degrees(editing.settings.preset.guess.attitude_angle) == pytest.approx(179.0)
     shown = editing.session.picture
     assert shown is not None
-    assert shown.summary.settle_attitude_s == pytest.approx(found.settle[last], abs=0.006)  # one sample
+    assert shown.summary.settle_attitude_s == pytest.approx(result.settle[last], abs=0.006)  # one sample
     assert editing.tab.nodes["/basin"]["visible"]  # it belongs to these settings, whatever they start with
     editing.command("Undo")
     assert editing.settings == before
@@ -219,24 +219,24 @@ def test_moving_the_window_keeps_it(editing: Editing):
 
 
 def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Editing, monkeypatch: pytest.MonkeyPatch):
-    heard: list[bool] = []
+    stops: list[bool] = []
 
     def endless(*_: object, progress, cancelled, **__: object):
         while not cancelled():
             progress(0.25)
             time.sleep(0.01)
-        heard.append(True)
+        stops.append(True)
         raise CancelledError
 
     monkeypatch.setattr("rangenav.ensemble.basin", endless)
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°**, 25 %")
     editing.press("Stop")
-    editing.tab.wait_for(lambda: len(heard) == 1 and editing.session.jobs.running is None, "the job to end")
+    editing.tab.wait_for(lambda: len(stops) == 1 and editing.session.jobs.running is None, "the job to end")
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°**, 25 %")
     editing.set("k1", 0.3)
-    editing.tab.wait_for(lambda: len(heard) == 2, "the job to end")
+    editing.tab.wait_for(lambda: len(stops) == 2, "the job to end")
     editing.tab.wait_for_text("The settings changed while the starts ran")
     assert not editing.tab.nodes["/basin"]["visible"]
 
@@ -269,13 +269,13 @@ def test_settings_that_cannot_be_shown_are_refused_in_the_section_of_the_starts(
 
 
 def test_the_text_names_the_starts_that_never_settle_with_their_sign():
-    said = panel.basin_text(
-        picture("soft"), made([1.0, math.inf, math.inf, 2.0, math.inf], final=[0, 1.0, 2.0, 0, 0.5])
+    page_text = panel.basin_text(
+        picture("soft"), basin_of([1.0, math.inf, math.inf, 2.0, math.inf], final=[0, 1.0, 2.0, 0, 0.5])
     )
-    assert "<b>2 of 5</b>" in said
-    assert "Half of them or more never do" in said
-    assert f"<b>{math.degrees(2.0):.3g}°</b>" in said
-    assert "◆</b> not settled in 20 s" in said
+    assert "<b>2 of 5</b>" in page_text
+    assert "Half of them or more never do" in page_text
+    assert f"<b>{math.degrees(2.0):.3g}°</b>" in page_text
+    assert "◆</b> not settled in 20 s" in page_text
 
 
 def test_a_half_turn_is_allowed_to_the_last_digit(editing: Editing):

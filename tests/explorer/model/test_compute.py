@@ -52,7 +52,7 @@ def different(picture, reference):
 
 
 def parts(picture):
-    """The stages of ARCHITECTURE's diagram, each by one array that it alone makes."""
+    """One array of each stage in the list of `explorer.model.compute`, which no other stage computes."""
     return {
         "motion": picture.motion.position,
         "attitude": picture.motion.rotation,
@@ -272,12 +272,12 @@ def test_a_window_with_too_much_in_it_is_refused_in_one_sentence():
 
 
 def test_warming_up_reports_progress_from_start_to_end():
-    heard = []
-    stages.compile_kernels(lambda share, what: heard.append((share, what)))
-    shares = [share for share, _ in heard]
+    reports = []
+    stages.compile_kernels(lambda share, what: reports.append((share, what)))
+    shares = [share for share, _ in reports]
     assert shares == sorted(shares)
     assert shares[-1] == 1.0
-    assert all(isinstance(what, str) and what for _, what in heard)
+    assert all(isinstance(what, str) and what for _, what in reports)
 
 
 vectors = st.tuples(*[st.floats(-4, 4)] * 3)

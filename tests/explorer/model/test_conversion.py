@@ -20,32 +20,32 @@ TIME = np.linspace(0, DURATION, 300)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("family", [name for name, signal in EXAMPLES.items() if not hasattr(signal, "base")])
 def test_every_family_is_converted_into_every_other(family: str, kind: str):
-    made = conversion.converted(EXAMPLES[family], BY_NAME[kind].convert, DURATION)
-    assert family_name(made) == kind
+    converted_signal = conversion.converted(EXAMPLES[family], BY_NAME[kind].convert, DURATION)
+    assert family_name(converted_signal) == kind
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "lissajous", "soft", "circle"])
 def test_sines_become_the_same_formulas_to_the_last_digit_that_matters(name: str):
     path = preset.load(name).path
     assert isinstance(path, Multisine)
-    made = conversion.formula(path, DURATION)
+    converted_signal = conversion.formula(path, DURATION)
     for order in range(5):
-        assert np.allclose(made(TIME, order), path(TIME, order), rtol=1e-12, atol=1e-12)
+        assert np.allclose(converted_signal(TIME, order), path(TIME, order), rtol=1e-12, atol=1e-12)
 
 
 @given(st.floats(0.1, 3), st.floats(0.3, 4), st.floats(-3, 3))
 def test_a_curve_through_points_passes_where_the_path_passes(amplitude: float, frequency: float, phase: float):
     path = Multisine(tones=tuple(Tone(axis=a, amplitude=amplitude, frequency=frequency, phase=phase) for a in "xyz"))  # type: ignore[arg-type]
-    made = conversion.waypoints(path, DURATION)
-    for point in made.points:
+    converted_signal = conversion.waypoints(path, DURATION)
+    for point in converted_signal.points:
         assert np.allclose(point.value, path(np.array([point.time]))[0], atol=1e-3)
 
 
 def test_a_minimum_snap_curve_becomes_its_own_polynomials():
     curve = conversion.minimum_snap(preset.load("soft").path, DURATION)  # type: ignore[arg-type]
-    made = conversion.polynomials(curve, DURATION)
-    assert isinstance(made, Polynomials)
-    assert np.allclose(made(TIME), curve(TIME), atol=1e-9)
+    converted_signal = conversion.polynomials(curve, DURATION)
+    assert isinstance(converted_signal, Polynomials)
+    assert np.allclose(converted_signal(TIME), curve(TIME), atol=1e-9)
 
 
 def test_the_strongest_tones_of_a_formula_are_found():

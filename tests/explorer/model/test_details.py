@@ -1,4 +1,4 @@
-"""The page's depth stage, its plots and its scene nodes: what is shown is what the library found."""
+"""The details of a picture, their plots and their scene nodes: they show the results of the library."""
 
 import asyncio
 import html
@@ -41,13 +41,13 @@ def test_a_gain_leaves_the_depth_alone_and_the_path_does_not() -> None:
 
 
 def test_depth_is_about_the_analysis_own_windows() -> None:
-    seen = picture("circle")
-    found = details.details(seen.preset)
-    np.testing.assert_array_equal(found.spectrum.eigenvalues, seen.analysis.windows.gramian)
-    assert found.functions.start == seen.analysis.gramian_at
-    assert found.functions.rank == seen.analysis.rank
-    assert len(found.printed.least_printed) == len(seen.analysis.windows.start)
-    assert found.printed.mu == 0.0
+    example = picture("circle")
+    computed = details.details(example.preset)
+    np.testing.assert_array_equal(computed.spectrum.eigenvalues, example.analysis.windows.gramian)
+    assert computed.functions.start == example.analysis.gramian_at
+    assert computed.functions.rank == example.analysis.rank
+    assert len(computed.printed.least_printed) == len(example.analysis.windows.start)
+    assert computed.printed.mu == 0.0
 
 
 def test_a_turn_moves_the_twin_of_a_hover() -> None:
@@ -60,9 +60,9 @@ def test_a_turn_moves_the_twin_of_a_hover() -> None:
 
 @pytest.mark.parametrize(("time", "start"), [(-1.0, 0.0), (3.0, 3.0), (14.0, 14.0), (20.0, 14.0)])
 def test_the_excitation_at_a_time_is_that_of_the_window_starting_there(time: float, start: float) -> None:
-    found = details.excitation_at(SLOW, time)
-    assert found.window == SLOW.requirement.window
-    assert found.start == pytest.approx(start, abs=0.5 * 14.0 / 100)
+    computed = details.excitation_at(SLOW, time)
+    assert computed.window == SLOW.requirement.window
+    assert computed.start == pytest.approx(start, abs=0.5 * 14.0 / 100)
 
 
 def test_the_frozen_time_ranks_are_given_once_python_control_is_imported(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -79,87 +79,87 @@ def test_the_frozen_time_ranks_are_given_once_python_control_is_imported(monkeyp
 
 
 def test_the_scaled_spectrum_draws_nothing_below_its_tolerance_as_if_it_were_data() -> None:
-    seen = picture("circle")
-    drawing, found = drawings.scaled(seen), details.details(seen.preset).spectrum
-    lost = found.scaled[:, ::-1] <= found.tolerance[:, None]
-    assert lost.sum() == (13 - found.rank).sum()
+    example = picture("circle")
+    drawing, computed = drawings.scaled(example), details.details(example.preset).spectrum
+    lost = computed.scaled[:, ::-1] <= computed.tolerance[:, None]
+    assert lost.sum() == (13 - computed.rank).sum()
     assert (drawing.values[:, :13][lost] == -np.inf).all()
-    assert (drawing.drawn >= found.tolerance[:, None] * (1 - 1e-12)).all()
-    assert drawing.axis[0] < found.tolerance.min()
+    assert (drawing.drawn >= computed.tolerance[:, None] * (1 - 1e-12)).all()
+    assert drawing.axis[0] < computed.tolerance.min()
     assert (np.diff(np.where(np.isinf(drawing.values[:, :13]), 0.0, drawing.values[:, :13]), axis=1) >= 0).all()
 
 
 def test_the_functions_are_drawn_over_their_peaks_and_read_as_they_are() -> None:
-    seen = picture("hover")
-    drawing, found = drawings.functions(seen), details.details(seen.preset).functions
-    np.testing.assert_array_equal(drawing.values, found.values)
+    example = picture("hover")
+    drawing, computed = drawings.functions(example), details.details(example.preset).functions
+    np.testing.assert_array_equal(drawing.values, computed.values)
     peaks = np.abs(drawing.drawn).max(axis=0)
-    present = np.abs(found.values).max(axis=0) > 0
+    present = np.abs(computed.values).max(axis=0) > 0
     assert present.sum() == 7  # 1, τ, τ², τ³ and the three of D_z
     np.testing.assert_allclose(peaks[present], 1.0)
     np.testing.assert_array_equal(peaks[~present], 0.0)
 
 
 def test_rank_and_sigma_by_length_stand_at_their_length_on_the_time_axis() -> None:
-    seen = picture("paper-slow")
-    found, rank, sigma = (
-        details.details(seen.preset).horizon,
-        drawings.rank_by_length(seen),
-        drawings.sigma_by_length(seen),
+    example = picture("paper-slow")
+    computed, rank, sigma = (
+        details.details(example.preset).horizon,
+        drawings.rank_by_length(example),
+        drawings.sigma_by_length(example),
     )
-    np.testing.assert_array_equal(rank.time, found.length)
-    np.testing.assert_array_equal(rank.values[:, :2], found.rank)
+    np.testing.assert_array_equal(rank.time, computed.length)
+    np.testing.assert_array_equal(rank.values[:, :2], computed.rank)
     assert (rank.values[:, 2] == 13).all()
     assert sigma.values[0, 1] == np.inf  # blind, and drawn above the axis
     assert sigma.drawn[0, 1] > sigma.axis[1]
-    assert sigma.values[-1, 0] == pytest.approx(found.sigma[-1, 0])
+    assert sigma.values[-1, 0] == pytest.approx(computed.sigma[-1, 0])
 
 
 @pytest.mark.parametrize("name", ["hover", "circle", "wiggle"])
 def test_both_ranges_are_drawn_and_agree_while_the_twin_is_far_off(name: str) -> None:
-    seen = picture(name)
-    ranges, apart = drawings.ranges(seen), drawings.apart(seen)
+    example = picture(name)
+    ranges, apart = drawings.ranges(example), drawings.apart(example)
     assert ranges.hidden == apart.hidden == ()
     assert np.abs(ranges.values[:, 0] - ranges.values[:, 1]).max() <= twin.TOLERANCE
     assert apart.values[:, 1].max() <= twin.TOLERANCE
     assert np.sqrt(np.mean(apart.values[:, 0] ** 2)) > 0.99
-    true = np.linalg.norm(seen.motion.position - np.asarray(seen.preset.world.anchor), axis=1)
-    np.testing.assert_allclose(np.interp(seen.motion.time, ranges.time, ranges.values[:, 0]), true, atol=1e-3)
+    true = np.linalg.norm(example.motion.position - np.asarray(example.preset.world.anchor), axis=1)
+    np.testing.assert_allclose(np.interp(example.motion.time, ranges.time, ranges.values[:, 0]), true, atol=1e-3)
 
 
 def test_a_refused_twin_is_not_drawn_and_its_reason_is_given() -> None:
-    seen = picture("paper-slow")
-    assert drawings.ranges(seen).hidden == (1,)
-    assert drawings.apart(seen).hidden == (0, 1)
-    sentence, _ = drawings.describe_twin(seen)
+    example = picture("paper-slow")
+    assert drawings.ranges(example).hidden == (1,)
+    assert drawings.apart(example).hidden == (0, 1)
+    sentence, _ = drawings.describe_twin(example)
     assert sentence.startswith("No twin: a metre of the least felt difference")
 
 
 def test_the_printed_certificate_stands_next_to_the_derived_one_whatever_is_switched_on() -> None:
-    seen = picture("circle")
-    drawing, mu = drawings.certificates(seen), seen.preset.requirement.mu
+    example = picture("circle")
+    drawing, mu = drawings.certificates(example), example.preset.requirement.mu
     assert (drawing.values[:, 0] == 0).all()
     assert (drawing.drawn[:, 0] < drawing.axis[0]).all()
     assert (drawing.values[:, 3] > mu).all()
     assert drawing.axis[0] < mu < drawing.axis[1]
-    assert drawings.describe_twin(seen)[1].startswith("False certificate: ")
-    both = drawings.phi(seen)
-    np.testing.assert_allclose(both.values[:, 0], np.linalg.norm(seen.motion.snap, axis=1), rtol=1e-9)
+    assert drawings.describe_twin(example)[1].startswith("False certificate: ")
+    both = drawings.phi(example)
+    np.testing.assert_allclose(both.values[:, 0], np.linalg.norm(example.motion.snap, axis=1), rtol=1e-9)
     assert np.abs(both.values[:, 1] - both.values[:, 0]).max() > 0.1
 
 
 @pytest.mark.parametrize("narrow", [False, True])
 def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow: bool) -> None:
-    charts, seen = Charts(page.client, narrow=narrow), picture("circle")
-    charts.draw(seen)
-    wanted = markup.paragraphs(drawings.describe_twin(seen))
+    charts, example = Charts(page.client, narrow=narrow), picture("circle")
+    charts.draw(example)
+    wanted = markup.paragraphs(drawings.describe_twin(example))
     assert html.escape("the mirror image in the plane through the anchor with normal z") in wanted
     assert markup.paragraphs((OUTDATED,)) in page.updates("content")
     assert wanted not in page.updates("content")
-    charts.draw_details(seen)
+    charts.draw_details(example)
     assert wanted in page.updates("content")
     page.messages.clear()
-    charts.draw_details(seen)
+    charts.draw_details(example)
     assert wanted not in page.updates("content")
     charts.draw(picture("hover"))
     charts.draw_details(picture("hover"))
@@ -167,20 +167,20 @@ def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow
 
 
 def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=True), picture("circle")
-    charts.draw(seen)
+    charts, example = Charts(page.client, narrow=True), picture("circle")
+    charts.draw(example)
     page.messages.clear()
     charts.show_paper_figures()
-    assert markup.paragraphs(drawings.describe_depth(seen)) in page.updates("content")
+    assert markup.paragraphs(drawings.describe_depth(example)) in page.updates("content")
 
 
 def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> None:
-    charts, seen = Charts(page.client, narrow=False), picture("paper-slow")
-    charts.draw(seen)
+    charts, example = Charts(page.client, narrow=False), picture("paper-slow")
+    charts.draw(example)
     page.messages.clear()
-    charts.cursor(seen, 5.0)
+    charts.cursor(example, 5.0)
     assert f"{markup.WINDOW_FROM}:0.25000;{markup.WINDOW_SPAN}:0.30000;" in page.live_style()
-    assert window_at(seen, 19.0) == pytest.approx((0.7, 0.3))  # the last window there is
+    assert window_at(example, 19.0) == pytest.approx((0.7, 0.3))  # the last window there is
     for group in plot_list.GROUPS:
         for plot in group.plots:
             top = markup.header(plot, height=100, hidden=())
@@ -192,16 +192,16 @@ def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> N
 
 
 def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(page: Page) -> None:
-    seen = picture("circle")
-    ghost, found = TwinGhost(page.scene, lambda: None), details.details(seen.preset).twin
-    ghost.draw(seen, found, scene_bounds(seen))
-    ghost.move(seen, 3.2149)
-    k = int(np.argmin(np.abs(seen.motion.time - 3.2149)))
-    place = np.asarray(page.node("/twin").position)
-    anchor = np.asarray(seen.preset.world.anchor)
-    assert np.linalg.norm(place - anchor) == pytest.approx(np.linalg.norm(seen.motion.position[k] - anchor))
-    assert np.linalg.norm(place - seen.motion.position[k]) == pytest.approx(3.0)
-    assert SO3(page.node("/twin").wxyz).as_matrix() == pytest.approx(seen.motion.rotation[k])
+    example = picture("circle")
+    ghost, computed = TwinGhost(page.scene, lambda: None), details.details(example.preset).twin
+    ghost.draw(example, computed, scene_bounds(example))
+    ghost.move(example, 3.2149)
+    k = int(np.argmin(np.abs(example.motion.time - 3.2149)))
+    position = np.asarray(page.node("/twin").position)
+    anchor = np.asarray(example.preset.world.anchor)
+    assert np.linalg.norm(position - anchor) == pytest.approx(np.linalg.norm(example.motion.position[k] - anchor))
+    assert np.linalg.norm(position - example.motion.position[k]) == pytest.approx(3.0)
+    assert SO3(page.node("/twin").wxyz).as_matrix() == pytest.approx(example.motion.rotation[k])
     assert page.node("/twin").visible
     assert page.node("/twin_path").visible
     ends = page.node("/twin_ranges").points  # type: ignore[attr-defined]
@@ -212,24 +212,24 @@ def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(pag
 def test_without_a_twin_nothing_of_it_is_shown(page: Page) -> None:
     ghost = TwinGhost(page.scene, lambda: None)
     for name in ("circle", "paper-slow"):
-        seen = picture(name)
-        ghost.draw(seen, details.details(seen.preset).twin, scene_bounds(seen))
-        ghost.move(seen, 1.0)
+        example = picture(name)
+        ghost.draw(example, details.details(example.preset).twin, scene_bounds(example))
+        ghost.move(example, 1.0)
     assert [page.node(name).visible for name in ("/twin", "/twin_path", "/twin_ranges")] == [False] * 3
 
 
 def test_a_twin_off_the_stage_is_not_drawn_and_no_error(page: Page) -> None:
-    seen = picture("circle")
-    p = replace(seen.preset, world=replace(seen.preset.world, anchor=(0.0, 0.0, 50.0)))
+    example = picture("circle")
+    p = replace(example.preset, world=replace(example.preset.world, anchor=(0.0, 0.0, 50.0)))
     ghost = TwinGhost(page.scene, lambda: None)
-    ghost.draw(seen, twin.twin(p), scene_bounds(seen))
-    ghost.move(seen, 1.0)
+    ghost.draw(example, twin.twin(p), scene_bounds(example))
+    ghost.move(example, 1.0)
     assert not page.node("/twin").visible
     assert not page.node("/twin_path").visible
 
 
 def drag(ghost: TwinGhost, position: tuple) -> None:
-    """As viser's loop tells it."""
+    """A drag event as viser's loop delivers it."""
     asyncio.run(ghost._record_drag(SimpleNamespace(end_position=position)))  # type: ignore[arg-type]
 
 
@@ -251,13 +251,13 @@ def test_a_drag_is_stored_until_it_is_taken_and_only_if_it_is_a_position(page: P
 def test_a_twin_says_whether_it_may_be_dragged(page: Page) -> None:
     ghost, label = TwinGhost(page.scene, lambda: None), "/twin/label"
     for name, text in (("hover", "evil twin, drag it"), ("circle", "evil twin")):
-        seen = picture(name)
-        ghost.draw(seen, details.details(seen.preset).twin, scene_bounds(seen))
+        example = picture(name)
+        ghost.draw(example, details.details(example.preset).twin, scene_bounds(example))
         assert page.node(label).text == text  # type: ignore[attr-defined]
 
 
 def _nothing() -> None:
-    """For a section that nobody watches."""
+    """Do nothing: the `wake` of a section without a session."""
 
 
 @pytest.fixture
@@ -292,27 +292,27 @@ def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis
 ) -> None:
     back_and_forth = Multisine(offset=(0.0, 2.0, -1.0), tones=(Tone(axis="x", amplitude=1.5, frequency=1.0),))
     p = replace(preset.load("line"), path=back_and_forth)
-    found = details.details(p).twin
-    assert isinstance(found, Twin)
-    axis = found.axis
+    computed = details.details(p).twin
+    assert isinstance(computed, Twin)
+    axis = computed.axis
     assert axis is not None
     for angle in (-2.0, 0.0, 1.0):
-        panel.draw(found)
+        panel.draw(computed)
         panel.angle.show(angle)
         turn = panel.read()
         assert turn == pytest.approx(angle * np.array(axis))
-        found = details.details(p, turn=turn).twin
-        assert isinstance(found, Twin)
-        panel.draw(found)
+        computed = details.details(p, turn=turn).twin
+        assert isinstance(computed, Twin)
+        panel.draw(computed)
         assert panel.axis.read() == pytest.approx(axis)
         assert panel.angle.read() == pytest.approx(angle)
 
 
 @pytest.mark.parametrize("axis", [(0.0, 0.0, 0.0), (float("nan"), 0.0, 1.0), (float("inf"), 0.0, 1.0)])
 def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPanel, axis: Vec3) -> None:
-    found = details.details(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
+    computed = details.details(preset.load("hover"), turn=(0.0, 0.0, 0.5)).twin
     panel.write((0.0, 0.0, 0.5))
-    panel.draw(found)
+    panel.draw(computed)
     panel.axis.show(axis)
     with pytest.raises(InvalidInputError):
         panel.read()
@@ -328,42 +328,46 @@ def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: Twi
 
 
 def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_weakest_axis(page: Page) -> None:
-    seen = picture("lissajous")
-    shown, bounds, found = ExcitationEllipsoid(page.scene), scene_bounds(seen), details.excitation_at(seen.preset, 2.0)
-    shown.draw(seen, found, bounds)
+    example = picture("lissajous")
+    shown, bounds, computed = (
+        ExcitationEllipsoid(page.scene),
+        scene_bounds(example),
+        details.excitation_at(example.preset, 2.0),
+    )
+    shown.draw(example, computed, bounds)
     handle = page.node("/excitation")
     scale = np.array(handle.scale)  # type: ignore[attr-defined]
     assert scale[2] == pytest.approx(LONGEST * bounds.radius)
-    np.testing.assert_allclose(scale / scale[2], found.semi_axes / found.semi_axes[2], rtol=1e-9)
-    assert SO3(handle.wxyz).as_matrix() == pytest.approx(found.axes)
+    np.testing.assert_allclose(scale / scale[2], computed.semi_axes / computed.semi_axes[2], rtol=1e-9)
+    assert SO3(handle.wxyz).as_matrix() == pytest.approx(computed.axes)
     arrow = SO3(page.node("/weakest").wxyz).as_matrix()[:, 0]
-    assert abs(arrow @ found.weakest) == pytest.approx(1.0)
+    assert abs(arrow @ computed.weakest) == pytest.approx(1.0)
     label = page.scene.get_handle_by_name("/weakest/label")
     assert isinstance(label, viser.LabelHandle)
-    assert label.text == weakest_label(found) == f"weakest: x, μ = {found.eigenvalues[0]:.3g}"
-    assert scene_bounds(seen).contains(np.asarray(handle.position))
+    assert label.text == weakest_label(computed) == f"weakest: x, μ = {computed.eigenvalues[0]:.3g}"
+    assert scene_bounds(example).contains(np.asarray(handle.position))
 
 
 def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> None:
-    seen, resting = picture("circle"), picture("hover")
-    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(seen)
-    shown.draw(seen, details.excitation_at(seen.preset, 0.0), bounds)
+    example, resting = picture("circle"), picture("hover")
+    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(example)
+    shown.draw(example, details.excitation_at(example.preset, 0.0), bounds)
     scale = np.array(page.node("/excitation").scale)  # type: ignore[attr-defined]
     assert scale[0] == pytest.approx(THINNEST * scale[2])
-    assert weakest_label(details.excitation_at(seen.preset, 0.0)) == "no snap along z"
+    assert weakest_label(details.excitation_at(example.preset, 0.0)) == "no snap along z"
     shown.draw(resting, details.excitation_at(resting.preset, 0.0), scene_bounds(resting))
     assert not page.node("/excitation").visible
     assert not page.node("/weakest").visible
-    shown.draw(seen, details.excitation_at(seen.preset, 0.0), bounds)
+    shown.draw(example, details.excitation_at(example.preset, 0.0), bounds)
     assert page.node("/excitation").visible
     shown.hide()
     assert not page.node("/excitation").visible
 
 
 def test_an_unchanged_ellipsoid_sends_nothing(page: Page) -> None:
-    seen = picture("lissajous")
-    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(seen)
-    shown.draw(seen, details.excitation_at(seen.preset, 2.0), bounds)
+    example = picture("lissajous")
+    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(example)
+    shown.draw(example, details.excitation_at(example.preset, 2.0), bounds)
     page.messages.clear()
-    shown.draw(seen, details.excitation_at(seen.preset, 2.001), bounds)
+    shown.draw(example, details.excitation_at(example.preset, 2.001), bounds)
     assert page.messages == []

@@ -1,4 +1,4 @@
-"""Undo and redo, as any sequence of changes has it."""
+"""Undo and redo after sequences of changes."""
 
 import msgspec
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Long work: its result arrives in the loop that asks for it, unless it was stopped or overtaken."""
+"""Jobs: the result arrives in the loop that asks for it, unless the job was stopped or replaced."""
 
 import threading
 import time
@@ -9,8 +9,8 @@ from explorer.model.jobs import Jobs
 from rangenav.progress import CancelledError
 
 
-def _until(holds, patience: float = 5.0) -> None:
-    deadline = time.monotonic() + patience
+def _until(holds, timeout: float = 5.0) -> None:
+    deadline = time.monotonic() + timeout
     while not holds():
         assert time.monotonic() < deadline
         time.sleep(0.005)
@@ -56,17 +56,17 @@ def test_progress_is_seen_while_the_work_goes_on():
 
 
 def test_a_cancelled_job_hears_of_it_and_reports_nothing():
-    heard, got = threading.Event(), []
+    calls, got = threading.Event(), []
 
     def work(progress, cancelled):
         _until(cancelled)
-        heard.set()
+        calls.set()
         raise CancelledError
 
     jobs = Jobs(lambda: None)
     jobs.start("long", work, got.append, got.append)
     jobs.cancel()
-    assert heard.wait(5)
+    assert calls.wait(5)
     jobs.deliver()
     assert got == []
     assert jobs.running is None

@@ -1,4 +1,4 @@
-"""What a visitor has chosen: values, equal by value, and what is made of them before anything is computed."""
+"""Settings: compared by value, and converted into the preset that is computed."""
 
 import math
 

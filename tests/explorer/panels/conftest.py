@@ -1,4 +1,4 @@
-"""A dock of controls without a session: what is set is read when a test asks for it."""
+"""A dock of controls without a session: the test itself calls `refresh` and `read`."""
 
 from collections.abc import Iterator
 

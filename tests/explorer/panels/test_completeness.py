@@ -1,4 +1,4 @@
-"""What is left out of the page is noticed: fields, families and formats that no panel shows would be lost silently."""
+"""Every field, family and format of the library has a control: the page would silently lose one without."""
 
 from typing import get_args
 

@@ -1,4 +1,4 @@
-"""What the panels show and read: values survive being shown, and words say what the numbers mean."""
+"""The panels: values that are shown are read back exactly, and texts state what the numbers mean."""
 
 import dataclasses
 import html
@@ -43,7 +43,7 @@ def _computed(name: str, **printed: bool) -> compute.Picture:
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_preset_is_read_back_as_it_was_written(dock: Dock, name: str):
-    """Shown numbers are rounded, those behind them are not: the page computes what the command line does."""
+    """The page rounds the numbers that it shows, and computes with the exact ones, as the command line does."""
     settings = Settings(origin=name, preset=SHIPPED[name])
     dock.write(settings)
     assert refreshed(dock) == settings
@@ -178,7 +178,7 @@ def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: v
 
 @pytest.mark.parametrize("sent", [(), (1.0, 2.0), (1.0,) * 4, ("a", "b", "c"), (None, 1.0, 2.0)])
 def test_a_vector_that_is_none_is_refused(section: Section, sent: tuple[Any, ...]):
-    """viser casts what a browser sends to the kind that was there; after an empty vector to no kind at all."""
+    """viser casts a sent vector to the types of its last entries; after an empty vector it casts nothing."""
     vector = Vector(section, "v", step=0.1, hint="", scale=2.0)
     vector._box._impl.value = sent  # type: ignore[attr-defined]
     with pytest.raises(ValueError, match="v must have three components"):
@@ -270,9 +270,9 @@ def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_ve
     text = preset_file.document(Settings(preset=shown)).decode()
     assert preset.loads(text, source="download") == shown
     comments = [line for line in text.splitlines() if line.startswith("#")]
-    found = analysis.analyse(shown)
-    assert text.startswith(f"# verdict: {found.verdict.word}; rank {found.rank} of 13")
-    assert f"mu = {found.mu:.6g}" in comments[1]
+    result = analysis.analyse(shown)
+    assert text.startswith(f"# verdict: {result.verdict.word}; rank {result.rank} of 13")
+    assert f"mu = {result.mu:.6g}" in comments[1]
     assert "required: 500" in comments[1]
 
 
@@ -293,7 +293,7 @@ def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: v
     fast = Multisine(tones=(Tone(axis="x", amplitude=1e-3, frequency=80.0),))
     after = msgspec.structs.replace(before, path=fast)
     looked = Figures(mu=1.0, sigma=1.0, excess={})
-    found = Repair(
+    result = Repair(
         before=before,
         after=after,
         by="tones",
@@ -316,7 +316,7 @@ def test_a_change_that_does_not_fit_what_is_chosen_by_now_pins_nothing(client: v
             done.append("written")
 
     panel = RepairPanel(Form(client.gui, _nothing), Shown(), Jobs(_nothing), lambda: done.append("pinned"))
-    panel.show(found)
+    panel.show(result)
     with pytest.raises(InvalidInputError) as refusal:
         panel.accept()
     assert "faster than the IMU can sample" in str(refusal.value.__cause__)

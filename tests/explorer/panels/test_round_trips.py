@@ -1,4 +1,4 @@
-"""The dock gives back what it was given, whatever that was: undo, redo and autosave stand on it."""
+"""The dock reads back the settings that were written to it: undo, redo and autosave depend on it."""
 
 import math
 from typing import Any
@@ -21,7 +21,7 @@ from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
-"""The websocket's threads do, while hypothesis draws."""
+"""The threads of the websocket use `random` while hypothesis draws."""
 FEW = tried(max_examples=60, deadline=None, suppress_health_check=SLOW_DRAWS)
 
 
@@ -91,11 +91,11 @@ VALUES: dict[type, st.SearchStrategy[Any]] = {
     Text: st.sampled_from(("sin(t)", "2*cos(3*t)", "t t", "", "0 0 0 0\n9 1 0 2\n20 0 0 1", "0 0 0 0\n0 1 1 1")),
 }
 DEEDS = st.tuples(st.integers(0, 999), st.tuples(*VALUES.values()))
-"""Which control, of those that can be seen, and to what value of its kind."""
+"""The number of a visible control, and a value for each kind of control."""
 
 
 def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
-    """One thing that a visitor does: half of the time another family, for there is most to lose."""
+    """One action of a visitor: half of them choose another family, which might lose the most."""
     form = dock.form
     controls = [c for section in form.sections if section.visible for c in section.controls]
     families = [dock.motion.path.base_editor.family_menu, dock.motion.angular_velocity.signal_editor.family_menu]

@@ -1,4 +1,4 @@
-"""Handles in the 3-D picture: they are where the settings say or where they are held, and believe no browser."""
+"""Drag handles: they are at the positions of the settings or of the pointer, and accept only valid positions."""
 
 import math
 import time
@@ -20,10 +20,10 @@ from tests.support import wire
 from tests.support.wire import Wire
 
 ANCHOR = (0.5, -0.25, 1.0)
-PLACES = ((1.0, 2.0, 3.0), (1 / 3, 0.0, -1.0), (0.0, -2.0, 0.125))
+POSITIONS = ((1.0, 2.0, 3.0), (1 / 3, 0.0, -1.0), (0.0, -2.0, 0.125))
 FIRST, SECOND, ANCHOR_HANDLE, GIZMO = (f"/handles/{name}" for name in ("waypoint1", "waypoint2", "anchor", "gizmo"))
 LAST = "/last"
-"""A node of the tests' own: when it hears something, the handles have heard all that was sent before."""
+"""A node of the tests' own: when its message has arrived, so have all earlier messages to the handles."""
 
 
 def bounds_of(radius: float) -> SceneBounds:
@@ -42,7 +42,7 @@ def bounds_of(radius: float) -> SceneBounds:
 
 @dataclass
 class Tab:
-    """A visitor with handles, seen from both sides."""
+    """A visitor's connection, and the server's handles for it."""
 
     wire: Wire
     handles: DragHandles
@@ -51,14 +51,16 @@ class Tab:
     answered: list[None] = field(default_factory=list)
 
     def take(self) -> list[HandleMove]:
-        """Take when everything sent so far has been heard: viser hears messages in their order."""
+        """Take the moves once every message has arrived: viser handles messages in their order."""
         self.requests += 1
-        self.wire.drag_message(LAST, "start", PLACES[0], PLACES[0])
-        self.wire.wait_for(lambda: len(self.answered) == self.requests, "the last message to be heard")
+        self.wire.drag_message(LAST, "start", POSITIONS[0], POSITIONS[0])
+        self.wire.wait_for(lambda: len(self.answered) == self.requests, "the last message")
         return self.handles.take_moves()
 
-    def wait_for_place(self, name: str, place: Vec3) -> None:
-        self.wire.wait_for(lambda: self.wire.nodes[name]["position"] == pytest.approx(place, abs=1e-9), f"{name} there")
+    def wait_for_position(self, name: str, position: Vec3) -> None:
+        self.wire.wait_for(
+            lambda: self.wire.nodes[name]["position"] == pytest.approx(position, abs=1e-9), f"{name} there"
+        )
 
 
 @pytest.fixture(scope="module")
@@ -77,22 +79,22 @@ def tab(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> Iterator[
     client = server.get_clients()[max(server.get_clients())]
     security.accept_values_only(client)
     woken: list[None] = []
-    found = Tab(visitor, DragHandles(client.scene, lambda: woken.append(None)), woken)
+    tab = Tab(visitor, DragHandles(client.scene, lambda: woken.append(None)), woken)
 
     async def answer(_: object) -> None:
-        found.answered.append(None)
+        tab.answered.append(None)
 
     client.scene.add_icosphere(LAST).on_drag(answer)
-    found.handles.draw(ANCHOR, PLACES, bounds_of(2.0))
+    tab.handles.draw(ANCHOR, POSITIONS, bounds_of(2.0))
     visitor.wait_for(lambda: visitor.nodes.get("/handles/waypoint3", {}).get("bindings"), "the handles")
-    found.wait_for_place("/handles/waypoint3", PLACES[2])  # the last that draw() sends
-    yield found
+    tab.wait_for_position("/handles/waypoint3", POSITIONS[2])  # the last that draw() sends
+    yield tab
     visitor.close()
 
 
 def test_handles_stand_where_the_settings_say(tab: Tab):
-    for name, place in zip((ANCHOR_HANDLE, FIRST, SECOND), (ANCHOR, *PLACES), strict=False):
-        tab.wait_for_place(name, place)
+    for name, position in zip((ANCHOR_HANDLE, FIRST, SECOND), (ANCHOR, *POSITIONS), strict=False):
+        tab.wait_for_position(name, position)
     assert tab.wire.nodes[f"{SECOND}/label"]["text"] == "2"
     assert not tab.handles.dragging
     assert tab.handles.take_moves() == []
@@ -102,10 +104,10 @@ def test_a_drag_is_taken_once_at_its_latest_place_and_the_handle_is_there_at_onc
     tab.wire.drag(FIRST, (1.5, 2.0, 2.5), steps=7, done=False)
     tab.wire.wait_for(lambda: len(tab.woken) == 8, "a wake-up for the press and for each step")
     assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=False)]
-    tab.wait_for_place(FIRST, (1.5, 2.0, 2.5))
+    tab.wait_for_position(FIRST, (1.5, 2.0, 2.5))
     assert tab.handles.dragging
     assert tab.handles.take_moves() == []
-    tab.wire.drag_message(FIRST, "end", PLACES[0], (0.5, 2.0, 2.5))
+    tab.wire.drag_message(FIRST, "end", POSITIONS[0], (0.5, 2.0, 2.5))
     assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(0.5, 2.0, 2.5), done=True)]
     assert not tab.handles.dragging
     tab.wire.drag(ANCHOR_HANDLE, (0.0, 0.0, 0.0))
@@ -120,10 +122,10 @@ def test_where_on_the_sphere_it_was_pressed_makes_no_difference(tab: Tab):
 
 
 def test_a_coordinate_that_was_not_moved_stays_to_the_last_digit_and_a_moved_one_is_readable(tab: Tab):
-    tab.wire.drag(SECOND, (PLACES[1][0] + 1e-5, 0.1234567, -1.0))
+    tab.wire.drag(SECOND, (POSITIONS[1][0] + 1e-5, 0.1234567, -1.0))
     assert tab.take()[0].position == (1 / 3, 0.123, -1.0)
-    tab.handles.draw(ANCHOR, PLACES, bounds_of(2000.0))
-    tab.wait_for_place(SECOND, PLACES[1])
+    tab.handles.draw(ANCHOR, POSITIONS, bounds_of(2000.0))
+    tab.wait_for_position(SECOND, POSITIONS[1])
     tab.wire.drag(SECOND, (1234.567, 0.0, -1.0))
     assert tab.take()[0].position == (1235.0, 0.0, -1.0)
 
@@ -131,15 +133,15 @@ def test_a_coordinate_that_was_not_moved_stays_to_the_last_digit_and_a_moved_one
 def test_drawing_moves_all_but_what_is_held(tab: Tab):
     tab.wire.drag(FIRST, (0.0, 2.0, 3.0), done=False)
     tab.take()
-    elsewhere = ((9.0, 9.0, 9.0), (0.0, 0.0, 9.0), PLACES[2])
+    elsewhere = ((9.0, 9.0, 9.0), (0.0, 0.0, 9.0), POSITIONS[2])
     tab.handles.draw((3.0, 3.0, 3.0), elsewhere, bounds_of(2.0))
-    tab.wait_for_place(ANCHOR_HANDLE, (3.0, 3.0, 3.0))
-    tab.wait_for_place(SECOND, elsewhere[1])
+    tab.wait_for_position(ANCHOR_HANDLE, (3.0, 3.0, 3.0))
+    tab.wait_for_position(SECOND, elsewhere[1])
     assert tab.wire.nodes[FIRST]["position"] == pytest.approx((0.0, 2.0, 3.0))
-    tab.wire.drag_message(FIRST, "end", PLACES[0], (0.0, 2.0, 3.0))
+    tab.wire.drag_message(FIRST, "end", POSITIONS[0], (0.0, 2.0, 3.0))
     tab.take()
     tab.handles.draw(ANCHOR, elsewhere, bounds_of(2.0))
-    tab.wait_for_place(FIRST, elsewhere[0])
+    tab.wait_for_position(FIRST, elsewhere[0])
 
 
 NONSENSE = [
@@ -155,9 +157,9 @@ NONSENSE = [
 def test_what_is_no_place_is_dropped_and_the_release_counts_all_the_same(tab: Tab, place: Vec3):
     tab.wire.drag(FIRST, (1.5, 2.0, 2.5), done=False)
     tab.take()
-    tab.wire.drag_message(FIRST, "update", PLACES[0], place)
+    tab.wire.drag_message(FIRST, "update", POSITIONS[0], place)
     assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=False)]
-    tab.wire.drag_message(FIRST, "end", PLACES[0], place)
+    tab.wire.drag_message(FIRST, "end", POSITIONS[0], place)
     assert tab.take() == [HandleMove(kind="waypoint", index=0, position=(1.5, 2.0, 2.5), done=True)]
     tab.wire.drag_message(SECOND, "start", place, place)
     tab.wire.drag_message(SECOND, "end", place, (0.0, 0.0, 0.0))
@@ -168,21 +170,21 @@ def test_what_is_no_place_is_dropped_and_the_release_counts_all_the_same(tab: Ta
 @pytest.mark.filterwarnings("ignore:.*does not match annotation")
 @pytest.mark.parametrize("place", [(), (1.0,), (1.0, 2.0, 3.0, 4.0), "no", {}, [[1.0], [2.0], [3.0], [4.0]]])
 def test_what_has_another_shape_is_dropped_too(tab: Tab, place: Any):
-    tab.wire.drag_message(FIRST, "start", PLACES[0], PLACES[0])
-    tab.wire.drag_message(FIRST, "update", PLACES[0], place)
+    tab.wire.drag_message(FIRST, "start", POSITIONS[0], POSITIONS[0])
+    tab.wire.drag_message(FIRST, "update", POSITIONS[0], place)
     assert tab.take() == []
-    tab.wire.drag_message(FIRST, "end", PLACES[0], (0.0, 0.0, 0.0))
+    tab.wire.drag_message(FIRST, "end", POSITIONS[0], (0.0, 0.0, 0.0))
     assert len(tab.take()) == 1
 
 
 def test_a_drag_that_never_began_is_none_and_a_second_beginning_replaces_the_first(tab: Tab):
-    tab.wire.drag_message(FIRST, "update", PLACES[0], (0.0, 0.0, 0.0))
-    tab.wire.drag_message(FIRST, "end", PLACES[0], (0.0, 0.0, 0.0))
+    tab.wire.drag_message(FIRST, "update", POSITIONS[0], (0.0, 0.0, 0.0))
+    tab.wire.drag_message(FIRST, "end", POSITIONS[0], (0.0, 0.0, 0.0))
     assert tab.take() == []
-    tab.wire.drag_message(FIRST, "start", PLACES[0], PLACES[0])
-    tab.wire.drag_message(FIRST, "update", PLACES[0], (0.0, 0.0, 0.0))
-    tab.wire.drag_message(FIRST, "start", PLACES[0], PLACES[0])
-    tab.wire.drag_message(FIRST, "end", PLACES[0], (1.0, 2.0, 4.0))
+    tab.wire.drag_message(FIRST, "start", POSITIONS[0], POSITIONS[0])
+    tab.wire.drag_message(FIRST, "update", POSITIONS[0], (0.0, 0.0, 0.0))
+    tab.wire.drag_message(FIRST, "start", POSITIONS[0], POSITIONS[0])
+    tab.wire.drag_message(FIRST, "end", POSITIONS[0], (1.0, 2.0, 4.0))
     assert [move.position for move in tab.take()] == [(1.0, 2.0, 4.0)]
 
 
@@ -195,10 +197,10 @@ def test_the_handle_touched_last_has_the_gizmo_until_a_click_elsewhere_or_escape
     tab.wire.click(SECOND)  # which also is a click on the scene
     tab.take()
     tab.wire.wait_for(lambda: gizmo["visible"], "the gizmo")
-    tab.wait_for_place(GIZMO, PLACES[1])
+    tab.wait_for_position(GIZMO, POSITIONS[1])
     tab.wire.click(FIRST)
     tab.take()
-    tab.wait_for_place(GIZMO, PLACES[0])
+    tab.wait_for_position(GIZMO, POSITIONS[0])
     time.sleep(2 * drag_handles.SAME_CLICK)
     assert tab.take() == []
     tab.wire.wait_for(lambda: gizmo["visible"], "the gizmo to stay")
@@ -207,7 +209,7 @@ def test_the_handle_touched_last_has_the_gizmo_until_a_click_elsewhere_or_escape
     tab.wire.wait_for(lambda: tab.take() == [] and not gizmo["visible"], "the gizmo to go")
     tab.wire.drag(SECOND, (0.0, 0.0, 0.0))
     tab.take()
-    tab.wait_for_place(GIZMO, (0.0, 0.0, 0.0))
+    tab.wait_for_position(GIZMO, (0.0, 0.0, 0.0))
     tab.wire.wait_for(lambda: gizmo["visible"], "the gizmo")
     tab.handles.deselect()
     tab.wire.wait_for(lambda: not gizmo["visible"], "the gizmo to go")
@@ -216,15 +218,15 @@ def test_the_handle_touched_last_has_the_gizmo_until_a_click_elsewhere_or_escape
 def test_the_gizmo_moves_its_handle_and_is_not_moved_itself_meanwhile(tab: Tab):
     tab.wire.click(SECOND)
     tab.take()
-    tab.wait_for_place(GIZMO, PLACES[1])
+    tab.wait_for_position(GIZMO, POSITIONS[1])
     moves = tab.wire.counts["SetPositionMessage"]
-    tab.wire.move_gizmo(GIZMO, (PLACES[1][0], 0.5, -1.0), done=False)
+    tab.wire.move_gizmo(GIZMO, (POSITIONS[1][0], 0.5, -1.0), done=False)
     assert tab.take() == [HandleMove(kind="waypoint", index=1, position=(1 / 3, 0.5, -1.0), done=False)]
     assert tab.handles.dragging
-    tab.handles.draw(ANCHOR, PLACES, bounds_of(2.0))
-    tab.wait_for_place(SECOND, (1 / 3, 0.5, -1.0))
+    tab.handles.draw(ANCHOR, POSITIONS, bounds_of(2.0))
+    tab.wait_for_position(SECOND, (1 / 3, 0.5, -1.0))
     assert tab.wire.counts["SetPositionMessage"] == moves + 1  # the sphere's
-    tab.wire.move_gizmo(GIZMO, (PLACES[1][0], 0.75, -1.0))
+    tab.wire.move_gizmo(GIZMO, (POSITIONS[1][0], 0.75, -1.0))
     assert tab.take() == [HandleMove(kind="waypoint", index=1, position=(1 / 3, 0.75, -1.0), done=True)]
     assert not tab.handles.dragging
 
@@ -245,11 +247,11 @@ def test_a_gizmo_is_not_moved_to_what_is_no_place_and_still_moves(tab: Tab, plac
     tab.wire.click(SECOND)
     tab.take()
     tab.wire.move_gizmo(GIZMO, place, done=False)
-    tab.wire.move_gizmo(GIZMO, (PLACES[1][0], 0.5, -1.0))
+    tab.wire.move_gizmo(GIZMO, (POSITIONS[1][0], 0.5, -1.0))
     assert tab.take() == [HandleMove(kind="waypoint", index=1, position=(1 / 3, 0.5, -1.0), done=True)]
     tab.wire.click(FIRST)
     tab.take()
-    tab.wait_for_place(GIZMO, PLACES[0])
+    tab.wait_for_position(GIZMO, POSITIONS[0])
 
 
 def test_of_very_many_waypoints_the_first_sixty_are_drawn_and_the_last_of_them_says_so(tab: Tab):
@@ -264,14 +266,14 @@ def test_of_very_many_waypoints_the_first_sixty_are_drawn_and_the_last_of_them_s
 
 
 def test_nodes_are_made_once_and_those_too_many_are_hidden_and_let_go(tab: Tab):
-    made = tab.wire.counts["IcosphereMessage"]
+    created = tab.wire.counts["IcosphereMessage"]
     tab.wire.drag("/handles/waypoint3", (0.0, 0.0, 0.0), done=False)
     tab.take()
-    tab.handles.draw(ANCHOR, PLACES[:1], bounds_of(2.0))
+    tab.handles.draw(ANCHOR, POSITIONS[:1], bounds_of(2.0))
     assert not tab.handles.dragging
     tab.wire.wait_for(lambda: not tab.wire.nodes["/handles/waypoint3"]["visible"], "it to be hidden")
     tab.wire.wait_for(lambda: not tab.wire.nodes[GIZMO]["visible"], "its gizmo to be hidden")
-    tab.handles.draw(ANCHOR, PLACES, bounds_of(2.0))
-    tab.wait_for_place("/handles/waypoint3", PLACES[2])
+    tab.handles.draw(ANCHOR, POSITIONS, bounds_of(2.0))
+    tab.wait_for_position("/handles/waypoint3", POSITIONS[2])
     assert tab.wire.nodes["/handles/waypoint3"]["visible"]
-    assert tab.wire.counts["IcosphereMessage"] == made
+    assert tab.wire.counts["IcosphereMessage"] == created

@@ -28,60 +28,60 @@ from tests.support.sent_messages import Page
 
 @pytest.mark.parametrize("time", [0.0, 3.2149, 1e9])
 def test_vehicle_and_range_sphere_are_those_of_the_nearest_sample(page: Page, time: float) -> None:
-    scene, seen = Scene(page.client, lambda: None), picture("circle")
-    scene.draw(seen)
-    scene.move(seen, time)
-    k = int(np.argmin(np.abs(seen.motion.time - time)))
+    scene, example = Scene(page.client, lambda: None), picture("circle")
+    scene.draw(example)
+    scene.move(example, time)
+    k = int(np.argmin(np.abs(example.motion.time - time)))
     vehicle = page.node("/vehicle")
-    assert vehicle.position == pytest.approx(seen.motion.position[k])
-    assert SO3(vehicle.wxyz).as_matrix() == pytest.approx(seen.motion.rotation[k])
-    distance = np.linalg.norm(seen.motion.position[k] - seen.preset.world.anchor)
+    assert vehicle.position == pytest.approx(example.motion.position[k])
+    assert SO3(vehicle.wxyz).as_matrix() == pytest.approx(example.motion.rotation[k])
+    distance = np.linalg.norm(example.motion.position[k] - example.preset.world.anchor)
     assert page.node("/anchor/range").scale == pytest.approx(distance)  # type: ignore[attr-defined]
 
 
 def test_ghost_stands_at_the_estimate_once_that_has_settled(page: Page) -> None:
-    scene, seen = Scene(page.client, lambda: None), picture("paper")
-    scene.draw(seen)
-    scene.move(seen, seen.preset.duration)
+    scene, example = Scene(page.client, lambda: None), picture("paper")
+    scene.draw(example)
+    scene.move(example, example.preset.duration)
     assert page.node("/estimate").visible
-    assert page.node("/estimate").position == pytest.approx(seen.position_estimate[-1])
-    turned = seen.estimate.rotation[-1] @ seen.estimate.state[-1, 10:13]
+    assert page.node("/estimate").position == pytest.approx(example.position_estimate[-1])
+    turned = example.estimate.rotation[-1] @ example.estimate.state[-1, 10:13]
     arrow = SO3(page.node("/compass/gravity_estimate").wxyz).as_matrix()[:, 0]
     assert arrow == pytest.approx(turned / np.linalg.norm(turned))
 
 
 @pytest.mark.parametrize("name", ["hover", "line", "wiggle"])
 def test_an_astronomic_estimate_is_neither_sent_nor_an_error(page: Page, name: str) -> None:
-    scene, seen = Scene(page.client, lambda: None), astronomic(name)
-    scene.draw(seen)
-    for time in np.linspace(0.0, seen.preset.duration, 33):
-        scene.move(seen, float(time))
+    scene, example = Scene(page.client, lambda: None), astronomic(name)
+    scene.draw(example)
+    for time in np.linspace(0.0, example.preset.duration, 33):
+        scene.move(example, float(time))
     numbers = np.array(list(page.numbers()))
     assert np.isfinite(numbers).all()
     assert not page.node("/estimate").visible
     far = page.scene.get_handle_by_name("/compass/far/label")
     assert isinstance(far, viser.LabelHandle)
     assert "not a number" in far.text
-    scene.move(seen, 0.9 * seen.preset.duration)
+    scene.move(example, 0.9 * example.preset.duration)
     assert "this way" in far.text
     assert "e1" in far.text
 
 
 def test_nodes_are_made_once(page: Page) -> None:
     scene, first, second = Scene(page.client, lambda: None), picture("circle"), picture("hover")
-    made = len(page.messages)
+    before = len(page.messages)
     scene.draw(first)
     scene.draw(second)
     scene.move(second, 2.0)
-    created = [message for message in page.messages[made:] if hasattr(message, "props")]
+    created = [message for message in page.messages[before:] if hasattr(message, "props")]
     assert created == []
 
 
 def test_a_move_is_small(page: Page) -> None:
-    scene, seen = Scene(page.client, lambda: None), picture("soft")
-    scene.draw(seen)
+    scene, example = Scene(page.client, lambda: None), picture("soft")
+    scene.draw(example)
     before = len(page.messages)
-    scene.move(seen, 4.0)
+    scene.move(example, 4.0)
     sent = page.messages[before:]
     assert len(sent) < 20
     page.messages[:] = sent
@@ -192,14 +192,14 @@ def test_sizes_follow_the_path() -> None:
 
 
 def test_true_path_leaves_the_curve_by_less_than_a_hundredth_of_the_scene() -> None:
-    seen = picture("paper")
-    bounds = scene_bounds(seen)
-    segments = path_segments(seen.motion, bounds)
-    assert segments[0, 0] == pytest.approx(seen.motion.position[0])
-    assert segments[-1, 1] == pytest.approx(seen.motion.position[-1])
+    example = picture("paper")
+    bounds = scene_bounds(example)
+    segments = path_segments(example.motion, bounds)
+    assert segments[0, 0] == pytest.approx(example.motion.position[0])
+    assert segments[-1, 1] == pytest.approx(example.motion.position[-1])
     middles = segments.mean(axis=1)
-    gaps = np.linalg.norm(middles[:, None] - seen.motion.position[None], axis=-1).min(axis=1)
-    assert gaps.max() < 0.01 * bounds.radius + np.linalg.norm(np.diff(seen.motion.position, axis=0), axis=1).max()
+    gaps = np.linalg.norm(middles[:, None] - example.motion.position[None], axis=-1).min(axis=1)
+    assert gaps.max() < 0.01 * bounds.radius + np.linalg.norm(np.diff(example.motion.position, axis=0), axis=1).max()
 
 
 def test_dashes_are_half_of_the_curve_and_never_outside_the_scene() -> None:
@@ -228,9 +228,9 @@ def test_rotation_from_x_turns_x_to_the_direction(direction: list[float]) -> Non
 def test_ellipsoid_gives_the_covariance_back_and_refuses_what_is_none() -> None:
     rng = np.random.default_rng(1)
     root = rng.standard_normal((3, 3))
-    found = ellipsoid_axes(root @ root.T)
-    assert found is not None
-    semi, axes = found
+    decomposition = ellipsoid_axes(root @ root.T)
+    assert decomposition is not None
+    semi, axes = decomposition
     assert np.linalg.det(axes) == pytest.approx(1)
     assert axes @ np.diag(semi**2) @ axes.T == pytest.approx(root @ root.T)
     assert ellipsoid_axes(np.diag([1.0, -1.0, 1.0])) is None
@@ -243,11 +243,11 @@ def test_last_known_fills_the_gaps_of_a_slow_magnetometer() -> None:
 
 
 def test_the_estimated_path_is_left_out_where_it_strays_and_kept_elsewhere():
-    seen = picture("paper-slow")
-    bounds = scene_bounds(seen)
-    kept = near_truth(seen.position_estimate, seen.motion, bounds)
-    error = np.linalg.norm(seen.position_estimate - seen.motion.position, axis=1)
-    gone = np.isnan(kept).any(axis=1)
+    example = picture("paper-slow")
+    bounds = scene_bounds(example)
+    drawn = near_truth(example.position_estimate, example.motion, bounds)
+    error = np.linalg.norm(example.position_estimate - example.motion.position, axis=1)
+    gone = np.isnan(drawn).any(axis=1)
     np.testing.assert_array_equal(gone, error >= MAX_STRAY * bounds.radius)
     assert 0 < gone.sum() < gone.size
-    np.testing.assert_array_equal(kept[~gone], seen.position_estimate[~gone])
+    np.testing.assert_array_equal(drawn[~gone], example.position_estimate[~gone])

@@ -284,19 +284,19 @@ def test_the_badge_is_of_what_is_shown_and_not_of_what_another_page_made_of_its_
     assert here.presets[mine.origin] == opened  # the page is compared with what was opened
     for shown in (opened, other):
         news = threading.Event()
-        found = here.badge(mine.origin, shown, news.set)
-        if found is None:
+        badge = here.badge(mine.origin, shown, news.set)
+        if badge is None:
             assert news.wait(30)
-            found = here.badge(mine.origin, shown, news.set)
-        assert isinstance(found, Certificate)
-        assert found.artifact.sha256 == edition(preset.dumps(shown).encode())
-        assert found.expect == shown.expect
+            badge = here.badge(mine.origin, shown, news.set)
+        assert isinstance(badge, Certificate)
+        assert badge.artifact.sha256 == edition(preset.dumps(shown).encode())
+        assert badge.expect == shown.expect
 
 
 def test_a_folder_that_another_program_holds_locked_is_a_sentence_and_free_again_afterwards(
     own_presets: Library, monkeypatch: pytest.MonkeyPatch
 ):
-    """The lock of version 0.1.0, an flock of the same file, is the other program."""
+    """The other program holds the lock as version 0.1.0 does, by an flock of the same file."""
     own_presets.add("first", b"one")
     monkeypatch.setattr(library, "LOCK_TIMEOUT", 0.1)
     with (own_presets.folder / library.LOCK).open("a") as held:

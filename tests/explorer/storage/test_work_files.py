@@ -158,7 +158,7 @@ def test_pruning_removes_what_is_too_old_or_too_much_together(saved: WorkFiles, 
     saved.prune()
     assert [saved.load(session_key) is not None for session_key in session_keys] == [True, True, True, False]
     monkeypatch.setattr(work_files, "MAX_TOTAL", 2500)
-    WorkFiles(saved.folder)  # it prunes when it is made
+    WorkFiles(saved.folder)  # the constructor prunes
     assert [saved.load(session_key) is not None for session_key in session_keys] == [True, True, False, False]
 
 
@@ -200,8 +200,8 @@ def test_many_threads_writing_one_file_never_leave_a_torn_file(saved: WorkFiles)
     for writer in writers:
         writer.start()
     for _ in range(300):
-        if (found := saved.load(session_key)) not in works:
-            torn.append(found)
+        if (content := saved.load(session_key)) not in works:
+            torn.append(content)
     stop.set()
     for writer in writers:
         writer.join()

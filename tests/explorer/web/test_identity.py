@@ -1,4 +1,4 @@
-"""A visitor is known again: one id for a browser, one slot for each of its tabs, and nothing taken on trust."""
+"""A returning visitor has the same session key: one id for a browser, one slot for a tab; invalid keys are refused."""
 
 import base64
 import os
@@ -22,7 +22,7 @@ BROWSER, OTHER = "a" * 32, "b" * 32
 
 @dataclass
 class Page:
-    """A guarded server which session_keys everybody who joins."""
+    """A guarded server that asks every connecting tab for its session key."""
 
     server: viser.ViserServer
     slots: Slots
@@ -33,7 +33,7 @@ class Page:
         return self.server.get_port()
 
     def join(self, storage: Storage) -> tuple[Wire, str | None]:
-        """A tab, and the session key it was given."""
+        """Connect a tab. Returns the tab and its session key."""
         before = set(self.session_keys)
         tab = Wire(self.port, storage=storage)
         tab.wait_for(lambda: set(self.session_keys) - before, "a session key")
@@ -41,7 +41,7 @@ class Page:
         return tab, self.session_keys[new]
 
     def leave(self, tab: Wire) -> None:
-        """The tab is closed, and the server has noticed."""
+        """Close a tab, and wait until the server has noticed."""
         count = len(self.server.get_clients())
         tab.close()
         tab.wait_for(lambda: len(self.server.get_clients()) < count, "the tab to be gone")
@@ -139,7 +139,7 @@ def test_a_tab_that_goes_away_while_it_is_asked_is_no_error(page: Page):
     tab = Wire(page.port, storage=Storage(silent=True))
     tab.wait_for(lambda: "LocalStorageGetItemRequestMessage" in tab.counts, "the question")
     tab.close()
-    tab.wait_for(lambda: set(page.session_keys) - before, "an end of the waiting", patience=5.0)
+    tab.wait_for(lambda: set(page.session_keys) - before, "an end of the waiting", timeout=5.0)
     assert page.session_keys.popitem()[1] is None
 
 
@@ -171,7 +171,7 @@ def test_the_slot_of_a_tab_that_is_dead_but_not_yet_dropped_goes_to_its_successo
     assert slots.take(BROWSER, 1) == 1
     began = time.monotonic()
     assert slots.take(BROWSER, 2, wanted=1) == 1
-    assert time.monotonic() - began >= identity.LEAVE_TIMEOUT, "it was given time to write its last work"
+    assert time.monotonic() - began >= identity.LEAVE_TIMEOUT, "the old tab had no time to write its last work"
     assert not slots.has(1)
     assert slots.has(2)
     slots.free(1)  # dropped at last

@@ -46,7 +46,7 @@ def _websocket_status(port: int, *, origin: str | None) -> int:
 
 
 def _status_line(port: int, *headers: str) -> str:
-    """The first line of the answer to a request made of raw header lines."""
+    """The first line of the answer to a request with these header lines."""
     with socket.create_connection(("127.0.0.1", port), timeout=10) as raw:
         raw.sendall("\r\n".join(["GET / HTTP/1.1", *headers, "", ""]).encode())
         return raw.recv(64).decode().partition("\r\n")[0]
@@ -138,7 +138,7 @@ def test_a_control_takes_values_and_nothing_else(server: viser.ViserServer, capl
         visitor.send({"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"update_cb": []}})
         for nonsense in ("fast", None, [1.0, 2.0], {"a": 1}):
             visitor.set("gain", nonsense)
-        visitor.wait_for(lambda: len(visitor.notifications) == 6, "a word for each")
+        visitor.wait_for(lambda: len(visitor.notifications) == 6, "a notification for each")
         caplog.clear()
     assert slider.value == 0.7
     assert not slider._impl.removed

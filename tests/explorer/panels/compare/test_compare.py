@@ -20,10 +20,10 @@ PRESS = 0.05
 
 @pytest.fixture
 def comparing(sessions: tuple[int, SessionServer]) -> Iterator[tuple[Wire, Session]]:
-    port, made = sessions
+    port, server = sessions
     tab = Wire(port)
     tab.wait_for_text("13 of 13")
-    yield tab, made.sessions[-1]
+    yield tab, server.sessions[-1]
     tab.close()
 
 
@@ -38,7 +38,7 @@ def panel(session: Session) -> ComparePanel:
     return session.dock.compare
 
 
-def words(tab: Wire) -> str:
+def page_text(tab: Wire) -> str:
     return re.sub(r"<[^>]+>", "", tab.text())
 
 
@@ -50,8 +50,8 @@ def test_a_pinned_run_is_in_every_plot_until_it_is_unpinned(comparing: tuple[Wir
     tab.wait_for_text("Nothing is chosen otherwise yet.")
     pinned = panel(session).pinned
     tab.set("q", 0.0)
-    tab.wait_for(lambda: "gains.riccati.q 5000 → 1" in words(tab), "what was chosen otherwise")
-    assert "steady position" in words(tab)
+    tab.wait_for(lambda: "gains.riccati.q 5000 → 1" in page_text(tab), "what was chosen otherwise")
+    assert "steady position" in page_text(tab)
     assert panel(session).pinned is pinned
     tab.press("Unpin")
     tab.wait_for(lambda: not any("A" in shown for shown in labels(session)), "no A")
@@ -93,24 +93,24 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
     comparing: tuple[Wire, Session], monkeypatch: pytest.MonkeyPatch
 ):
     tab, session = comparing
-    heard: list[bool] = []
+    stops: list[bool] = []
 
     def endless(*_: object, progress, cancelled, **__: object):
         while not cancelled():
             progress(0.25)
             time.sleep(0.01)
-        heard.append(True)
+        stops.append(True)
 
     monkeypatch.setattr("rangenav.ensemble.seeds", endless)
     tab.press("N seeds")
     tab.wait_for_text("20 seeds**, 25 %")
     tab.press("Stop")
-    tab.wait_for(lambda: len(heard) == 1 and session.jobs.running is None, "the job to end")
+    tab.wait_for(lambda: len(stops) == 1 and session.jobs.running is None, "the job to end")
     tab.wait_for(lambda: "20 seeds**, 25 %" not in tab.text(), "its progress to be gone")
     tab.press("N seeds")
     tab.wait_for_text("20 seeds**, 25 %")
     tab.set("q", 1.0)
-    tab.wait_for(lambda: len(heard) == 2, "the job to end")
+    tab.wait_for(lambda: len(stops) == 2, "the job to end")
     tab.wait_for_text("The settings changed while the seeds ran")
     assert panel(session).seeds is None
 
@@ -130,13 +130,13 @@ def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple
     tab.set("EKF", True)
     time.sleep(PRESS)
     tab.set("refinement", True)
-    tab.wait_for(lambda: "refined: converged after" in words(tab), "the refinement's words")
+    tab.wait_for(lambda: "refined: converged after" in page_text(tab), "the refinement's words")
     assert sum({"EKF", "refined"} <= shown for shown in labels(session)) == 4
-    before = words(tab)
+    before = page_text(tab)
     run = panel(session).baseline_results.results["refined"][0]
     tab.set("noise seed", 3.0)
     tab.wait_for(lambda: panel(session).baseline_results.results["refined"][0] != run, "another refinement")
-    tab.wait_for(lambda: words(tab) != before and "at work" not in words(tab), "its words")
+    tab.wait_for(lambda: page_text(tab) != before and "at work" not in page_text(tab), "its words")
     tab.set("EKF", False)
     time.sleep(PRESS)
     tab.set("refinement", False)
@@ -152,5 +152,5 @@ def test_a_record_without_ranges_is_refused_by_the_refinement_alone(comparing: t
     time.sleep(PRESS)
     tab.set("refinement", True)
     tab.wait_for_text("a refinement needs ranges")
-    assert "Not shown" not in words(tab)
+    assert "Not shown" not in page_text(tab)
     assert panel(session).enabled == {"refined"}

@@ -1,4 +1,4 @@
-"""The gains on the page in two languages: switching changes no bit, and a moved word only what it stands for."""
+"""The gains on the page in two units: switching changes no bit, and a moved physical value only its own gains."""
 
 import math
 from typing import Any
@@ -21,7 +21,7 @@ from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
-"""The websocket's threads do, while hypothesis draws."""
+"""The threads of the websocket use `random` while hypothesis draws."""
 FEW = tried(max_examples=40, deadline=None, suppress_health_check=SLOW_DRAWS)
 SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
 TOUCHED = {
@@ -37,11 +37,11 @@ TOUCHED = {
     "attitude_time": {"k1"},
     "gravity_weight": {"k1", "rho2"},
 }
-"""Which gains each word decides, from the formulas at the top of rangenav.physical."""
+"""The gains that each physical value decides, from the formulas at the top of rangenav.physical_gains."""
 
 
-def _speak(dock: Dock, units: GainUnits) -> None:
-    """As a visitor would, who moves the menu and nothing else."""
+def _choose_units(dock: Dock, units: GainUnits) -> None:
+    """Choose units in the menu, as a visitor does."""
     dock.gains.units_choice.show(units)
 
 
@@ -57,7 +57,7 @@ def _numbers(gains: Gains) -> dict[str, float]:
 
 
 @pytest.fixture(autouse=True)
-def _in_letters(dock: Dock) -> None:
+def _start_in_paper_units(dock: Dock) -> None:
     """Each test begins with the paper's letters and a shipped preset."""
     dock.gains.use_units("paper")
     dock.write(SLOW)
@@ -71,7 +71,7 @@ def test_switching_there_and_back_any_number_of_times_changes_no_bit(dock: Dock,
     for written in (settings, before):
         dock.write(written)
         for units in ("physical", "paper", "physical", "physical"):
-            _speak(dock, units)
+            _choose_units(dock, units)
             assert refreshed(dock) == written
             assert refreshed(dock) == written
             assert dock.gains.units == units
@@ -81,15 +81,15 @@ def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_uni
     gains = Gains(mode="noise-matched", attitude=AttitudeGains(k1=999.0, rho1=1e-6, rho2=1 / 3, schedule=Schedule()))
     settings = replace(SLOW, preset=replace(SLOW.preset, gains=gains))
     dock.write(settings)
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     assert refreshed(dock) == settings
-    _speak(dock, "paper")
+    _choose_units(dock, "paper")
     assert refreshed(dock) == settings
 
 
 @pytest.mark.parametrize("name", GAIN_LABELS)
 def test_a_physical_value_that_is_moved_changes_its_gains_and_no_bit_of_the_others(dock: Dock, name: str):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     before = refreshed(dock).preset.gains
     _dial(dock, name).show(0.6 * _dial(dock, name).read())
     after = refreshed(dock)
@@ -103,7 +103,7 @@ def test_a_physical_value_that_is_moved_changes_its_gains_and_no_bit_of_the_othe
 
 @pytest.mark.parametrize("name", GAIN_LABELS)
 def test_a_physical_value_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     refreshed(dock)
     dial = _dial(dock, name)
     good = dial.read()
@@ -122,7 +122,7 @@ def test_a_physical_value_moved_away_and_back_or_reset_leaves_the_presets_own_ga
 
 
 def test_another_motion_anchor_or_rate_gives_the_same_gains_other_physical_values(dock: Dock):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     _dial(dock, "range_sigma").show(0.3)
     gains = refreshed(dock).preset.gains
     for change in (
@@ -139,15 +139,15 @@ def test_another_motion_anchor_or_rate_gives_the_same_gains_other_physical_value
         change()
         settings = refreshed(dock)
         assert settings.preset.gains == gains
-        words = in_physical_units(gains, context_of(settings))
-        assert all(_dial(dock, name).read() == getattr(words, name) for name in GAIN_LABELS)
-        assert shown != (words.range_sigma, words.position_factor, words.gyro_sigma)
-    _speak(dock, "paper")
+        physical = in_physical_units(gains, context_of(settings))
+        assert all(_dial(dock, name).read() == getattr(physical, name) for name in GAIN_LABELS)
+        assert shown != (physical.range_sigma, physical.position_factor, physical.gyro_sigma)
+    _choose_units(dock, "paper")
     assert refreshed(dock).preset.gains == gains
 
 
 def test_a_physical_value_moved_together_with_the_path_means_what_it_says_on_the_new_path(dock: Dock):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     before = refreshed(dock)
     dock.world.move_anchor((4.0, 5.0, 6.0))
     _dial(dock, "range_sigma").show(0.5)
@@ -160,7 +160,7 @@ def test_a_physical_value_moved_together_with_the_path_means_what_it_says_on_the
 
 
 def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     refreshed(dock)
     for name in GAIN_LABELS:
         _dial(dock, name).show(0.8 * _dial(dock, name).read())
@@ -173,7 +173,7 @@ def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
 
 @pytest.mark.parametrize("far", [1e280, 1e-280, math.nextafter(0, 1), 1e40])
 def test_a_physical_value_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     good = refreshed(dock).preset.gains
     for name in GAIN_LABELS:
         shown = _dial(dock, name).read()
@@ -187,7 +187,7 @@ def test_a_physical_value_of_any_size_is_a_sentence_and_never_an_overflow(dock: 
 
 
 def test_a_path_without_a_typical_state_changes_no_gain_and_says_so(dock: Dock, monkeypatch: pytest.MonkeyPatch):
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     good = refreshed(dock)
 
     def nowhere(settings: Settings) -> gain_units.GainContext:
@@ -200,7 +200,7 @@ def test_a_path_without_a_typical_state_changes_no_gain_and_says_so(dock: Dock, 
     _dial(dock, "range_sigma").show(0.5)
     with pytest.raises(InvalidInputError):
         refreshed(dock)
-    _speak(dock, "paper")
+    _choose_units(dock, "paper")
     monkeypatch.undo()
     dock.motion.timing.time_scale.show(1.0)
     assert refreshed(dock).preset.gains != good.preset.gains
@@ -217,7 +217,7 @@ def test_only_the_units_in_use_are_on_the_page_and_only_what_the_mode_uses(dock:
     refreshed(dock)
     assert shown() == (False, True, False, False)
     assert "not used, and not shown" in dock.gains.mode_line.content
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     refreshed(dock)
     assert shown() == (False, False, False, True)
     dock.gains.mode.show("constant")
@@ -229,10 +229,10 @@ def test_only_the_units_in_use_are_on_the_page_and_only_what_the_mode_uses(dock:
 def test_the_other_units_are_in_a_table(dock: Dock):
     picture = compute(SLOW)
     dock.gains.draw(picture)
-    words = in_physical_units(SLOW.preset.gains, context_of(SLOW))
-    assert f"{words.range_sigma:.4g} m" in dock.gains.other_units_table.content
+    physical = in_physical_units(SLOW.preset.gains, context_of(SLOW))
+    assert f"{physical.range_sigma:.4g} m" in dock.gains.other_units_table.content
     assert dock.gains.other_units_section.label == "The same in physical words"
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     refreshed(dock)
     dock.gains.draw(picture)
     assert "5000" in dock.gains.other_units_table.content
@@ -247,7 +247,7 @@ def test_the_other_units_are_in_a_table(dock: Dock):
 def test_a_world_in_which_gains_have_no_physical_values_says_so_and_changes_none(dock: Dock, size: float):
     world = replace(SLOW.preset.world, gravity=(0.0, 0.0, size))
     weightless = replace(SLOW, preset=replace(SLOW.preset, world=world))
-    _speak(dock, "physical")
+    _choose_units(dock, "physical")
     dock.write(weightless)
     assert refreshed(dock).preset.gains == weightless.preset.gains
     assert "no physical values" in dock.gains.physical_dials.noise.complaint.content

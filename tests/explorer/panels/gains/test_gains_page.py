@@ -1,4 +1,4 @@
-"""The Gains tab through viser's messages: languages, the schedule, stiffness, half turns, what is kept and undone."""
+"""The Gains tab through viser's messages: units, schedule, stiffness, undesired equilibria, reload and undo."""
 
 import math
 from collections.abc import Iterator
@@ -16,7 +16,7 @@ from tests.support.wire import Storage, Wire
 
 NOT_SHOWN = "Not shown"
 
-LETTERS, WORDS = "in the paper's letters", "in physical words"
+PAPER_UNITS, PHYSICAL_UNITS = "in the paper's letters", "in physical words"
 STIFF = "▲ The attitude filter is stiff"
 
 
@@ -38,7 +38,7 @@ def _label(page: Editing, label: str) -> str:
 
 def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page: Editing):
     picture = page.session.picture
-    page.set("shown", WORDS)
+    page.set("shown", PHYSICAL_UNITS)
     page.tab.wait_for(lambda: _label(page, "noise σ of range") == "noise σ of range = 0.125 m", "the words")
     assert page.session.picture is picture
     assert page.session.history.depth == (0, 0)
@@ -48,14 +48,14 @@ def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page
         picture.settings.preset.gains,  # type: ignore[union-attr]
         riccati=replace(picture.settings.preset.gains.riccati, q=q),  # type: ignore[union-attr]
     )
-    page.set("shown", LETTERS)
+    page.set("shown", PAPER_UNITS)
     page.tab.wait_for(lambda: _label(page, "q").startswith(f"q = {q:.4g}"), "the letter")
     assert page.settings.preset.gains.riccati.q == q
     assert page.session.history.depth == (1, 0)
     page.command("Undo")
     assert page.settings == picture.settings  # type: ignore[union-attr]
     assert page.session.dock.gains.units == "paper"
-    page.set("shown", WORDS)
+    page.set("shown", PHYSICAL_UNITS)
     page.command("Redo")
     assert page.session.dock.gains.units == "physical"
     assert page.settings.preset.gains.riccati.q == q
@@ -65,17 +65,17 @@ def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page
 def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, SessionServer]):
     storage = Storage()
     first = _visitor(sessions, storage)
-    first.set("shown", WORDS)
+    first.set("shown", PHYSICAL_UNITS)
     first.set("slowest time T", 0.0)
     first.set("schedule k1", True)
     first.set("low pass of s", 0.5)
     first.set("schedule k1", False)
-    kept = first.settings
+    expected = first.settings
     first.tab.close()
     again = _visitor(sessions, storage)
-    again.tab.wait_for(lambda: again.settings == kept, "the work")
+    again.tab.wait_for(lambda: again.settings == expected, "the work")
     assert again.session.dock.gains.units == "physical"
-    assert again.tab.value("shown") == WORDS
+    assert again.tab.value("shown") == PHYSICAL_UNITS
     again.tab.wait_for(lambda: _label(again, "slowest time T").startswith("slowest time T = 1 s"), "the word")
     again.set("schedule k1", True)
     assert again.settings.preset.gains.attitude.schedule == Schedule(memory=10**0.5)
@@ -88,7 +88,7 @@ def test_work_saved_before_there_were_gain_units_opens(page: Editing):
 
 
 def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Editing):
-    page.set("shown", WORDS)
+    page.set("shown", PHYSICAL_UNITS)
     gains, before = page.settings.preset.gains, _label(page, "noise σ of range")
     page.set("anchor (m)", [5.0, 0.0, 0.0])
     assert page.settings.preset.gains == gains
@@ -96,7 +96,7 @@ def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Edi
     page.set("preset", next(o for o in page.tab.elements[page.tab.find("preset")]["options"] if "(soft)" in o))
     page.tab.wait_for(lambda: page.settings.origin == "soft", "the preset")
     assert page.session.dock.gains.units == "physical"
-    page.set("shown", LETTERS)
+    page.set("shown", PAPER_UNITS)
     assert page.settings.preset.gains == page.session.catalog.presets["soft"].gains
 
 
@@ -120,7 +120,7 @@ def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Edi
 def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
     page: Editing, label: str, value: Any, sentence: str
 ):
-    page.set("shown", WORDS)
+    page.set("shown", PHYSICAL_UNITS)
     good, before = page.tab.value(label), page.settings
     page.set(label, value)
     if not sentence:  # a dial of what is switched off decides nothing
@@ -128,7 +128,7 @@ def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
         return
     page.tab.wait_for_text(NOT_SHOWN)
     assert any(sentence in text for text in page.refusals()), page.refusals()
-    assert len(page.refusals()) == 2  # beside the control, and in the verdict
+    assert len(page.refusals()) == 2  # below the control, and in the verdict
     assert page.settings == before
     page.set(label, good)
     page.wait_until_accepted()
@@ -156,7 +156,7 @@ def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
     page.set("ρ2", 0.0)
     page.tab.wait_for_text(STIFF)
     page.tab.wait_for_text("lower k1 or ρ2, or sample faster")
-    page.set("shown", WORDS)
+    page.set("shown", PHYSICAL_UNITS)
     page.tab.wait_for_text("raise the slowest time T or lower the gravity weight, or sample faster")
     page.set("gravity weight", 0.0)
     page.tab.wait_for(lambda: STIFF not in page.tab.text(), "no warning")
@@ -165,8 +165,8 @@ def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
 def test_the_three_undesired_equilibria_are_started_from_by_their_buttons_and_undone(page: Editing):
     page.tab.wait_for_text("The start is <b>90°</b> from the nearest")
     before = page.settings.preset.guess
-    for words in ("between m and g", "in their plane, across it", "across both m and g"):
-        label = next(p["label"] for p in page.tab.elements.values() if str(p.get("label")).endswith(words))
+    for ending in ("between m and g", "in their plane, across it", "across both m and g"):
+        label = next(p["label"] for p in page.tab.elements.values() if str(p.get("label")).endswith(ending))
         page.press(label)
         guess = page.settings.preset.guess
         assert guess.attitude_angle == math.pi

@@ -1,4 +1,4 @@
-"""A schedule of k1 on its dials, what is told of the attitude filter's gains, and starts where it stands still."""
+"""The schedule of k1 on its dials, the summary of the attitude filter's gains, and starts at undesired equilibria."""
 
 import math
 from typing import Any
@@ -24,7 +24,7 @@ from tests.support.page_settings import SHIPPED, SLOW_DRAWS
 from tests.support.refreshed import refreshed
 
 pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
-"""The websocket's threads do, while hypothesis draws."""
+"""The threads of the websocket use `random` while hypothesis draws."""
 FEW = tried(max_examples=40, deadline=None, suppress_health_check=SLOW_DRAWS)
 SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
 

@@ -49,40 +49,40 @@ def gains(editing: Editing) -> Gains:
     return editing.settings.preset.gains
 
 
-def words(editing: Editing) -> str:
+def page_text(editing: Editing) -> str:
     return re.sub(r"<[^>]+>", "", editing.tab.text())
 
 
 def pick(editing: Editing, place: float) -> None:
-    """Move along the curve, and wait until it was taken in."""
+    """Move the slider along the curve, and wait until the session has applied it."""
     editing.run(lambda: editing.tab.set("place", place))
 
 
 def test_a_result_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
     before = gains(tuned)
-    found = panel(tuned).result
-    assert found is not None
-    assert before == found[1].before.gains
+    result = panel(tuned).result
+    assert result is not None
+    assert before == result[1].before.gains
     tuned.press("Use these gains")
-    assert gains(tuned) == found[1].after.gains != before
+    assert gains(tuned) == result[1].after.gains != before
     tuned.tab.wait_for_text("On the page now.")
     tuned.command("Undo")
     assert gains(tuned) == before
     tuned.tab.wait_for(lambda: "On the page now." not in tuned.tab.text(), "the mark to go")
     tuned.command("Redo")
-    assert gains(tuned) == found[1].after.gains
+    assert gains(tuned) == result[1].after.gains
 
 
 def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(tuned: Editing):
-    p, found = tuned.settings.preset, panel(tuned).result
-    assert found is not None
+    p, result = tuned.settings.preset, panel(tuned).result
+    assert result is not None
     training = tradeoff.runs(p, p.seed + tune.TRAINING_OFFSET, SEEDS)
     held_out = tradeoff.runs(p, p.seed, SEEDS)
-    said = words(tuned)
-    for chosen, runs in itertools.product((found[1].before.gains, found[1].after.gains), (training, held_out)):
+    shown_text = page_text(tuned)
+    for chosen, runs in itertools.product((result[1].before.gains, result[1].after.gains), (training, held_out)):
         again = tradeoff.score(chosen, runs, preset=p, cancelled=lambda: False)
         for figure in (again.settle_position, again.settle_attitude, again.steady_position):
-            assert f"{figure:.3g}" in said
+            assert f"{figure:.3g}" in shown_text
 
 
 def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
@@ -110,20 +110,20 @@ def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editin
 )
 def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: str, settle: str, steady: str):
     tuned.run(lambda: tuned.tab.set("pick along", curve))
-    walk, found = panel(tuned).choices, panel(tuned).result
-    assert found is not None
+    walk, result = panel(tuned).choices, panel(tuned).result
+    assert result is not None
     times, errors = ([getattr(point, name) for point in walk] for name in (settle, steady))
     assert times == sorted(times)
     assert errors == sorted(errors, reverse=True)
     for point in walk:  # nothing tried beats it in both, by the definition and not by the function
         assert not any(
             getattr(other, settle) < getattr(point, settle) and getattr(other, steady) < getattr(point, steady)
-            for other in found[1].seen
+            for other in result[1].seen
         )
     for point in walk:  # and of those with the same figures it is the best by J
         same = [
             o
-            for o in found[1].seen
+            for o in result[1].seen
             if (getattr(o, settle), getattr(o, steady)) == (getattr(point, settle), getattr(point, steady))
         ]
         assert point.objective(0.5) == min(other.objective(0.5) for other in same)
@@ -180,13 +180,13 @@ def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
 
 
 def test_a_result_stays_when_another_search_is_stopped(tuned: Editing, monkeypatch: pytest.MonkeyPatch):
-    kept = panel(tuned).result
+    before = panel(tuned).result
     monkeypatch.setattr("rangenav.tune.tune", endless)
     tuned.press("Tune the gains")
     tuned.tab.wait_for_text("48 %")
     tuned.press("Stop")
     tuned.tab.wait_for(lambda: tuned.session.jobs.running is None, "the job to end")
-    assert panel(tuned).result is kept
+    assert panel(tuned).result is before
     assert "Picked (found)" in tuned.tab.text()
 
 
@@ -218,10 +218,10 @@ def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
 
 @pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", -3), ("place", 1e9), ("pick along", "nothing")])
 def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str, value: object):
-    kept = panel(tuned).picked
+    before = panel(tuned).picked
     tuned.run(lambda: tuned.tab.set(label, value))
     tuned.tab.wait_for_text(f"{label} must be")
-    assert panel(tuned).picked is kept
+    assert panel(tuned).picked is before
 
 
 def test_too_much_work_is_refused_in_a_sentence_where_it_was_asked_for(editing: Editing):
@@ -244,7 +244,9 @@ def point(settle: float, steady: float, *, settled: float = 1.0, k1: float = 1.0
     )
 
 
-def found(before: Point, after: Point, held_before: Point, held_after: Point, starts: tuple[float, float]) -> Tuned:
+def tuned_result(
+    before: Point, after: Point, held_before: Point, held_after: Point, starts: tuple[float, float]
+) -> Tuned:
     return Tuned(
         preset=replace(preset.load("soft"), gains=after.gains),
         steadiness=0.5,
@@ -260,21 +262,21 @@ def found(before: Point, after: Point, held_before: Point, held_after: Point, st
 
 def test_a_result_that_is_worse_on_held_out_seeds_says_so_and_a_better_one_does_not():
     start, better, worse = point(5, 0.2), point(3, 0.1), point(9, 0.4)
-    assert "Worse on held-out seeds" in tuning_text.summary(found(start, better, start, worse, (1.0, 1.0)), 8)
-    assert "⚠" not in tuning_text.summary(found(start, better, start, better, (1.0, 1.0)), 8)
+    assert "Worse on held-out seeds" in tuning_text.summary(tuned_result(start, better, start, worse, (1.0, 1.0)), 8)
+    assert "⚠" not in tuning_text.summary(tuned_result(start, better, start, better, (1.0, 1.0)), 8)
 
 
 def test_fewer_random_starts_that_hold_are_marked():
     start, better = point(5, 0.2), point(3, 0.1)
-    said = tuning_text.summary(found(start, better, start, better, (1.0, 0.98)), 8)
-    assert "⚠ Of 200 random starts 100.0% hold" in said
-    assert "98.0%" in said
+    summary_text = tuning_text.summary(tuned_result(start, better, start, better, (1.0, 0.98)), 8)
+    assert "⚠ Of 200 random starts 100.0% hold" in summary_text
+    assert "98.0%" in summary_text
 
 
 def test_a_search_that_finds_nothing_better_says_so():
     start = point(5, 0.2)
     assert "None of the 0 other gains tried did better" in tuning_text.summary(
-        found(start, start, start, start, (1, 1)), 8
+        tuned_result(start, start, start, start, (1, 1)), 8
     )
 
 
@@ -283,9 +285,11 @@ figure = st.floats(1e-6, 1e6)
 
 @given(st.lists(st.tuples(figure, figure), min_size=1, max_size=40))
 def test_every_marked_point_lies_inside_its_plot_where_the_logarithms_put_it(pairs: list[tuple[float, float]]):
-    seen = tuple(point(*pair) for pair in pairs)
-    walk = tradeoff.front(seen, "settle_position", "steady_position")
-    drawn = tradeoff_plot.plot(POSITION, seen, MarkedPoints(start=seen[0], best=walk[0], picked=walk[-1], choices=walk))
+    points = tuple(point(*pair) for pair in pairs)
+    walk = tradeoff.front(points, "settle_position", "steady_position")
+    drawn = tradeoff_plot.plot(
+        POSITION, points, MarkedPoints(start=points[0], best=walk[0], picked=walk[-1], choices=walk)
+    )
     spots = [(float(x), float(y)) for x, y in re.findall(r'<circle cx="([\d.]+)" cy="([\d.]+)" r="3.2"', drawn)]
     assert len(spots) == len(walk)
     for x, y in spots:

@@ -1,4 +1,4 @@
-"""Editing motion through viser's messages: every family, what is kept, undone and reset, and what bad input is told."""
+"""Editing motion through viser's messages: every family, drafts, undo and reset, and the complaints about bad input."""
 
 import math
 import time
@@ -21,19 +21,19 @@ from tests.support.wire import Storage, Wire
 
 NOT_SHOWN = "Not shown"
 LONGEST_ANSWER = 1.0
-"""s that bad input may take to be told, beyond what the machine needs for a good picture."""
+"""s in which a complaint about bad input must appear, beyond the time that a picture takes on this machine."""
 
 
 def test_each_family_starts_from_what_was_there_and_keeps_what_was_entered(editing: Editing):
     start = editing.settings.preset.path
     places = start(np.linspace(0, 3, 50))
-    for words, kind in (
+    for label, kind in (
         ("formulas", Formula),
         ("waypoints", Waypoints),
         ("minimum snap", MinimumSnap),
         ("polynomials", Polynomials),
     ):
-        editing.set("family", words)
+        editing.set("family", label)
         path = editing.settings.preset.path
         assert isinstance(path, kind)
         assert np.abs(path(np.linspace(0, 3, 50)) - places).max() < 0.05
@@ -80,7 +80,7 @@ def test_a_hostile_formula_gets_a_sentence_within_a_second_and_the_picture_stays
     good = editing.settings
     began = time.monotonic()
     editing.tab.set("z(t) =", text)
-    editing.tab.wait_for(lambda: any(sentence in said for said in editing.refusals()), sentence)
+    editing.tab.wait_for(lambda: any(sentence in complaint for complaint in editing.refusals()), sentence)
     assert time.monotonic() - began < LONGEST_ANSWER + 4  # a shared machine may be busy
     assert editing.settings == good
     editing.set("z(t) =", "sin(t)")
@@ -108,7 +108,7 @@ def test_bad_waypoints_get_a_sentence_and_the_picture_stays(editing: Editing, te
     good = editing.settings
     editing.set("ends", "open: at rest at both ends")
     editing.tab.set("points: t x y z", text)
-    editing.tab.wait_for(lambda: any(sentence in said for said in editing.refusals()), sentence)
+    editing.tab.wait_for(lambda: any(sentence in complaint for complaint in editing.refusals()), sentence)
     editing.command("Undo")
     editing.wait_until_accepted()
     assert editing.settings.preset.path.points == good.preset.path.points  # type: ignore[union-attr]
@@ -143,7 +143,7 @@ def test_a_waypoint_is_moved_retimed_inserted_and_deleted_by_numbers(editing: Ed
     editing.press("", "− delete it")
     assert len(editing.settings.preset.path.points) == len(before.points)  # type: ignore[union-attr]
     editing.set("its time (s)", 0.1)
-    assert any("must come at least" in said for said in editing.refusals())
+    assert any("must come at least" in complaint for complaint in editing.refusals())
 
 
 def test_the_table_and_the_boxes_show_the_same_point(editing: Editing):
@@ -164,7 +164,7 @@ def test_polynomials_are_typed_as_in_their_files_and_jumps_are_named(editing: Ed
     assert len(path.pieces) == 2
     assert "position jumps by 5 m along x at t = 5.00 s" in editing.tab.text()
     editing.set("pieces", f"{row}\n1,2,3")
-    assert any("line 2: expected 33 numbers" in said for said in editing.refusals())
+    assert any("line 2: expected 33 numbers" in complaint for complaint in editing.refusals())
 
 
 def test_tones_are_added_and_removed_and_come_back(editing: Editing):
@@ -217,15 +217,15 @@ def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi
 
 def test_a_flown_body_leans_as_its_thrust_does(editing: Editing):
     families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
-    words = "flown: as a multirotor must"
-    editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": words}})
+    label = "flown: as a multirotor must"
+    editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": label}})
     editing.settle()
     picture = editing.session.picture
     assert picture is not None
     felt = picture.motion.apparent_acceleration
     assert np.abs(felt[:, :2]).max() < 1e-9
     editing.set("yaw(t) =", "t t")
-    assert any("column 3" in said for said in editing.refusals())
+    assert any("column 3" in complaint for complaint in editing.refusals())
 
 
 def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(editing: Editing):
@@ -250,7 +250,7 @@ def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(e
     assert np.allclose((box.max(axis=0) + box.min(axis=0)) / 2, (1, 2, 3), atol=1e-3)
     editing.set("factor", math.nan)
     editing.press("", "scale")
-    assert any("the factor must be a number" in said for said in editing.refusals())
+    assert any("the factor must be a number" in complaint for complaint in editing.refusals())
 
 
 def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be_measured(editing: Editing):
@@ -293,12 +293,16 @@ def test_undo_and_redo_go_over_everything_and_a_drag_is_one_step(editing: Editin
         assert editing.settings == state
     editing.command("Undo")
     assert editing.settings == states[0]
-    editing.tab.wait_for(lambda: any("Nothing to undo" in said for said in editing.tab.notifications), "a word")
+    editing.tab.wait_for(
+        lambda: any("Nothing to undo" in complaint for complaint in editing.tab.notifications), "a word"
+    )
     for state in states[1:]:
         editing.command("Redo")
         assert editing.settings == state
     editing.command("Redo")
-    editing.tab.wait_for(lambda: any("Nothing to redo" in said for said in editing.tab.notifications), "a word")
+    editing.tab.wait_for(
+        lambda: any("Nothing to redo" in complaint for complaint in editing.tab.notifications), "a word"
+    )
 
 
 def test_another_preset_is_a_step_that_can_be_undone(editing: Editing):
@@ -331,13 +335,13 @@ def test_what_differs_from_the_preset_is_marked_and_can_be_reset(editing: Editin
 )
 def test_durations_beyond_reason_get_a_sentence(editing: Editing, seconds: float, sentence: str):
     editing.set("duration (s)", seconds)
-    said = " ".join(editing.refusals())
-    assert sentence in said if sentence else "requirement.window must be shorter than the duration" in said
+    complaint = " ".join(editing.refusals())
+    assert sentence in complaint if sentence else "requirement.window must be shorter than the duration" in complaint
 
 
-def _beside(editing: Editing, sentence: str) -> list[str]:
-    """Where a sentence is said other than in the verdict."""
-    return [said for said in editing.refusals() if sentence in said and NOT_SHOWN not in said]
+def _complaints_below_controls(editing: Editing, sentence: str) -> list[str]:
+    """The complaints with a sentence that are below controls, not in the verdict."""
+    return [complaint for complaint in editing.refusals() if sentence in complaint and NOT_SHOWN not in complaint]
 
 
 @pytest.mark.parametrize(
@@ -353,20 +357,20 @@ def test_a_refused_number_is_reported_at_its_box_and_no_longer_once_it_is_good(
 ):
     good = editing.tab.value(label)
     editing.set(label, value)
-    assert _beside(editing, sentence)
+    assert _complaints_below_controls(editing, sentence)
     editing.settle()
-    assert _beside(editing, sentence)
+    assert _complaints_below_controls(editing, sentence)
     editing.set(label, good)
     editing.wait_until_accepted()
 
 
 def test_a_sentence_about_the_whole_goes_when_another_takes_its_place(editing: Editing):
     editing.set("w (rad/s)", 1e4)
-    assert _beside(editing, "faster than the IMU")
+    assert _complaints_below_controls(editing, "faster than the IMU")
     editing.set("range (Hz)", 2000.0)
     editing.set("IMU (Hz)", 0.0)
-    assert not _beside(editing, "faster than the IMU")
-    assert _beside(editing, "imu_rate must lie")
+    assert not _complaints_below_controls(editing, "faster than the IMU")
+    assert _complaints_below_controls(editing, "imu_rate must lie")
 
 
 def test_why_a_button_did_nothing_is_said_until_something_else_is_shown(editing: Editing):
@@ -375,10 +379,10 @@ def test_why_a_button_did_nothing_is_said_until_something_else_is_shown(editing:
     editing.set("points: t x y z", "0 0 0 0\n20 1 1 1")
     before = editing.settings
     editing.press("", "− delete it")
-    assert _beside(editing, "2 to 2000 waypoints")
+    assert _complaints_below_controls(editing, "2 to 2000 waypoints")
     assert editing.settings == before
     editing.set("q", 1.0)
-    editing.tab.wait_for(lambda: not _beside(editing, "2 to 2000 waypoints"), "no complaint")
+    editing.tab.wait_for(lambda: not _complaints_below_controls(editing, "2 to 2000 waypoints"), "no complaint")
 
 
 def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
@@ -387,7 +391,7 @@ def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
     before = editing.settings
     editing.command("Reset the last control")
     assert editing.settings == before
-    assert not [said for said in editing.tab.notifications if "Internal error" in said]
+    assert not [complaint for complaint in editing.tab.notifications if "Internal error" in complaint]
 
 
 def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alone(editing: Editing):
@@ -398,7 +402,7 @@ def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alo
     run_actions, dial = form.run_actions, editing.session.dock.sensors.range_rate
 
     def busy(before: Action) -> bool:
-        """A change and its undo come while the session is at work, and are seen together."""
+        """A change and its undo arrive while the session is busy, so that it reads both at once."""
         form.run_actions = run_actions  # type: ignore[method-assign]
         stepped = run_actions(before)
         editing.tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 33.0}})
@@ -477,15 +481,15 @@ def _until_shown(editing: Editing, expected: Settings) -> None:
 
 def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, SessionServer]):
     storage = Storage()
-    port, made = sessions
-    editing = Editing(tab := Wire(port, storage=storage), newest(made, tab))
+    port, server = sessions
+    editing = Editing(tab := Wire(port, storage=storage), newest(server, tab))
     editing.set("family", "formulas")
     editing.set("x(t) =", "cos(3*t)")
     editing.set("q", 2.0)
     expected = editing.settings
     tab.close()
     back = Wire(port, storage=storage)
-    _until_shown(Editing(back, newest(made, back)), expected)
+    _until_shown(Editing(back, newest(server, back)), expected)
     back.close()
     server, compilation = open_server("127.0.0.1", 0), Compilation()
     again = SessionServer(server, shared(server, compilation))
@@ -498,16 +502,16 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
 
 
 def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, SessionServer]):
-    port, made = sessions
+    port, server = sessions
     browser = Storage()
-    first = Editing(one := Wire(port, storage=browser), newest(made, one))
-    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), newest(made, two))
+    first = Editing(one := Wire(port, storage=browser), newest(server, one))
+    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), newest(server, two))
     first.set("q", 1.0)
     second.set("q", 3.0)
     one.close()
     two.close()
     back = Wire(port, storage=browser)
-    assert Editing(back, newest(made, back)).settings.preset.gains.riccati.q == 10.0
+    assert Editing(back, newest(server, back)).settings.preset.gains.riccati.q == 10.0
     back.close()
 
 
@@ -555,8 +559,8 @@ def test_an_angular_velocity_that_has_no_editor_is_kept_as_it_is_and_can_be_left
     assert "sines plus formulas" in editing.tab.text()
     turning = [key for key, p in editing.tab.elements.items() if "as in the file" in (p.get("options") or ())]
     assert len(turning) == 1
-    for word, kind in (("sines", Multisine), ("keyframes", Waypoints), ("as in the file", Sum)):
-        editing.tab.send({"type": "GuiUpdateMessage", "uuid": turning[0], "updates": {"value": word}})
+    for label, kind in (("sines", Multisine), ("keyframes", Waypoints), ("as in the file", Sum)):
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": turning[0], "updates": {"value": label}})
         editing.settle()
         assert isinstance(editing.settings.preset.angular_velocity, kind)
     assert editing.settings.preset.angular_velocity == wobble

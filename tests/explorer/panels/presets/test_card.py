@@ -1,4 +1,4 @@
-"""A preset's card: its badge by shape and words, its drawing, nothing in it that a browser would run."""
+"""The summary of a preset: its badge by shape and text, its drawing, and no text of the preset as HTML."""
 
 import threading
 from xml.etree import ElementTree
@@ -32,8 +32,8 @@ def test_a_badge_is_a_shape_and_text_and_says_what_is_certified(name: str, badge
 
 def test_what_is_not_certified_says_why_and_what_is_being_certified_says_so():
     boasting = msgspec.structs.replace(SHIPPED["circle"], expect="observable")
-    found = certificate.certify(preset.dumps(boasting).encode(), source="x")
-    shown = card(boasting, found, changed=False)
+    uncertified = certificate.certify(preset.dumps(boasting).encode(), source="x")
+    shown = card(boasting, uncertified, changed=False)
     assert "◌ UNCERTIFIED" in shown
     assert "rank" in shown
     assert "BEING CERTIFIED" in card(boasting, None, changed=False)

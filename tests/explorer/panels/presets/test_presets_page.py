@@ -1,4 +1,4 @@
-"""The Presets tab through viser's messages: keeping, changing, deleting, importing, exporting, repairing, judging."""
+"""The Presets tab through viser's messages: saving, changing, deleting, importing, exporting, repairing, judging."""
 
 import errno
 import io
@@ -25,22 +25,22 @@ from tests.support.wire import Storage, Wire
 SHIPPED = preset.shipped()
 SAVE, TIDY = "keep", "tidy"
 WORST = re.compile(r"from ([\d.]+) s: rank")
-"""Where the worst window of a recorded flight begins."""
+"""The beginning of the worst window of a recorded flight (s)."""
 
 
 @pytest.fixture
 def data(tmp_path: Path, sessions: tuple[int, SessionServer]) -> Library:
     """An empty library for this test's visitors."""
-    kept = Library(tmp_path / "presets")
-    object.__setattr__(sessions[1].shared, "library", kept)
-    return kept
+    library = Library(tmp_path / "presets")
+    object.__setattr__(sessions[1].shared, "library", library)
+    return library
 
 
 def _visitor(sessions: tuple[int, SessionServer], storage: Storage | None = None) -> Editing:
-    port, made = sessions
+    port, server = sessions
     tab = Wire(port, storage=storage)
     tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
-    session = made.sessions[-1]
+    session = server.sessions[-1]
     tab.wait_for(lambda: session.picture is not None and "t (s)" in str(tab.elements), "the first picture")
     return Editing(tab, session)
 
@@ -54,7 +54,7 @@ def page(sessions: tuple[int, SessionServer], data: Library) -> Iterator[Editing
 
 @pytest.fixture
 def reloaded(page: Editing, sessions: tuple[int, SessionServer]) -> Iterator[Callable[[], Editing]]:
-    """Closes the page, and gives what a browser that keeps its storage finds afterwards."""
+    """A function that closes the page and opens it again in the same browser, with its storage."""
     later: list[Editing] = []
 
     def reload() -> Editing:
@@ -83,19 +83,19 @@ def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
     _save_as(page, "Mein <b>Flug</b> / über ../ alles")
     (name,) = data.stamps()
     assert name == "mein-b-flug-b-uber-alles"
-    kept = preset.loads(data.read(name).decode(), source=name)
-    assert kept == msgspec.structs.replace(shown, title="Mein <b>Flug</b> / über ../ alles")
+    saved = preset.loads(data.read(name).decode(), source=name)
+    assert saved == msgspec.structs.replace(shown, title="Mein <b>Flug</b> / über ../ alles")
     assert page.settings.origin == MINE + name
     page.tab.wait_for_text("● CERTIFIED OBSERVABLE")
     assert "<svg" in page.tab.text()
     assert "<b>Flug" not in page.tab.text()
     page.tab.wait_for(lambda: data.read_certificate(name), "the certificate beside it")
-    beside = data.read_certificate(name)
-    assert beside is not None
-    assert certificate.verify(data.read(name), certificate.loads(beside, source="x"), source=name) == ()
+    stored = data.read_certificate(name)
+    assert stored is not None
+    assert certificate.verify(data.read(name), certificate.loads(stored, source="x"), source=name) == ()
     other = _visitor(sessions)
-    other.set("preset", f"★ {kept.title} ({name})")
-    assert other.settings.preset == kept
+    other.set("preset", f"★ {saved.title} ({name})")
+    assert other.settings.preset == saved
     other.tab.close()
 
 
@@ -191,7 +191,7 @@ def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_rep
     page.set("title", "")
     page.press(SAVE, "save")
     assert any("printable characters" in text for text in page.refusals())
-    assert "saved as" not in page.tab.text()  # what went well before is not said beside what did not
+    assert "saved as" not in page.tab.text()  # the message of an earlier success is gone
 
 
 def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editing, data: Library):
@@ -380,7 +380,7 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     assert "• the rank is 11 of 13" in page.tab.text()
     assert "it would do to add a tone" in page.tab.text()
     page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
-    page.wait_until_accepted()  # that was said of another motion
+    page.wait_until_accepted()  # the complaint was about another motion
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     page.set("even if uncertified", True)
     page.press("Export as a zip")
