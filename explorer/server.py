@@ -23,7 +23,7 @@ class SessionServer:
     def _join(self, client: viser.ClientHandle) -> None:
         session = self._by_client[client.client_id] = Session(client, self.shared)
         session.start()
-        if client.client_id not in self._server.get_clients():  # it left before its session was made
+        if client.client_id not in self._server.get_clients():  # the tab left before its session was created
             self._leave(client)
 
     def _leave(self, client: viser.ClientHandle) -> None:

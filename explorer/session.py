@@ -231,7 +231,7 @@ class Session:
 
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
-        """On an error that nobody foresaw: log the traceback, tell the visitor, and go on."""
+        """After an unforeseen error log the traceback, notify the visitor, and go on."""
         try:
             yield
         except Exception:

@@ -26,7 +26,7 @@ MAX_CELLS = 5_000_000
 SIZE, DOTS = (7.2, 3.6), 200
 """Width and height in inches, as wide as a column of text; and dots per inch."""
 FILL_OPACITY = int(palette.FILL, 16) / 255
-"""Of the area below a filled curve, as on the page."""
+"""Opacity of the area below a filled curve, as on the page."""
 RC_SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "rangenav",
     "lines.scale_dashes": False,

@@ -18,7 +18,7 @@ from rangenav.progress import Cancelled, CancelledError, Progress
 T = TypeVar("T")
 Work = Callable[[Progress, Cancelled], T]
 REPORT_PERIOD = 0.1
-"""s: how often a running job wakes the session's loop to show its progress."""
+"""s between two wake-ups of the session's loop by a running job, to show its progress."""
 
 
 @dataclass(eq=False)

@@ -1,8 +1,8 @@
-"""Every colour of the page and what it stands for. No other module spells a colour; a test looks for those that do.
+"""Every colour of the page and what it stands for. No other module spells a colour; a test checks that.
 
-    data      Okabe–Ito: told apart by readers with any colour vision, on white and on black
+    data      Okabe–Ito: distinct to readers with any colour vision, on white and on black
     text      pairs light-dark(on white, on black), each with enough contrast to be read
-    scale     viridis: its lightness alone tells the order
+    scale     viridis: its lightness alone shows the order
 A role names what is drawn ("estimate"); a hue is used where a plot needs several curves that have no role of their own.
 The module stands in `model`, the lowest room, because model, charts, scene and panels all import it.
 """

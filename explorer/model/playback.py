@@ -1,11 +1,11 @@
-"""The clock of the timeline: which moment of the run is shown, and whether time runs. Callers pass the time."""
+"""The clock of the timeline: the time in the run that is shown, and whether it advances. Callers pass the time."""
 
 import math
 
 FRAME_RATE = 30.0
 """Frames per second while playing; a late frame is dropped."""
 STEP = 0.05
-"""s that an arrow key moves the playhead."""
+"""s by which an arrow key moves the playhead."""
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
 

@@ -68,7 +68,7 @@ class Settings(Input, frozen=True, kw_only=True):
     printed: Printed = Printed()
     drafts: Drafts = Drafts()
     twin_turn: Vec3 | None = None
-    """The chosen turn of the evil twin about the anchor (rotation vector, rad); None: the usual turn."""
+    """The chosen turn of the evil twin about the anchor (rotation vector, rad); None: the default turn."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

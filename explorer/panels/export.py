@@ -20,7 +20,7 @@ FILE_HINT = (
 )
 LINES_HINT = "“lines” shows and downloads a few lines of Python; “preset file” downloads the file that they read."
 NOT_IN_LINES = {"reduced_row": "row r₄,₂ printed", "attitude_rate": "attitude rate ½"}
-"""Switches “as printed” that change a number beside their control, and no run or plot."""
+"""Switches “as printed” that change only a number next to their control, and no run or plot."""
 STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"
 
 

@@ -22,7 +22,7 @@ from explorer.scene.world import BlindDirections, WorldNodes
 from rangenav.inputs import Vec3
 
 ESTIMATE_DASHES = 14
-"""Per radius of the scene."""
+"""Dashes per radius of the scene."""
 
 
 class Scene:

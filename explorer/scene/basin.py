@@ -34,7 +34,7 @@ DOT, EMPHASIS = 0.07, 1.6
 """Half the width of a dot in radii of the globe; and the factor for a dot that never settles, or the rim of the
 slowest."""
 MAX_ENLARGEMENT = 2.0
-"""Factor on the usual size: a few dots need not cover the globe."""
+"""The largest factor on the size of the dots: a few dots need not cover the globe."""
 STICK, LABEL = 1.28, 1.36
 """Where the sticks through the undesired equilibria end, and where their names are, in radii of the globe."""
 POINTER = 1.5

@@ -1,4 +1,4 @@
-"""The estimate of the run on view in the 3-D picture: a ghost of the vehicle, its 1σ ellipsoid, the estimated gravity
+"""The estimate of the shown run in the 3-D picture: a ghost of the vehicle, its 1σ ellipsoid, the estimated gravity
 and magnetic vectors, and an arrow towards an estimate that is outside the scene."""
 
 import numpy as np

@@ -79,7 +79,7 @@ class TwinGhost:
         return position
 
     async def _record_drag(self, event: SceneNodeDragEvent[MeshHandle]) -> None:
-        """Called in viser's loop, in the order of the messages. A browser may send anything: only a position counts."""
+        """Called in viser's loop, in the order of the messages. A browser may send anything; only positions count."""
         x, y, z = (float(value) for value in event.end_position)
         if np.isfinite([x, y, z]).all() and max(abs(x), abs(y), abs(z)) < MAX_REACH:
             with self._lock:

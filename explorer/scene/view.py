@@ -26,7 +26,8 @@ IDLE_TIME = 0.5
 MAX_ZOOM, MAX_SHIFT = 1.6, 0.5
 """Factor by which the scene must grow or shrink, or radii by which it must shift, to be framed anew."""
 SIDE = np.array([0.5, 1.0, 0.25])
-"""From where the camera looks, before its part along up is removed: across x, along which most paths are longest."""
+"""The direction from the scene to the camera, whose part along up is then removed: across x, along which most paths
+are longest."""
 HEIGHT = 0.55
 """The camera's height by its horizontal distance."""
 MARGIN = 1.2

@@ -29,7 +29,8 @@ class Certifier:
         self._working = False
 
     def certificate(self, content: bytes, wake: Callable[[], None]) -> CertificateOrReason | None:
-        """The certificate of these bytes; None while it is computed, and `wake` is called from another thread then."""
+        """The certificate of these bytes, or None while it is being computed; `wake` is then called from another thread
+        when it is ready."""
         with self._lock:
             if content in self._results:
                 self._results.move_to_end(content)

@@ -72,20 +72,20 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     x, y, z = options.magnetic
     length = (x * x + y * y + z * z) ** 0.5 or 1.0
     confirmed = options.source == "still"
-    given = (options.gravity, (x / length, y / length, z / length)) if options.source == "given" else None
-    world, questions, source = rest.world_of(flight, anchor=options.anchor, given=given, confirmed=confirmed)
+    chosen = (options.gravity, (x / length, y / length, z / length)) if options.source == "given" else None
+    world, questions, source = rest.world_of(flight, anchor=options.anchor, given=chosen, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
     flight = recorded_flight.between(flight, options.begin, math.inf if options.end is None else options.end)
-    seen = logs.informative(
+    windows = logs.informative(
         flight, window=options.window, range_sigma=options.range_sigma, requirement=options.position_sigma, noise=noise
     )
     observed = None
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
-    return FlightReport(seen.summary, seen.verdict, flight_summary.summarise_windows(seen), observed, source)
+    return FlightReport(windows.summary, windows.verdict, flight_summary.summarise_windows(windows), observed, source)
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:

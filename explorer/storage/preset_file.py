@@ -28,21 +28,24 @@ def verdict_comments(shown: Preset) -> str:
     """Comment lines with the verdict and its figures; they contain no text of the preset.
 
     For an imported curve that jumps, or whose snap comes from a fit, they state that nothing is judged."""
-    found, needed = analysis.analyse(shown), shown.requirement
-    if not found.verdict.judged:
+    motion_analysis, requirement = analysis.analyse(shown), shown.requirement
+    if not motion_analysis.verdict.judged:
         return UNJUDGED
-    met = "met" if found.mu >= needed.mu else "NOT met"
-    lifted, nonlinear = (quantity(end.position, "m", digits=4) for end in (found.lifted_end, found.nonlinear_end))
+    met = "met" if motion_analysis.mu >= requirement.mu else "NOT met"
+    lifted, nonlinear = (
+        quantity(end.position, "m", digits=4) for end in (motion_analysis.lifted_end, motion_analysis.nonlinear_end)
+    )
     lines = [
-        f"verdict: {found.verdict.word}; rank {found.rank} of 13 (nonlinear {found.nonlinear_rank} of 9); "
-        f"required mu {met}",
-        f"mu = {found.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of {needed.window:g} s "
-        f"(worst from t = {found.mu_at:.3g} s); required: {needed.mu:.6g}: {met}",
+        f"verdict: {motion_analysis.verdict.word}; rank {motion_analysis.rank} of 13 "
+        f"(nonlinear {motion_analysis.nonlinear_rank} of 9); required mu {met}",
+        f"mu = {motion_analysis.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of "
+        f"{requirement.window:g} s (worst from t = {motion_analysis.mu_at:.3g} s); "
+        f"required: {requirement.mu:.6g}: {met}",
         f"predicted 1-sigma position at the end of the worst window: {lifted} lifted, "
-        f"{nonlinear} nonlinear; required {needed.position_sigma:g} m",
+        f"{nonlinear} nonlinear; required {requirement.position_sigma:g} m",
         f"it assumes {analysis.noise_note(shown.sensors)}",
     ]
-    lines += [f"blind: {direction.summary}" for direction in found.directions]
+    lines += [f"blind: {direction.summary}" for direction in motion_analysis.directions]
     return "".join(f"# {line}\n" for line in lines)
 
 

@@ -1,4 +1,4 @@
-"""The trash of the library: the newest hundred presets that were deleted or overwritten, each found by its mark.
+"""The trash of the library: the newest hundred presets that were deleted or overwritten, each with a unique mark.
 
     <folder>/<name>.<moment>.toml           a deleted preset, which can be restored, also in a later visit
     <folder>/<name>.<moment>.before.toml    the content before a save or a new title replaced it
@@ -15,7 +15,7 @@ from explorer.storage.files import unlink, write
 
 SUFFIX, BEFORE = ".toml", ".before"
 MAX_FILES = 100
-"""Files; the oldest are removed first."""
+"""The largest number of files; the oldest are removed first."""
 MARKED = 16
 """Hexadecimal digits of nanoseconds since 1970, until the year 2554."""
 

@@ -23,11 +23,11 @@ SESSION_KEY = re.compile(r"[0-9a-f]{32}(?:-[1-9][0-9]?)?")
 """The id of a browser and the slot of one of its tabs; no such key is a path."""
 SUFFIX = ".json"
 MAX_BYTES = 2**21
-"""Of one file: a path of a thousand waypoints, in each of several drafts, takes a tenth of it."""
+"""The largest size of one file. A thousand waypoints in each of several drafts take a tenth of this size."""
 MAX_FILES, MAX_TOTAL = 200, 2**26
 """Files in the folder, and bytes of all of them; the oldest are removed first."""
 MAX_AGE = 90 * 86400.0
-"""s since a file was written."""
+"""s; the largest age of a file."""
 ABANDONED = 3600.0
 """s after which an unfinished file belongs to a program that has ended."""
 SAVES_PER_PRUNE = 100

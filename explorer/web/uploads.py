@@ -1,7 +1,7 @@
 """Uploads: one small file at a time from each visitor, and nothing about it is trusted. Checked against viser 1.1.1.
 
 viser collects whatever a browser sends, for any control and without limit, and makes it that control's value. Here a
-transfer is accepted only for a button made by `Uploads.button`, and only if it states a size that is small enough. It
+transfer is accepted only for a button of `Uploads.button`, and only if it states a size that is small enough. It
 must send exactly as many bytes as stated, with its parts in order. A transfer that stalls gives way to the next one.
 The names of files are only displayed: no file is opened by its name.
 """

@@ -1,1 +1,1 @@
-"""Controls that viser lacks, made once and used by every panel."""
+"""Controls that viser lacks, for all panels."""

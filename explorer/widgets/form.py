@@ -71,7 +71,7 @@ class Section:
         self._folder.__exit__(*error)
 
     def add(self, control: Resettable) -> None:
-        """Register a control of this section; the control calls this when it is made."""
+        """Register a control of this section; the control calls this in its constructor."""
         self._controls.append(control)
 
     def caption(self, label: str) -> None:
@@ -81,7 +81,7 @@ class Section:
 
     @property
     def controls(self) -> tuple[Resettable, ...]:
-        """The controls, in the order in which they were made."""
+        """The controls, in the order in which they were created."""
         return tuple(self._controls)
 
     @property

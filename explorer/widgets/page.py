@@ -1,4 +1,4 @@
-"""What panels use of the dock: all settings, read and written as one value."""
+"""The part of the dock that panels use: all settings, read and written as one value."""
 
 from typing import Protocol
 

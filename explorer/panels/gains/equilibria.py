@@ -1,4 +1,4 @@
-"""Starts at and near the undesired equilibria R̃ = 2uuᵀ − I (paper, U_π): half turns about the eigenvectors u of M."""
+"""Starts at and near the undesired equilibria R̃ = 2uuᵀ − I (paper, U_π): turned by 180° about eigenvectors u of M."""
 
 import html
 import math

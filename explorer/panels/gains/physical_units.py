@@ -1,8 +1,8 @@
 """The gains in physical units: noise, errors of the start, factors, time constant, weight (rangenav.physical_gains).
 
 The panel keeps the gains and shows physical values computed from them. A value that the visitor moves is converted back
-into gains; all other gains keep every digit. When the path, the world or the rates change, the same gains have other
-physical values.
+into gains; all other gains stay the same to the last digit. When the path, the world or the rates change, the same
+gains have other physical values.
 """
 
 from collections.abc import Callable

@@ -15,7 +15,7 @@ OUTSIDE_THEOREM = "The theorem assumes a constant k1: of a scheduled one it says
 
 
 class ScheduleDials:
-    """A switch for the schedule, and three dials. The dials keep their values while the schedule is off."""
+    """A switch for the schedule, and three dials. The values of the dials stay while the schedule is off."""
 
     def __init__(self, form: Form) -> None:
         self._section = Section(form)
@@ -34,7 +34,7 @@ class ScheduleDials:
 
     @property
     def draft(self) -> Schedule:
-        """The schedule that the dials hold while it is off. While it is on it is no draft: then this is the default."""
+        """The schedule on the dials while it is switched off; the default schedule while it is switched on."""
         return Schedule() if self.enabled.read() else self._last_valid
 
     def read(self, gains: AttitudeGains) -> AttitudeGains:

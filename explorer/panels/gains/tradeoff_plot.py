@@ -97,7 +97,7 @@ def legend() -> str:
     )
     style = "vertical-align:-2px;margin-right:2px;overflow:visible"
     entry = '<span style="white-space:nowrap"><svg width="18" height="14" fill="none" style="{}">{}</svg>{}</span>'
-    entries = " ".join(entry.format(style, sign, word) for sign, word in named)
+    entries = " ".join(entry.format(style, sign, label) for sign, label in named)
     return f'<div style="display:flex;flex-wrap:wrap;gap:0 0.7em">{entries}</div>'
 
 
@@ -130,7 +130,7 @@ def ticks(axis: Range) -> list[float]:
 
 
 def _figures(axes: PlotAxes, point: Point) -> tuple[float, float]:
-    """Settling time (s), and the error afterwards in the plane's unit."""
+    """Settling time (s), and the error afterwards in the unit of the axes."""
     return getattr(point, axes.settle), axes.scale * getattr(point, axes.steady)
 
 

@@ -21,7 +21,7 @@ MAX_TILES = 60
 """More tiles would make the page slow; the menu has all presets."""
 CACHED_DRAWINGS = 2 * MAX_TILES
 FROM_A_CORNER = np.array([(0.82, -0.57), (0.40, 0.57), (0.0, 0.82)])
-"""Seen a little from above no two shipped paths look alike, as a circle and its tilted sister do from the top."""
+"""From this direction no two shipped paths look alike; from the top, a circle and a tilted one do."""
 HIDE_BUTTONS = ':has(> * > * > label[for="{}"]){{display:none}}'
 """Hides the row of buttons. If viser builds its rows in another way, the buttons are visible and still work."""
 PRESS_BUTTON = (

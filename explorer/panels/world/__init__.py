@@ -59,7 +59,7 @@ class WorldPanel:
         self._describe_axes(world.gravity)
 
     def move_anchor(self, position: Vec3) -> None:
-        """Put the anchor elsewhere, as a drag does."""
+        """Move the anchor to a position (m), as a drag does."""
         self._anchor.show(position)
 
     def _describe_axes(self, gravity: Vec3) -> None:

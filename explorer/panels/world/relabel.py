@@ -1,4 +1,4 @@
-"""The same settings with y and z of all axes named the other way round: z up instead of down, or down instead of up."""
+"""The same settings with y and z of all axes reversed: z up instead of down, or down instead of up."""
 
 from msgspec.structs import replace
 

@@ -1,4 +1,5 @@
-"""The evil twin in numbers, as an alternative to dragging it in the scene. Only a twin of a family can be turned.
+"""The rotation of the evil twin in numbers, as an alternative to dragging it in the scene. Only a twin that belongs to
+a family of twins can be turned.
 
 Settings store the rotation about the anchor as a rotation vector (rad); the controls show its angle and its axis.
 """

@@ -17,7 +17,7 @@ ALLOWED = "+ − * / **, pi, e, sin, cos, tan, exp, log, sqrt, tanh and their re
 
 
 class FormulaEditor:
-    """Three boxes. A rotation or scaling of the path is kept apart from the formulas."""
+    """Three boxes. A rotation or scaling of the path is stored separately from the formulas."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._signal = Formula()

@@ -27,10 +27,10 @@ class PointsEditor(Generic[F]):
 
     def __init__(self, form: Form, slot: SignalSlot, first: F) -> None:
         self._signal, self._index = first, 0
-        """The curve, and the place of the point that the boxes show."""
+        """The curve, and the index of the point that the boxes show."""
         self._point_in_boxes = first.points[0]
         self._text_of_points, self._formatted = "", first.points[:0]
-        """The table's text for the points of the curve, and the points that the text was last made of."""
+        """The text of the table, and the points for which it was written."""
         self._section = section = Section(form)
         with section:
             hint = "Whether the curve ends at its last point, at rest, or closes smoothly and repeats."
@@ -80,7 +80,7 @@ class PointsEditor(Generic[F]):
         self._period.write(signal.period or _suggested_period(signal), base.period if base else None)
 
     def move(self, index: int, value: Vec3) -> None:
-        """Put a point elsewhere, as a drag does. Raises InvalidInputError after showing the reason."""
+        """Move a point to a position, as a drag does. Raises InvalidInputError after showing the reason."""
         with self._section.catching():
             if 0 <= index < len(self.points):
                 self._index = index

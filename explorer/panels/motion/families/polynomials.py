@@ -25,7 +25,7 @@ class PolynomialsEditor:
     def __init__(self, form: Form, slot: SignalSlot) -> None:
         self._pieces: tuple[Piece, ...] = ()
         self._text_of_pieces, self._formatted = "", self._pieces
-        """The text of the pieces, and the pieces that the text was last made of."""
+        """The text of the pieces, and the pieces for which it was written."""
         self._section = section = Section(form)
         with section:
             hint = "After the last piece the signal holds where it is, or begins anew."
