@@ -14,6 +14,8 @@ import tyro
 
 import rangenav
 from rangenav.commands import overview
+from rangenav.commands.text.layout import COLUMNS, CONTINUED, wrapped
+from rangenav.formats import OpenQuestionsError
 
 PROGRAM = "rangenav"
 HELP = (["-h"], ["--help"])
@@ -24,8 +26,18 @@ for name, command in overview.commands().items():
 
 
 def fail(sentence: str) -> NoReturn:
-    """Bad input: one line on stderr, exit 2."""
-    print(" ".join(sentence.split()), file=sys.stderr)
+    """Bad input: one line on stderr, which a terminal shows broken between words; exit 2."""
+    lines = [" ".join(sentence.split())]
+    print(*(wrapped(lines[0], COLUMNS, CONTINUED) if sys.stderr.isatty() else lines), sep="\n", file=sys.stderr)
+    raise SystemExit(2)
+
+
+def ask(error: OpenQuestionsError) -> NoReturn:
+    """Open questions about a file: one line on stderr, or one paragraph for each on a terminal; exit 2."""
+    if not sys.stderr.isatty():
+        fail(str(error))
+    for sentence in (error.rule, *(question.text for question in error.questions)):
+        print(*wrapped(sentence, COLUMNS, CONTINUED), sep="\n", file=sys.stderr)
     raise SystemExit(2)
 
 
@@ -46,6 +58,8 @@ def run_command() -> None:
         with contextlib.redirect_stderr(messages):
             app.cli(prog=PROGRAM)
             sys.stdout.flush()
+    except OpenQuestionsError as error:
+        ask(error)
     except ValueError as error:
         fail(str(error))
     except BrokenPipeError:  # the reader of the output, `head` say, has closed it

@@ -1,6 +1,8 @@
 """`rangenav log`: a recorded flight: was it informative, and what do the observers make of it?"""
 
+import inspect
 import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -78,6 +80,7 @@ def log(
         position_sigma: Predicted position error (m) above which a window is weak.
         json: Print one JSON object.
     """
+    typed = _typed(locals())
     from rangenav import flight_summary, logs, rest
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
@@ -119,7 +122,27 @@ def log(
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:
         return print_json(report)
-    return layout.show(text.report(report, file=str(file), required=position_sigma, sensed=int(seen.rank[seen.worst])))
+    shown = text.report(
+        report,
+        file=str(file),
+        options=typed,
+        has_truth=flight.position is not None,
+        required=position_sigma,
+        sensed=int(seen.rank[seen.worst]),
+    )
+    return layout.show(shown)
+
+
+def _typed(arguments: Mapping[str, Any]) -> dict[str, str]:
+    """The options of `log` that differ from their defaults, each flag with its values as they are typed."""
+    options = {}
+    for name, parameter in inspect.signature(log).parameters.items():
+        value = arguments[name]
+        if name not in ("file", "json") and value != parameter.default:
+            values = value if isinstance(value, tuple) else (value,)
+            flag = f"--{name.rstrip('_').replace('_', '-')}"
+            options[flag] = " ".join(f"{one:.10g}" if isinstance(one, float) else str(one) for one in values)
+    return options
 
 
 def _format(file: Path) -> str:

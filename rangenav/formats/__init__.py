@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 
 from rangenav.formats import text
 from rangenav.formats.format import Format, ReadOptions
-from rangenav.formats.import_result import ImportResult, Question, settled
+from rangenav.formats.import_result import ImportResult, OpenQuestionsError, Question, settled
 from rangenav.formats.output_files import OutputFile, marked
 from rangenav.formats.recorded_flight import Flight
 from rangenav.formats.table import holding, markdown, names, readable, row, rows, unsupported, writable
@@ -21,6 +21,7 @@ __all__ = [
     "Flight",
     "Format",
     "ImportResult",
+    "OpenQuestionsError",
     "OutputFile",
     "Question",
     "export",

@@ -122,13 +122,14 @@ def _factors(
     """Factors from the file's units to SI. A stated SI unit is used; every other unit must be confirmed."""
     factors, time = {}, raw.time[kept]
     turning = raw.mag if raw.mag is not None and np.isfinite(raw.mag).any() else raw.accel
+    turning_name = "the field" if turning is raw.mag else "gravity"
     for kind, known in units.UNITS.items():
         values = getattr(raw, kind)
         if values is None:
             continue
         stated, answered = raw.stated.get(kind), answer(confirm, kind, tuple(known))
         columns = values[kept] if values.ndim == 2 else values[kept][:, None]
-        guess = units.guess(kind, columns, time=time, turning=turning[kept])
+        guess = units.guess(kind, columns, time=time, turning=turning[kept], turning_name=turning_name)
         chosen = answered or stated
         if answered is None and (stated != units.SI[kind] or _doubtful(kind, guess)):
             questions.append(_unit_question(kind, stated, guess))

@@ -74,12 +74,20 @@ class ImportResult:
     """SHA-256 of the file's bytes; empty for a folder."""
 
 
+class OpenQuestionsError(ValueError):
+    """A file is not used, because it leaves something open; the sentence has every question, its evidence and flag."""
+
+    def __init__(self, source: str, questions: tuple[Question, ...]) -> None:
+        self.rule = f"{source}: not used before this is answered:"
+        self.questions = questions
+        super().__init__(f"{self.rule} {'; '.join(question.text for question in questions)}")
+
+
 def settled(result: ImportResult, *, also: tuple[Question, ...] = ()) -> ImportResult:
-    """The result, if no question is open. Raises ValueError with every open question, its evidence and its flag."""
+    """The result, if no question is open. Raises OpenQuestionsError if one is."""
     open_questions = (*result.questions, *also)
     if open_questions:
-        questions = "; ".join(question.text for question in open_questions)
-        raise ValueError(f"{result.source}: not used before this is answered: {questions}")
+        raise OpenQuestionsError(result.source, open_questions)
     return result
 
 

@@ -8,6 +8,7 @@ earth's field, and for the gyro whether the magnetic vector turns as fast as it 
 import math
 import re
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -65,14 +66,24 @@ def spelled(unit: str) -> str:
     return SPELLINGS.get(unit.lower(), unit)
 
 
-def guess(kind: str, values: Float[Array, "n c"], *, time: Float[Array, "n"], turning: Array | None = None) -> Guess:
-    """The unit that the numbers suggest. For the gyro, `turning` is a vector fixed in inertia, in body axes."""
+def guess(
+    kind: str,
+    values: Float[Array, "n c"],
+    *,
+    time: Float[Array, "n"],
+    turning: Array | None = None,
+    turning_name: Literal["the field", "gravity"] = "the field",
+) -> Guess:
+    """The unit that the numbers suggest. For the gyro, `turning` is a vector fixed in inertia, in body axes.
+
+    `turning_name` says what it is; "gravity" is the accelerometer's reading, which is fixed only without motion.
+    """
     sizes = np.linalg.norm(values, axis=-1)
     sizes = sizes[np.isfinite(sizes)]
     size = float(np.median(sizes)) if len(sizes) else 0.0
     match kind:
         case "gyro":
-            return _gyro(values, time, turning)
+            return _gyro(values, time, turning, turning_name)
         case "accel":
             return _accel(size)
         case "mag":
@@ -107,7 +118,7 @@ def _time(time: Array) -> Guess:
     return Guess(unit=None, evidence=f"their usual step is {step:.3g}")
 
 
-def _gyro(gyro: Array, time: Array, turning: Array | None) -> Guess:
+def _gyro(gyro: Array, time: Array, turning: Array | None, turning_name: Literal["the field", "gravity"]) -> Guess:
     """Regress the change of a vector fixed in inertia on −ω × it: the slope is the unit."""
     if turning is None or len(time) < 3:
         return Guess(unit=None, evidence="nothing tells it")
@@ -128,7 +139,9 @@ def _gyro(gyro: Array, time: Array, turning: Array | None) -> Guess:
     slope = float(np.sum(predicted * turned)) / power
     named = {unit: abs(slope / factor - 1) for unit, factor in UNITS["gyro"].items()}
     unit = min(named, key=lambda one: named[one])
-    said = f"the field turns {slope:.3g} times as fast as the gyro says"
+    said = f"{turning_name} turns {slope:.3g} times as fast as the gyro says"
+    if named[unit] > 2 * NEAR and turning_name == "gravity":
+        return Guess(unit=None, evidence="there is no magnetometer, whose field would tell")
     if named[unit] > 2 * NEAR:
         return Guess(unit=None, evidence=f"{said}: in no unit known, are all axes the same body's?")
     return Guess(unit=unit, evidence=f"{said}, which is {unit}")

@@ -29,7 +29,7 @@ def certified(found: Certificate, *, name: str, written: Path | None) -> Report:
         groups=(
             *group("requirements", (_check(one.met, one.proven, one.words) for one in found.checks)),
             *group("would help", found.remedy if isinstance(found.remedy, str) else None),
-            *claim(found),
+            *group("what it covers", *coverage(found)),
             *group("the file", f"SHA-256 {found.artifact.sha256[:DIGITS]}…, {found.artifact.bytes} bytes"),
             *group("written", str(written) if written else None),
             *layout.next_commands(*following),
@@ -41,19 +41,31 @@ def _check(met: bool, proven: bool, sentence: str) -> str:
     return f"{'✓' if met else '✗'} {sentence}{' (proven)' if proven else ''}"
 
 
+def _expectation(found: Certificate) -> str:
+    if not found.certified:
+        return f", expected {found.expect}"
+    return ", as expected" if found.expect == found.verdict else f", as expected ({found.expect})"
+
+
+def coverage(found: Certificate) -> tuple[str, ...]:
+    """For which windows, and for which part of an exported file, the certificate speaks."""
+    starts = found.claim.starts.replace(">=", "≥")
+    bounded = "μ is bounded" if found.excitation.lower is not None else "μ is sampled"
+    windows = f"{bounded} for windows of {quantity(found.claim.window, 's')}, {starts}"
+    return (windows, *(() if found.artifact.covers is msgspec.UNSET else (found.artifact.covers,)))
+
+
 def claim(found: Certificate) -> tuple[Group, ...]:
     """For which windows the certificate speaks, and its figures."""
-    excited, starts = found.excitation, found.claim.starts.replace(">=", "≥")
-    bounded = "μ is bounded" if excited.lower is not None else "μ is sampled"
+    excited = found.excitation
     mu = excited.lower if excited.lower is not None else excited.found
     figures = f"μ ≥ {quantity(mu, 'm²/s⁷')}" if mu else "μ is 0"
     sigma = found.accuracy.lifted.end.position
     return group(
         "what it covers",
-        f"{bounded} for windows of {quantity(found.claim.window, 's')}, {starts}",
+        *coverage(found),
         f"{figures}, required {significant(excited.required)}; rank {found.rank.rank} of {found.rank.of}",
         f"position {plus_minus(sigma)}, required ±{quantity(found.accuracy.required, 'm')}",
-        None if found.artifact.covers is msgspec.UNSET else found.artifact.covers,
     )
 
 
@@ -69,7 +81,7 @@ def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certi
                 one
                 for found in stored.values()
                 for one in (
-                    *group("verdict", f"{SIGNS[found.verdict]} {found.verdict}, expected {found.expect}"),
+                    *group("verdict", f"{SIGNS[found.verdict]} {found.verdict}{_expectation(found)}"),
                     *claim(found),
                 )
             )

@@ -1,5 +1,6 @@
 """`rangenav export` and `rangenav import` for a person."""
 
+import re
 from pathlib import Path
 
 from rangenav.analysis import Analysis
@@ -10,6 +11,8 @@ from rangenav.commands.text.verdict import Json, headline
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 
+UNCHANGED = re.compile(r"μ changed by [+-]0\.00%")
+"""What a note says of a change that its digits do not show."""
 ANSWERED = {"preset", "format", "files", "frame", "uncertified", "certificate", "certificate_reason", "steady", "notes"}
 """Keys of an export's answer that a group of their own tells; the others are figures of the format."""
 
@@ -18,7 +21,8 @@ def exported(preset: Preset, answer: Json, *, name: str) -> Report:
     """What was written and whether it is certified; `answer` is the command's JSON object."""
     marked = answer["uncertified"]
     written = f"written as {answer['format']}"
-    proof = answer["certificate"] or answer["certificate_reason"].removeprefix("null: ")
+    reason = answer.get("certificate_reason", "").removeprefix("null: ")
+    proof = [answer["certificate"] or f"none: {reason.removeprefix(f'{preset.title}: refused: ')}"]
     return Report(
         subject=layout.subject(name),
         sign="!" if marked else "✓",
@@ -29,10 +33,26 @@ def exported(preset: Preset, answer: Json, *, name: str) -> Report:
             *group("frame", answer["frame"]),
             *group("certificate", proof),
             *group("size", _figures(answer)),
-            *group("to be known", answer["notes"]),
-            *layout.next_commands(*(() if marked else (f"verify {layout.argument(answer['files'][0])}",))),
+            *group("to be known", _notes(answer)),
+            *layout.next_commands(
+                f"repair {layout.argument(name)} -o repaired.toml"
+                if marked
+                else f"verify {layout.argument(answer['files'][0])}"
+            ),
         ),
     )
+
+
+def _notes(answer: Json) -> list[str]:
+    """The notes of an export. A marked file has no certificate, whose reason its own group gives."""
+    notes = [UNCHANGED.sub("μ unchanged", note) for note in answer["notes"]]
+    if not answer["uncertified"]:
+        return [note.replace("any certificate covers", "the certificate covers") for note in notes]
+    begin, end = (
+        (quantity(answer["steady"][key], "s", digits=5) for key in ("from", "to")) if "steady" in answer else ("", "")
+    )
+    ramps = [f"the motion itself is {begin} to {end} of the file, between its ramps"] if begin else []
+    return [*ramps, *(note for note in notes if not note.startswith(("UNCERTIFIED:", "any certificate covers")))]
 
 
 def _figures(answer: Json) -> list[str]:
@@ -48,13 +68,11 @@ def imported(made: Preset, found: Analysis, answer: Json, *, source: str) -> Rep
     output = layout.argument(Path(answer["preset"]))
     sampled, fit = answer["rate"] is not None, answer["fit_error"]
     rows = f"rows at {quantity(answer['rate'], 'Hz')}" if sampled else "pieces without samples"
-    length = f"{quantity(answer['duration'], 's')} ({quantity(answer['used'], 's')} used)"
+    length, used = quantity(answer["duration"], "s"), quantity(answer["used"], "s")
+    frame = "" if answer["frame"] in " ".join(answer["findings"]) else f", {answer['frame']}"
+    part = "" if used == length else f", {used} of {length} used"
     near = "the file's own" if fit is None else f"within {quantity(fit, 'm')} of every position of the file"
-    seen = (
-        [f"rank {found.rank} of 13", *excitation_lines(made, found)]
-        if found.verdict.judged
-        else ["nothing is judged of a path whose snap is not its own"]
-    )
+    seen = [f"rank {found.rank} of 13", *excitation_lines(made, found)] if found.verdict.judged else []
     return Report(
         subject=source,
         sign=sign,
@@ -62,8 +80,7 @@ def imported(made: Preset, found: Analysis, answer: Json, *, source: str) -> Rep
         groups=(
             *group(
                 "the file",
-                f"{answer['format']}, {rows}, {length}",
-                f"frame {answer['frame']}",
+                f"{answer['format']}, {rows}{frame}{part}",
                 answer["findings"],
             ),
             *group("the path", near, f"snap from {answer['snap_from']}"),

@@ -7,6 +7,9 @@ from rangenav.commands.text.verdict import Json, headline
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 
+ROTATING = ("turned axes", "axes that do not rotate")
+"""How the library's sentence names the axes of the gyro-integrated frame, and how this report names them."""
+
 
 def report(preset: Preset, found: Analysis, explanation: Json, *, name: str) -> Report:
     """Why a preset's motion is observable or not; `explanation` is the command's JSON object."""
@@ -21,10 +24,10 @@ def report(preset: Preset, found: Analysis, explanation: Json, *, name: str) -> 
         groups=(
             *group("how long to fly", _horizon(explanation["horizon"], preset)),
             *group("what coincides", _functions(explanation["functions"])),
-            *group("excitation", explanation["excitation"]["words"]),
+            *group("excitation", layout.three_digits(explanation["excitation"]["words"])),
             *group("evil twin", explanation["twin"]["words"]),
-            *group("as printed", explanation["printed"]["words"]),
-            *group("frozen in time", explanation["frozen"]["words"]),
+            *group("as printed", layout.three_digits(explanation["printed"]["words"])),
+            *group("frozen in time", explanation["frozen"]["words"].replace(*ROTATING)),
             *layout.next_commands(f"analyze {typed}", *twin),
         ),
     )
@@ -39,12 +42,12 @@ def _horizon(horizon: Json, preset: Preset) -> list[str]:
 def _lasting(what: str, lengths: Json) -> str:
     start, worst = lengths["from_start"], lengths["worst"]
     if start is None and worst is None:
-        return f"✗ {what}: in no window of the flight, however long"
-    from_start = f"after {quantity(start, 's')} from the start" if start is not None else "not from the start"
+        return f"✗ {what}: no window is long enough"
+    from_start = f"{quantity(start, 's')} from the start" if start is not None else "not from the start"
     if worst is None:
-        return f"! {what}: {from_start}; from the worst start never"
+        return f"! {what}: {from_start}; from the worst start no window is long enough"
     same = start is not None and abs(worst - start) < 1e-3 * worst
-    return f"✓ {what}: {from_start}" + (", as from the worst" if same else f", {quantity(worst, 's')} from the worst")
+    return f"✓ {what}: {from_start}" + (" and from the worst" if same else f", {quantity(worst, 's')} from the worst")
 
 
 def _functions(functions: Json) -> list[str]:
@@ -52,5 +55,8 @@ def _functions(functions: Json) -> list[str]:
     at = quantity(functions["at"], "s")
     if not functions["relations"]:
         return [f"nothing: the 13 functions of the window from {at} are independent"]
-    first, *others = functions["relations"]
-    return [f"{first} in the window from {at}", *others, *(f"unseen: {unseen}" for unseen in functions["unseen"])]
+    relations, unseen = (
+        separator.join(one.replace(" ", layout.UNBROKEN) for one in functions[key])
+        for key, separator in (("relations", ", "), ("unseen", "; "))
+    )
+    return [f"in the window from {at}: {relations}", *([f"unseen: {unseen}"] if unseen else [])]

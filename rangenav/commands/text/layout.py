@@ -15,6 +15,8 @@ from typing import Literal
 from rich.console import Console
 from rich.text import Text
 
+from rangenav.number_format import significant
+
 COLUMNS = 80
 """A line is never wider, unless a single word is (the path of a file, which must stay whole to be copied)."""
 NAMES = 19
@@ -24,6 +26,11 @@ CONTINUED = "    "
 Sign = Literal["✓", "✗", "!", "?"]
 """Good, bad, to be noticed, not known."""
 NEXT = "next"
+BEFORE_VALUE = re.compile(r" (?!--?[a-z])")
+"""A blank in front of an option's value, and not in front of an option."""
+UNBROKEN = "\N{NO-BREAK SPACE}"
+PRINTED_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+(?:e[+-]?\d+)?|e[+-]?\d+)(?![\w.]\d)")
+"""A number with a decimal point or an exponent; a whole number stays as it is."""
 COLORS = {"✓": "green", "✗": "red", "!": "yellow", "?": "cyan"}
 SIGNS = {"observable": "✓", "weak": "!", "blind": "✗", "not judged": "?", "rank 13": "?", "partly": "!"}
 """The sign of each verdict."""
@@ -86,26 +93,37 @@ def head_lines(report: Report, columns: int) -> list[str]:
 
 
 def wrapped(text: str, columns: int, continued: str = "") -> list[str]:
-    """A text broken at blanks only: a number stays with its sign, and a file's path in one piece."""
-    if len(text) <= columns:
-        return [text]
-    return textwrap.wrap(text, columns, subsequent_indent=continued, break_long_words=False, break_on_hyphens=False)
+    """A text broken at blanks only, and not at UNBROKEN, which becomes a blank; a file's path stays in one piece."""
+    lines = textwrap.wrap(text, columns, subsequent_indent=continued, break_long_words=False, break_on_hyphens=False)
+    return [line.replace(UNBROKEN, " ") for line in (lines if len(text) > columns else [text])]
 
 
 def folded_command(text: str, columns: int) -> list[str]:
-    """A command that a shell still understands when it is copied: a line that goes on ends in a backslash."""
-    *first, last = wrapped(text, columns - 2, "  ")
+    """A command that a shell still understands when it is copied: a line that goes on ends in a backslash.
+
+    An option stays on one line with its values: a line breaks before an option, or before the first argument.
+    """
+    start = text.split(" ", 2)[:2]
+    rest = BEFORE_VALUE.sub(UNBROKEN, text.removeprefix(" ".join(start)).strip())
+    *first, last = wrapped(" ".join([*start, rest]), columns - 2, "  ")
     return [*(f"{line} \\" for line in first), last]
 
 
+def three_digits(sentence: str) -> str:
+    """A sentence of the library, whose numbers Python's format specifiers wrote, with numbers as a report has them."""
+    return PRINTED_NUMBER.sub(lambda found: significant(float(found.group())), sentence)
+
+
 def show(report: Report) -> None:
-    """Print a report on stdout; in colour on a terminal, unless NO_COLOR is set."""
+    """Print a report on stdout; in colour and bold on a terminal, unless NO_COLOR is set."""
     console = Console(highlight=False)
     columns = min(COLUMNS, console.width) if console.is_terminal else COLUMNS
     head = len(head_lines(report, columns))
     for number, line in enumerate(rendered(report, columns)):
         text = Text(line)
-        if number < head:
+        if console.no_color:
+            pass
+        elif number < head:
             start = len(report.subject) + 3 if number == 0 else 0
             text.stylize("bold", 0, start)
             text.stylize(f"bold {COLORS[report.sign]}", start)

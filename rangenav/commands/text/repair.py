@@ -21,7 +21,7 @@ def report(preset: Preset, answer: Json, *, name: str, written: Path | None) -> 
     return Report(
         subject=layout.subject(name),
         sign="✓" if after["certified"] else "!",
-        answer=answer["words"],
+        answer=layout.three_digits(answer["words"]),
         title=preset.title,
         groups=(
             *group("before", f"μ {quantity(before['mu'], 'm²/s⁷')}, position {plus_minus(before['position_sigma'])}"),

@@ -40,7 +40,7 @@ def report(answer: Json, *, name: str) -> Report:
             *group("training seeds", _compared(answer["training"])),
             *group("random starts", f"held: {_change(answer['starts_held'], '%')}"),
             *group("gains changed", _gains(answer["gains"])),
-            *(one for part, points in answer["curve"].items() for one in group(f"{part} trade", _points(points))),
+            *(one for part, points in answer["curve"].items() for one in group(f"{part} tradeoff", _points(points))),
             *group("saved", saved),
             *layout.next_commands(*save),
         ),

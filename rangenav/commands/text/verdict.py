@@ -1,5 +1,6 @@
 """The first line of a report on a motion, and the groups that several reports share: accuracy and flyability."""
 
+import math
 from typing import Any
 
 from rangenav import motion, record, vehicle
@@ -32,11 +33,19 @@ def accuracy_lines(preset: Preset, found: Analysis) -> list[str]:
     """Predicted errors at the end of the worst window, the requirement, and what the prediction assumes."""
     end, needed = found.lifted_end.position, preset.requirement.position_sigma
     return [
-        f"position {plus_minus(end)} (1-σ, lifted) after the worst window",
-        f"position {plus_minus(found.nonlinear_end.position)} (nonlinear, given a good start)",
+        *_positions(end, found.nonlinear_end.position),
         *_rates(found.lifted_end),
         f"required {plus_minus(needed)}: {met(end <= needed)}",
         f"assumed: {noise_note(preset.sensors)}",
+    ]
+
+
+def _positions(lifted: float, nonlinear: float) -> list[str]:
+    if not (math.isfinite(lifted) or math.isfinite(nonlinear)):
+        return ["position not determined after the worst window, lifted or nonlinear"]
+    return [
+        f"position {plus_minus(lifted)} (1-σ, lifted) after the worst window",
+        f"position {plus_minus(nonlinear)} (nonlinear, given a good start)",
     ]
 
 

@@ -129,6 +129,59 @@ def test_a_long_answer_and_a_long_line_are_wrapped_and_a_long_command_stays_a_co
     assert command[0].endswith("\\")
 
 
+def test_a_command_breaks_before_an_option_and_never_between_an_option_and_its_values():
+    command = f"rangenav log {FILE} --anchor 1 -2 0.5 --begin SECONDS --end SECONDS"
+    lines = layout.folded_command(command, 61)
+    assert " ".join(line.removesuffix("\\").strip() for line in lines) == command
+    assert all(line.strip().startswith("--") for line in lines[1:])
+    assert max(map(len, lines)) <= 61
+
+
+def test_numbers_of_a_sentence_are_rounded_to_three_digits_and_whole_numbers_stay():
+    sentence = "added a tone of 0.0624 m at 3.14159 rad/s, μ = 4.07e+03, 16384 runs along (1.00, -0.04)"
+    assert layout.three_digits(sentence) == (
+        "added a tone of 0.0624 m at 3.14 rad/s, μ = 4070, 16384 runs along (1, -0.04)"
+    )
+
+
+def test_no_color_prints_no_escape_sequence_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys):
+    report = Report(subject="x", sign="✓", answer="done", title="T", groups=layout.group("files", "✓ a"))
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setenv("TERM", "xterm-256color")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    layout.show(report)
+    assert ANSI in capsys.readouterr().out
+    monkeypatch.setenv("NO_COLOR", "1")
+    layout.show(report)
+    assert ANSI not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("has_truth", [True, False])
+def test_log_suggests_ranges_only_where_the_file_has_positions_and_repeats_the_options_typed(
+    run, flight: Path, tmp_path: Path, has_truth: bool
+):
+    rows = [row.split(",") for row in flight.read_text().splitlines() if not row.startswith("#")]
+    names = [name.split(" ")[0] for name in rows[0]]
+    kept = [k for k, name in enumerate(names) if name[0] in "tga" or (has_truth and name[:2] in ("p_", "q_"))]
+    file = tmp_path / "flight.csv"
+    file.write_text("\n".join(",".join(row[k] for k in kept) for row in rows))
+    code, out, err = run("log", file, "--frame", "z-up", "--gyro-unit", "rad/s", "--window", 2)
+    assert (code, err) == (0, "")
+    last = " ".join(out.split("next  ")[1].replace("\\", "").split())
+    assert ("--anchor X Y Z --synthetic-ranges 0.1" in last) == has_truth
+    assert "--synthetic-ranges" not in last or "--frame z-up" in last
+    assert "the gyro rad/s" in out
+    assert out.count("the file") <= 2
+
+
+def test_a_marked_export_gives_its_reason_once(run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("export", "circle", "--to", "reference", "-o", "x.csv", "--uncertified")
+    assert (code, err) == (0, "")
+    check(out, 7)
+    assert " ".join(out.split()).count("the excitation along z") == 1
+
+
 def test_the_spectrum_bar_has_one_sign_for_each_eigenvalue_and_states_its_floor():
     (bar,) = spectrum_bar([1e-20, 1e-3, 1.0, 9e4], 1e-12)
     low, drawn, high, *floor = bar.split()
