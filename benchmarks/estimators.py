@@ -110,7 +110,7 @@ def by_gtsam_batch(every: int) -> Callable[[Case], Result]:
 
 
 def _started(c: Case) -> strapdown.Track:
-    return refine.started(
+    return refine.start_trajectory(
         c.measurements, cascade.observe(c.measurements, c.start, c.observer_config()), c.observer_config()
     )
 

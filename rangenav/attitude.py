@@ -1,7 +1,8 @@
 """The complementary filter on SO(3) (paper, eq. 9): Ṙ̂ = R̂ [ω_y + k1 σ]x, σ = ρ1 (m_y × R̂ᵀm) + ρ2 (ĝ_B × R̂ᵀg).
 
-R̃ = R R̂ᵀ decays near identity with the eigenvalues of k1 (tr(M) I − M), M = ρ1 mmᵀ + ρ2 ggᵀ (the printed error equation
-has half that rate). Its other equilibria are R̃ = 2uuᵀ − I, u an eigenvector of M (printed as I − 2uuᵀ, no rotation).
+Near identity the error R̃ = R R̂ᵀ decays at the rates that are the eigenvalues of k1 (tr(M) I − M), with
+M = ρ1 mmᵀ + ρ2 ggᵀ; the printed error equation has half these rates. The other equilibria are R̃ = 2uuᵀ − I, with u an
+eigenvector of M; the paper prints I − 2uuᵀ, which is no rotation.
 """
 
 import numpy as np
@@ -18,27 +19,27 @@ RHO_RANGE = (1e-6, 1e3)
 HALFWAY_RANGE = (1e-4, 1.0)
 MEMORY_RANGE = (1e-3, 1e2)
 MISALIGNED = 1.0
-"""s at the start, where nothing is known: that of an error of 90°."""
+"""The misalignment s at the start, where the error is unknown: its value at an error of 90°."""
 STIFF = 1.0
-"""The fastest rate times a step. At 1 a single step removes the whole error, and adds the whole noise of a sample to
-the estimate; at 2 Heun's method is unstable."""
+"""Largest product of the fastest rate and the step. At 1 a single step removes the whole error, and adds the whole
+noise of a sample to the estimate; at 2 Heun's method is unstable."""
 
 
 class Schedule(Input, frozen=True, kw_only=True):
-    """k1 is high while the measured vectors differ from the expected ones, and low once they coincide.
+    """A gain schedule: k1 is high while the measured vectors differ from the expected ones, and low when they agree.
 
         k1(s) = steady (k1/steady)^(s²/(s² + halfway²)),   ṡ = (c − s)/memory,   s(0) = 1
         c = [ρ1 (1 − m_y·R̂ᵀm) + ρ2|g|² |ĝ_B − R̂ᵀg|²/(|ĝ_B|² + |g|²)] / (ρ1 + ρ2|g|²)
 
-    c is the weighted mean of 1 − cos of the two angles (the second term stays below 2 however wrong ĝ_B is). Near the
-    undesired equilibria, errors of 180°, σ vanishes and c does not: there k1 stays high. The theorem assumes a constant
-    k1 and does not cover a schedule.
+    c is the weighted mean of 1 − cos of the two angles; the second term stays below 2 for every ĝ_B. Near the undesired
+    equilibria, which are errors of 180°, σ vanishes but c does not, so k1 stays high. The theorem assumes a constant k1
+    and does not cover a schedule.
     """
 
     steady: float = 0.5
-    """1/s: k1 where the vectors coincide, not above k1 itself."""
+    """1/s: the lower end of k1, for s = 0; at most `AttitudeGains.k1`."""
     halfway: float = 0.02
-    """The misalignment s at which k1 is halfway between its ends, in equal ratios."""
+    """The misalignment s at which k1 is the geometric mean of its two ends."""
     memory: float = 2.0
     """s, the time constant of the low-pass that removes the magnetometer's noise from s."""
 
@@ -72,8 +73,9 @@ class AttitudeGains(Input, frozen=True, kw_only=True):
 
 
 SCHEDULED = AttitudeGains(k1=8.0, schedule=Schedule())
-"""Noise-matched, 200 Hz, default noise, last half of 20 s, median of 10 seeds: 0.28° on the paper's path and on its
-slowed form (0.73° with a constant k1 = 4), and 10 000 of 10 000 random starts within 5° after 9 s (9 982)."""
+"""Gains with a schedule. Attitude error with noise-matched gains at 200 Hz and default noise, median of 10 seeds over
+the last half of 20 s: 0.28° on the paper's path and on its slowed form; a constant k1 = 4 has 0.73°. Of 10 000 random
+starts all are within 5° after 9 s; with the constant k1 it is 9 982."""
 
 
 def innovation(
@@ -97,13 +99,13 @@ def disagreement(
     gains: AttitudeGains,
     world: World,
 ) -> float:
-    """c of `Schedule`: how far the measured vectors are from the expected ones; 0 to 2 without noise."""
+    """c of `Schedule`: the distance between measured and expected vectors; between 0 and 2 without noise."""
     gravity = rotation.T @ np.asarray(world.gravity)
     weight = gains.rho2 * (gravity @ gravity)
     magnetic = 1 - mag @ rotation.T @ np.asarray(world.magnetic)
-    apart = gravity_body - gravity
-    turned = (apart @ apart) / (gravity_body @ gravity_body + gravity @ gravity)
-    return float((gains.rho1 * magnetic + weight * turned) / (gains.rho1 + weight))
+    difference = gravity_body - gravity
+    inclination = (difference @ difference) / (gravity_body @ gravity_body + gravity @ gravity)
+    return float((gains.rho1 * magnetic + weight * inclination) / (gains.rho1 + weight))
 
 
 def gain(gains: AttitudeGains, misaligned: float) -> float:
@@ -126,9 +128,9 @@ def step(
     gains: AttitudeGains,
     world: World,
 ) -> tuple[Float[Array, "3 3"], float]:
-    """R̂ and s h seconds later from the signals at both ends of the step: Heun's method on the group, order 2.
+    """R̂ and s after a step of h seconds, from the signals at both of its ends: Heun's method on SO(3), of order 2.
 
-    s relaxes towards the mean of both ends' disagreement exactly; without a schedule it stays what it was.
+    s relaxes exactly towards the mean of c at both ends. Without a schedule s is unchanged.
     """
 
     def rate(at: Array, s: float, end: int) -> Array:
@@ -140,11 +142,11 @@ def step(
 
     plan = gains.schedule
     misalignment = disagreement(rotation, mag[0], gravity_body[0], gains=gains, world=world)
-    start = rate(rotation, misaligned, 0)
-    trial = rotation @ so3.exp(h * start)
+    first_rate = rate(rotation, misaligned, 0)
+    trial = rotation @ so3.exp(h * first_rate)
     end = rate(trial, relaxed(misalignment), 1)
     misalignment = (misalignment + disagreement(trial, mag[1], gravity_body[1], gains=gains, world=world)) / 2
-    return rotation @ so3.exp(h / 2 * (start + end)), relaxed(misalignment)
+    return rotation @ so3.exp(h / 2 * (first_rate + end)), relaxed(misalignment)
 
 
 def decay_matrix(gains: AttitudeGains, world: World) -> Float[Array, "3 3"]:
@@ -154,9 +156,9 @@ def decay_matrix(gains: AttitudeGains, world: World) -> Float[Array, "3 3"]:
 
 
 def time_constants(gains: AttitudeGains, world: World, form: ModelForm = "derived") -> Float[Array, "3"]:
-    """The three time constants (s) of a small attitude error, slowest first; printed ones are twice as long.
+    """The three time constants (s) of a small attitude error, slowest first; the printed form has twice these.
 
-    Under a schedule they are those of its lower end, where k1 is for a small error.
+    A schedule is taken at its lower end, since a small error has a small misalignment.
     """
     M = decay_matrix(gains, world)
     rates = gain(gains, 0.0) * np.linalg.eigvalsh(np.trace(M) * np.eye(3) - M)
@@ -166,15 +168,15 @@ def time_constants(gains: AttitudeGains, world: World, form: ModelForm = "derive
 def stiffness(gains: AttitudeGains, world: World, *, imu_rate: float, mag_rate: float) -> str | None:
     """One sentence if the gains are too high for the sensors' rates (Hz), None if they are not.
 
-    The IMU's step is compared with the fastest rate. The magnetometer's step is compared with its own part k1ρ1 alone,
-    because gravity corrects between its samples, too.
+    The IMU's step is multiplied by the fastest rate. The magnetometer's step is multiplied by k1ρ1 alone, because the
+    gravity term corrects between its samples.
     """
     fastest = gains.k1 * float(np.trace(decay_matrix(gains, world)))  # M has rank two: one rate is k1 tr M itself
-    held_against = (
+    products = (
         (fastest, imu_rate, "the IMU", "k1 or rho2"),
         (gains.k1 * gains.rho1, mag_rate, "the magnetometer", "k1 or rho1"),
     )
-    for rate, hertz, sensor, which in held_against:
+    for rate, hertz, sensor, which in products:
         product = rate / hertz
         if product > STIFF:
             step = f"{rate:.3g}/s times {sensor}'s {1e3 / hertz:.3g} ms is {product:.2g}, above {STIFF:g}"

@@ -1,4 +1,4 @@
-"""What a person chooses of the cascade: its gains (paper, eq. 8–9) and its initial guess."""
+"""The choices of a user for the cascade: its gains (paper, eq. 8–9) and its initial guess."""
 
 import math
 from typing import Literal
@@ -17,8 +17,9 @@ class Gains(Input, frozen=True, kw_only=True):
     """All gains of the cascade."""
 
     mode: Literal["constant", "noise-matched"] = "constant"
-    """noise-matched: q and v follow from the sensors' noise at the estimate, and the estimate is corrected with the
-    constraint ξ1 = ½|p|², which the lift does not keep. The theorem assumes constant gains and no such correction."""
+    """noise-matched: q and v follow from the sensors' noise at the current estimate, and the estimate is corrected with
+    the constraint ξ1 = ½|p|², which the linear observer does not enforce. The theorem assumes constant gains and no
+    such correction."""
     riccati: RiccatiGains = RiccatiGains()
     attitude: AttitudeGains = AttitudeGains()
 

@@ -1,17 +1,17 @@
-"""The gains in physical units: the noise, prior and time constants that the paper's q, v, p0, k1, ρ1, ρ2 stand for.
+"""The gains in physical units: noise, prior and time constants in place of the paper's q, v, p0, k1, ρ1, ρ2.
 
 At a typical distance d from the anchor and speed s, with range rate f_d, IMU rate f and g, m from the world:
     q    = f_d / (d²σ² + ½σ⁴)                           range noise σ: the variance of y = ½d²
-    v_ξ  = σ_a² (d² + 4s² + 9|g|²) / 4f                  accel noise into ξ2, ξ3, ξ4, a mean over the four
-    v_v  = velocity_factor (σ_a² + ⅔ s² σ_ω²) / f        accel noise itself, gyro noise as v × η
-    v_p, v_g = position_factor ⅔ d² σ_ω² / f,  ⅔ |g|² σ_ω² / f       gyro noise as p × η, g × η
+    v_ξ  = σ_a² (d² + 4s² + 9|g|²) / 4f                  accel noise σ_a in ξ2, ξ3, ξ4; the mean over ξ1…ξ4
+    v_v  = velocity_factor (σ_a² + ⅔ s² σ_ω²) / f        accel noise, and gyro noise η, of size σ_ω, as v × η
+    v_p, v_g = position_factor ⅔ d² σ_ω² / f,  ⅔ |g|² σ_ω² / f       gyro noise as p × η and g × η
     p0   = b²/3 of a box of half-width b;  p0_ξ = xi_factor × the mean variance of ξ1…ξ4 in the boxes
     1/T  = k1 ρ1 |m|² 2w sin²θ / (1 + w + √((1−w)² + 4w cos²θ)),  w = ρ2|g|²/(ρ1|m|²),  θ between m and g
 
-Twelve numbers stand for twelve. A gain without a physical quantity becomes a factor (1: as the noise says), so paper →
-physical → paper changes nothing. The second time constant is no input: it follows from the first one and w. Computed
-from both time constants, k1ρ1 and k1ρ2 would be roots of a quadratic, which loses half of its digits where they are
-equal.
+Twelve physical numbers replace twelve gains. A gain without a physical quantity of its own becomes a factor, which is 1
+for the value that follows from the noise; so paper → physical → paper changes nothing. The second time constant is no
+input: it follows from the first one and w. If both were inputs, k1ρ1 and k1ρ2 would be the roots of a quadratic, which
+loses half of its digits where they are equal.
 """
 
 import math
@@ -31,18 +31,18 @@ from rangenav.sensors import Sensors
 from rangenav.signals import Signal
 
 NEAREST = 0.1
-"""m; the least typical distance from the anchor: the variance of y = ½d² vanishes with it."""
+"""m; the least typical distance from the anchor: the variance of y = ½d² vanishes with the distance."""
 MOMENTS = 500
-"""Points of a path whose mean square makes it typical."""
+"""Points of a path over which distance and speed are averaged."""
 ROUNDING = 1e-12
-"""A gain that misses an end of its range by this share, the rounding of a conversion, is that end."""
+"""A gain outside its range by at most this share, the rounding of a conversion, becomes the end of the range."""
 SIZES = (1e-30, 1e30)
-"""Of any physical quantity. What valid gains stand for lies far inside, and no fourth power of these overflows."""
+"""Limits of every physical quantity. Valid gains lie far inside, and no fourth power of a quantity overflows."""
 T = TypeVar("T")
 
 
 class Typical(Input, frozen=True, kw_only=True):
-    """The state for which noise is turned into gains; in noise-matched mode the observer does that at its estimate."""
+    """The state at which noise is converted to gains. In noise-matched mode the observer converts at its estimate."""
 
     distance: float
     """m, from the anchor."""
@@ -66,23 +66,23 @@ class PhysicalGains(Input, frozen=True, kw_only=True):
     gyro_sigma: float
     """rad/s"""
     position_factor: float
-    """How many times the process noise of the position exceeds what the gyro's noise alone makes of it."""
+    """The process noise of the position, divided by the part that follows from the gyro's noise."""
     velocity_factor: float
-    """The same of the velocity, and of the whole IMU's noise."""
+    """The process noise of the velocity, divided by the part that follows from the noise of gyro and accelerometer."""
     position_box: float
-    """m; the truth is taken to lie anywhere within ± this of the guess, on each axis."""
+    """m; half-width b: on each axis the truth is assumed uniform within ± b of the guess."""
     velocity_box: float
     """m/s"""
     gravity_box: float
     """m/s²"""
     xi_factor: float
-    """How many times the initial variance of ξ exceeds what the three boxes make of it."""
+    """The initial variance of ξ, divided by the variance that follows from the three boxes."""
     attitude_time: float
-    """s, the slowest time constant of a small attitude error; under a schedule, that at its upper end."""
+    """s, the slowest time constant of a small attitude error; with a schedule, at the upper end of k1."""
     gravity_weight: float
     """ρ2|g|²/(ρ1|m|²): the weight of the direction of gravity relative to that of the magnetic field."""
     rho1: float
-    """Kept as it is: only the products k1ρ1 and k1ρ2 do anything."""
+    """The same number as the paper's ρ1: only the products k1ρ1 and k1ρ2 act on the estimate."""
     schedule: Schedule | None = None
 
     def __post_init__(self) -> None:
@@ -94,7 +94,7 @@ class PhysicalGains(Input, frozen=True, kw_only=True):
 
 
 def typical(path: Signal, world: World, duration: float) -> Typical:
-    """Root mean squares of distance and speed over a path; a distance of at least 0.1 m."""
+    """Root mean squares of distance (at least 0.1 m) and speed over a path."""
     time = np.linspace(0, duration, MOMENTS)
     distance, speed = (
         float(np.sqrt(np.mean(np.sum(vectors**2, axis=-1))))
@@ -104,7 +104,7 @@ def typical(path: Signal, world: World, duration: float) -> Typical:
 
 
 def to_physical(gains: Gains, at: Typical, *, world: World, sensors: Sensors) -> PhysicalGains:
-    """The physical quantities that the paper's gains stand for."""
+    """The paper's gains in physical units."""
     riccati, attitude = gains.riccati, gains.attitude
     v, p0 = riccati.v, riccati.p0
     accel2 = v.xi / _accel_into_xi(at, world)
@@ -130,7 +130,7 @@ def to_physical(gains: Gains, at: Typical, *, world: World, sensors: Sensors) ->
 
 
 def to_paper(chosen: PhysicalGains, at: Typical, *, world: World, sensors: Sensors) -> Gains:
-    """The paper's gains for these quantities. Raises ValueError naming one that needs a gain outside its range."""
+    """The paper's gains. Raises ValueError, naming the physical quantity, where a gain lies outside its range."""
     p = chosen
     accel2, gyro2 = p.accel_sigma**2 / sensors.imu_rate, p.gyro_sigma**2 / sensors.imu_rate
     variance = at.distance**2 * p.range_sigma**2 + p.range_sigma**4 / 2
@@ -169,41 +169,42 @@ def to_paper(chosen: PhysicalGains, at: Typical, *, world: World, sensors: Senso
     )
 
 
-def keep_known(found: Gains, known: Iterable[Gains], at: Typical, *, world: World, sensors: Sensors) -> Gains:
-    """The gains that `to_paper` found, with known gains in place of those that differ from them by rounding only.
+def keep_known(converted: Gains, known: Iterable[Gains], at: Typical, *, world: World, sensors: Sensors) -> Gains:
+    """The gains from `to_paper`, with the known value of each gain that differs from it by rounding only.
 
-    A round trip through physical units changes last bits. Where a person changed some of the physical quantities, the
-    gains that do not depend on them are exactly those from before, and all of them are if nothing was changed.
+    A round trip through physical units changes last bits. Where a user has changed some physical quantities, the gains
+    that do not depend on them are exactly the known ones; where nothing was changed, all of them are.
     """
-    kept = found
+    kept = converted
     for one in known:
-        trip = to_paper(to_physical(one, at, world=world, sensors=sensors), at, world=world, sensors=sensors)
-        kept = _kept(kept, found, one, trip)
+        round_trip = to_paper(to_physical(one, at, world=world, sensors=sensors), at, world=world, sensors=sensors)
+        kept = _kept(kept, converted, one, round_trip)
     return kept
 
 
-def _kept(kept: T, found: T, known: T, trip: T) -> T:
-    if found == trip:
+def _kept(kept: T, converted: T, known: T, round_trip: T) -> T:
+    if converted == round_trip:
         return known
-    if not (isinstance(kept, msgspec.Struct) and isinstance(found, msgspec.Struct) and type(found) is type(trip)):
+    structs = isinstance(kept, msgspec.Struct) and isinstance(converted, msgspec.Struct)
+    if not structs or type(converted) is not type(round_trip):
         return kept
-    names = found.__struct_fields__
-    parts = {name: _kept(*(getattr(value, name) for value in (kept, found, known, trip))) for name in names}
+    names = converted.__struct_fields__
+    parts = {name: _kept(*(getattr(value, name) for value in (kept, converted, known, round_trip))) for name in names}
     return msgspec.structs.replace(kept, **parts)
 
 
 def _range_sigma(variance: float, distance: float) -> float:
-    """The σ with d²σ² + ½σ⁴ = variance, computed without a difference."""
+    """The σ with d²σ² + ½σ⁴ = variance; the root is written without a difference, which would lose digits."""
     return math.sqrt(2 * variance / (distance**2 + math.sqrt(distance**4 + 2 * variance)))
 
 
 def _accel_into_xi(at: Typical, world: World) -> float:
-    """Accel noise reaches ξ2, ξ3, ξ4 along p, 2v, 3g and ξ1 not at all."""
+    """The mean over ξ1…ξ4 of |∂ξ̇/∂a|²: accel noise enters ξ2, ξ3, ξ4 along p, 2v, 3g, and ξ1 not at all."""
     return (at.distance**2 + 4 * at.speed**2 + 9 * _length(world.gravity) ** 2) / 4
 
 
 def _gyro_into(length: float) -> float:
-    """u × η has no part along u and η's own size across it: on average over the axes ⅔|u|²."""
+    """The mean square per axis of u × η, |u| = length, for a gyro noise η of unit size: u × η ⟂ u leaves ⅔|u|²."""
     return 2 / 3 * length**2
 
 
@@ -213,7 +214,7 @@ def _xi_variance(p: float, v: float, g: float) -> float:
 
 
 def _slow_share(weight: float, world: World) -> float:
-    """The slowest rate over k1ρ1: M's smaller nonzero eigenvalue over ρ1, the root computed without a difference."""
+    """The slowest rate over k1ρ1: the smaller nonzero eigenvalue of M over ρ1, from a root without a difference."""
     m, g = np.asarray(world.magnetic), np.asarray(world.gravity)
     sizes = _length(world.magnetic) * _length(world.gravity)
     sine2, cosine2 = float(np.sum(np.cross(m, g) ** 2)) / sizes**2, float(m @ g) ** 2 / sizes**2
@@ -226,7 +227,7 @@ def _length(vector: tuple[float, float, float]) -> float:
 
 
 def _within(quantity: str, name: str, value: float, limits: tuple[float, float]) -> float:
-    """The value, or an end of the range that it misses by rounding only."""
+    """The value, or the end of the range where the value is outside by rounding only."""
     low, high = limits
     close = low * (1 - ROUNDING) <= value <= high * (1 + ROUNDING)
     require(close, f"{quantity} asks for {name} = {value:g}, which must lie between {low:g} and {high:g}")

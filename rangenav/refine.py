@@ -1,21 +1,22 @@
-"""The whole record refined: an iterated Kalman smoother, Gauss–Newton on the nonlinear nine-state problem.
+"""Refinement of a whole record: an iterated Kalman smoother, which is Gauss–Newton on the nonlinear problem.
 
     minimise over x_k:  Σ (d − |p − p_anchor|)²/σ_d² + Σ |m_y − Rᵀm|²/σ_m² + Σ |w_a|²/q_a + Σ |w_ω|²/q_ω
 
-with x_k⁺ = f(x_k) ⊕ (w_a, w_ω). Attitude is R_k = exp([φ_k]x) R̂_k, with R̂_k turned by the gyro. In that derotated
-frame the errors have the transition of a free particle, and their noise is the same at every step. Each pass filters
-the errors about the last trajectory forward in time, and smooths them backward by the modified Bryson–Frazier adjoint.
+with x_{k+1} = f(x_k) ⊕ (w_a, w_ω), nine states each: position, velocity, attitude. The attitude is
+R_k = exp([φ_k]x) R̂_k, with R̂_k turned by the gyro. In axes turned by R̂_k the errors have the transition of a free
+particle, and their noise is the same at every step. Each pass filters the errors about the last trajectory forward in
+time, and smooths them backward by the modified Bryson–Frazier adjoint.
 
-Gauss–Newton converges only from near the minimum. The cascade's last estimate is near it, from any start of the
-cascade. An extended Kalman filter starts at that estimate and runs over the reversed record; its trajectory is where
-the first pass is linearised. Rejected: integrating gyro and accelerometer alone backwards from the last estimate. That
-drifts by metres: 16 passes instead of 7 over 20 s of the paper's path, and over 60 s one record in ten converges
-instead of all.
+Gauss–Newton converges only from near the minimum. The cascade's last estimate is near it, whatever the cascade's start.
+An extended Kalman filter starts at that estimate and runs over the reversed record; the first pass is linearised about
+its trajectory. Rejected: integrating gyro and accelerometer alone backwards from the last estimate. That drifts by
+metres; it takes 16 passes instead of 7 over 20 s of the paper's path, and over 60 s one record in ten converges instead
+of all.
 
-A wrong minimum shows in the fit. At the right one the ranges' residuals are 1 σ to within 1/√(2n). Where the residuals
-are larger, the record is smoothed again, from a filter that trusts the last estimate more, and then from one that
-trusts it less; the best fit is the result. Where the nonlinear problem itself has two solutions (a circle and its
-mirror image), both fit equally well.
+A wrong minimum has a poor fit. At the right one the RMS residual of n ranges is 1 σ to within 1/√(2n). Where it is
+larger, the record is smoothed again, from a filter that trusts the last estimate more, and then from one that trusts it
+less; the best fit is the result. Where the nonlinear problem has two solutions, as a circle and its mirror image, both
+fit equally well.
 """
 
 import math
@@ -38,24 +39,24 @@ from rangenav.sensors import Measurements
 from rangenav.strapdown import STATES, Attached, Track
 
 START_SIGMA = (0.5, 0.5, 0.1)
-"""m, m/s, rad of the cascade's last estimate, for the filter on the reversed record; 0.3 to 1 m are equally good, 3 m
-is worse."""
+"""m, m/s, rad: 1 σ of the cascade's last estimate, for the filter on the reversed record. 0.3 to 1 m are equally good;
+3 m is worse."""
 TRUST = (1.0, 0.3, 4.0)
-"""Factors of START_SIGMA, one after the other while the fit is poor. A circle with a ripple of 6 cm across its plane
-has its mirror image as a second minimum: of 20 records the first start ends in a wrong place in 3, the second in none;
-of 20 of the repaired eight, in 2 and in none."""
+"""Factors of START_SIGMA, used one after the other while the fit is poor. A circle with a ripple of 6 cm across its
+plane has its mirror image as a second minimum. Of 20 such records 3 end in the wrong minimum with the first factor and
+none after the second; of 20 records of the repaired figure eight, 2 and none."""
 POOR = 4.0
-"""A fit that exceeds 1 by more standard deviations than this is not chance."""
+"""A fit that exceeds 1 by more standard deviations than this is poor, and not by chance."""
 REACH = (1.0, 1.0, 0.3)
-"""m, m/s, rad: 1 σ of a prior about the trajectory that a pass starts from, about how far one pass may move the first
-state. It limits what the ranges do not determine, and does not bias what they do. 10 m is as good for observable
-motions; with 10 m weak ones jump about. Rejected: undoing a pass that raises the cost, which ends in a wrong minimum
-more often."""
+"""m, m/s, rad: 1 σ of a prior about the first state of the last trajectory, so about how far one pass may move it. It
+limits what the ranges do not determine, and does not bias what they do. 10 m is as good for observable motions; weak
+ones then change by metres from pass to pass. Rejected: undoing a pass that raises the cost, which ends in a wrong
+minimum more often."""
 PRIOR_SIGMA = (10.0, 10.0, 1.0)
-"""The same for the covariance that is reported, wide enough not to affect what the record determines."""
+"""The same for the reported covariance: wide enough not to affect what the record determines."""
 MAX_PASSES = 30
 SMALL_STEP = 1e-4
-"""m and rad; the passes end when no sample moves by more. The refined position is good to 1e-2 m."""
+"""m and rad; the passes end when no sample moves by more. The refined position itself has errors of 1e-2 m."""
 WORST_FIT = 1.5
 """The ranges' residuals should be 1 σ. With a larger fit the minimum is wrong, or the noise is larger than stated."""
 
@@ -65,16 +66,16 @@ class Pass:
     """One Gauss–Newton pass."""
 
     cost: float
-    """Of the trajectory that the pass started from, per scalar measurement; about 1 at the right minimum."""
+    """Cost per scalar measurement of the trajectory that the pass started from; about 1 at the right minimum."""
     step: float
-    """m: the farthest that any sample's position moved."""
+    """m: the largest change of a sample's position."""
     turn: float
-    """rad: the same of the attitude."""
+    """rad: the largest change of a sample's attitude."""
 
 
 @result
 class Refinement:
-    """A smoothed record, and how the passes went."""
+    """A smoothed record, and the passes that led to it."""
 
     track: Track
     """Smoothed estimates and covariances; `innovation` holds the ranges' residuals along the smoothed trajectory."""
@@ -87,7 +88,7 @@ class Refinement:
 
     @property
     def summary(self) -> str:
-        """How it ended, in one sentence."""
+        """How the passes ended, in one sentence."""
         count, last = len(self.passes), self.passes[-1]
         if not np.isfinite(last.step):
             return f"diverged: pass {count} is not finite"
@@ -101,23 +102,26 @@ class Refinement:
 def refine(measurements: Measurements, estimate: Estimate, setting: ObserverConfig) -> Refinement:
     """Refine a record that the cascade has observed, starting from its last estimate.
 
-    If the fit is poor, the refinement is computed from up to two more starts, and takes as much longer.
+    If the fit is poor, the refinement is repeated from up to two more starts, and takes two or three times as long.
     Raises ValueError for arrays of the wrong shape or type, stamps out of order, numbers that are not finite, a record
     without ranges, or one that is too long.
     """
     refined: list[Refinement] = []
     for trust in TRUST:
-        refined.append(smooth(measurements, started(measurements, estimate, setting, trust), setting))
+        refined.append(smooth(measurements, start_trajectory(measurements, estimate, setting, trust), setting))
         if refined[-1].fit <= 1 + POOR / math.sqrt(2 * len(measurements.range)):
             break
     best = min(refined, key=lambda one: one.fit if math.isfinite(one.fit) else math.inf)
     return replace(best, starts=len(refined))
 
 
-def started(measurements: Measurements, estimate: Estimate, setting: ObserverConfig, trust: float = 1.0) -> Track:
+def start_trajectory(
+    measurements: Measurements, estimate: Estimate, setting: ObserverConfig, trust: float = 1.0
+) -> Track:
     """The trajectory about which the first pass is linearised, inertial axes.
 
-    It is the filter's on the reversed record, from the cascade's last estimate with an error of `trust` × START_SIGMA.
+    It is that of the filter on the reversed record, which starts at the cascade's last estimate with a 1 σ of
+    `trust` × START_SIGMA.
     """
     covariance = np.diag(np.repeat(np.square(trust * np.array(START_SIGMA)), 3))
     rotation = estimate.rotation[-1]
@@ -160,7 +164,7 @@ class _Trajectory(NamedTuple):
 
 
 class Workspace(NamedTuple):
-    """What the forward half of a pass stores for the backward half; see the kernel."""
+    """Arrays in which the forward half of a pass stores its results for the backward half; see the kernel."""
 
     errors: Array
     covariances: Array

@@ -1,8 +1,8 @@
 """A recorded flight that starts at rest: gravity, the magnetic direction and the sensors' noise follow from the rest.
 
-At rest the accelerometer reads −Rᵀg and the magnetometer Rᵀm. If the file has a true attitude, gravity and field follow
-in its frame. Otherwise they define the inertial frame: z along gravity, x towards magnetic north. Nothing else is
-needed, because a range to an anchor depends on no direction.
+At rest the accelerometer reads −Rᵀg and the magnetometer Rᵀm. If the file has a true attitude, gravity and field are
+computed in its frame. Otherwise they define the inertial frame: z along gravity, x towards magnetic north. That is
+enough, because a range to an anchor does not depend on the axes.
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ from rangenav.motion import World, to_inertial
 from rangenav.results import result
 
 TURNING = 0.05
-"""rad/s; the gyro of a body on a table reads its bias and noise, the gyro of a body in a hand ten times more."""
+"""rad/s: above this the body turns. On a table a gyro reads its bias and noise, in a hand ten times more."""
 SHAKING = 0.3
-"""m/s²: the same limit for the accelerometer."""
+"""m/s²: with a change of the accelerometer's reading above this the body moves."""
 AVERAGED = 0.2
 """s over which samples are averaged before they are compared, so that noise alone does not count as movement."""
 LEAST = 0.5
@@ -43,11 +43,11 @@ class Rest:
     accel_noise: float
     """m/s²"""
     aligned: bool
-    """Whether directions are in the frame of the file's attitude; else z is along gravity, x towards magnetic north."""
+    """Whether the directions are in the frame of the file's attitude. If not, z is along gravity, x towards north."""
 
     @property
     def summary(self) -> str:
-        """What the rest says of the world, with the evidence."""
+        """Gravity, field and gyro bias at rest, as one clause."""
         size, bias = float(np.linalg.norm(self.gravity)), np.degrees(np.linalg.norm(self.gyro_bias))
         dip = np.degrees(np.arcsin(np.clip(np.dot(self.gravity, self.magnetic) / size, -1, 1)))
         frame = "in the frame of the file's attitude" if self.aligned else "with x towards magnetic north"
@@ -83,7 +83,7 @@ def rest_of(flight: Flight, seconds: float) -> Rest:
     require(int(rest.sum()) >= 2, f"{seconds:g} s of rest hold fewer than two samples")
     gyro, accel = flight.gyro[rest], flight.accel[rest]
     mag_mean, accel_mean = np.nanmean(mag, axis=0), accel.mean(axis=0)
-    force, field = _laid(accel_mean, mag_mean, flight.frame)
+    force, field = _level_axes(accel_mean, mag_mean, flight.frame)
     known = None if flight.rotation is None else ~np.isnan(flight.rotation[rest]).any(axis=(1, 2))
     aligned = False
     if known is not None and flight.rotation is not None and not np.isnan(mag[known]).any(axis=-1).all():
@@ -118,16 +118,16 @@ def noise_at_rest(flight: Flight) -> tuple[float, float, float] | None:
 
 
 def world_of(
-    flight: Flight, *, anchor: Vec3, given: tuple[Vec3, Vec3] | None = None, confirmed: bool = False
+    flight: Flight, *, anchor: Vec3, vectors: tuple[Vec3, Vec3] | None = None, confirmed: bool = False
 ) -> tuple[World | None, tuple[Question, ...], str]:
-    """The world of a record: the given (gravity, magnetic), the file's own, or that of its rest if confirmed.
+    """The world of a record: from `vectors`, (gravity, magnetic), else from the file, else from its rest if confirmed.
 
-    Returns the world, or None with the question that is open, and a sentence that says where the world comes from.
+    Returns the world, or None; the questions that are open; and a clause on where gravity and field come from.
     """
-    own = (flight.gravity, flight.magnetic) if flight.gravity is not None and flight.magnetic is not None else None
-    if given is not None or own is not None:
-        gravity, magnetic = given or own  # type: ignore[misc]
-        source = "as given" if given else "as the file says"
+    of_file = (flight.gravity, flight.magnetic) if flight.gravity is not None and flight.magnetic is not None else None
+    if vectors is not None or of_file is not None:
+        gravity, magnetic = vectors or of_file  # type: ignore[misc]
+        source = "as given" if vectors else "as the file says"
         return World(gravity=gravity, magnetic=magnetic, anchor=anchor), (), f"gravity and field {source}"
     seconds = rest_seconds(flight)
     if seconds == 0:
@@ -153,8 +153,8 @@ def _question(suggestion: str | None, evidence: str) -> Question:
     )
 
 
-def _laid(accel: Array, mag: Array, frame: Frame) -> tuple[Array, Array]:
-    """Force and field in a world whose z is along the force (z-up) or against it, and whose x points north."""
+def _level_axes(accel: Array, mag: Array, frame: Frame) -> tuple[Array, Array]:
+    """Specific force and magnetic field in axes with z along the force (z-up) or against it, and x towards north."""
     sign = 1.0 if frame == "z-up" else -1.0
     up = accel / np.linalg.norm(accel)
     vertical = float(mag @ up)
@@ -164,7 +164,7 @@ def _laid(accel: Array, mag: Array, frame: Frame) -> tuple[Array, Array]:
 
 
 def _averaged(values: Float[Array, "n 3"], width: int) -> Float[Array, "n 3"]:
-    """Means over `width` samples around each."""
+    """The mean over `width` samples around each sample."""
     total = np.concatenate([np.zeros((1, 3)), np.cumsum(values, axis=0)])
     first = np.clip(np.arange(len(values)) - width // 2, 0, len(values) - width)
     return (total[first + width] - total[first]) / width

@@ -1,9 +1,9 @@
-"""What gains reach on several records, soon settled and exact afterwards, and the curve where one costs the other.
+"""Settling time and steady error of gains on several records, and the tradeoff curve between the two.
 
-s and e are geometric means over the records: the seconds until position and attitude stay below 0.3 m and 5°, and the
-RMSE over the last quarter. The first record starts as the preset says, the others as far from the true attitude about
-axes drawn all around: judged from one axis only, gains look good that are good for that axis (the magnetometer alone
-corrects the presets' own in 0.3 s, and nothing about its own direction).
+Both are geometric means over the records: the time until position and attitude stay below 0.3 m and 5°, and the RMSE
+over the last quarter. The first record starts with the preset's guess. The others start with the same attitude error
+about random axes, because gains that are judged about one axis may be good for that axis only: the magnetometer alone
+corrects an error about the presets' axis in 0.3 s, and never one about the magnetic field.
 """
 
 import math
@@ -23,17 +23,17 @@ from rangenav.record import Truth
 from rangenav.sensors import Measurements
 
 SOONEST = 0.05
-"""s; who settles before this settles at once."""
+"""s; a run that settles earlier counts as settling at this time."""
 NEVER = 2.0
 """A run that does not settle counts as settling after this many durations."""
 WORST = 1e6
-"""An error that is not finite, or a larger one, counts as this many times what counts as settled."""
+"""Largest steady error in units of the settled error; larger and non-finite errors count as this."""
 Measure = Literal["settle", "settle_position", "settle_attitude", "steady", "steady_position", "steady_attitude"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """Gains, and what they reach on some seeds (geometric means)."""
+    """Gains, with their settling times and steady errors on some seeds (geometric means)."""
 
     gains: Gains
     settled: float
@@ -49,39 +49,39 @@ class Point:
 
     @property
     def settle(self) -> float:
-        """s, of both."""
+        """s: the geometric mean of both settling times."""
         return math.sqrt(self.settle_position * self.settle_attitude)
 
     @property
     def steady(self) -> float:
-        """Of both, in units of what counts as settled."""
+        """The geometric mean of both steady errors, in units of the errors that count as settled."""
         position = self.steady_position / record.SETTLED_POSITION
         return math.sqrt(position * self.steady_attitude / record.SETTLED_ATTITUDE)
 
     def objective(self, steadiness: float) -> float:
-        """J"""
+        """J = (1 − w) ln settle + w ln steady, with w = steadiness."""
         return (1 - steadiness) * math.log(self.settle) + steadiness * math.log(self.steady)
 
 
 class TrainingRun(NamedTuple):
-    """One record, and where its observers start."""
+    """One record, and the start of its observers."""
 
     truth: Truth
     measurements: Measurements
     start: Start
 
 
-def front(seen: tuple[Point, ...], settle: Measure, steady: Measure) -> tuple[Point, ...]:
-    """The trade-off curve: those of the points that no other beats in both measures, soonest first."""
+def front(points: tuple[Point, ...], settle: Measure, steady: Measure) -> tuple[Point, ...]:
+    """The tradeoff curve: the points that no other point beats in both measures, fastest settling first."""
     kept: list[Point] = []
-    for point in sorted(seen, key=lambda point: (getattr(point, settle), getattr(point, steady))):
+    for point in sorted(points, key=lambda point: (getattr(point, settle), getattr(point, steady))):
         if not kept or getattr(point, steady) < getattr(kept[-1], steady):
             kept.append(point)
     return tuple(kept)
 
 
 def runs(preset: Preset, first: int, count: int) -> list[TrainingRun]:
-    """Records of `count` seeds; all but the first begin about an axis of their own, as far from the true attitude."""
+    """Records of `count` seeds. All have the preset's attitude error; all but the first have it about a random axis."""
     course = record.truth_inputs(preset)
     truth, rng = record.simulated(course), np.random.default_rng(first)
     axes = rng.standard_normal((count, 3))  # normal in R³: no preferred direction
@@ -95,21 +95,21 @@ def runs(preset: Preset, first: int, count: int) -> list[TrainingRun]:
 
 
 def score(gains: Gains, runs: list[TrainingRun], *, preset: Preset, cancelled: Cancelled) -> Point:
-    """What gains reach on some runs of a preset. Raises CancelledError when it is cancelled."""
+    """Settling time and steady error of gains on runs of a preset. Raises CancelledError when it is cancelled."""
     setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=gains)
-    reached = ensemble.each(
-        partial(_reached, setting),
+    results = ensemble.each(
+        partial(_settling_and_steady, setting),
         runs,
         samples=len(runs[0].measurements.time),
         progress=lambda _: None,
         cancelled=cancelled,
     )
-    settle, steady = (np.array(part) for part in zip(*reached, strict=True))
+    settle, steady = (np.array(part) for part in zip(*results, strict=True))
     ends = NEVER * preset.duration
     settles = np.exp(np.mean(np.log(np.where(np.isfinite(settle), np.maximum(settle, SOONEST), ends)), axis=0))
     limits = np.array([record.SETTLED_POSITION, record.SETTLED_ATTITUDE])
-    bounded = np.clip(np.where(np.isnan(steady), np.inf, steady), limits / WORST, limits * WORST)
-    steadies = np.exp(np.mean(np.log(bounded), axis=0))
+    clipped = np.clip(np.where(np.isnan(steady), np.inf, steady), limits / WORST, limits * WORST)
+    steadies = np.exp(np.mean(np.log(clipped), axis=0))
     return Point(
         gains=gains,
         settled=float(np.mean(np.isfinite(settle).all(axis=1))),
@@ -120,13 +120,13 @@ def score(gains: Gains, runs: list[TrainingRun], *, preset: Preset, cancelled: C
     )
 
 
-def _reached(setting: ObserverConfig, run: TrainingRun) -> tuple[list[float], list[float]]:
-    """Settling times, infinite for never, and steady errors of position and attitude."""
+def _settling_and_steady(setting: ObserverConfig, run: TrainingRun) -> tuple[list[float], list[float]]:
+    """Settling times (infinite if the run does not settle) and steady errors, of position and attitude."""
     estimate, truth = cascade.observe(run.measurements, run.start, setting), run.truth
-    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    tracking = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
     settle, steady = [], []
     limits = (record.SETTLED_POSITION, record.SETTLED_ATTITUDE)
-    for error, limit in zip((found.position, found.attitude), limits, strict=True):
+    for error, limit in zip((tracking.position, tracking.attitude), limits, strict=True):
         at = record.settled(estimate.time, error, limit)
         settle.append(np.inf if at is None else at)
         with np.errstate(over="ignore", invalid="ignore"):

@@ -1,12 +1,12 @@
-"""Gains by search: a stated trade between settling soon and being exact afterwards, over several training seeds.
+"""Gains by search: a stated tradeoff between settling time and steady error, over several training seeds.
 
     J = (1 − w) ln settle + w ln steady,   settle = √(s_p s_a),   steady = √(e_p e_a)
-s and e are settling times and steady errors of position and attitude (`trade`), w is the steadiness asked for.
+s and e are settling times and steady errors of position and attitude (`tradeoff`), w is the steadiness.
 
-A random search with shrinking steps, in logarithms, first of the Riccati gains, then of the attitude's, which do not
-act on x̂. Nelder–Mead, Powell and CMA-ES ended within 0.04 of it in J after as many evaluations, now above and now
-below; this one sees more of the trade-off on its way. The best seen is taken, and the start is among them: on the
-training seeds J never rises.
+The search takes random, shrinking steps in the logarithms of the gains: first of the Riccati gains, then of the
+attitude gains, which do not act on x̂. After as many evaluations Nelder–Mead, Powell and CMA-ES reach a J within 0.04 of
+this one, above it or below; the random search evaluates more of the tradeoff curve. The result is the best point that
+was evaluated. The start is one of the points, so J does not rise on the training seeds.
 """
 
 from collections.abc import Callable, Iterator
@@ -28,36 +28,36 @@ from rangenav.tradeoff import Point
 
 MAX_EVALUATIONS = 10_000
 MAX_KEPT = 10_000_000
-"""IMU samples of all training records, 0.1 kB each, which are kept for every evaluation."""
+"""IMU samples of all training records together, 0.1 kB each; they stay in memory during the search."""
 TRAINING_OFFSET = 100_000
-"""Training seeds count up from the preset's seed plus this; held out are those from the preset's own on, which people
-look at."""
+"""Training seeds count up from the preset's seed plus this offset. Held-out seeds count up from the preset's own seed,
+whose run is the one that a user sees."""
 SIDE_WEIGHTS = (0.15, 0.85)
-"""Searched as well, for the ends of the trade-off curve."""
+"""Two more values of w that are searched, for the ends of the tradeoff curve."""
 SIDE_SHARE = 0.2
-"""Of the evaluations, for each of them."""
+"""Share of the evaluations for each of SIDE_WEIGHTS."""
 RICCATI_SHARE = 0.6
-"""Of each search; the attitude has fewer gains."""
+"""Share of the evaluations for each w that vary the Riccati gains; the attitude filter has fewer gains."""
 FIRST_STEP, LAST_STEP = 2.0, 0.1
-"""Standard deviation of a step in natural logarithms, a factor of seven at first and a tenth in the end."""
+"""Standard deviation of a step of the natural logarithm: a factor of seven at first, 10% in the end."""
 GROWTH = 1.3
-"""Of the step after a success."""
-MOVED = 0.4
+"""Factor of the step size after a success."""
+CHANGED_SHARE = 0.4
 """Share of the gains that one step changes."""
 STARTS = 200
-"""Random starts, to see whether the gains found still come home from anywhere."""
-Where = tuple[str, ...]
-"""The fields that lead to one gain."""
-RICCATI: dict[Where, tuple[float, float]] = {
+"""Random starts from which the resulting gains are tested for convergence."""
+FieldPath = tuple[str, ...]
+"""The names of the fields that lead to one gain."""
+RICCATI: dict[FieldPath, tuple[float, float]] = {
     ("riccati", "q"): Q_RANGE,
     **{("riccati", "v", block): V_RANGE for block in Blocks.__struct_fields__},
     **{("riccati", "p0", block): P0_RANGE for block in Blocks.__struct_fields__},
 }
-ATTITUDE: dict[Where, tuple[float, float]] = {
+ATTITUDE: dict[FieldPath, tuple[float, float]] = {
     ("attitude", "k1"): K1_RANGE,
-    ("attitude", "rho2"): (1e-4, 1.0),  # beside rho1, which stays: only the products with k1 do anything
+    ("attitude", "rho2"): (1e-4, 1.0),  # rho1 stays fixed: only the products k1 rho1 and k1 rho2 act
 }
-SCHEDULE: dict[Where, tuple[float, float]] = {
+SCHEDULE: dict[FieldPath, tuple[float, float]] = {
     ("attitude", "schedule", "steady"): K1_RANGE,
     ("attitude", "schedule", "halfway"): HALFWAY_RANGE,
     ("attitude", "schedule", "memory"): MEMORY_RANGE,
@@ -66,17 +66,17 @@ SCHEDULE: dict[Where, tuple[float, float]] = {
 
 @result
 class Tuned:
-    """What a search found, and what that is worth on seeds it has not seen."""
+    """The result of a search, and how good its gains are on held-out seeds."""
 
     preset: Preset
-    """With the gains found."""
+    """The preset with the resulting gains."""
     steadiness: float
     before: Point
     after: Point
-    seen: tuple[Point, ...]
-    """Everything tried, the start first."""
+    points: tuple[Point, ...]
+    """All points that were evaluated, the start first."""
     held_out_before: Point
-    """On as many seeds that the search has not seen, counted up from the preset's own."""
+    """On as many held-out seeds, which count up from the preset's own."""
     held_out_after: Point
     starts_before: float
     """Share of random starts that hold 0.3 m and 5° over the last second."""
@@ -92,9 +92,9 @@ def tune(
     progress: Progress = unheard,
     cancelled: Cancelled = never,
 ) -> Tuned:
-    """Search for gains on `runs` training seeds with so many evaluations in all, and judge them on as many others.
+    """Search for gains on `runs` training seeds in `evaluations` evaluations, and judge them on as many held-out seeds.
 
-    The mode stays as it is (noise-matched gains have no q and v), and a schedule of k1 is searched if there is one.
+    The mode is unchanged; noise-matched gains have no q and v. A schedule of k1 is searched if there is one.
     Raises ValueError for too much work, and CancelledError when it is cancelled.
     """
     require_within("steadiness", steadiness, 0.0, 1.0)
@@ -105,21 +105,21 @@ def tune(
     require(kept <= MAX_KEPT, f"runs × duration × IMU rate must not exceed {MAX_KEPT} samples kept, got {kept:.0f}")
     training = tradeoff.runs(preset, preset.seed + TRAINING_OFFSET, runs)
     score = partial(tradeoff.score, preset=preset, cancelled=cancelled)
-    seen = []
+    points = []
     for point in _search(partial(score, runs=training), preset, evaluations, steadiness):
-        seen.append(point)
-        progress(len(seen) / evaluations)
-    best = min(seen, key=lambda point: point.objective(steadiness))
+        points.append(point)
+        progress(len(points) / evaluations)
+    best = min(points, key=lambda point: point.objective(steadiness))
     held_out = tradeoff.runs(preset, preset.seed, runs)
     before, after = (score(gains, held_out) for gains in (preset.gains, best.gains))
     tuned = replace(preset, gains=best.gains)
-    starts_before, starts_after = (_held(one, cancelled) for one in (preset, tuned))
+    starts_before, starts_after = (_share_held(one, cancelled) for one in (preset, tuned))
     return Tuned(
         preset=tuned,
         steadiness=steadiness,
-        before=seen[0],
+        before=points[0],
         after=best,
-        seen=tuple(seen),
+        points=tuple(points),
         held_out_before=before,
         held_out_after=after,
         starts_before=starts_before,
@@ -128,51 +128,55 @@ def tune(
 
 
 def _search(score: Callable[[Gains], Point], preset: Preset, count: int, steadiness: float) -> Iterator[Point]:
-    """Everything tried, the start first; one weight after the other, each from the best that is seen for it."""
+    """All points, the start first. Each weight is searched in turn, from the best point so far for that weight."""
     rng = np.random.default_rng(preset.seed)
-    seen = [score(preset.gains)]
-    yield seen[0]
+    points = [score(preset.gains)]
+    yield points[0]
     side = int(SIDE_SHARE * (count - 1))
-    riccati, attitude = _searched(preset.gains)
+    riccati, attitude = _search_ranges(preset.gains)
     for weight, share in ((steadiness, count - 1 - 2 * side), *((weight, side) for weight in SIDE_WEIGHTS)):
         first = int(RICCATI_SHARE * share)
         for limits, steps in ((riccati, first), (attitude, share - first)):
-            best = min(seen, key=lambda point: point.objective(weight))
-            for point in _walk(score, best, limits, weight, steps, rng):
-                seen.append(point)
+            best = min(points, key=lambda point: point.objective(weight))
+            for point in _random_steps(score, best, limits, weight, steps, rng):
+                points.append(point)
                 yield point
 
 
-def _searched(gains: Gains) -> tuple[dict[Where, tuple[float, float]], dict[Where, tuple[float, float]]]:
-    """The gains that do anything in this mode, with their limits."""
+def _search_ranges(gains: Gains) -> tuple[dict[FieldPath, tuple[float, float]], dict[FieldPath, tuple[float, float]]]:
+    """The gains that act in this mode, with their limits: those of the Riccati observer and those of the attitude."""
     matched = gains.mode == "noise-matched"
-    riccati = {where: limits for where, limits in RICCATI.items() if not matched or "p0" in where}
+    riccati = {fields: limits for fields, limits in RICCATI.items() if not matched or "p0" in fields}
     return riccati, ATTITUDE if gains.attitude.schedule is None else {**ATTITUDE, **SCHEDULE}
 
 
-def _walk(
+def _random_steps(
     score: Callable[[Gains], Point],
     best: Point,
-    limits: dict[Where, tuple[float, float]],
+    limits: dict[FieldPath, tuple[float, float]],
     weight: float,
     count: int,
     rng: np.random.Generator,
 ) -> Iterator[Point]:
-    """Random steps from the best so far; without a success they shrink from the first to the last size."""
+    """Random steps from the best point so far. Their size falls from FIRST_STEP to LAST_STEP; a success raises it."""
     step, decay = FIRST_STEP, (LAST_STEP / FIRST_STEP) ** (1 / max(count, 1))
     for _ in range(count):
-        point = score(_drawn(best.gains, limits, step, rng))
+        point = score(_random_step(best.gains, limits, step, rng))
         yield point
         better = point.objective(weight) < best.objective(weight)
         best, step = (point, min(step * GROWTH, FIRST_STEP)) if better else (best, step * decay)
 
 
-def _drawn(gains: Gains, limits: dict[Where, tuple[float, float]], step: float, rng: np.random.Generator) -> Gains:
-    """Some of the gains moved, within their limits; drawn again where together they are none (steady above k1)."""
+def _random_step(
+    gains: Gains, limits: dict[FieldPath, tuple[float, float]], step: float, rng: np.random.Generator
+) -> Gains:
+    """Some of the gains changed at random, within their limits; drawn again if they are not valid (steady above k1)."""
     while True:
-        tree, moved = msgspec.to_builtins(gains), rng.random(len(limits)) < MOVED
-        moved[rng.integers(len(limits))] = True
-        for (*path, name), (low, high) in (item for item, chosen in zip(limits.items(), moved, strict=True) if chosen):
+        tree, changed = msgspec.to_builtins(gains), rng.random(len(limits)) < CHANGED_SHARE
+        changed[rng.integers(len(limits))] = True
+        for (*path, name), (low, high) in (
+            item for item, chosen in zip(limits.items(), changed, strict=True) if chosen
+        ):
             branch = tree
             for field in path:
                 branch = branch[field]
@@ -183,5 +187,5 @@ def _drawn(gains: Gains, limits: dict[Where, tuple[float, float]], step: float, 
             continue
 
 
-def _held(preset: Preset, cancelled: Cancelled) -> float:
+def _share_held(preset: Preset, cancelled: Cancelled) -> float:
     return float(np.mean(ensemble.starts(preset, STARTS, np.random.default_rng(0), cancelled=cancelled).held))

@@ -73,7 +73,7 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     length = (x * x + y * y + z * z) ** 0.5 or 1.0
     confirmed = options.source == "still"
     chosen = (options.gravity, (x / length, y / length, z / length)) if options.source == "given" else None
-    world, questions, source = rest.world_of(flight, anchor=options.anchor, given=chosen, confirmed=confirmed)
+    world, questions, source = rest.world_of(flight, anchor=options.anchor, vectors=chosen, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest

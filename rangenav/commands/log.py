@@ -1,4 +1,4 @@
-"""`rangenav log`: a recorded flight: was it informative, and what do the observers make of it?"""
+"""`rangenav log`: whether a recorded flight was informative, and the observers' estimates on its ranges."""
 
 import inspect
 import math
@@ -16,15 +16,15 @@ from rangenav.inputs import Vec3, require
 if TYPE_CHECKING:
     from rangenav.flight_summary import ObserverSummary, WindowSummary  # imported when used: it takes long
 
-Given = Annotated[Vec3 | None, tyro.conf.arg(metavar="X Y Z")]
+Vector = Annotated[Vec3 | None, tyro.conf.arg(metavar="X Y Z")]
 if TYPE_CHECKING:
     FormatName = str
 else:
     FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
 SYNTHETIC = (1e-3, 1e2)
-"""m of noise on ranges that are made up."""
-EARTH = 1e-3
-"""A direction shorter than this is no direction."""
+"""m: limits of the noise of synthetic ranges."""
+SHORTEST_DIRECTION = 1e-3
+"""A shorter vector is no direction."""
 
 
 def log(
@@ -39,9 +39,9 @@ def log(
     frame: Literal["z-up", "z-down"] | None = None,
     lines: Literal["drop"] | None = None,
     world: Literal["still", "given"] | None = None,
-    gravity: Given = None,
-    magnetic: Given = None,
-    anchor: Given = None,
+    gravity: Vector = None,
+    magnetic: Vector = None,
+    anchor: Vector = None,
     range_sigma: float = 0.1,
     synthetic_ranges: float | None = None,
     seed: int = 0,
@@ -88,35 +88,37 @@ def log(
 
     confirm = {"time": time_unit, "gyro": gyro_unit, "accel": accel_unit, "mag": mag_unit, "range": range_unit}
     answers = {key: value for key, value in {**confirm, "frame": frame, "lines": lines}.items() if value is not None}
-    found = formats.read(file, from_ or _format(file), confirm=answers)
-    given = _given(world, gravity, magnetic)
-    flight = formats.settled(found).flight
+    imported = formats.read(file, from_ or _format(file), confirm=answers)
+    vectors = _world_vectors(world, gravity, magnetic)
+    flight = formats.settled(imported).flight
     if flight is None:
-        raise ValueError(f"{found.source}: holds a path and no recorded flight: see `rangenav import`")
+        raise ValueError(f"{imported.source}: holds a path and no recorded flight: see `rangenav import`")
     if synthetic_ranges is not None:
         flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
     require(range_sigma > 0, f"--range-sigma must be positive, got {range_sigma:g}")
-    place = anchor or flight.anchor
-    around, questions, told = rest.world_of(
-        flight, anchor=place or (0.0, 0.0, 0.0), given=given, confirmed=world == "still"
+    anchor_position = anchor or flight.anchor
+    world_model, questions, world_source = rest.world_of(
+        flight, anchor=anchor_position or (0.0, 0.0, 0.0), vectors=vectors, confirmed=world == "still"
     )
     if len(flight.range):
-        formats.settled(found, also=(*questions, *(() if place is not None else (_where(),))))
+        formats.settled(imported, also=(*questions, *(() if anchor_position is not None else (_anchor_question(),))))
     noise = rest.noise_at_rest(flight)
     if begin is not None or end is not None:
         flight = recorded_flight.between(
             flight, begin if begin is not None else 0.0, end if end is not None else math.inf
         )
-    with working(f"judging {found.source}"):
-        seen = logs.informative(flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise)
-    report = _understood(found, flight, told) | {
-        "informative": windows_report(flight_summary.summarise_windows(seen), seen.summary),
-        "verdict": seen.verdict,
+    with working(f"judging {imported.source}"):
+        informative = logs.informative(
+            flight, window=window, range_sigma=range_sigma, requirement=position_sigma, noise=noise
+        )
+    report = _file_report(imported, flight, world_source) | {
+        "informative": windows_report(flight_summary.summarise_windows(informative), informative.summary),
+        "verdict": informative.verdict,
     }
-    if len(flight.range) and around is not None:
-        with working(f"running the observers on {found.source}"):
-            observed = logs.observe(flight, around, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
-        report["world"] = {name: list(getattr(around, name)) for name in ("gravity", "magnetic", "anchor")}
+    if len(flight.range) and world_model is not None:
+        with working(f"running the observers on {imported.source}"):
+            observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
+        report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
         report["observer"] = observer_report(flight_summary.summarise_observer(observed))
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
@@ -128,7 +130,7 @@ def log(
         options=typed,
         has_truth=flight.position is not None,
         required=position_sigma,
-        sensed=int(seen.rank[seen.worst]),
+        sensed=int(informative.rank[informative.worst]),
     )
     return layout.show(shown)
 
@@ -163,32 +165,32 @@ def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> A
     return recorded_flight.with_ranges(flight, anchor, sigma=sigma, seed=seed)
 
 
-def _understood(found: Any, flight: Any, told: str) -> dict[str, Any]:
-    """What the file was understood to be."""
+def _file_report(imported: Any, flight: Any, world_source: str) -> dict[str, Any]:
+    """Format, rate, frame and findings of the file, as a JSON object; the source of the world is one more finding."""
     return {
-        "file": found.source,
-        "format": found.format,
-        "rows": found.rows,
-        "rate": found.rate,
+        "file": imported.source,
+        "format": imported.format,
+        "rows": imported.rows,
+        "rate": imported.rate,
         "duration": float(flight.time[-1] - flight.time[0]),
-        "frame": found.frame,
-        "findings": [*found.findings, *([told] if told else [])],
+        "frame": imported.frame,
+        "findings": [*imported.findings, *([world_source] if world_source else [])],
     }
 
 
-def _given(world: str | None, gravity: Vec3 | None, magnetic: Vec3 | None) -> tuple[Vec3, Vec3] | None:
+def _world_vectors(world: str | None, gravity: Vec3 | None, magnetic: Vec3 | None) -> tuple[Vec3, Vec3] | None:
     if world != "given":
         require(gravity is None and magnetic is None, "--gravity and --magnetic are used with --world given")
         return None
     if gravity is None or magnetic is None:
         raise ValueError("--world given needs --gravity X Y Z and --magnetic X Y Z")
     length = math.hypot(*magnetic)
-    require(math.isfinite(length) and length > EARTH, f"--magnetic must be a direction, got {magnetic}")
+    require(math.isfinite(length) and length > SHORTEST_DIRECTION, f"--magnetic must be a direction, got {magnetic}")
     x, y, z = (value / length for value in magnetic)
     return gravity, (x, y, z)
 
 
-def _where() -> Any:
+def _anchor_question() -> Any:
     from rangenav.formats import Question
 
     return Question(
@@ -202,7 +204,7 @@ def _where() -> Any:
 
 
 def windows_report(windows: "WindowSummary", words: str) -> dict[str, Any]:
-    """What windows of the record could tell, as a JSON object."""
+    """Observability of the record's windows, as a JSON object."""
     report: dict[str, Any] = {
         "window": windows.window,
         "windows": windows.counts,
@@ -219,7 +221,7 @@ def windows_report(windows: "WindowSummary", words: str) -> dict[str, Any]:
 
 
 def observer_report(observer: "ObserverSummary") -> dict[str, Any]:
-    """What the observers made of the record, as a JSON object; errors by quarters where the file has a truth."""
+    """The observers' estimates as a JSON object; errors by quarters where the file has the true motion."""
     report: dict[str, Any] = {
         "final_position": list(observer.final_position),
         "innovation_rms": observer.innovation_rms,

@@ -1,4 +1,4 @@
-"""`rangenav tune`: gains by search, for a stated trade between settling soon and being exact afterwards."""
+"""`rangenav tune`: gains by search, for a stated tradeoff between settling time and steady error."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -48,44 +48,44 @@ def tune(
     if output is not None:
         _refuse_output(output, overwrite)
     with counting(f"searching gains for {preset}") as progress:
-        found = search.tune(chosen, runs=runs, evaluations=evaluations, steadiness=steadiness, progress=progress)
+        tuned = search.tune(chosen, runs=runs, evaluations=evaluations, steadiness=steadiness, progress=progress)
     if output is not None:
-        presets.save(found.preset, output)
-    answer = tuning_report(found, before=chosen, name=preset, runs=runs, output=output)
+        presets.save(tuned.preset, output)
+    answer = tuning_report(tuned, before=chosen, name=preset, runs=runs, output=output)
     return print_json(answer) if json else layout.show(text.report(answer, name=preset))
 
 
 def tuning_report(
-    found: "Tuned", *, before: presets.Preset, name: str, runs: int, output: Path | None
+    tuned: "Tuned", *, before: presets.Preset, name: str, runs: int, output: Path | None
 ) -> dict[str, Any]:
-    """What `rangenav tune --json` prints."""
+    """The JSON object of `rangenav tune`: before and after the search, training and held-out seeds, tradeoff curves."""
     first = before.seed
     return {
         "preset": name,
         "runs": runs,
-        "evaluations": len(found.seen),
-        "steadiness": found.steadiness,
+        "evaluations": len(tuned.points),
+        "steadiness": tuned.steadiness,
         "objective": {
-            "before": found.before.objective(found.steadiness),
-            "after": found.after.objective(found.steadiness),
+            "before": tuned.before.objective(tuned.steadiness),
+            "after": tuned.after.objective(tuned.steadiness),
         },
-        "gains": {"before": msgspec.to_builtins(before.gains), "after": msgspec.to_builtins(found.preset.gains)},
-        "training": {"before": _reached(found.before), "after": _reached(found.after)},
+        "gains": {"before": msgspec.to_builtins(before.gains), "after": msgspec.to_builtins(tuned.preset.gains)},
+        "training": {"before": _measures(tuned.before), "after": _measures(tuned.after)},
         "held_out": {
             "seeds": [first, first + runs - 1],
-            "before": _reached(found.held_out_before),
-            "after": _reached(found.held_out_after),
+            "before": _measures(tuned.held_out_before),
+            "after": _measures(tuned.held_out_after),
         },
-        "starts_held": {"before": found.starts_before, "after": found.starts_after},
+        "starts_held": {"before": tuned.starts_before, "after": tuned.starts_after},
         "curve": {
-            "position": _curve(found, "settle_position", "steady_position", 1.0, "m"),
-            "attitude": _curve(found, "settle_attitude", "steady_attitude", float(np.degrees(1)), "°"),
+            "position": _curve(tuned, "settle_position", "steady_position", 1.0, "m"),
+            "attitude": _curve(tuned, "settle_attitude", "steady_attitude", float(np.degrees(1)), "°"),
         },
         "saved": None if output is None else str(output),
     }
 
 
-def _reached(point: "Point") -> dict[str, float]:
+def _measures(point: "Point") -> dict[str, float]:
     return {
         "settled": point.settled,
         "settle_position_s": point.settle_position,
@@ -95,11 +95,11 @@ def _reached(point: "Point") -> dict[str, float]:
     }
 
 
-def _curve(found: "Tuned", settle: "Measure", steady: "Measure", factor: float, unit: str) -> list[dict[str, Any]]:
+def _curve(tuned: "Tuned", settle: "Measure", steady: "Measure", factor: float, unit: str) -> list[dict[str, Any]]:
     from rangenav.tradeoff import front
 
     points = []
-    for point in front(found.seen, settle, steady):
+    for point in front(tuned.points, settle, steady):
         at, error = getattr(point, settle), factor * getattr(point, steady)
         words = f"settles at {at:.3g} s, then {error:.3g} {unit}"
         points.append({"settle_s": at, "steady": error, "words": words, "gains": msgspec.to_builtins(point.gains)})
@@ -107,7 +107,7 @@ def _curve(found: "Tuned", settle: "Measure", steady: "Measure", factor: float, 
 
 
 def _refuse_output(path: Path, overwrite: bool) -> None:
-    """Before the work and not after it."""
+    """Raise ValueError for an output that cannot be written: before the search, not after it."""
     require(path.suffix == ".toml", f"--output must name a file that ends in .toml, got {path}")
     require(path.parent.is_dir(), f"--output {path}: no such folder")
     require(overwrite or not path.exists(), f"--output {path}: exists already; --overwrite replaces it")

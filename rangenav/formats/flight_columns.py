@@ -1,4 +1,4 @@
-"""A recorded flight from raw columns. What the file does not state of units, frame and faulty rows is asked."""
+"""A recorded flight from raw columns. Where the file leaves units, frame or faulty rows open, there is a question."""
 
 from collections.abc import Mapping
 from dataclasses import field
@@ -18,7 +18,7 @@ FRAMES = ("z-up", "z-down")
 DROP = ("drop",)
 LEAST_ROWS = 8
 ROUNDED = 0.2
-"""Largest share of repeated stamps: more are no slip of a logger, and dropping lines would not mend the record."""
+"""Largest share of repeated stamps. With more of them, dropping lines would not repair the record."""
 LARGEST = 1e9
 """Largest value, in any unit; stamps may be larger."""
 REST = 3.0
@@ -30,7 +30,7 @@ class FlightColumns:
     """The columns of a file, unchanged; `stated` holds the units that the file states."""
 
     table: Table
-    """The table of the columns; messages name its lines."""
+    """The table that the columns come from; messages name its lines."""
     format: str
     time: Float[Array, "n"]
     gyro: Float[Array, "n 3"]
@@ -52,7 +52,7 @@ class FlightColumns:
 
 
 def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
-    """The flight, or the questions that are open. Raises ValueError for faults that no answer can mend."""
+    """The flight, or the questions that are open. Raises ValueError for faults that no answer can correct."""
     table, questions, findings = raw.table, [], list(raw.findings)
     require(len(raw.time) >= LEAST_ROWS, f"{table.source}: {len(raw.time)} rows are no record")
     for name in ("gyro", "accel", "mag", "range"):
@@ -87,7 +87,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
 def _kept(
     raw: FlightColumns, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
 ) -> tuple[Bool[Array, "n"], Bool[Array, "n"]]:
-    """Rows whose IMU, and rows whose range can be used; dropping the other rows needs an answer."""
+    """Masks of the rows whose IMU and of the rows whose range can be used. Other rows are dropped only if confirmed."""
     imu = np.isfinite(np.column_stack([raw.gyro, raw.accel]))
     stamped = np.isfinite(raw.time)
     distance = stamped & np.isfinite(raw.range) if raw.range is not None else np.zeros_like(stamped)
@@ -141,7 +141,7 @@ def _factors(
 
 
 def _doubtful(kind: str, guess: units.Guess) -> bool:
-    """Whether the data contradict a stated SI unit: gravity, or the turning of the field."""
+    """Whether the data contradict a stated SI unit, by the size of gravity or by the turn of the magnetic field."""
     return kind in ("accel", "gyro") and guess.unit is not None and guess.unit != units.SI[kind]
 
 

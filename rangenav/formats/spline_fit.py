@@ -1,8 +1,8 @@
-"""Sampled positions as a path: a C⁸ curve through knots. The value at a knot is that of a parabola fitted around it.
+"""Sampled positions as a path: a C⁸ spline through knots, whose values come from local parabolas fitted to the samples.
 
-Poses printed to tenths of a millimetre a hundred times a second do not hold their own fourth derivative (a step of ε
-becomes up to 16 ε/h⁴ = 160 000 m/s⁴), so the snap of such a path is the knots' and not the flight's: excitation is
-never judged from it. What it is good for is its shape, with the largest distance from the file's positions said.
+Positions printed to tenths of a millimetre at 100 Hz do not determine their fourth derivative: a rounding of ε becomes
+up to 16 ε/h⁴ = 160 000 m/s⁴. The snap of such a path depends on the knots and not on the flight, so excitation is never
+judged from it. The shape of the path is good; its largest distance from the file's positions is reported.
 """
 
 import numpy as np
@@ -15,9 +15,9 @@ from rangenav.signals import Waypoint, Waypoints
 from rangenav.signals.waypoints import MAX_POINTS
 
 SPACINGS = (0.5, 0.25, 0.1, 0.05)
-"""s between knots, tried in this order if no spacing was chosen: few knots smooth, many knots follow."""
+"""s between knots, tried in this order if no spacing was chosen: wide spacings smooth more, narrow ones follow more."""
 CLOSE = 0.01
-"""m: the widest spacing that stays this near to every position is chosen, else the nearest curve."""
+"""m: the first spacing whose curve stays this near to every position is used; if there is none, the nearest curve."""
 MIN_SPACING, MAX_SPACING = 0.02, 60.0
 LEAST_KNOTS = 4
 SNAP_OF_NOISE = 16.0
@@ -26,7 +26,7 @@ SNAP_OF_NOISE = 16.0
 
 @result
 class SplineFit:
-    """A curve near the samples."""
+    """A spline near the samples, and its distance from them."""
 
     path: Waypoints
     spacing: float
@@ -38,15 +38,16 @@ class SplineFit:
 
     @property
     def summary(self) -> str:
-        """How the curve was made, and its distance from the positions."""
+        """The spacing of the knots and the distance from the positions, as one clause."""
         near = f"{1e3 * self.largest:.3g} mm from the file's positions at most ({1e3 * self.rms:.2g} mm rms)"
         return f"path through knots every {self.spacing:g} s, {near}"
 
 
 def fit(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> SplineFit:
-    """The curve through knots `spacing` apart (s), or as far apart as it can be to stay within a centimetre.
+    """The spline with knots `spacing` apart (s); None chooses the widest of SPACINGS that stays within CLOSE.
 
-    It starts and ends at rest, as every such curve does: a record that begins in flight is met less well there.
+    Every such curve starts and ends at rest, so a record that begins or ends in flight is fitted less well there.
+    Raises ValueError if no spacing fits the samples.
     """
     if spacing is not None:
         return _fit_with(time, position, spacing, source)
@@ -88,7 +89,7 @@ def _fit_with(time: Array, position: Array, spacing: float, source: str) -> Spli
 
 
 def unjudged(time: Float[Array, "n"], position: Float[Array, "n 3"]) -> str:
-    """Why excitation cannot be judged from these positions, with the number."""
+    """Why excitation cannot be judged from these positions: one clause with the rounding error of the snap (m/s⁴)."""
     quantum, step = _quantum(position), float(np.median(np.diff(time)))
     noise = SNAP_OF_NOISE * quantum / step**4
     return (
@@ -98,7 +99,7 @@ def unjudged(time: Float[Array, "n"], position: Float[Array, "n 3"]) -> str:
 
 
 def _local(time: Array, position: Array, moment: float, width: float) -> tuple[float, float, float] | None:
-    """The value, at a time, of the parabola that fits the samples within half a knot's spacing."""
+    """The value at `moment` (s) of the parabola fitted to the samples within width/2 of it; None without samples."""
     first, last = np.searchsorted(time, [moment - width / 2, moment + width / 2 + 1e-9])
     if last - first < 1:
         return None

@@ -1,11 +1,11 @@
-"""The straight-line difference that changes the range least: a search along the nonlinear null space.
+"""The ambiguities of a motion: straight-line differences Δp + Δv s that change the range least.
 
-Two motions with the same IMU record and the same attitude have the same p̈, so they differ by Δp + Δv s and by nothing
-else. The range differs by
+Two motions with the same IMU record and the same attitude have the same p̈, so their difference is Δp + Δv s. Their
+ranges differ by
 
     e(s) = |q(s) + Δp + Δv s| − |q(s)|,   q = p − p_anchor,
 
-and its derivative at 0 is q̂ᵀ[Δp + Δv s]: the nonlinear rows (rows.nonlinear) without gravity, which is known here.
+whose derivative at 0 is q̂ᵀ[Δp + Δv s]: the nonlinear rows (rows.nonlinear) without gravity, which is known here.
 Differences are measured by their RMS over the flight, in the orthonormal basis {1, √3 (2s/T − 1)} on each axis.
 """
 
@@ -22,30 +22,31 @@ from rangenav.observability import symmetry
 from rangenav.results import result
 
 COARSE, FINE, KEPT = 12, 30, 6
-"""Damped Gauss–Newton steps of all starts, then of the best few: within 3% of the best of 400 random starts."""
+"""Damped Gauss–Newton steps of all starts, then of the KEPT best; the result is within 3% of the best of 400 random
+starts."""
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-2, 1e-12, 1e6
-"""Against the squared singular values of the range, which are at most 1."""
+"""Damping is added to the squared singular values of the range's rows, which are at most 1."""
 EASIER, HARDER = 0.2, 8.0
-"""Of the damping, after a step that helped and after one that did not."""
+"""Factors of the damping after a step that lowers the cost, and after one that does not."""
 NEAREST = 1e-9
-"""m; at the anchor itself a range has no direction: its row is zero, and is divided by this instead of by nothing."""
+"""m; at the anchor a range has no direction: its row is zero, and this distance replaces the zero it is divided by."""
 BLIND = 1e-7
-"""Metres of range for a metre of difference: below this the range does not change to first order."""
+"""Metres of range per metre of difference; below this the range does not change to first order."""
 UNKNOWNS = 6
-EVERYWHERE = np.array([way for way in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(way)])
-"""The 26 ways from a cube's centre to its corners, edges and faces."""
+DIRECTIONS = np.array([one for one in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(one)])
+"""The 26 directions from a cube's centre to its corners, edges and faces."""
 
 
 @result
 class Ambiguities:
-    """Differences that the search ended at, the least changed range first."""
+    """The differences that the search converged to, the one that changes the range least first."""
 
     shift: Float[Array, "n 3"]
     """Δp (m) at the flight's start."""
     drift: Float[Array, "n 3"]
     """Δv (m/s)."""
     mismatch: Float[Array, "n"]
-    """m: the RMS of e over the moments searched."""
+    """m: the RMS of e over the samples."""
 
 
 @result
@@ -55,9 +56,9 @@ class Sensitivity:
     singular: Float[Array, "6"]
     """RMS metres of range for each metre (RMS) of difference, descending."""
     shift: Float[Array, "3"]
-    """m, at the flight's start: of the difference of 1 m RMS that changes the range least."""
+    """Δp (m) at the flight's start of the difference of 1 m RMS that changes the range least."""
     drift: Float[Array, "3"]
-    """m/s: how that difference goes on."""
+    """Δv (m/s) of that difference."""
 
 
 def sensitivity(position: Float[Array, "k 3"], time: Float[Array, "k"], duration: float) -> Sensitivity:
@@ -68,7 +69,7 @@ def sensitivity(position: Float[Array, "k 3"], time: Float[Array, "k"], duration
     time, position, duration = _flight(time, position, duration)
     singular, right = _linearised(position, _basis(time, duration))
     least = right[singular <= max(float(singular[-1]), BLIND)]
-    steadiest = np.linalg.svd(least[:, :3])[0][:, 0] @ least  # of several that are not felt, what drifts least
+    steadiest = np.linalg.svd(least[:, :3])[0][:, 0] @ least  # of several null vectors, the one of least drift
     shift, drift = _straight(steadiest[None], duration)
     return Sensitivity(singular=singular, shift=shift[0], drift=drift[0])
 
@@ -84,8 +85,8 @@ def search(
     """Differences of at least `apart` (m, RMS) that change the range least.
 
     position (m, relative to the anchor) and acceleration (m/s²) are in inertial axes, time is in s. The search starts
-    at the mirror images and turns by 180° about the principal axes of position and acceleration, at the directions in
-    which the range changes, both ways, and at steps of `apart` in 26 directions.
+    at the mirror images and turns by 180° about the principal axes of position and acceleration, at the singular
+    vectors of the linearised range, with both signs, and at shifts of `apart` in 26 directions.
     Raises ValueError for arrays of other shapes, stamps that do not increase, or numbers that are not finite.
     """
     time, position, duration = _flight(time, position, duration)
@@ -98,17 +99,17 @@ def search(
     guesses = position @ np.concatenate([mirrors, -mirrors, -np.eye(3)[None]]) - position
     _, right = _linearised(position, basis)
     fitted = np.einsum("kj,gki->gji", basis, guesses).reshape(len(guesses), UNKNOWNS) / len(time)
-    steps = np.concatenate([EVERYWHERE, np.zeros_like(EVERYWHERE)], axis=1)
+    steps = np.concatenate([DIRECTIONS, np.zeros_like(DIRECTIONS)], axis=1)
     start = _at_least(np.concatenate([fitted, apart * right, -apart * right, apart * steps]), apart)
-    found, cost = _descend(start, position, basis, apart, COARSE)
-    found, cost = _descend(found[np.argsort(cost)[:KEPT]], position, basis, apart, FINE)
+    differences, cost = _descend(start, position, basis, apart, COARSE)
+    differences, cost = _descend(differences[np.argsort(cost)[:KEPT]], position, basis, apart, FINE)
     order = np.argsort(cost)
-    shift, drift = _straight(found[order], duration)
+    shift, drift = _straight(differences[order], duration)
     return Ambiguities(shift=shift, drift=drift, mismatch=np.sqrt(cost[order]))
 
 
 def rms(shift: Float[Array, "3"], drift: Float[Array, "3"], duration: float) -> float:
-    """m: how far off a straight-line difference is, RMS over the flight."""
+    """m: the RMS of |Δp + Δv s| over the flight."""
     middle, change = shift + drift * (duration / 2), drift * duration
     return math.sqrt(float(middle @ middle + change @ change / 12))
 
@@ -153,14 +154,14 @@ def _length(vectors: Array) -> Array:
 
 
 def _at_least(z: Array, apart: float) -> Array:
-    """Nearer differences pushed out to `apart`; one of nothing at all has no direction and is left out."""
+    """Differences shorter than `apart` are lengthened to it; a zero difference has no direction and is left out."""
     norm = np.linalg.norm(z, axis=-1, keepdims=True)
     z, norm = z[norm[:, 0] > 0], norm[norm[:, 0] > 0]
     return z * np.maximum(1.0, apart / norm)
 
 
 def _descend(z: Array, position: Array, basis: Array, apart: float, steps: int) -> tuple[Array, Array]:
-    """Levenberg–Marquardt for all starts at once; where it would come nearer than `apart` it goes along that sphere."""
+    """Levenberg–Marquardt for all starts at once, on the sphere |z| = `apart` where a step would end inside it."""
     damping = np.full(len(z), FIRST_DAMPING)
     error, moved = _change(z, position, basis)
     cost = np.mean(error**2, axis=-1)
@@ -176,18 +177,18 @@ def _descend(z: Array, position: Array, basis: Array, apart: float, steps: int) 
 
 
 def _stepped(z: Array, error: Array, rows: Array, damping: Array, apart: float) -> Array:
-    turned = np.swapaxes(rows, 1, 2)
-    gradient, normal = (turned @ error[..., None])[..., 0] / error.shape[1], turned @ rows / error.shape[1]
+    transposed = np.swapaxes(rows, 1, 2)
+    gradient, normal = (transposed @ error[..., None])[..., 0] / error.shape[1], transposed @ rows / error.shape[1]
     new = z + _damped(normal, gradient, damping)
     near = np.linalg.norm(new, axis=-1) < apart
-    along = z[near] / np.linalg.norm(z[near], axis=-1, keepdims=True)
-    across = np.eye(UNKNOWNS) - along[:, :, None] * along[:, None, :]
-    flat = (across @ gradient[near, :, None])[..., 0]
-    # the sphere bends: without its part in the curvature the last tenth takes five times as many steps
+    radial = z[near] / np.linalg.norm(z[near], axis=-1, keepdims=True)
+    tangential = np.eye(UNKNOWNS) - radial[:, :, None] * radial[:, None, :]
+    tangential_gradient = (tangential @ gradient[near, :, None])[..., 0]
+    # without the sphere's part in the curvature the last tenth of the descent takes five times as many steps
     pull = np.einsum("nj,nj->n", gradient[near], z[near]) / np.einsum("nj,nj->n", z[near], z[near])
-    curved = across @ (normal[near] - np.maximum(pull, 0.0)[:, None, None] * np.eye(UNKNOWNS)) @ across
-    aside = _damped(curved, flat, damping[near])
-    new[near] = _at_least(z[near] + (across @ aside[..., None])[..., 0], apart)
+    curved = tangential @ (normal[near] - np.maximum(pull, 0.0)[:, None, None] * np.eye(UNKNOWNS)) @ tangential
+    tangent_step = _damped(curved, tangential_gradient, damping[near])
+    new[near] = _at_least(z[near] + (tangential @ tangent_step[..., None])[..., 0], apart)
     return new
 
 

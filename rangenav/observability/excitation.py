@@ -1,11 +1,12 @@
 """Persistency of excitation: ∫_t^{t+δ} (Rφ)(Rφ)ᵀ ds = ∫ p⁗ p⁗ᵀ ds ≥ μ I₃ for all t (paper, Proposition 1).
 
-    φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀ p⁗      (snap, seen in body axes)
-The printed paper has φ = ä − ω×ȧ − 2ω×(ω×a), integrated in body axes: it certifies a hovering, turning vehicle.
-Excitation is necessary on each window and not sufficient on one: p⁗ = (τ, τ², τ³) excites all three directions of a
-rank-10 window. Running the same path s times slower scales μ over one period by s⁻⁷.
-Where a path of pieces jumps in its snap, the least window starts or ends at a knot as likely as anywhere: such windows
-are looked at besides the grid's.
+    φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀ p⁗      (the snap in body axes)
+The paper prints φ = ä − ω×ȧ − 2ω×(ω×a), integrated in body axes. That condition holds for a vehicle that hovers and
+turns, which is unobservable. Excitation is necessary for observability on a window, and not sufficient:
+p⁗ = (τ, τ², τ³) excites all three directions of a window of rank 10. The same path s times slower has μ over one period
+smaller by s⁷.
+Where the snap of a piecewise path jumps, the least excited window often starts or ends at a knot. Such windows are
+evaluated in addition to those of the grid.
 """
 
 import math
@@ -22,16 +23,16 @@ from rangenav.results import result
 from rangenav.signals import Signal, knots
 
 MIN_GRID, MAX_GRID, MAX_EVALUATIONS = 64, 4000, 150_000
-"""Windows that the bound for all t looks at, at least and at most, and snaps it may evaluate for its sums: 30 ms."""
+"""The bound for all t evaluates at least and at most so many windows, and so many snaps for its sums (30 ms)."""
 MAX_KNOTS = 2000
-"""Knots at which windows start or end besides a grid; with more, a window has hundreds of them and one is nothing."""
+"""Most knots at which additional windows start or end. With more knots a window has hundreds, and no one matters."""
 UNEXCITED = 1e-12
-"""An excitation below this share of what the path's snap could give is none; a finer grid would not change that."""
+"""An excitation below this share of window · sup|p⁗|² counts as zero; a finer grid would not change it."""
 CELL_NODES, CELLS_PER_RADIAN = 4, 2.0
-"""Cells of half a radian of the fastest tone, which 4 Gauss nodes integrate to 1e-11 of it."""
+"""A cell has half a radian of the fastest tone, which 4 Gauss nodes integrate to a relative 1e-11."""
 BOUND_SHARE, BOUND_ROUNDS = 0.05, 4
-"""The grid for the statement "for all t" is refined until what lies between its points costs this share of μ: at once
-where λ_min is low and not where it is high, so that two rounds and 700 windows do what an even grid does with 4000."""
+"""The grid is refined until the possible drop of λ_min between its points is at most this share of μ: only where λ_min
+is low, so two rounds and 700 windows give the bound for which an even grid needs 4000."""
 
 
 def phi(motion: Motion) -> Float[Array, "n 3"]:
@@ -47,7 +48,7 @@ def phi_printed(motion: Motion) -> Float[Array, "n 3"]:
 
 
 def apparent_derivatives(motion: Motion) -> tuple[Float[Array, "n 3"], Float[Array, "n 3"]]:
-    """ȧ and ä in body axes: Rᵀp⃛ = ȧ + ω×a, and Rᵀp⁗ as in the module's formula."""
+    """ȧ and ä in body axes, from Rᵀp⃛ = ȧ + ω×a and from Rᵀp⁗ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a)."""
     w, a = motion.angular_velocity, motion.apparent_acceleration
     rate = to_body(motion.rotation, motion.jerk) - np.cross(w, a)
     turning = 2 * np.cross(w, rate) + np.cross(motion.angular_acceleration, a) + np.cross(w, np.cross(w, a))
@@ -79,24 +80,24 @@ def _triangles(path: Signal, start: Array, window: float) -> Array:
 
 
 def floor(values: Float[Array, "w 3"]) -> float:
-    """Of the excitation's eigenvalues (m²/s⁷) those below this are rounding: no snap lies along their direction."""
+    """Eigenvalues of the excitation (m²/s⁷) below this are rounding: the path has no snap along their direction."""
     return UNEXCITED * float(values.max())
 
 
 def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "3"], float]:
     """The eigenvalues (ascending, the first is μ) of the least excited window, and when it starts (s).
 
-    Besides these windows, it looks at those between the first and the last that start or end at a knot of the path.
+    Between the first and the last of these windows, those that start or end at a knot of the path are evaluated too.
     Raises ValueError as `eigenvalues` does.
     """
     start, window = windows.checked(path, start, window)
     if knots.has_pieces(path):
         first, last = float(start.min()), float(start.max())
-        sums = _running(path, first, last + window)
+        sums = _running_sums(path, first, last + window)
         if sums is not None:
             events = _events(path, first, last, window)
             every = start if events is None else np.union1d(start, events)
-            least = _least(path, sums, every, window)
+            least = _least_eigenvalues(path, sums, every, window)
             lowest = int(np.sum(least <= least.min() + sums.rounding))  # sums cannot tell these apart
             start = every[np.argsort(least, kind="stable")[: min(lowest, len(start))]]
     values = eigenvalues(path, start, window)
@@ -107,11 +108,11 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[
 def bound_for_all_t(path: Signal, window: float) -> float | None:
     """A lower bound (≥ 0) of μ over every window, at every t ≥ 0.
 
-    None if the path has no period, so that no grid covers it, or if nothing bounds its snap and the rate of that.
+    None if the path has no period, so that no finite grid covers all t, or if p⁗ or p⁽⁵⁾ has no known bound.
 
-    λ_min is concave, and |Ẅ| ≤ 2 Σ sup|p⁗| sup|p⁽⁵⁾| over the pieces in which the window starts and ends, unless it
-    does so at a knot. Such windows are points of the grid, so between neighbours Δ apart λ_min stays above
-    min(λᵢ, λᵢ₊₁) − (Δ²/8) sup|Ẅ|. The snap itself may jump at knots; what it comes from must not.
+    λ_min is concave. |Ẅ| ≤ 2 Σ sup|p⁗| sup|p⁽⁵⁾|, summed over the pieces in which the window starts and ends, holds
+    unless an end lies at a knot. Windows with an end at a knot are points of the grid, so between neighbours Δ apart
+    λ_min stays above min(λᵢ, λᵢ₊₁) − (Δ²/8) sup|Ẅ|. The snap may jump at knots; lower derivatives must not.
     """
     _, window = windows.checked_one(path, 0.0, window)
     period = path.period
@@ -123,17 +124,17 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     if events is None or not math.isfinite(path.bound(4)):
         return None
     time = np.union1d(np.linspace(0, period, MIN_GRID + 1), events)
-    sums = _running(path, 0.0, period + window)
+    sums = _running_sums(path, 0.0, period + window)
     if sums is None:
         least, rounding = eigenvalues(path, time, window)[:, 0], 0.0
     else:
-        least, rounding = _least(path, sums, time, window), sums.rounding
+        least, rounding = _least_eigenvalues(path, sums, time, window), sums.rounding
     for _ in range(BOUND_ROUNDS):
-        more = _between(time, least, _slack(path, time, window))
+        more = _refinements(time, least, _slack(path, time, window))
         if sums is None or len(more) == 0 or least.min() <= UNEXCITED * window * path.bound(4) ** 2:
             break
         order = np.argsort(np.append(time, more))
-        least = np.append(least, _least(path, sums, more, window))[order]
+        least = np.append(least, _least_eigenvalues(path, sums, more, window))[order]
         time = np.append(time, more)[order]
     lowest = lowest_between(least, _slack(path, time, window), rounding)
     return max(0.0, lowest) if math.isfinite(lowest) else None
@@ -142,9 +143,9 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
 def lowest_between(least: Float[Array, "w"], drop: Float[Array, "c"], rounding: float) -> float:
     """A lower bound of λ_min over every start between the points of a grid, from its values at these points.
 
-    This is the one bound of μ. `bound_for_all_t` applies it to a grid of at most 4000 starts, refined in 4 rounds, with
-    the drop of `drop_between`. A certificate applies it to a grid of up to 40 000 starts and a smaller drop
-    (`certificate.eigenvalue_drop`), and counts the error of its quadrature as rounding.
+    `bound_for_all_t` uses it on a grid of at most 4000 starts, refined in 4 rounds, with the drop of `drop_between`. A
+    certificate uses it on up to 40 000 starts with a smaller drop (`certificate.eigenvalue_drop`), and adds the error
+    of its quadrature to the rounding.
     """
     return float(np.min(np.minimum(least[1:], least[:-1]) - drop)) - rounding
 
@@ -155,12 +156,12 @@ def drop_between(start: Float[Array, "w"], *ends: tuple[Float[Array, "c"], Float
     ends: for the window's start and for its end, bounds of |p⁗| and |p⁽⁵⁾| on each cell. No window between two
     neighbours may start or end at a knot of the path.
     """
-    bend = sum(snap * rate for snap, rate in ends)
-    return np.diff(start) ** 2 / 4 * bend
+    curvature = sum(snap * rate for snap, rate in ends)
+    return np.diff(start) ** 2 / 4 * curvature
 
 
 def _slack(path: Signal, time: Array, window: float) -> Array:
-    """The drop between neighbouring times (s), from what the path's families know of their derivatives."""
+    """The drop between neighbouring times (s), from bounds of the path's snap and its rate."""
     middle = (time[1:] + time[:-1]) / 2
     ends = (middle, middle + window)
     return drop_between(
@@ -168,8 +169,8 @@ def _slack(path: Signal, time: Array, window: float) -> Array:
     )
 
 
-def _between(time: Array, least: Array, slack: Array) -> Array:
-    """Times at which the grid has to be finer: as many between two of its points as their λ_min asks for."""
+def _refinements(time: Array, least: Array, slack: Array) -> Array:
+    """Times to add to the grid: between two neighbours as many as their λ_min and their drop require."""
     low = np.minimum(least[1:], least[:-1])
     aim, spare = (1 - BOUND_SHARE) * least.min(), BOUND_SHARE * least.min()
     loose = low - slack < aim
@@ -183,7 +184,7 @@ def _between(time: Array, least: Array, slack: Array) -> Array:
 
 
 def _events(path: Signal, first: float, last: float, window: float) -> Array | None:
-    """Starts, strictly between two times, of windows that start or end at a knot; None if they are too many."""
+    """Starts of windows, strictly between two times, that start or end at a knot; None if there are too many knots."""
     if knots.most(path, last - first + window) > MAX_KNOTS:
         return None
     return np.union1d(knots.knots(path, first, last), knots.knots(path, first + window, last + window) - window)
@@ -191,19 +192,19 @@ def _events(path: Signal, first: float, last: float, window: float) -> Array | N
 
 @result
 class _Sums:
-    """∫p⁗p⁗ᵀ from the first edge to each, over cells between them that a few nodes integrate."""
+    """∫p⁗p⁗ᵀ from the first edge to each edge, by a few nodes in each cell between two edges."""
 
     edges: Float[Array, "c"]
     total: Float[Array, "c 3 3"]
     nodes: int
     rounding: float
-    """Of the difference of two sums; what is shown never comes from here."""
+    """Rounding of a difference of two sums. Reported eigenvalues never come from these sums."""
 
 
-def _running(path: Signal, first: float, last: float) -> _Sums | None:
-    """Sums over the stretch between two times (s), cut at all knots; None if they are too much work.
+def _running_sums(path: Signal, first: float, last: float) -> _Sums | None:
+    """Sums between two times (s), with an edge at every knot; None if they are too much work.
 
-    Windows share nearly all of it, so thousands of them cost one pass over the path and two cells each.
+    Windows overlap, so thousands of them cost one pass over the path and two cells each.
     """
     bandwidth, count = knots.smooth_bandwidth(path, last), max(CELL_NODES, knots.degree(path) - 3)
     cells = 1 + CELLS_PER_RADIAN * bandwidth * (last - first)
@@ -215,8 +216,8 @@ def _running(path: Signal, first: float, last: float) -> _Sums | None:
     return _Sums(edges=edges, total=total, nodes=count, rounding=rounding)
 
 
-def _least(path: Signal, sums: _Sums, start: Array, window: float) -> Array:
-    """The least eigenvalue of each window: what has been summed up to its end, less what up to its start."""
+def _least_eigenvalues(path: Signal, sums: _Sums, start: Array, window: float) -> Array:
+    """The least eigenvalue of each window, from the sum up to its end minus the sum up to its start."""
     both = np.concatenate([start, start + window])
     cell = np.clip(np.searchsorted(sums.edges, both, side="right") - 1, 0, len(sums.edges) - 1)
     until = sums.total[cell] + _cell(path, sums.edges[cell], both, sums.nodes)
@@ -224,7 +225,7 @@ def _least(path: Signal, sums: _Sums, start: Array, window: float) -> Array:
 
 
 def _cell(path: Signal, first: Array, last: Array, count: int) -> Array:
-    """∫p⁗p⁗ᵀ over short stretches, by one panel each."""
+    """∫p⁗p⁗ᵀ over short intervals, by one panel each."""
     x, weight = quadrature.legendre(count)
     length = (last - first)[:, None]
     snap = path(first[:, None] + length * x, 4) * np.sqrt(np.maximum(length, 0) * weight)[..., None]
@@ -234,7 +235,7 @@ def _cell(path: Signal, first: Array, last: Array, count: int) -> Array:
 def sampled_eigenvalues(
     signal: Float[Array, "n 3"], time: Float[Array, "n"], start: Float[Array, "w"], window: float
 ) -> Float[Array, "w 3"]:
-    """Eigenvalues of ∫ signal signalᵀ of any evenly sampled signal (trapezoid), as the printed forms of φ need it.
+    """Eigenvalues of ∫ signal signalᵀ for an evenly sampled signal (trapezoidal rule), for the printed forms of φ.
 
     Raises ValueError for arrays of other shapes, stamps that do not increase, and windows outside the samples.
     """
@@ -257,6 +258,6 @@ def sampled_eigenvalues(
 
 
 def chosen_signal(motion: Motion, *, printed_formula: bool, body_axes: bool) -> Float[Array, "n 3"]:
-    """φ by either formula, in either axes: all four combinations of the two misprints."""
+    """φ by the derived or the printed formula, in inertial or body axes: the four combinations of the two misprints."""
     signal = phi_printed(motion) if printed_formula else phi(motion)
     return signal if body_axes else to_inertial(motion.rotation, signal)

@@ -231,7 +231,7 @@ def test_the_world_is_asked_for_and_not_assumed():
     assert (questions, present(world).anchor) == ((), (1.0, 0.0, 0.0))
     assert "are still and give gravity 9.8" in told
     given = ((0.0, 0.0, -9.8), (1.0, 0.0, 0.0))
-    world, _, _ = rest.world_of(flight, anchor=(0.0, 0.0, 0.0), given=given)
+    world, _, _ = rest.world_of(flight, anchor=(0.0, 0.0, 0.0), vectors=given)
     assert present(world).gravity == given[0]
 
 

@@ -346,7 +346,9 @@ def test_a_minimum_that_fits_less_well_than_chance_is_left_for_the_true_one():
             assert found.fit == pytest.approx(1.0, abs=refine.POOR / np.sqrt(2 * len(run.measurements.range)))
             if found.starts == 1:
                 continue
-            first = refine.smooth(run.measurements, refine.started(run.measurements, run.estimate, setting), setting)
+            first = refine.smooth(
+                run.measurements, refine.start_trajectory(run.measurements, run.estimate, setting), setting
+            )
             assert first.fit > found.fit
             assert found.summary.endswith(f"passes, the best of {found.starts} starts")
             helped += 1

@@ -41,7 +41,7 @@ def test_the_training_objective_never_rises(gains):
         found = tune.tune(shortened("paper", 4.0, gains), runs=2, evaluations=12, steadiness=weight)
         assert found.before.gains == gains
         assert found.after.objective(weight) <= found.before.objective(weight)
-        assert found.after.objective(weight) == min(point.objective(weight) for point in found.seen)
+        assert found.after.objective(weight) == min(point.objective(weight) for point in found.points)
 
 
 def test_from_bad_gains_it_finds_ones_that_are_good_on_seeds_it_has_not_seen():
@@ -60,7 +60,7 @@ def test_steadiness_buys_exactness_with_time():
 
 def test_two_searches_are_equal():
     first, second = (tune.tune(SHORT, runs=2, evaluations=15) for _ in range(2))
-    assert first.seen == second.seen
+    assert first.points == second.points
     assert first.held_out_after == second.held_out_after
 
 
@@ -75,7 +75,7 @@ def test_what_a_point_says_is_what_the_runs_say():
         assert math.degrees(point.steady_attitude) == pytest.approx(summary.steady_attitude_deg, rel=1e-9)
         assert point.settled == 1.0
     assert found.after == found.before
-    assert found.seen == (found.before,)
+    assert found.points == (found.before,)
 
 
 def test_all_but_the_first_seed_start_about_an_axis_of_their_own():
@@ -90,7 +90,7 @@ def test_a_run_that_never_settles_counts_as_twice_the_duration_and_numbers_stay_
     found = tune.tune(shortened("hover", 4.0), runs=2, evaluations=5)
     assert found.before.settle_position == pytest.approx(8.0)
     assert found.before.settled == 0
-    for point in found.seen:
+    for point in found.points:
         assert math.isfinite(point.objective(0.5))
     known = replace(SHORT, guess=Guess(state="truth"))
     assert tune.tune(known, runs=1, evaluations=1).before.settle_attitude == pytest.approx(tradeoff.SOONEST)
@@ -98,15 +98,15 @@ def test_a_run_that_never_settles_counts_as_twice_the_duration_and_numbers_stay_
 
 def test_only_gains_that_do_something_are_searched():
     constant = tune.tune(SHORT, runs=1, evaluations=60)
-    assert len({point.gains.riccati.q for point in constant.seen}) > 5
-    assert {point.gains.attitude.rho1 for point in constant.seen} == {1.0}
-    assert {point.gains.attitude.schedule for point in constant.seen} == {None}
+    assert len({point.gains.riccati.q for point in constant.points}) > 5
+    assert {point.gains.attitude.rho1 for point in constant.points} == {1.0}
+    assert {point.gains.attitude.schedule for point in constant.points} == {None}
     matched = tune.tune(replace(SHORT, gains=Gains(mode="noise-matched", attitude=SCHEDULED)), runs=1, evaluations=60)
-    assert {(point.gains.mode, point.gains.riccati.q, point.gains.riccati.v) for point in matched.seen} == {
+    assert {(point.gains.mode, point.gains.riccati.q, point.gains.riccati.v) for point in matched.points} == {
         ("noise-matched", Gains().riccati.q, Gains().riccati.v)
     }
-    assert len({point.gains.riccati.p0 for point in matched.seen}) > 5
-    assert len({point.gains.attitude.schedule for point in matched.seen}) > 5
+    assert len({point.gains.riccati.p0 for point in matched.points}) > 5
+    assert len({point.gains.attitude.schedule for point in matched.points}) > 5
 
 
 points = st.builds(
@@ -137,7 +137,7 @@ def test_the_front_is_what_no_other_point_beats_in_both(seen):
 
 def test_the_chosen_gains_are_on_the_front_of_what_was_weighed():
     found = tune.tune(SHORT, runs=2, evaluations=40)
-    on_front = tradeoff.front(found.seen, "settle", "steady")
+    on_front = tradeoff.front(found.points, "settle", "steady")
     assert found.after.objective(0.5) == min(point.objective(0.5) for point in on_front)
 
 
@@ -145,7 +145,7 @@ def test_evaluations_are_counted_and_progress_ends_at_one():
     for count in (1, 2, 7, 33):
         seen = []
         found = tune.tune(shortened("paper", 1.0), runs=1, evaluations=count, progress=seen.append)
-        assert len(found.seen) == count
+        assert len(found.points) == count
         np.testing.assert_allclose(seen, np.arange(1, count + 1) / count)
 
 

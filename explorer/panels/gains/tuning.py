@@ -137,7 +137,7 @@ class TuningPanel:
         if self.result is None:
             return
         tuned, curve = self.result[1], self._curve.value
-        by_objective = sorted(tuned.seen, key=lambda point: point.objective(tuned.steadiness))
+        by_objective = sorted(tuned.points, key=lambda point: point.objective(tuned.steadiness))
         self.choices = tradeoff.front(tuple(by_objective), *CURVES[curve])
         best = min(range(len(self.choices)), key=lambda k: self.choices[k].objective(tuned.steadiness))
         self._place.value = 1
@@ -189,7 +189,7 @@ class TuningPanel:
         if self.result is not None and self.picked is not None:
             tuned = self.result[1]
             marked = MarkedPoints(start=tuned.before, best=tuned.after, picked=self.picked, choices=self.choices)
-            plots = "".join(tradeoff_plot.plot(axes, tuned.seen, marked) for axes in (POSITION, ATTITUDE))
+            plots = "".join(tradeoff_plot.plot(axes, tuned.points, marked) for axes in (POSITION, ATTITUDE))
             _assign(self._plots_block, NOTE.format(plots + tradeoff_plot.legend()))
 
     def _use_picked(self) -> None:

@@ -54,7 +54,7 @@ def summary(tuned: Tuned, runs: int) -> str:
 
 
 def _verdict_text(tuned: Tuned, runs: int, held_out_change: float) -> str:
-    tried = len(tuned.seen)
+    tried = len(tuned.points)
     if tuned.after is tuned.before:
         return f"<b>None of the {tried - 1} other gains tried did better</b> than those it began with."
     seeds = f"{runs} seeds" if runs > 1 else "one seed"

@@ -18,11 +18,11 @@ MEASURES = (
 """Key of the answer, name, unit."""
 SIDES = ("before", "after")
 MOST_POINTS = 3
-"""Points of each trade-off curve that are shown; `--json` has all of them."""
+"""Points of each tradeoff curve that are shown; `--json` has all of them."""
 
 
 def report(answer: Json, *, name: str) -> Report:
-    """Gains before and after the search, judged on seeds the search has not seen; `answer` is the JSON object."""
+    """Gains before and after the search, judged on held-out seeds; `answer` is the JSON object."""
     objective, held = answer["objective"], answer["held_out"]
     better = objective["after"] < objective["before"]
     sign: Sign = "✓" if better else "!"
@@ -78,6 +78,6 @@ def _value(value: Any) -> str:
 
 
 def _points(points: list[Json]) -> list[str]:
-    """The fastest, the middle and the most exact point of a trade-off curve."""
+    """The fastest, the middle and the most exact point of a tradeoff curve."""
     chosen = points if len(points) <= MOST_POINTS else [points[0], points[len(points) // 2], points[-1]]
     return [point["words"] for point in chosen]

@@ -118,12 +118,12 @@ def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: s
     for point in walk:  # nothing tried beats it in both, by the definition and not by the function
         assert not any(
             getattr(other, settle) < getattr(point, settle) and getattr(other, steady) < getattr(point, steady)
-            for other in result[1].seen
+            for other in result[1].points
         )
     for point in walk:  # and of those with the same figures it is the best by J
         same = [
             o
-            for o in result[1].seen
+            for o in result[1].points
             if (getattr(o, settle), getattr(o, steady)) == (getattr(point, settle), getattr(point, steady))
         ]
         assert point.objective(0.5) == min(other.objective(0.5) for other in same)
@@ -252,7 +252,7 @@ def tuned_result(
         steadiness=0.5,
         before=before,
         after=after,
-        seen=(before, after) if before is not after else (before,),
+        points=(before, after) if before is not after else (before,),
         held_out_before=held_before,
         held_out_after=held_after,
         starts_before=starts[0],
