@@ -17,21 +17,23 @@ from numpy import ndarray as Array
 from rangenav.signals import Signal, knots
 
 MAX_KNOTS = 20_000
-"""Knots, repetitions included, that a statement is made over; a minute of pieces as short as they may be has more."""
+"""Most knots, with repetitions, over which a bound is computed; a minute of the shortest allowed pieces has more."""
 
 
 class UnboundedDerivativeError(ValueError):
-    """Nothing bounds the derivatives; the sentence says why."""
+    """The derivatives have no known bound; the message says why."""
 
 
 def knots_until(signal: Signal, until: float) -> Float[Array, "k"]:
-    """Every time between 0 and until (s) at which a derivative may jump. Raises UnboundedError if they are too many."""
+    """Every time between 0 and until (s) at which a derivative may jump. Raises
+    UnboundedDerivativeError if there are too many.
+    """
     if knots.most(signal, until) > MAX_KNOTS:
         raise UnboundedDerivativeError(f"more than {MAX_KNOTS} knots in {until:.4g} s")
     return knots.knots(signal, 0.0, until)
 
 
 def stretches(signal: Signal, until: float) -> Float[Array, "k"]:
-    """The edges of stretches of [0, until] on each of which one number bounds a derivative well."""
+    """Edges of intervals of [0, until] (s), short enough that one number bounds a derivative well on each."""
     equal = np.linspace(0, until, signal.bound_stretches + 1)
     return np.union1d(knots_until(signal, until), equal)

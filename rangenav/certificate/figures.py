@@ -1,6 +1,7 @@
-"""A quick look at a preset, for searches: μ and predicted σ on few windows, and what of its vehicle's limits it uses.
+"""Sampled figures of a preset, for searches: μ and predicted σ on few windows, and how far it exceeds its vehicle.
 
-Some 5 ms instead of a certificate's 100: samples and no bounds, so whatever a search ends with is certified afterwards.
+They take some 5 ms instead of the certificate's 100, but are samples and no bounds. So the result of a search is
+certified afterwards.
 """
 
 import math
@@ -18,35 +19,35 @@ from rangenav.signals import Signal
 from rangenav.vehicle import THRUST_MARGIN, Demands, Vehicle
 
 WINDOWS = 24
-"""Start times looked at, besides those at which knots enter or leave the window."""
+"""Start times that are sampled; added are those at which knots enter or leave the window."""
 MAX_KNOTS = 24
 RATE, MAX_SAMPLES = 50.0, 1500
-"""Hz at most, and samples at most, on which the vehicle's limits are looked at."""
+"""The highest rate (Hz) and the most samples on which the vehicle's limits are tested."""
 BLIND_MU = 1e-30
-"""m²/s⁷; stands for none at all, so that logarithms exist."""
-MOST = {"thrust_to_weight", "speed", "acceleration", "jerk", "snap", "tilt", "body_rate"}
-"""Limits of which a motion may use at most all; the others are heights and distances."""
+"""m²/s⁷; replaces μ = 0, so that its logarithm exists."""
+UPPER_LIMITS = {"thrust_to_weight", "speed", "acceleration", "jerk", "snap", "tilt", "body_rate"}
+"""Limits that are a largest value; the other limits are heights and distances."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Figures:
-    """How much is asked and had; SI."""
+    """Sampled figures, SI."""
 
     mu: float
     """The least over the sampled windows."""
     sigma: float
     """m, the largest lifted position σ at a window's end; infinite where blind."""
     excess: dict[str, float]
-    """For each limit of the vehicle how far it is exceeded: log(reached/allowed), or m for heights; fine up to 0."""
+    """How far each limit of the vehicle is exceeded: log(reached/allowed), or m for heights; at most 0 is within it."""
 
     @property
     def worst_excess(self) -> float:
-        """−∞ for a vehicle without limits."""
+        """The largest excess; −∞ for a vehicle without limits."""
         return max(self.excess.values(), default=-math.inf)
 
 
 def figures(preset: Preset) -> Figures:
-    """The quick look. Raises ValueError where the motion cannot be flown at all, or would be too much work."""
+    """The figures of a preset. Raises ValueError if the motion has no attitude somewhere, or for too much work."""
     path, window = preset.path, preset.requirement.window
     last = preset.duration - window
     edges = derivative_bounds.knots_until(path, preset.duration)
@@ -72,7 +73,7 @@ def figures(preset: Preset) -> Figures:
 
 
 def _least(path: Signal, window: float, last: float) -> float:
-    """λ_min of the least sampled window: over a period where there is one, and it is not too long to look at."""
+    """λ_min of the least sampled window, over a period of the path; over the flight if there is none or a long one."""
     try:
         return least(path, window, path.period or last)
     except UnboundedDerivativeError:
@@ -80,7 +81,7 @@ def _least(path: Signal, window: float, last: float) -> float:
 
 
 def demanded(preset: Preset) -> Demands:
-    """What the motion asks for on a coarse grid of the flight."""
+    """The motion's demands on a vehicle, on a coarse grid of the flight."""
     rate = min(preset.sensors.imu_rate, RATE, MAX_SAMPLES / preset.duration)
     moved = motion.simulate(
         preset.path,
@@ -93,28 +94,28 @@ def demanded(preset: Preset) -> Demands:
     return vehicle.demands(moved, world=preset.world)
 
 
-def excess(asked: Demands, flying: Vehicle) -> dict[str, float]:
-    """How far each limit is exceeded; positive where it is broken, the thrust margin kept."""
-    found = {}
-    for limit in MOST:
-        allowed = getattr(flying, limit)
+def excess(demands: Demands, limits: Vehicle) -> dict[str, float]:
+    """How far each limit is exceeded, positive where it is broken. The thrust has to keep THRUST_MARGIN."""
+    excesses = {}
+    for limit in UPPER_LIMITS:
+        allowed = getattr(limits, limit)
         if allowed is not None:
             allowed = allowed / (1 + THRUST_MARGIN) if limit == "thrust_to_weight" else allowed
-            found[limit] = math.log(max(float(getattr(asked, limit).max()), 1e-300) / allowed)
-    if flying.height_min is not None:
-        found["height_min"] = flying.height_min - float(asked.height.min())
-    if flying.height_max is not None:
-        found["height_max"] = float(asked.height.max()) - flying.height_max
-    if flying.anchor_distance_min is not None:
-        nearest = max(float(asked.anchor_distance.min()), 1e-300)
-        found["anchor_distance_min"] = math.log(flying.anchor_distance_min / nearest)
-    return found
+            excesses[limit] = math.log(max(float(getattr(demands, limit).max()), 1e-300) / allowed)
+    if limits.height_min is not None:
+        excesses["height_min"] = limits.height_min - float(demands.height.min())
+    if limits.height_max is not None:
+        excesses["height_max"] = float(demands.height.max()) - limits.height_max
+    if limits.anchor_distance_min is not None:
+        nearest = max(float(demands.anchor_distance.min()), 1e-300)
+        excesses["anchor_distance_min"] = math.log(limits.anchor_distance_min / nearest)
+    return excesses
 
 
-def shortfall(found: Figures, preset: Preset, *, margin: float = 0.0) -> dict[str, float]:
-    """How far μ and σ stay behind what is required, as logarithms: fine up to 0. A margin asks for more of both."""
+def shortfall(reached: Figures, preset: Preset, *, margin: float = 0.0) -> dict[str, float]:
+    """How far μ and σ are from their requirements, as logarithms: met at 0 or below. margin: log, required of both."""
     needed = preset.requirement
     return {
-        "excitation": math.log(needed.mu / found.mu) + margin,
-        "accuracy": math.log(max(found.sigma, 1e-300) / needed.position_sigma) + margin,
+        "excitation": math.log(needed.mu / reached.mu) + margin,
+        "accuracy": math.log(max(reached.sigma, 1e-300) / needed.position_sigma) + margin,
     }

@@ -1,7 +1,7 @@
-"""What change would meet the requirement: the smallest tones that a search over a few frequencies finds, in words.
+"""A change that would meet the requirements: the smallest added tones, from a search over a few frequencies.
 
-A direction n that is not excited takes a tone A sin(wt) along n: nᵀWn grows by about ½δA²w⁸, σ falls with A. Two
-directions take two frequencies, three take three: tones of one frequency on all axes are an ellipse, which is planar.
+A direction n that is not excited needs a tone A sin(wt) along n: nᵀWn grows by about ½δA²w⁸, and σ falls with A. Two
+directions need two frequencies, three need three: tones of one frequency on all axes trace an ellipse, which is planar.
 """
 
 import math
@@ -25,19 +25,19 @@ from rangenav.signals import Multisine, Signal, Sum, Tone
 
 LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
 LEAST_TURN = 6.0
-"""rad; a tone that turns less in a window is not told from a cubic."""
+"""rad; a tone that turns less in a window cannot be distinguished from a cubic."""
 HARMONICS, TURNS = (1.0, 1.5, 2.0, 2.5, 3.0), (2.0, 3.0)
-"""Candidates, times how fast the path moves already, and times the slowest that a window tells."""
+"""Candidate frequencies: multiples of the path's own `pace`, and multiples of the slowest, LEAST_TURN / window."""
 SPREAD = (1.0, 1.5, 2.0)
 """Frequencies of two or three added tones, relative to each other."""
 LEAST_AMPLITUDE, MOST_AMPLITUDE = 1e-3, 4.0
-"""m; smaller tones are lost in any controller, larger ones are another path."""
+"""m; a controller does not follow smaller tones, and larger ones make another path."""
 WORK, WORK_PER_TRY, WORK_PER_OPERATION = 1e8, 1e5, 4e4
-"""A search is given so much work; a formula that takes long to look at is looked at less often."""
+"""The work of a search, of one trial, and of one operation of a formula; a long formula is tried less often."""
 FINE = 1.04
-"""The smallest amplitude is found to this factor."""
+"""The smallest amplitude is computed to this factor."""
 MARGIN = 0.05
-"""Samples are held to this much more than is required (log), so that the certificate's bound is met as well."""
+"""log; on samples so much more is required, so that the certificate's bound is met as well."""
 SHARE_OF_AXIS = 1e-6
 """Components of a direction below this are left out."""
 SLOWEST = 16.0
@@ -46,32 +46,32 @@ STANDARD_GRAVITY = 9.81
 
 @result
 class Added:
-    """Tones along directions, the preset that has them, and what it reaches."""
+    """Tones along directions, the preset with them, and its figures."""
 
     preset: Preset
     directions: tuple[Float[Array, "3"], ...]
     frequencies: tuple[float, ...]
     amplitude: float
-    """m, of each."""
+    """m, of each tone."""
     figures: Figures
 
 
 def remedy(preset: Preset, at: float) -> str | None:
-    """A sentence on what would meet the requirement; `at` (s) starts the window that is excited least."""
+    """A clause on what would meet the requirements, None if nothing does. at: start (s) of the least excited window."""
     if provenance.restriction(preset.source, preset.path) is not None:
         return provenance.ADOPT
     try:
-        found = figures(preset)
+        reached = figures(preset)
     except UnboundedDerivativeError:
         return None
-    if max(shortfall(found, preset).values()) > 0:
+    if max(shortfall(reached, preset).values()) > 0:
         added = smallest_tones(preset, at)
         return None if added is None else f"add {described(added)}"
     return _slower(preset)
 
 
 def described(added: Added) -> str:
-    """The tones in words."""
+    """The tones as a clause."""
     each = [
         f"{added.amplitude:g} m at {w:g} rad/s along {blindness.name(n)}"
         for n, w in zip(added.directions, added.frequencies, strict=True)
@@ -80,27 +80,27 @@ def described(added: Added) -> str:
 
 
 def smallest_tones(preset: Preset, at: float, *, tries: Iterator[int] | None = None) -> Added | None:
-    """The smallest tones found that meet the requirement within the vehicle's limits; None if none do.
+    """The smallest tones that meet the requirements within the vehicle's limits; None if the search has no result.
 
-    Small is a small effort: the amplitude in metres plus the acceleration in weights. `tries` is taken one from before
-    every look, and ends the search when it ends.
+    The smallest has the least `effort`. at: start (s) of the least excited window. tries: an iterator from which every
+    trial takes one item; the search ends when the iterator does.
     """
     work = WORK_PER_TRY + WORK_PER_OPERATION * preset.path.operations()
     tries = iter(range(int(WORK / work))) if tries is None else tries
-    for several in directions(preset, at):
-        tried = [found for w in candidates(preset) if (found := _smallest(preset, several, w, tries)) is not None]
-        if tried:
-            return min(tried, key=effort)
+    for chosen in directions(preset, at):
+        trial = [reached for w in candidates(preset) if (reached := _smallest(preset, chosen, w, tries)) is not None]
+        if trial:
+            return min(trial, key=effort)
     return None
 
 
 def effort(added: Added) -> float:
-    """How large a change is: amplitude in metres plus acceleration in weights."""
+    """The size of a change: amplitude in metres plus acceleration in units of standard gravity."""
     return added.amplitude * (1 + math.hypot(*(w**2 for w in added.frequencies)) / STANDARD_GRAVITY)
 
 
 def directions(preset: Preset, at: float) -> list[tuple[Array, ...]]:
-    """Which directions to move along: those without excitation; if that does not serve, the others besides."""
+    """Sets of directions to try: those without enough excitation, then with one more, then with all three."""
     values, axes = excitation.directions(preset.path, at, preset.requirement.window)
     missing = max(1, int(np.sum(values < preset.requirement.mu)))
     first, others = readable_basis(axes[:, :missing]), readable_basis(axes[:, missing:])
@@ -108,7 +108,7 @@ def directions(preset: Preset, at: float) -> list[tuple[Array, ...]]:
 
 
 def readable_basis(span: Float[Array, "3 k"]) -> list[Float[Array, "3"]]:
-    """Unit vectors that span the same as the orthonormal columns, coordinate axes where it contains them."""
+    """Unit vectors with the span of the orthonormal columns: coordinate axes where the span contains them."""
     if span.shape[1] == 0:
         return []
     columns = np.asarray(scipy.linalg.qr(span @ span.T, pivoting=True)[0])[:, : span.shape[1]]
@@ -117,7 +117,7 @@ def readable_basis(span: Float[Array, "3 k"]) -> list[Float[Array, "3"]]:
 
 
 def candidates(preset: Preset) -> list[float]:
-    """Frequencies (rad/s) to try: around how fast the path moves, and such that what repeats still repeats."""
+    """Frequencies (rad/s) to try: multiples of the path's pace, rounded so that a periodic path remains periodic."""
     path, window = preset.path, preset.requirement.window
     base, least = pace(preset), LEAST_TURN / window
     fastest = math.pi * min(preset.sensors.imu_rate, preset.sensors.range_rate) / 4
@@ -130,41 +130,41 @@ def candidates(preset: Preset) -> list[float]:
 
 
 def pace(preset: Preset) -> float:
-    """How fast the path moves (rad/s): sqrt(rms snap / rms acceleration), which is w for one tone."""
+    """A typical frequency of the path (rad/s): sqrt(rms snap / rms acceleration), which is w for one tone."""
     time = np.linspace(0, preset.duration, 401)
     sizes = [float(np.sqrt(np.mean(preset.path(time, order) ** 2))) for order in (2, 4)]
     return math.sqrt(sizes[1] / sizes[0]) if min(sizes) > 1e-9 else 2 * LEAST_TURN / preset.requirement.window
 
 
 def _smallest(preset: Preset, directions: tuple[Array, ...], w: float, tries: Iterator[int]) -> Added | None:
-    """The smallest amplitude at these frequencies, to two digits and upwards; None if none serves."""
+    """The smallest amplitude at these frequencies, rounded up to two digits; None if no amplitude is enough."""
     frequencies = tuple(float(f"{w * factor:.12g}") for factor in SPREAD[: len(directions)])
 
-    def tried(amplitude: float) -> Added | None:
+    def trial(amplitude: float) -> Added | None:
         return None if next(tries, None) is None else attempt(preset, directions, frequencies, amplitude)
 
     low, high = LEAST_AMPLITUDE, LEAST_AMPLITUDE
-    best = tried(high)
+    best = trial(high)
     while not _serves(best, preset):
         low, high = high, high * 3
         if best is None or best.figures.worst_excess > 0 or high > MOST_AMPLITUDE:
-            return None  # more of what is too much already does not help
-        best = tried(high)
+            return None  # already beyond the vehicle's limits
+        best = trial(high)
     while high / low > FINE:
         middle = math.sqrt(low * high)
-        found = tried(middle)
-        if _serves(found, preset):
+        reached = trial(middle)
+        if _serves(reached, preset):
             high = middle
         else:
             low = middle
-    best = tried(upwards(high))
+    best = trial(upwards(high))
     return best if best is not None and _serves(best, preset) and best.figures.worst_excess <= 0 else None
 
 
 def attempt(
     preset: Preset, directions: Sequence[Array], frequencies: Sequence[float], amplitude: float
 ) -> Added | None:
-    """The preset with tones of this amplitude, and its figures; None if it cannot be had."""
+    """The preset with tones of an amplitude (m), and its figures; None if there is no valid preset with them."""
     tones = tuple(
         Tone(axis=axis, amplitude=float(amplitude * n[k]), frequency=w)
         for n, w in zip(directions, frequencies, strict=True)
@@ -172,21 +172,24 @@ def attempt(
         if n[k] != 0
     )
     try:
-        made = msgspec.structs.replace(preset, path=with_tones(preset.path, tones))
-        found = figures(made)
+        changed = msgspec.structs.replace(preset, path=with_tones(preset.path, tones))
+        reached = figures(changed)
     except ValueError:
         return None
     return Added(
-        preset=made,
+        preset=changed,
         directions=tuple(directions),
         frequencies=tuple(frequencies),
         amplitude=amplitude,
-        figures=found,
+        figures=reached,
     )
 
 
 def with_tones(path: Signal, tones: tuple[Tone, ...]) -> Signal:
-    """The path with tones added; what is no Multisine gets them as the wiggle of a Sum. Raises ValueError if full."""
+    """The path with tones added: to a Multisine itself, else as the wiggle of a Sum.
+
+    Raises ValueError if there would be too many tones, or if the path is a Sum of other parts.
+    """
     match path:
         case Multisine():
             return msgspec.structs.replace(path, tones=(*path.tones, *tones))
@@ -209,7 +212,7 @@ def _serves(added: Added | None, preset: Preset) -> bool:
 
 
 def _slower(preset: Preset) -> str | None:
-    """For what is only too much for its vehicle: how many times slower it would have to be flown."""
+    """For a motion that only exceeds its vehicle's limits: a clause on how many times slower it must be flown."""
     factor = 1.0
     while factor < SLOWEST:
         factor *= 1.05

@@ -1,4 +1,4 @@
-"""Each requirement with a sentence that says whether it is met, and whether the preset expects that."""
+"""Every requirement with a sentence on whether it is met, and the comparison with what the preset expects."""
 
 import msgspec
 import numpy as np
@@ -21,7 +21,7 @@ def requirements(
     flyability: schema.Flyability,
     preset: Preset,
 ) -> tuple[Check, ...]:
-    """Every requirement, and whether it is met; the sentence of each has the number required and the number reached."""
+    """Every requirement, and whether it is met. Each sentence has the number required and the number reached."""
     window, source = preset.requirement.window, preset.source
     return (
         _excitation(excitation, window),
@@ -61,7 +61,7 @@ def failures(checks: tuple[Check, ...], excitation: schema.Excitation, expect: E
 
 
 def gate(certificate: Certificate) -> str | None:
-    """None if the file may be exported; else one sentence: what is missing, where, by how much, and what would help."""
+    """None if the preset may be exported; else one sentence: what is missing, where, by how much, and a remedy."""
     if certificate.meets:
         return None
     missed = [one for one in certificate.checks if not one.met]

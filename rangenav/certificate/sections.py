@@ -1,4 +1,4 @@
-"""The parts of a certificate: what a preset's motion excites, sees, predicts, asks for and where it jumps."""
+"""The sections of a certificate: excitation, rank, accuracy, vehicle's limits, jumps, source file and frame."""
 
 from typing import Literal
 
@@ -11,7 +11,7 @@ from rangenav import continuity, provenance, record, vehicle
 from rangenav.analysis import noise_note
 from rangenav.certificate import derivative_bounds, schema
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.excitation_bound import TIE, Bounds, bounds, oriented
+from rangenav.certificate.excitation_bound import TIE, ExcitationBounds, excitation_bounds, oriented
 from rangenav.certificate.schema import Claim, figure, known
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
@@ -21,35 +21,35 @@ from rangenav.signals import Flown
 from rangenav.vehicle import THRUST_MARGIN
 
 WINDOWS = 201
-"""Start times on which ranks and accuracy are sampled, besides those at which a knot enters or leaves the window."""
+"""Start times at which ranks and accuracy are sampled; added are those at which a knot enters or leaves the window."""
 MAX_EVENTS = 100
 Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
 EVERY: Starts = "every t >= 0"
 FLIGHT: Starts = "every t in [0, duration - window]"
 SIGMA_TIE = 1e-3
-"""Predicted errors nearer than this share are equally bad: their curve is that of an integral, not of the ranges."""
+"""Predicted errors that differ by less than this share are equally bad: they come from an integral over the ranges."""
 
 
 def excitation_section(preset: Preset) -> tuple[Claim, schema.Excitation]:
-    """μ over every window at any t where the path repeats, else over every window of the flight."""
+    """Bounds of μ over every window at any t ≥ 0 if the path is periodic, else over every window of the flight."""
     period, why, needed = preset.path.period, "the path does not repeat", preset.requirement.mu
-    every: Bounds | None = None
+    of_period: ExcitationBounds | None = None
     if period is not None:
         try:
-            end = period or _last(preset)  # a period of 0: nothing bends, and one window is as good as another
-            every = bounds(preset.path, preset.requirement.window, end)
-            if every.lower >= needed or every.found < needed:
-                return _bounded(preset, every, EVERY, None)
-            why = f"over the period of {period:.4g} s no less than {every.lower:.4g} m²/s⁷ can be shown"
+            end = period or _last(preset)  # a period of 0: a straight path, whose windows are all alike
+            of_period = excitation_bounds(preset.path, preset.requirement.window, end)
+            if of_period.lower >= needed or of_period.least < needed:
+                return _bounded(preset, of_period, EVERY, None)
+            why = f"over the period of {period:.4g} s no less than {of_period.lower:.4g} m²/s⁷ can be shown"
         except UnboundedDerivativeError as error:
             why = str(error)
     try:
-        found = bounds(preset.path, preset.requirement.window, _last(preset))
+        of_flight = excitation_bounds(preset.path, preset.requirement.window, _last(preset))
     except UnboundedDerivativeError as error:
         return _sampled(preset, str(error))
-    if every is not None and found.lower < needed:
-        return _bounded(preset, every, EVERY, None)
-    return _bounded(preset, found, FLIGHT, why)
+    if of_period is not None and of_flight.lower < needed:
+        return _bounded(preset, of_period, EVERY, None)
+    return _bounded(preset, of_flight, FLIGHT, why)
 
 
 def _last(preset: Preset) -> float:
@@ -67,25 +67,27 @@ def _claim(preset: Preset, starts: Starts, why: str | None) -> Claim:
     )
 
 
-def _bounded(preset: Preset, found: Bounds, starts: Starts, why: str | None) -> tuple[Claim, schema.Excitation]:
-    blind = found.found <= found.floor
+def _bounded(
+    preset: Preset, bounds: ExcitationBounds, starts: Starts, why: str | None
+) -> tuple[Claim, schema.Excitation]:
+    blind = bounds.least <= bounds.floor
     part = schema.Excitation(
         required=preset.requirement.mu,
-        lower=figure(found.lower, toward=-1),
-        upper=figure(found.upper, toward=1),
-        upper_everywhere=figure(found.upper_everywhere, toward=1),
-        found=None if blind else figure(found.found),
-        floor=figure(found.floor, toward=1),
-        at=figure(found.at),
-        direction=_vec(found.direction),
-        starts=found.starts,
+        lower=figure(bounds.lower, toward=-1),
+        upper=figure(bounds.upper, toward=1),
+        upper_everywhere=figure(bounds.upper_everywhere, toward=1),
+        found=None if blind else figure(bounds.least),
+        floor=figure(bounds.floor, toward=1),
+        at=figure(bounds.at),
+        direction=_vec(bounds.direction),
+        starts=bounds.starts,
         reason="found: null, below the floor of rounding" if blind else msgspec.UNSET,
     )
     return _claim(preset, starts, why), part
 
 
 def _sampled(preset: Preset, why: str) -> tuple[Claim, schema.Excitation]:
-    """Without a bound: what sampled windows say, and why there is no more."""
+    """The section without a bound: μ on sampled windows, and the reason why there is no bound."""
     path, window = preset.path, preset.requirement.window
     start = _starts(preset, _last(preset))
     every = excitation.eigenvalues(path, start, window)[:, 0]
@@ -109,7 +111,7 @@ def _sampled(preset: Preset, why: str) -> tuple[Claim, schema.Excitation]:
 
 
 def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
-    """Start times in [0, end]: even ones, and those at which a knot enters or leaves the window."""
+    """Start times in [0, end]: evenly spaced ones, and those at which a knot enters or leaves the window."""
     window = preset.requirement.window
     try:
         edges = derivative_bounds.knots_until(preset.path, end + window)
@@ -121,7 +123,7 @@ def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
 
 
 def rank_section(preset: Preset, claim: Claim) -> schema.Rank:
-    """The least rank of the lifted Gramian and of the nonlinear one over sampled windows, and the blind directions."""
+    """The least ranks of the lifted and of the nonlinear Gramian over sampled windows, and the blind directions."""
     path, window, world = preset.path, preset.requirement.window, preset.world
     period = preset.path.period if claim.starts == EVERY else None
     start = _starts(preset, period or _last(preset))
@@ -186,7 +188,7 @@ def _sigma(found: accuracy.Accuracy) -> schema.Sigma:
 
 
 def limits_section(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
-    """What the motion asks for on the IMU's samples, and whether the preset's vehicle can do that."""
+    """The motion's extremes on the IMU's samples, and whether the preset's vehicle can fly it."""
     motion = record.simulated(record.truth_inputs(preset)).motion
     demands = vehicle.demands(motion, world=preset.world)
     broken = vehicle.broken(motion, preset.vehicle, world=preset.world)
@@ -254,7 +256,7 @@ def frame_section(preset: Preset) -> schema.Frame:
 
 
 def _first_near(values: Float[Array, "n"], target: float, share: float) -> int:
-    """The first value within a share of the least one, so that rounding does not choose among equals."""
+    """Index of the first value within a share of the target, so that rounding does not choose among equal ones."""
     return int(np.argmax(values <= target + share * abs(target)))
 
 

@@ -1,7 +1,7 @@
 """W(t) = ∫_t^{t+δ} p⁗ p⁗ᵀ ds on many windows at once: differences of one running sum over small cells.
 
 Neighbouring windows share nearly all their cells, so thousands of them cost one pass over the path. Cells end wherever
-a window starts or ends and at every knot, so that none holds a jump.
+a window starts or ends and at every knot, so the snap has no jump inside a cell.
 """
 
 import math
@@ -18,14 +18,14 @@ from rangenav.signals import Signal, knots
 GAUSS = 4
 """Nodes of a cell."""
 TURN = 0.4
-"""rad of the fastest tone in one cell: Gauss's rule then errs by less than 1e-11 of what is integrated."""
+"""rad of the fastest tone in one cell: the relative error of Gauss's rule is then below 1e-11."""
 FIRST_STARTS, FIRST_CELLS = 129, 64
 MAX_NODES = 400_000
 """Evaluations of the snap: a second on a small machine."""
 CHEAP_OPERATIONS = 20
 """A formula of so many operations costs as much as a few tones; longer ones are evaluated less often."""
 NEAR = 1e-14
-"""Edges nearer than this share of the whole time are one: rounding of knot less δ plus δ."""
+"""Edges nearer than this share of the whole time are one edge: they differ by the rounding of (knot − δ) + δ."""
 
 
 @result
@@ -42,11 +42,13 @@ class Sums:
     last: Int[Array, "w"]
     """Edges at which each window starts and ends."""
     trace: float
-    """Of the whole sum: its rounding is what the differences have."""
+    """Trace of the sum over all cells; the rounding of the differences is proportional to it."""
 
 
 def sums(path: Signal, window: float, start: Float[Array, "w"], edges: Float[Array, "e"], turn: float) -> Sums:
-    """W for windows that start at increasing times (s); `edges` are the path's knots. Raises UnboundedError."""
+    """W for windows that start at increasing times (s); `edges` are the path's knots. Raises
+    UnboundedDerivativeError for too much work.
+    """
     until = float(start[-1]) + window
     count = cells(path, until, turn)
     nodes = GAUSS * (count + 2 * len(start) + len(edges))
@@ -66,12 +68,12 @@ def sums(path: Signal, window: float, start: Float[Array, "w"], edges: Float[Arr
 
 
 def additions(count: int) -> int:
-    """How many roundings a running sum of so many terms has at most."""
+    """The most roundings that one value of a running sum of `count` terms has."""
     return 2 * (math.isqrt(count) + 1)
 
 
 def _running(terms: Float[Array, "c 3 3"]) -> Float[Array, "d 3 3"]:
-    """0, then the sums of the first one, two … terms: by blocks, so that each is a sum of a few hundred numbers."""
+    """0, then the sums of the first one, two … terms; by blocks, so that few roundings add up."""
     count, block = len(terms), math.isqrt(len(terms)) + 1
     rows = -(-count // block)
     inside = np.zeros((rows * block, 3, 3))
@@ -82,30 +84,30 @@ def _running(terms: Float[Array, "c 3 3"]) -> Float[Array, "d 3 3"]:
 
 
 def least(path: Signal, window: float, end: float) -> float:
-    """λ_min of the least of some windows that start in [0, end] (s), those at knots among them: a sample, no bound."""
+    """The least λ_min over sampled windows that start in [0, end] (s), with those at knots; a sample, no bound."""
     edges = derivative_bounds.knots_until(path, end + window)
-    found = sums(path, window, first_starts(window, end, edges), edges, TURN)
-    return float(np.linalg.eigvalsh(found.matrix)[:, 0].min())
+    window_sums = sums(path, window, first_starts(window, end, edges), edges, TURN)
+    return float(np.linalg.eigvalsh(window_sums.matrix)[:, 0].min())
 
 
 def first_starts(window: float, end: float, edges: Float[Array, "e"]) -> Float[Array, "w"]:
-    """Even starts in [0, end], and those at which an edge enters or leaves the window."""
+    """Evenly spaced starts in [0, end], and those at which an edge enters or leaves the window."""
     start = np.concatenate([np.linspace(0, end, FIRST_STARTS), edges, edges - window])
     return apart(np.clip(start, 0, end), end + window)
 
 
 def cells(path: Signal, until: float, turn: float) -> int:
-    """Cells that the fastest tone asks for, besides those that starts and knots make, and in any case some."""
+    """The number of equal cells that the fastest tone needs, at least FIRST_CELLS; starts and knots add more."""
     return math.ceil(max(FIRST_CELLS * TURN, knots.smooth_bandwidth(path, until) * until) / turn)
 
 
 def most_nodes(path: Signal) -> float:
-    """Evaluations that this path may be asked for."""
+    """The most evaluations of this path's snap."""
     return MAX_NODES / (1 + path.operations() / CHEAP_OPERATIONS)
 
 
 def apart(time: Float[Array, "m"], until: float) -> Float[Array, "n"]:
-    """Sorted, without those that rounding has made two of one."""
+    """The times sorted, with one of those that differ by rounding only."""
     time = np.sort(time)
     return time[np.diff(time, prepend=-np.inf) > NEAR * until]
 

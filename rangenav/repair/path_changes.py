@@ -1,9 +1,9 @@
-"""Changes of what a path consists of: its size, the frequencies of its tones, its speed, its waypoints.
+"""Changes of a path itself, without added tones: of its size, the frequencies of its tones, its speed, its waypoints.
 
 amplitude   one factor per axis, about the middle of the path
 frequency   one factor per frequency of the path's own tones
 timescale   one factor: the same geometry, run slower or faster
-waypoints   moved points, by waves along them
+waypoints   points moved by sine and cosine waves over their indices
 """
 
 import math
@@ -22,9 +22,9 @@ from rangenav.signals import MinimumSnap, Multisine, Signal, Sum, Tone, Waypoint
 MOST_FACTOR = 4.0
 """The largest factor by which sizes, frequencies and times are changed."""
 MOST_MOVED = 3.0
-"""m, of a waypoint."""
+"""m: the largest coefficient of a wave by which waypoints are moved."""
 WAVES = 3
-"""Waypoints are moved along waves of one, two and three turns over the path."""
+"""Waypoints are moved by waves of one, two and three periods over the path."""
 BOX_SAMPLES = 401
 
 
@@ -51,37 +51,41 @@ def amplitude(preset: Preset) -> Change:
 
 
 def frequency(preset: Preset) -> Change:
-    """The path's own tones sped up or slowed, each frequency by itself; θ = log factors, in rising order."""
-    found = own_tones(preset.path)
-    own = sorted({tone.frequency for tone in found})
+    """The path's own tones faster or slower, each frequency by its own factor; θ = log factors, by rising frequency."""
+    own = own_tones(preset.path)
+    frequencies = sorted({tone.frequency for tone in own})
 
     def make(theta: Array) -> Preset:
-        factors = dict(zip(own, np.exp(theta).tolist(), strict=True))
+        factors = dict(zip(frequencies, np.exp(theta).tolist(), strict=True))
         tones = tuple(
             msgspec.structs.replace(tone, frequency=float(f"{tone.frequency * factors[tone.frequency]:.3g}"))
-            for tone in found
+            for tone in own
         )
         return with_path(preset, _with_own_tones(preset.path, tones))
 
     return Change(
-        box=_factors(len(own)),
+        box=_factors(len(frequencies)),
         make=make,
         effort=lambda theta: float(np.linalg.norm(theta)),
         description=lambda theta: (
             "changed "
             + _listed(
-                [f"{w:g} to {w * math.exp(t):.3g} rad/s" for w, t in zip(own, theta, strict=True) if abs(t) > 1e-3]
+                [
+                    f"{w:g} to {w * math.exp(t):.3g} rad/s"
+                    for w, t in zip(frequencies, theta, strict=True)
+                    if abs(t) > 1e-3
+                ]
             )
         ),
         rounded=lambda theta: np.array(
-            [math.log(float(f"{w * math.exp(t):.3g}") / w) for w, t in zip(own, theta, strict=True)]
+            [math.log(float(f"{w * math.exp(t):.3g}") / w) for w, t in zip(frequencies, theta, strict=True)]
         ),
-        rays=_corners(np.vstack([np.eye(len(own)), np.ones((1, len(own)))])),
+        rays=_corners(np.vstack([np.eye(len(frequencies)), np.ones((1, len(frequencies)))])),
     )
 
 
 def timescale(preset: Preset) -> Change:
-    """The same geometry run faster or slower; a flight whose path ends gets longer or shorter too. θ = (log factor)."""
+    """The same geometry flown faster or slower; θ = (log factor). Without a period the duration changes too."""
 
     def make(theta: Array) -> Preset:
         factor = math.exp(float(theta[0]))
@@ -105,7 +109,7 @@ def timescale(preset: Preset) -> Change:
 
 
 def waypoints(preset: Preset, directions: tuple[Float[Array, "3"], ...]) -> Change:
-    """Waypoints moved along directions, by waves over their numbers; θ = m along each direction and wave."""
+    """Waypoints moved along directions by waves over their indices; θ = a coefficient (m) per direction and wave."""
     base = _curve(preset.path)
     turn = np.arange(len(base.points)) / len(base.points)
     waves = [wave(2 * math.pi * j * turn) for j in range(1, WAVES + 1) for wave in (np.cos, np.sin)]
@@ -138,16 +142,16 @@ def waypoints(preset: Preset, directions: tuple[Float[Array, "3"], ...]) -> Chan
 
 
 def own_tones(path: Signal) -> tuple[Tone, ...]:
-    """The tones a path is made of, or those of its wiggle; none for other families."""
+    """The tones of a Multisine, or of the wiggle of a Sum; none for other families."""
     match path:
-        case Multisine(tones=found) | Sum(wiggle=Multisine(tones=found)):
-            return found
+        case Multisine(tones=tones) | Sum(wiggle=Multisine(tones=tones)):
+            return tones
         case _:
             return ()
 
 
 def refusal(kind: ChangeKind, preset: Preset) -> str | None:
-    """Why a kind of change cannot be made on a path at all; None if it can be tried."""
+    """Why a kind of change is impossible for a path, as one clause; None if it can be tried."""
     path = preset.path
     if kind == "frequency" and not own_tones(path):
         return "the path has no tones whose frequency could be changed"
@@ -186,7 +190,7 @@ def _factors(count: int) -> Float[Array, "n 2"]:
 
 
 def _corners(rows: Float[Array, "k n"]) -> tuple[Array, ...]:
-    """Up and down along each row, to the edge of what is allowed."""
+    """The ends of the rays: each row with both signs, scaled to the largest factor."""
     return tuple(sign * math.log(MOST_FACTOR) * row for row in rows for sign in (1, -1) if np.any(row))
 
 

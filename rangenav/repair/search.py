@@ -1,8 +1,8 @@
 """The search for the smallest θ that meets every requirement, or for the best θ within limits.
 
 The search goes along rays, then through the whole box, and ends with a local polish. Every trial of a θ costs about
-4 ms and is counted; when the budget is used up, the best θ so far is kept. The violation of a θ is the largest of all
-shortfalls and excesses, as logarithms: at 0 or below, every requirement is met with the margin that was required.
+4 ms and is counted. When the budget is used up, the best θ so far is the result. The violation of a θ is the largest of
+all shortfalls and excesses, as logarithms: at 0 or below, every requirement is met with its margin.
 """
 
 import math
@@ -24,15 +24,15 @@ RAY = (1 / 512, 1 / 256, 1 / 128, 1 / 64, 1 / 32, 1 / 16, 1 / 8, 1 / 4, 1 / 2, 3
 """Shares of a ray that are tried, outwards."""
 HALVINGS = 6
 POPULATION, SEED = 5, 1
-"""Of differential evolution: members per unknown; the draw is always the same."""
+"""Differential evolution: members per unknown, and the seed, which makes every search repeatable."""
 WIDE_SHARE, POLISH = 0.6, 120
 """The share of the remaining trials that a wide search may use, and the number of trials that a polish may use."""
 WALL = 1e3
 """The violation of a θ for which there is no preset."""
 EXCESS_MARGIN = 0.01
-"""log; kept from the vehicle's limits, because a trial has fewer samples than a certificate."""
+"""log; distance to be kept from the vehicle's limits, because a trial has fewer samples than a certificate."""
 PENALTY = 30.0
-"""Weight of a violation against a logarithm of σ in a wide search."""
+"""Weight of a violation relative to log σ, where σ is minimised."""
 
 
 @dataclass(eq=False, kw_only=True)
@@ -41,7 +41,7 @@ class Budget:
 
     total: int
     most: int
-    """What may be used so far, of the total."""
+    """The number of motions that may be tried up to the current stage, of the total."""
     progress: Progress
     cancelled: Cancelled
     used: int = 0
@@ -73,9 +73,9 @@ class Search:
     change: Change
     budget: Budget
     margin: float
-    """log; asked of μ and σ beyond what is required."""
+    """log; the margin by which μ and σ must exceed their requirements."""
     needs: tuple[str, ...] = ("excitation", "accuracy")
-    """Shortfalls that count."""
+    """The shortfalls that count as violations."""
     trials: dict[bytes, Trial] = field(default_factory=dict)
 
     def evaluate(self, theta: Float[Array, "n"]) -> Trial:
@@ -90,31 +90,33 @@ class Search:
     def _evaluate(self, theta: Array) -> Trial:
         try:
             preset = self.change.make(theta)
-            found = figures(preset)
+            reached = figures(preset)
         except ValueError:
             return Trial(figures=None, violation=WALL)
-        return Trial(figures=found, violation=self.violation(found, preset))
+        return Trial(figures=reached, violation=self.violation(reached, preset))
 
-    def violation(self, found: Figures, preset: Preset) -> float:
+    def violation(self, reached: Figures, preset: Preset) -> float:
         """The largest shortfall or excess; the requirements are met at 0 or below."""
-        missing = [value for name, value in shortfall(found, preset, margin=self.margin).items() if name in self.needs]
-        return min(WALL, max(*missing, found.worst_excess + EXCESS_MARGIN, -WALL))
+        missing = [
+            value for name, value in shortfall(reached, preset, margin=self.margin).items() if name in self.needs
+        ]
+        return min(WALL, max(*missing, reached.worst_excess + EXCESS_MARGIN, -WALL))
 
 
 def least(search: Search) -> Float[Array, "n"] | None:
-    """The smallest θ found that violates nothing; None if none was found."""
-    found = [theta for end in search.change.rays if (theta := along(search, end)) is not None]
-    if not found and search.budget.left > 0:
+    """The θ of least effort that violates nothing; None if the search has no such θ."""
+    met = [theta for end in search.change.rays if (theta := along(search, end)) is not None]
+    if not met and search.budget.left > 0:
         wide = _anywhere(search)
-        found = [] if wide is None else [wide]
-    if not found:
+        met = [] if wide is None else [wide]
+    if not met:
         return None
-    best = min(found, key=search.change.effort)
+    best = min(met, key=search.change.effort)
     return polished(search, best, lambda theta: math.log(max(search.change.effort(theta), 1e-9)))
 
 
 def along(search: Search, end: Float[Array, "n"]) -> Float[Array, "n"] | None:
-    """The first share of a ray from no change to `end` that violates nothing, to a few percent."""
+    """The first θ on the ray from no change to `end` that violates nothing, to a few percent; None if there is none."""
     before = 0.0
     for share in RAY:
         if search.budget.left == 0:
@@ -134,7 +136,7 @@ def along(search: Search, end: Float[Array, "n"]) -> Float[Array, "n"] | None:
 
 
 def polished(search: Search, theta: Float[Array, "n"], aim: Callable[[Array], float]) -> Float[Array, "n"]:
-    """A local search for a smaller aim that still violates nothing; the start if it finds none."""
+    """The θ of least `aim` that violates nothing, from a local search (COBYLA) that starts at `theta`."""
     span = search.change.box[:, 1] - search.change.box[:, 0]
     start = theta / span
     minimize(
@@ -169,7 +171,7 @@ def _anywhere(search: Search) -> Float[Array, "n"] | None:
 
 
 def sharpest(search: Search, most_effort: float) -> Float[Array, "n"] | None:
-    """The θ of least predicted σ whose effort stays below a limit and that breaks no limit of the vehicle."""
+    """The θ of least predicted σ within `most_effort` and the vehicle's limits; None if no tried θ is within both."""
 
     def aim(theta: Array) -> float:
         trial = search.evaluate(theta)

@@ -1,7 +1,8 @@
-"""The search of a twin: exact ones first, then those whose range agrees within the tolerance only.
+"""The search for a twin: exact twins first, then motions whose range agrees within a tolerance.
 
-A twin is p + Δp + Δv s. Exact ones are turns and mirrors about the anchor (`observability.symmetry`). The others are
-searched along the nonlinear null space (`observability.ambiguity`).
+A twin of the motion p is p + Δp + Δv s, with the same IMU record and the same range. Exact twins are rotations and
+mirror images about the anchor (`observability.symmetry`). The others are searched along the nonlinear null space
+(`observability.ambiguity`).
 """
 
 import math
@@ -23,17 +24,17 @@ from rangenav.twin import text
 from rangenav.twin.outcome import Refusal, Twin, TwinKind
 
 TOLERANCE, APART = 0.02, 1.0
-"""m: of the range; and how far off a twin must be (RMS over the flight) to be worth showing."""
+"""m: the tolerance of the range, and the least distance of a twin (RMS over the flight)."""
 MAX_TOLERANCE, MIN_APART, MAX_APART = 100.0, 0.01, 1e4
 MAX_RANGES, GRID = 4000, 2001
-"""Moments at which the ranges are compared: their own, or so many of them evenly, and a grid between them."""
+"""Ranges are compared at their own times, evenly thinned to at most MAX_RANGES, and on a grid of GRID times."""
 ITSELF = 1e-6
 """m: an exact twin this near is the motion itself."""
 SAME = 1e-9
 """m: ranges that differ by less are the same, whatever the tolerance; rounding at 1000 km is 1e-10."""
 RIGHT_ANGLE = math.pi / 2
 ALMOST = 1 - 1e-9
-"""Of the distance asked for: what is as far as that but for rounding is far enough."""
+"""Share of the required distance that is enough: it allows for rounding."""
 CACHED = 8
 
 NONE: Vec3 = (0.0, 0.0, 0.0)
@@ -41,7 +42,7 @@ NONE: Vec3 = (0.0, 0.0, 0.0)
 
 @result
 class _Flight:
-    """One motion, and the moments at which its range is compared."""
+    """One motion, and the times at which its range is compared."""
 
     path: Signal
     anchor: Float[Array, "3"]
@@ -49,11 +50,13 @@ class _Flight:
     duration: float
     time: Float[Array, "n"]
     position: Float[Array, "n 3"]
-    """m, relative to the anchor, as `start` is."""
+    """m, relative to the anchor."""
     start: Float[Array, "3"]
+    """m, the position at time 0 relative to the anchor."""
     velocity: Float[Array, "3"]
+    """m/s, at time 0."""
     unaccelerated: Float[Array, "m 3"]
-    """Directions along which nothing accelerates."""
+    """Orthonormal directions along which p̈ is zero throughout."""
 
 
 def twin(
@@ -61,9 +64,9 @@ def twin(
 ) -> Twin | Refusal:
     """The twin of a preset's motion, or the reason why the motion has none.
 
-    `tolerance` (m) says how well the ranges must agree at every moment. `apart` (m, RMS over the flight) says how far
-    off the twin must be. `turn` (rad, a rotation vector about the anchor) says where a turned twin is; None means a
-    right angle. The antenna is taken to sit at the body's origin; with a lever arm, the summary says so.
+    tolerance: the largest difference (m) of the ranges. apart: the least distance (m, RMS over the flight) of the twin.
+    turn: the rotation vector (rad, about the anchor) of a turned twin; None means a right angle. The antenna is assumed
+    at the body's origin; with a lever arm, the summary says so.
     """
     require_within("tolerance", tolerance, 0.0, MAX_TOLERANCE, "m")
     require_within("apart", apart, MIN_APART, MAX_APART, "m")
@@ -79,7 +82,7 @@ def twin(
 
 
 def turn_towards(preset: Preset, point: Vec3, *, time: float) -> Vec3:
-    """The turn (rad) that brings a turned twin nearest to a point (m) at a time (s); zero if no turn is allowed."""
+    """The rotation vector (rad) of the turned twin nearest to a point (m) at a time (s); zero if none is allowed."""
     refuse_nonfinite("point", point)
     anchor = np.asarray(preset.world.anchor)
     here, there = preset.path(np.array(time)) - anchor, np.asarray(point) - anchor
@@ -98,7 +101,7 @@ def _twin(
         if exact is not None and agrees and (dragged or _rms(flight, exact) >= apart * ALMOST):
             return exact
         return _searched(flight, exact, tolerance, apart)
-    except ValueError as error:  # the twin of a path at the limits of its numbers may lie beyond them
+    except ValueError as error:  # the twin of a path near the limits of its parameters may exceed them
         return Refusal(kind="too large", reason=f"no twin: its {error}", sensitivity=math.nan, mismatch=math.nan)
 
 
@@ -133,7 +136,7 @@ def _exact(flight: _Flight, apart: float, turn: Vec3 | None) -> Twin | None:
 
 
 def _usual_turn(flight: _Flight, apart: float) -> Array:
-    """A right angle, else half a turn, about the first axis that leads far enough; else the one that leads farthest."""
+    """The first turn by 90°, then by 180°, about any axis whose twin is far enough; else that of the farthest twin."""
     axes = symmetry.axes(flight.velocity, flight.up, flight.unaccelerated)
     turns = [angle * axis for angle in (RIGHT_ANGLE, 2 * RIGHT_ANGLE) for axis in axes]
 
@@ -144,13 +147,13 @@ def _usual_turn(flight: _Flight, apart: float) -> Array:
 
 
 def _straight(flight: _Flight, matrix: Array) -> tuple[Array, Array]:
-    """Δp and Δv of O q − q, where that is straight."""
+    """Δp and Δv of O q − q, where this difference is a straight line."""
     change = matrix - np.eye(3)
     return change @ flight.start, change @ flight.velocity
 
 
 def _rms(flight: _Flight, twin: Twin) -> float:
-    """m between both motions, RMS over the flight."""
+    """m: the distance between both motions, RMS over the flight."""
     return ambiguity.rms(twin.shift, twin.drift, flight.duration)
 
 
@@ -164,7 +167,7 @@ def _compared(
     turn: Vec3 = NONE,
     axis: Vec3 | None = None,
 ) -> Twin:
-    """The twin with a straight-line difference, its range taken from its own path."""
+    """The twin with a straight-line difference; its range is computed from its own path."""
     start = flight.anchor + flight.start + shift
     path = with_start(flight.path, position=_vec(start), velocity=_vec(flight.velocity + drift))
     true, other = (np.linalg.norm(q, axis=-1) for q in (flight.position, path(flight.time) - flight.anchor))
@@ -188,7 +191,7 @@ def _compared(
 
 
 def _searched(flight: _Flight, exact: Twin | None, tolerance: float, apart: float) -> Twin | Refusal:
-    """A twin that is not exact, or the refusal of any."""
+    """The twin that is not exact but within the tolerance, or the reason why there is none."""
     time = symmetry.moments(flight.duration)
     position, acceleration = flight.path(time) - flight.anchor, flight.path(time, 2)
     candidates = ambiguity.search(position, acceleration, time, flight.duration, apart=apart)
@@ -197,8 +200,8 @@ def _searched(flight: _Flight, exact: Twin | None, tolerance: float, apart: floa
     if worst[best] <= tolerance:
         shift, drift = candidates.shift[best], candidates.drift[best]
         return _compared(flight, "nearby", shift, drift, text.displacement(shift, drift))
-    felt = ambiguity.sensitivity(position, time, flight.duration)
-    return _refusal(flight, exact, felt, worst[best], tolerance, apart)
+    sensitivity = ambiguity.sensitivity(position, time, flight.duration)
+    return _refusal(flight, exact, sensitivity, worst[best], tolerance, apart)
 
 
 def _worst(flight: _Flight, shift: Array, drift: Array) -> float:
@@ -207,15 +210,18 @@ def _worst(flight: _Flight, shift: Array, drift: Array) -> float:
 
 
 def _refusal(
-    flight: _Flight, exact: Twin | None, felt: ambiguity.Sensitivity, best: float, tolerance: float, apart: float
+    flight: _Flight, exact: Twin | None, sensitivity: ambiguity.Sensitivity, best: float, tolerance: float, apart: float
 ) -> Refusal:
-    least = float(felt.singular[-1])
+    least = float(sensitivity.singular[-1])
     others = text.no_ambiguity(apart=apart, mismatch=best, tolerance=tolerance)
     if exact is not None and _rms(flight, exact) > ITSELF:
         kind, reason = "too near", text.too_near(exact.summary, apart=apart, others=others)
     elif least < ambiguity.BLIND:
-        later, directions = _worst(flight, apart * felt.shift, apart * felt.drift), len(flight.unaccelerated)
-        reason = text.locally_blind(felt.shift, directions=directions, apart=apart, later=later, others=others)
+        later, directions = (
+            _worst(flight, apart * sensitivity.shift, apart * sensitivity.drift),
+            len(flight.unaccelerated),
+        )
+        reason = text.locally_blind(sensitivity.shift, directions=directions, apart=apart, later=later, others=others)
         kind = "locally blind"
     else:
         kind, reason = "observable", text.observable(least, others=others)

@@ -1,4 +1,4 @@
-"""What is said of a twin, or of there being none: sentences made of numbers that `search` has computed."""
+"""The text about a twin, or about why there is none, from the numbers that `search` computes."""
 
 import math
 
@@ -9,16 +9,16 @@ from numpy import ndarray as Array
 from rangenav.observability import blindness
 
 ZERO = 1e-9
-"""Parts of a unit vector below it are rounding."""
+"""Components of a unit vector below this are rounding."""
 STEADY = 0.01
-"""A twin whose distance varies by less than this share is said to be at one distance."""
+"""A twin whose distance varies by less than this share has one distance in the text."""
 ITS_OWN_TWIN = (
     "no turn or mirror leaves its acceleration alone",
     "the anchor lies in its plane, so its mirror image is the motion itself",
     "the anchor lies on its line, so what is turned about that is the motion itself",
     "it stands at the anchor, so what is turned about that is the motion itself",
 )
-"""Why there is no exact twin, by the number of directions along which nothing accelerates."""
+"""Why there is no exact twin, by the number of directions along which p̈ is zero."""
 
 
 def mirror(normal: Float[Array, "3"]) -> str:
@@ -39,7 +39,7 @@ def displacement(shift: Float[Array, "3"], drift: Float[Array, "3"]) -> str:
 
 
 def summary(how: str, *, nearest: float, farthest: float, mismatch: float, same: float) -> str:
-    """A twin: how it is made, its distance and the difference of the ranges (m), of which less than `same` is none."""
+    """How a twin is made, its distance and the difference of the ranges (m), which counts as none below `same`."""
     away = f"{nearest:.3g} to {farthest:.3g} m away"
     if farthest - nearest <= STEADY * farthest:
         away = f"{farthest:.3g} m away throughout"
@@ -48,17 +48,17 @@ def summary(how: str, *, nearest: float, farthest: float, mismatch: float, same:
 
 
 def no_ambiguity(*, apart: float, mismatch: float, tolerance: float) -> str:
-    """The best candidate at a distance `apart` (m) misses the tolerance (m)."""
+    """The best candidate at a distance `apart` (m) exceeds the tolerance (m)."""
     return f"the best lookalike {apart:g} m away is off by {mismatch:.2g} m, more than the tolerance of {tolerance:g} m"
 
 
 def too_near(twin: str, *, apart: float, others: str) -> str:
-    """There is a twin, nearer than was asked for."""
+    """There is a twin, but nearer than `apart` (m)."""
     return f"no twin {apart:g} m away, only this one, {twin}; {others}"
 
 
 def locally_blind(shift: Float[Array, "3"], *, directions: int, apart: float, later: float, others: str) -> str:
-    """No range feels a small step, and yet there is no twin."""
+    """The range is constant to first order along `shift`, and yet there is no twin."""
     return (
         f"locally blind, no twin: to first order no range feels a step along {along(_unit(shift))}, but "
         f"{ITS_OWN_TWIN[directions]}, and {apart:g} m of it changes the range by {later:.2g} m; {others}"
@@ -72,12 +72,12 @@ def observable(sensitivity: float, *, others: str) -> str:
 
 
 def lever_arm(length: float) -> str:
-    """What is added where the antenna is not at the body's origin: how long its lever arm (m) is."""
+    """The clause for an antenna that is not at the body's origin: its lever arm has a length (m)."""
     return f"; so it is for an antenna at the body's origin, and here a lever arm of {length:.2g} m is left out"
 
 
 def along(direction: Float[Array, "3"]) -> str:
-    """The name of a direction that has no sign."""
+    """The name of a line's direction, whose sign does not matter."""
     direction = np.where(np.abs(direction) < ZERO, 0.0, direction)
     return blindness.name(direction if direction[np.argmax(np.abs(direction))] > 0 else -direction)
 

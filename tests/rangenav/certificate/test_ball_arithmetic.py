@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rangenav.certificate import derivative_bounds
-from rangenav.certificate.excitation_bound import bounds
+from rangenav.certificate.excitation_bound import excitation_bounds
 from rangenav.signals import Formula
 from rangenav.signals.intervals import ELEMENTARY, Interval
 
@@ -120,7 +120,7 @@ def snap(axis: str, time: acb) -> acb:
 @pytest.mark.parametrize("start", [0.0, 1.2345, 2.9, 4.4321, 6.0])
 def test_the_excitation_of_every_window_is_proven_to_exceed_the_lower_bound(start: float):
     """W − lower · I is positive definite by Sylvester's criterion, in balls: a proof, not a sample of directions."""
-    proven = bounds(PATH, WINDOW, END)
+    proven = excitation_bounds(PATH, WINDOW, END)
     assert proven.lower > 0
     assert all(minor > 0 for minor in leading_minors(excitation(start), proven.lower))
 
@@ -133,5 +133,5 @@ def leading_minors(matrix: arb_mat, less: float) -> list[arb]:
 
 def test_the_upper_bound_is_no_lower_than_the_worst_window():
     """At the window named as the worst, W − upper · I is not positive definite: some minor is proven to be negative."""
-    proven = bounds(PATH, WINDOW, END)
+    proven = excitation_bounds(PATH, WINDOW, END)
     assert any(minor < 0 for minor in leading_minors(excitation(proven.at), proven.upper))

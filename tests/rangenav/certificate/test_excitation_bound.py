@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from rangenav.certificate import derivative_bounds
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.excitation_bound import bounds
+from rangenav.certificate.excitation_bound import excitation_bounds
 from rangenav.signals import (
     Formula,
     MinimumSnap,
@@ -74,13 +74,13 @@ def test_no_window_of_any_sines_lies_outside_the_bounds(path: Multisine, window:
     period = path.period
     assume(period)
     assert period is not None
-    found = bounds(path, window, period)
+    found = excitation_bounds(path, window, period)
     dense = least(path, np.linspace(0, 2 * period, 301) + 0.137, window)
     slack = 1e-12 * float(np.trace(excitation(path, 0.0, window)))  # of the closed form itself
     assert found.lower <= dense.min() + slack
     assert dense.max() <= found.upper_everywhere + slack
     there = least(path, np.array([found.at]), window)[0]
-    assert abs(there - found.found) <= found.floor + slack
+    assert abs(there - found.least) <= found.floor + slack
     assert there <= found.upper + slack
 
 
@@ -91,9 +91,9 @@ def test_the_lower_bound_gives_away_little(numbers: tuple, turns: float):
     sizes, phases, frequencies = numbers[:3], numbers[3:6], numbers[6][:3]
     made = zip(LETTERS, sizes, frequencies, phases, strict=True)
     path = Multisine(tones=tuple(Tone(axis=a, amplitude=size, frequency=w, phase=f) for a, size, w, f in made))
-    found = bounds(path, turns * 2 * math.pi / min(frequencies), path.period or 0.0)
-    if found.found > 1e4 * found.floor:
-        assert TIGHT * found.found <= found.lower <= found.found
+    found = excitation_bounds(path, turns * 2 * math.pi / min(frequencies), path.period or 0.0)
+    if found.least > 1e4 * found.floor:
+        assert TIGHT * found.least <= found.lower <= found.least
 
 
 def test_whole_turns_of_three_frequencies_excite_as_computed_by_hand():
@@ -106,9 +106,9 @@ def test_whole_turns_of_three_frequencies_excite_as_computed_by_hand():
         )
     )
     exact = math.pi * 1.0**2 * 1.0**8  # y has least: 0.25·256 and 0.0625·6561 are more
-    found = bounds(path, 2 * math.pi, 2 * math.pi)
+    found = excitation_bounds(path, 2 * math.pi, 2 * math.pi)
     assert TIGHT * exact <= found.lower <= exact <= found.upper
-    assert found.found == pytest.approx(exact, rel=1e-9)
+    assert found.least == pytest.approx(exact, rel=1e-9)
     np.testing.assert_allclose(found.direction, [0, 1, 0], atol=1e-9)
 
 
@@ -127,8 +127,8 @@ def test_snap_that_jumps_is_excited_as_computed_by_hand(window: float, seconds: 
 
     For δ = 2 it happens at single moments only, which a grid that does not know the knots passes by.
     """
-    found = bounds(in_turn(6.0), window, 3.0)
-    assert found.found == pytest.approx(36.0 * seconds, abs=1e-8)
+    found = excitation_bounds(in_turn(6.0), window, 3.0)
+    assert found.least == pytest.approx(36.0 * seconds, abs=1e-8)
     assert found.lower == pytest.approx(36.0 * seconds, abs=1e-8)
     assert found.lower <= 36.0 * seconds <= found.upper
 
@@ -153,12 +153,12 @@ def dense(path: Signal, window: float, end: float, knots: np.ndarray) -> np.ndar
 def test_every_family_is_bounded_below_and_above_its_dense_windows(name: str, window: float):
     path = EXAMPLES[name]
     end = path.period or 6.0
-    found = bounds(path, window, end)
+    found = excitation_bounds(path, window, end)
     exact = dense(path, window, end, derivative_bounds.knots_until(path, end + window))
     assert found.lower <= exact.min() * (1 + 1e-9)
     assert found.lower >= 0.95 * exact.min()
     assert exact.max() <= found.upper_everywhere
-    assert found.found <= exact.min() * 1.02
+    assert found.least <= exact.min() * 1.02
 
 
 def test_a_formula_is_bounded_as_the_sines_it_spells():
@@ -170,16 +170,16 @@ def test_a_formula_is_bounded_as_the_sines_it_spells():
         )
     )
     spelt = Formula(x="sin(t)", y="0.5*sin(2*t)", z="0.3*sin(3*t)")
-    one, other = bounds(sines, 4.0, 2 * math.pi), bounds(spelt, 4.0, 2 * math.pi)
+    one, other = excitation_bounds(sines, 4.0, 2 * math.pi), excitation_bounds(spelt, 4.0, 2 * math.pi)
     assert other.lower == pytest.approx(one.lower, rel=0.02)
-    assert other.found == pytest.approx(one.found, rel=0.01)
+    assert other.least == pytest.approx(one.least, rel=0.01)
 
 
 def test_a_path_that_ends_is_not_excited_while_it_holds_still():
     last = WAYPOINTS.points[-1].time
-    found = bounds(WAYPOINTS, 2.0, last + 1.0)
+    found = excitation_bounds(WAYPOINTS, 2.0, last + 1.0)
     assert found.lower == 0.0
-    assert found.found <= found.floor  # rounding of what came before
+    assert found.least <= found.floor  # rounding of what came before
     assert found.at > last - 0.5  # within the floor the first window counts
 
 
@@ -191,7 +191,7 @@ def test_a_plane_has_a_bound_for_every_window_however_long_the_flight():
         Tone(axis="y", amplitude=-0.5, frequency=30.0),
         Tone(axis="z", amplitude=math.sqrt(3) / 2, frequency=30.0),
     ]
-    found = bounds(Multisine(tones=tuple(tones)), 6.0, 2 * math.pi / 10)
+    found = excitation_bounds(Multisine(tones=tuple(tones)), 6.0, 2 * math.pi / 10)
     np.testing.assert_allclose(np.abs(found.direction @ tilted), 1.0, atol=1e-9)
     assert found.lower == 0.0
     assert found.upper_everywhere < 1e-9
@@ -199,13 +199,15 @@ def test_a_plane_has_a_bound_for_every_window_however_long_the_flight():
 
 def test_what_cannot_be_bounded_is_said_and_not_guessed():
     with pytest.raises(UnboundedDerivativeError, match="nothing is known to bound"):
-        bounds(Formula(x="t**4.5", y="sin(t)", z="cos(t)"), 2.0, 10.0)  # at t = 0 its fifth derivative is infinite
+        excitation_bounds(
+            Formula(x="t**4.5", y="sin(t)", z="cos(t)"), 2.0, 10.0
+        )  # at t = 0 its fifth derivative is infinite
     fast = Multisine(tones=(Tone(axis="x", amplitude=1e-6, frequency=600.0),))
     with pytest.raises(UnboundedDerivativeError, match="too much work"):
-        bounds(fast, 100.0, 1000.0)
+        excitation_bounds(fast, 100.0, 1000.0)
     short = Piece(duration=1e-3, x=(0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     with pytest.raises(UnboundedDerivativeError, match="knots"):
-        bounds(Polynomials(pieces=(short,), ends="repeat"), 10.0, 100.0)
+        excitation_bounds(Polynomials(pieces=(short,), ends="repeat"), 10.0, 100.0)
 
 
 @pytest.mark.parametrize(
