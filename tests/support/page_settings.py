@@ -20,6 +20,7 @@ from rangenav.riccati import Blocks, RiccatiGains
 from rangenav.sensors import MODELLED, Effects, Noise, Sensors
 from rangenav.signals import AngularVelocity, Family, Flown, Multisine, Sum
 from rangenav.vehicle import CATALOGUE
+from tests.support.effect_examples import example
 from tests.support.signal_examples import EXAMPLES
 
 S = TypeVar("S", bound=msgspec.Struct)
@@ -32,17 +33,14 @@ SLOW_DRAWS = (
     HealthCheck.function_scoped_fixture,
 )
 """For tests that draw whole settings: they are drawn slowly, and many are rejected for their rates."""
-EVERYTHING = Effects(
-    gyro_bias=(0.1 / 3, -0.2, 1e-9),
-    accel_bias=(0.1, 1 / 7, -0.3),
-    range_bias=-0.123456789,
-    outlier_probability=1 / 3,
-    outlier_size=99.5,
-    dropout_probability=0.95,
-    burst_start=5.25,
-    burst_length=1 / 7,
-    lever_arm=(0.1, -0.05, 1e-5),
-)
+
+
+def _third(value: Any) -> Any:
+    """A third of a number or of a vector."""
+    return tuple(entry / 3 for entry in value) if isinstance(value, tuple) else value / 3
+
+
+EVERYTHING = Effects(**{field: _third(example(field)) for field in Effects.__struct_fields__})
 """Every effect that the paper does not model, with digits that no slider shows."""
 
 

@@ -22,6 +22,7 @@ from rangenav.signals import (
     Waypoints,
     polynomials,
 )
+from rangenav.signals.base import SignalBase
 
 SHARED_DATA = "RANGENAV_SHARED_DATA"
 """An environment variable: a folder of others' files, with uav_trajectories' in polynomial/; else ../shared/data."""
@@ -79,6 +80,14 @@ EXAMPLES: dict[str, Signal] = {
     "two waypoints": Waypoints(points=timed(count=2)),
     "standing still": Waypoints(points=tuple(Waypoint(time=float(k), value=(1.0, 2.0, 3.0)) for k in range(3))),
 }
+
+BLIND = ("two waypoints", "standing still")
+"""Examples that a range does not observe: they stand still, or move in a plane or along a line."""
+
+
+def keeps_its_family(signal: Signal) -> bool:
+    """Whether every edit of a signal is of the same family; what relies on `equivalent` becomes that signal instead."""
+    return all(type(part).equivalent is SignalBase.equivalent for part in signal.parts())
 
 
 def polynomial_file(name: str) -> Polynomials:

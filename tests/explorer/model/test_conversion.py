@@ -6,18 +6,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from explorer.model import conversion
-from explorer.panels.motion.families import BY_NAME, family_name
+from explorer.panels.motion.families import BY_NAME, PATH_LABELS, family_name
 from explorer.panels.motion.families.table import Table
 from rangenav import preset
 from rangenav.signals import Flown, Multisine, Polynomials, Tone
 from tests.support.signal_examples import EXAMPLES
 
 DURATION = 10.0
-KINDS = ("multisine", "formula", "waypoints", "minimum-snap", "polynomials")
 TIME = np.linspace(0, DURATION, 300)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PATH_LABELS)
 @pytest.mark.parametrize("family", [name for name, signal in EXAMPLES.items() if not hasattr(signal, "base")])
 def test_every_family_is_converted_into_every_other(family: str, kind: str):
     converted_signal = conversion.converted(EXAMPLES[family], BY_NAME[kind].convert, DURATION)

@@ -23,7 +23,7 @@ from rangenav.signals import (
     Waypoints,
 )
 from rangenav.signals.multisine import LETTERS
-from tests.support.signal_examples import EXAMPLES, LOOP, MINIMUM_SNAP, MULTISINE, PERIODIC_FORMULA, WAYPOINTS
+from tests.support.signal_examples import BLIND, EXAMPLES, LOOP, MINIMUM_SNAP, MULTISINE, PERIODIC_FORMULA, WAYPOINTS
 
 TIGHT = 0.95
 """The grid is refined until about 1% is given away, and refining moves the least window and its direction a little."""
@@ -148,7 +148,7 @@ def dense(path: Signal, window: float, end: float, knots: np.ndarray) -> np.ndar
     return np.array(values)
 
 
-@pytest.mark.parametrize("name", [name for name in EXAMPLES if name not in ("two waypoints", "standing still")])
+@pytest.mark.parametrize("name", [name for name in EXAMPLES if name not in BLIND])
 @pytest.mark.parametrize("window", [3.0, 4.5])
 def test_every_family_is_bounded_below_and_above_its_dense_windows(name: str, window: float):
     path = EXAMPLES[name]

@@ -1,6 +1,7 @@
 """What every family of signals must keep: exact derivatives, honest bounds and periods, lossless files."""
 
 import math
+from typing import get_args
 
 import msgspec
 import numpy as np
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from rangenav import preset
 from rangenav.analysis import analyse
 from rangenav.signals import (
+    Family,
     Flown,
     Formula,
     Multisine,
@@ -23,6 +25,7 @@ from rangenav.signals import (
 )
 from rangenav.signals.base import SignalBase
 from tests.support.signal_examples import (
+    BLIND,
     EXAMPLES,
     LOOP,
     MINIMUM_SNAP,
@@ -42,6 +45,10 @@ def knots(name):
     """Times at which a family's pieces meet."""
     every = [part.piecewise() for part in EXAMPLES[name].parts()]
     return np.concatenate([np.empty(0), *(pieces.knots for pieces in every if pieces is not None)])
+
+
+def test_every_family_has_an_example():
+    assert {type(signal) for signal in EXAMPLES.values()} == {*get_args(Family), Sum}
 
 
 @names
@@ -161,7 +168,7 @@ def test_every_family_is_analysed(name):
     requirement = msgspec.structs.replace(preset.load("soft").requirement, window=5.0)
     p = msgspec.structs.replace(preset.load("soft"), path=EXAMPLES[name], requirement=requirement, duration=12.0)
     found = analyse(p)
-    assert (found.rank == 13) == (name not in ("standing still", "two waypoints"))
+    assert (found.rank == 13) == (name not in BLIND)
     assert (found.bound_for_all_t is None) == (EXAMPLES[name].period is None)
     if found.bound_for_all_t:
         assert 0.8 * found.mu < found.bound_for_all_t <= found.mu * (1 + 1e-9) or name != "closed waypoints"
