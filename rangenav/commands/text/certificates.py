@@ -19,12 +19,14 @@ def certified(found: Certificate, *, name: str, written: Path | None) -> Report:
     """What was asked of a preset and what it is proven or found to do."""
     typed = layout.argument(name)
     kept = written or f"{Path(name).stem}.certificate.json"
-    following = (f"verify {typed}",) if written else (f"certify {typed} -o {layout.argument(kept)}",)
+    following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(kept)}"
+    if not found.certified:
+        following = f"repair {typed} -o repaired.toml"
     expected = f", as its preset expects ({found.expect})" if found.certified and found.expect != "observable" else ""
     return Report(
         subject=layout.subject(name),
         sign="✓" if found.certified else "✗",
-        answer=f"{'certified' if found.certified else 'NOT certified'}: {found.verdict}{expected}",
+        answer=f"certified: {found.verdict}{expected}" if found.certified else f"NOT certified: {_refusal(found)}",
         title=found.title,
         groups=(
             *group("requirements", (_check(one.met, one.proven, one.words) for one in found.checks)),
@@ -32,9 +34,14 @@ def certified(found: Certificate, *, name: str, written: Path | None) -> Report:
             *group("what it covers", *coverage(found)),
             *group("the file", f"SHA-256 {found.artifact.sha256[:DIGITS]}…, {found.artifact.bytes} bytes"),
             *group("written", str(written) if written else None),
-            *layout.next_commands(*following),
+            *layout.next_commands(following),
         ),
     )
+
+
+def _refusal(found: Certificate) -> str:
+    missed = ", ".join(one.name for one in found.checks if not one.met)
+    return f"{found.verdict}; not met: {missed}" if missed else f"{found.verdict}, expected {found.expect}"
 
 
 def _check(met: bool, proven: bool, sentence: str) -> str:
@@ -98,7 +105,9 @@ def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certi
     return Report(
         subject=f"{len(names)} files",
         sign="✗" if wrong else "✓",
-        answer=f"{wrong} of them do not hold" if wrong else "all hold: their bytes give the same certificates again",
+        answer=f"{wrong} of them {'does' if wrong == 1 else 'do'} not hold"
+        if wrong
+        else "all hold: their bytes give the same certificates again",
         groups=group(
             "files", (f"{'✗' if sentences else '✓'} {layout.subject(name)}" for name, sentences in failures.items())
         ),

@@ -80,4 +80,4 @@ def _value(value: Any) -> str:
 def _points(points: list[Json]) -> list[str]:
     """The fastest, the middle and the most exact point of a tradeoff curve."""
     chosen = points if len(points) <= MOST_POINTS else [points[0], points[len(points) // 2], points[-1]]
-    return [point["words"] for point in chosen]
+    return [point["words"].replace(" °", "°") for point in chosen]
