@@ -1,4 +1,4 @@
-"""Why a motion is observable or not, as the JSON object of `rangenav explain`: finite numbers, or null beside words."""
+"""Why a motion is observable or not, as the JSON object of `rangenav explain`: numbers, or null with a reason."""
 
 import math
 from typing import Any
@@ -17,7 +17,7 @@ Json = dict[str, Any]
 
 
 def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
-    """All there is to say of a preset and its twin."""
+    """The JSON object of a preset: verdict, horizon, functions, excitation, frozen ranks, printed condition, twin."""
     analysed = analyse(preset)
     truth = record.simulated(record.truth_inputs(preset)).motion
     stopped = frozen.frozen(truth, analysed.gramian_at, windowed=analysed.rank)

@@ -1,7 +1,7 @@
-"""What a vehicle can do, and where a motion asks for more: each quantity over time against its limit.
+"""The limits of a vehicle, and where a motion exceeds them: each quantity over time against its limit.
 
-Thrust is what the propellers must push against the weight, |p̈ − g|/|g|. A vehicle that has only just enough cannot
-follow (a Crazyflie at 92% of its thrust strays by a metre, at two thirds by centimetres), so 35% is kept in hand.
+Thrust is |p̈ − g|/|g|, in units of the weight. A vehicle needs some reserve to follow a path: a Crazyflie at 92% of its
+thrust strays by a metre, at two thirds by centimetres. So a motion may use 1/1.35 of the vehicle's thrust.
 """
 
 import math
@@ -16,7 +16,7 @@ from rangenav.motion import Motion, World
 from rangenav.results import result
 
 THRUST_MARGIN = 0.35
-"""A vehicle must be able to push this share more than the motion asks for."""
+"""A vehicle's thrust must exceed the motion's by this share."""
 MAX_NAME = 40
 
 
@@ -25,7 +25,7 @@ class Vehicle(Input, frozen=True, kw_only=True, omit_defaults=True):
 
     name: str
     thrust_to_weight: float | None = None
-    """The most the vehicle can push, in weights; of this, the margin is kept in hand."""
+    """The largest thrust in units of the weight; the margin is subtracted from it."""
     speed: float | None = None
     """m/s"""
     acceleration: float | None = None
@@ -96,7 +96,7 @@ WORDS = {
     "height_max": ("height", "m"),
     "anchor_distance_min": ("distance to the anchor", "m"),
 }
-"""Each limit's quantity and unit for reading; tilt is said in degrees."""
+"""The name and the unit of each limit in texts; tilt is in degrees there."""
 
 
 @result
@@ -123,7 +123,7 @@ class Break:
     limit: str
     """The field of the vehicle."""
     allowed: float
-    """In the quantity's SI unit; for thrust what is left of it with the margin kept."""
+    """In the quantity's SI unit; for thrust, the limit without the margin."""
     reached: float
     """The worst value."""
     at: float
@@ -135,7 +135,7 @@ class Break:
 
 @dataclass(frozen=True, kw_only=True)
 class Use:
-    """How much of one limit a motion uses, in units for reading."""
+    """How much of one limit a motion uses, in the units of texts."""
 
     name: str
     unit: str
@@ -144,9 +144,9 @@ class Use:
     at: float
     """s, when."""
     allowed: float | None
-    """None if the vehicle has no such limit; for thrust what is left of it with the margin kept."""
+    """None if the vehicle has no such limit; for thrust, the limit without the margin."""
     least: bool
-    """Whether the limit is one from below."""
+    """Whether the limit is a least value."""
 
     @property
     def broken(self) -> bool:
@@ -155,7 +155,7 @@ class Use:
 
     @property
     def share(self) -> float:
-        """Of the limit, how much is used; of one from below, how much of the distance kept is needed. 0 without one."""
+        """reached/allowed, or allowed/reached for a least value; 0 without a limit."""
         if self.allowed is None:
             return 0.0
         if self.least:
@@ -203,7 +203,7 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
 
 
 def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
-    """What a motion asks for of every limited quantity, for reading; of the height only where it is limited."""
+    """A motion's use of every limit; quantities without a limit are included, except the height."""
     demanded = demands(motion, world=world)
     found = []
     for limit, (name, unit) in WORDS.items():
@@ -227,8 +227,7 @@ def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
 
 
 def bound(vehicle: Vehicle, limit: str) -> float | None:
-    """What the vehicle allows of a limited quantity, in its SI unit: of thrust what is left with the margin kept; None
-    is unlimited."""
+    """The largest (or least) value that the vehicle allows, in SI units; None is unlimited. Thrust is without the margin."""
     value = getattr(vehicle, limit)
     return value / (1 + THRUST_MARGIN) if limit == "thrust_to_weight" and value is not None else value
 

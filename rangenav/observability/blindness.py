@@ -1,4 +1,4 @@
-"""Blind directions: what no range in a window determines, from the null spaces of the Gramian and of the snap."""
+"""Blind directions: inertial directions in the null spaces of a window's Gramian and of its snap."""
 
 import numpy as np
 import scipy.linalg
@@ -11,11 +11,11 @@ from rangenav.results import result
 from rangenav.signals import AXES
 
 SHARE = 1e-6
-"""A null vector reaches into a block if its part there (scaled units) is longer than this."""
+"""A block is undetermined if the part of a null vector in it (scaled units) is longer than this."""
 SAME = 0.9999
-"""Cosine above which two directions count as one, and one that is an axis is called by its name."""
+"""Cosine above which two directions count as one, and above which a direction has the name of an axis."""
 UNEXCITED = 1e-12
-"""Share of the largest excitation eigenvalue below which a direction counts as not excited at all."""
+"""Share of the largest excitation eigenvalue below which a direction counts as not excited."""
 BLOCKS = {"position": POSITION, "velocity": VELOCITY, "gravity": GRAVITY}
 
 
@@ -32,7 +32,7 @@ class Direction:
 def directions(
     null_basis: Float[Array, "13 k"], excitation: Float[Array, "3"], axes: Float[Array, "3 3"]
 ) -> tuple[Direction, ...]:
-    """Directions that a window does not see, from its Gramian's null_basis and its excitation.
+    """The blind directions of a window, from the null space of its Gramian and from its excitation.
 
     The excitation is given by its eigenvalues (m²/s⁷, ascending) and its axes (unit vectors in columns, inertial).
     Raises ValueError for arrays of other shapes, or numbers that are not finite.
@@ -59,7 +59,7 @@ def _add(found: list[tuple[Array, list[str]]], vector: Array, kind: str) -> None
 
 
 def _readable_basis(span: Array) -> list[Array]:
-    """A basis of the span made of coordinate axes where it contains them: QR with pivoting of its projector."""
+    """A basis of the span, with coordinate axes where the span contains them: pivoted QR of its projector."""
     dimension = span.shape[1]
     if dimension == 0:
         return []

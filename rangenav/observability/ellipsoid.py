@@ -1,7 +1,7 @@
 """The excitation of one window as an ellipsoid: {x : xᵀ W⁻¹ x ≤ 1}, W = ∫_t^{t+δ} p⁗ p⁗ᵀ ds (paper, Proposition 1).
 
-Its semi-axes are √λᵢ (m/s^3.5): how strongly the window excites each direction. Where the ellipsoid is flat nothing
-excites the estimate, and μ is the square of its least semi-axis.
+Its semi-axes √λᵢ (m/s^3.5) are the excitation of each direction, and μ is the square of the least one. A direction in
+which the ellipsoid is flat has no excitation.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ class Ellipsoid:
     start: float
     window: float
     eigenvalues: Float[Array, "3"]
-    """m²/s⁷, ascending; what is rounding is 0."""
+    """m²/s⁷, ascending; values that are rounding are set to 0."""
     axes: Float[Array, "3 3"]
     """Columns, in the order of the eigenvalues: a right-handed frame, inertial."""
     summary: str

@@ -1,8 +1,9 @@
-"""The frozen-time test, and why it misleads: the rank of (𝒜(t₀), 𝒞) as if ω and a never changed (python-control).
+"""The frozen-time test, and why it misleads: the rank of (𝒜(t₀), 𝒞) as if ω and a were constant (python-control).
 
-Ranks of 13: in body axes 11, 10 if a ⟂ ω, 5 if a ∥ ω or ω = 0, 4 if a = 0; in turned axes, where ω is gone, 5, and 4 if
-a = 0. Never 13: only variation makes the pair observable. And never what the window says: a body that hovers and turns
-looks like 11, because a frozen 𝒜 takes its own axes' turning for a force that turns, and has 5.
+The ranks, of 13, are: in body axes 11, 10 if a ⟂ ω, 5 if a ∥ ω or ω = 0, 4 if a = 0; in axes turned by the gyro, where
+ω does not appear, 5, and 4 if a = 0. The rank is never 13, because only variation makes the pair observable. Nor is it
+the rank of the window. A body that hovers and turns has rank 5 on a window and the frozen rank 11: in the frozen pair a
+force that is constant in body axes turns for ever.
 """
 
 import numpy as np
@@ -15,10 +16,10 @@ from rangenav.motion import Motion, to_inertial
 from rangenav.results import result
 
 RANK_TOLERANCE = 1e-9
-"""Of the observability matrix in the motion's own units, whose last singular value that counts is above 1e-5 of the
-first for angles between ω and a of more than 0.1° from 0° and 90°."""
+"""Relative to the first singular value of the observability matrix, in units of the motion. The last one that counts is
+above 1e-5 if the angle between ω and a is more than 0.1° from 0° and 90°."""
 SLOWEST, WEAKEST = 1e-9, 1e-9
-"""rad/s and m/s²: less than this is not turning and no specific force."""
+"""rad/s and m/s²: a smaller angular velocity or specific force counts as zero."""
 
 
 @result

@@ -49,7 +49,7 @@ class Functions:
     relations: tuple[str, ...]
     """The same as relations of the functions: each of the dependent ones in terms of those before it."""
     unseen: tuple[str, ...]
-    """The same in words of the state: `p_z +1 m with ξ₃ +9.81 m²/s²`."""
+    """The same as changes of the state: `p_z +1 m with ξ₃ +9.81 m²/s²`."""
 
 
 def functions(path: Signal, gravity: Vec3, start: float, window: float, *, points: int = POINTS) -> Functions:

@@ -1,4 +1,4 @@
-"""Where a path is evaluated in its windows: Gauss–Legendre nodes whose panels end at the path's knots.
+"""Quadrature nodes of windows: Gauss–Legendre nodes on panels that end at the path's knots.
 
 Between neighbouring knots a path of pieces is a polynomial of degree d. A row has degree d + 2 (½τ²D) and its square
 2(d + 2), so d + 3 nodes on each panel integrate the Gramian to rounding; the snap has d − 4, so d − 3 nodes integrate
@@ -20,15 +20,15 @@ PANEL_NODES = 32
 PANEL_TURN = 36.0
 """rad of the fastest tone that one panel of 32 Gauss nodes integrates to rounding (squares too: exact to k = 63)."""
 NODES_PER_RADIAN, MIXED_NODES = 0.6, 6
-"""What a panel of polynomials takes more if tones are added to them; beside polynomials of degree 9 held to 1e-12."""
+"""Additional nodes of a panel if tones are added to polynomials: accurate to 1e-12 for polynomials of degree 9."""
 MAX_NODES, MAX_PIECE_NODES = 1024, 6144
-"""Nodes in one window, of tones and of pieces; more would ask for more memory than a live page may use."""
+"""Most nodes in one window, of tones and of pieces; more would need more memory than a live page may use."""
 MAX_KNOTS = 200_000
-"""Knots of one path until its last window ends; they are listed before anything else is known."""
+"""Most knots of one path until its last window ends: all of them are listed first."""
 LEAST_NODES = 16
 """In one window: never fewer rows than the 13 columns of the lifted model."""
 ROWS, SNAP = 2, -4
-"""What is squared has so many degrees more than the path: rows of ½τ²D, and the fourth derivative."""
+"""Degree of what is squared, relative to the path's degree: rows of ½τ²D, and the fourth derivative."""
 
 
 def count(path: Signal, window: float, until: float) -> int:
@@ -85,7 +85,7 @@ def composite(window: float, panels: int) -> tuple[Float[Array, "k"], Float[Arra
 
 
 def _fullest(path: Signal, window: float, until: float) -> tuple[int, int]:
-    """Panels and nodes in each of them, for a window that opens just before a knot and so has the most of them."""
+    """The most panels that a window has, and the nodes of each: those of a window that starts just before a knot."""
     edges = _edges(path, 0.0, until)
     inner = edges[1:-1]
     inside = np.searchsorted(inner, inner + window) - np.arange(len(inner))
@@ -94,7 +94,7 @@ def _fullest(path: Signal, window: float, until: float) -> tuple[int, int]:
 
 
 def _edges(path: Signal, first: float, last: float) -> Array:
-    """Both ends, all knots between them, and enough moments more that no panel has more than 36 rad of any tone."""
+    """Both ends, all knots between them, and enough other times that no panel has more than 36 rad of any tone."""
     most = knots.most(path, last - first)
     require(
         most <= MAX_KNOTS, f"a signal may have {MAX_KNOTS} knots in {last - first:g} s, this one has up to {most:.0f}"
@@ -109,7 +109,7 @@ def _edges(path: Signal, first: float, last: float) -> Array:
 
 
 def _panel_nodes(path: Signal, edges: Array, window: float, panels: int, raised: int) -> int:
-    """Exact for the polynomials, and fine enough for the tones beside them on the longest panel."""
+    """Nodes of a panel: exact for the polynomials, and enough for added tones on the longest panel."""
     degree = max(knots.degree(path), 2) + raised  # 2: the drop in D
     turn = knots.smooth_bandwidth(path, float(edges[-1])) * min(window, float(np.diff(edges).max()))
     mixed = MIXED_NODES + math.ceil(NODES_PER_RADIAN * turn) if turn > 0 else 0

@@ -17,19 +17,19 @@ from rangenav.observability import windows
 from rangenav.signals import Signal
 
 NODES = 128
-"""Moments over a flight, unevenly spread (by the golden ratio) so that no tone hides between them."""
+"""Times over a flight, spread unevenly (by the golden ratio) so that no tone is zero at all of them."""
 GOLDEN = (math.sqrt(5) - 1) / 2
 STRAIGHT, FLAT = 1e-9, 1e-12
 """m that p̈ along a direction bends the path over the flight, or its share of the largest: below them it is rounding."""
 
 
 def moments(duration: float) -> Float[Array, "k"]:
-    """Times (s) at which a flight is looked at."""
+    """The NODES times (s) at which a flight is sampled, increasing."""
     return np.sort((np.arange(NODES) + 0.5) * GOLDEN % 1.0) * duration
 
 
 def unaccelerated(path: Signal, duration: float) -> Float[Array, "m 3"]:
-    """An orthonormal basis of the directions along which nothing accelerates, over a flight of `duration` (s).
+    """An orthonormal basis of the directions n with n·p̈ ≡ 0 over a flight of `duration` (s).
 
     Raises ValueError for a path that is no signal, or a duration that is not positive.
     """
@@ -57,7 +57,7 @@ def allowed(turn: Float[Array, "3"], directions: Float[Array, "m 3"]) -> Float[A
 def axes(
     velocity: Float[Array, "3"], up: Float[Array, "3"], directions: Float[Array, "m 3"]
 ) -> list[Float[Array, "3"]]:
-    """Axes to turn about. If any will do: its own direction, so that lines stay parallel; the vertical; level ones."""
+    """Axes to turn about. If every axis is allowed: the velocity, so that lines stay parallel; the vertical; level axes."""
     if len(directions) < 3:
         return [np.cross(*directions)]
     speed = float(np.linalg.norm(velocity))
@@ -69,7 +69,7 @@ def axes(
 def turn_towards(
     here: Float[Array, "3"], there: Float[Array, "3"], directions: Float[Array, "m 3"]
 ) -> Float[Array, "3"]:
-    """The allowed turn (rad) that brings one point, seen from the anchor, as near as can be to another."""
+    """The allowed turn (rad) that brings one point (relative to the anchor) as near as possible to another."""
     if len(directions) == 3:
         axis = np.cross(here, there)
         if not axis @ axis > 0:  # the same way, or the opposite one about any level axis
