@@ -227,7 +227,7 @@ def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
 
 
 def bound(vehicle: Vehicle, limit: str) -> float | None:
-    """The largest (or least) value that the vehicle allows, in SI units; None is unlimited. Thrust is without the margin."""
+    """The value that the vehicle allows, in SI units; None is unlimited. For thrust, the limit without the margin."""
     value = getattr(vehicle, limit)
     return value / (1 + THRUST_MARGIN) if limit == "thrust_to_weight" and value is not None else value
 

@@ -57,7 +57,7 @@ def allowed(turn: Float[Array, "3"], directions: Float[Array, "m 3"]) -> Float[A
 def axes(
     velocity: Float[Array, "3"], up: Float[Array, "3"], directions: Float[Array, "m 3"]
 ) -> list[Float[Array, "3"]]:
-    """Axes to turn about. If every axis is allowed: the velocity, so that lines stay parallel; the vertical; level axes."""
+    """Axes of allowed turns. If all are allowed: the velocity (lines stay parallel), the vertical, two level axes."""
     if len(directions) < 3:
         return [np.cross(*directions)]
     speed = float(np.linalg.norm(velocity))
