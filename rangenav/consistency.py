@@ -53,8 +53,8 @@ class Consistency:
         return f"{self.inside:.0%} inside the {SHARE:.0%} band, {self.above:.0%} too sure, {below:.0%} too cautious"
 
     def _share(self, there: Array) -> float:
-        seen = np.isfinite(self.mean)
-        return float(np.mean(there[seen])) if seen.any() else np.nan
+        finite = np.isfinite(self.mean)
+        return float(np.mean(there[finite])) if finite.any() else np.nan
 
 
 def band(freedom: Int[Array, "k"], *, share: float = SHARE) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
@@ -98,9 +98,9 @@ def sliding(square: Float[Array, "m"], time: Float[Array, "m"], *, window: float
     ends = ends[np.unique(np.linspace(0, len(ends) - 1, WINDOWS).round().astype(int))] if len(ends) else ends
     first = np.searchsorted(time, time[ends] - window, side="right")
     spans = np.column_stack([first, ends + 1]).ravel()
-    seen = np.isfinite(square)
+    finite = np.isfinite(square)
     # each window summed by itself: differences of one running sum would drown in a large transient
-    total, number = (np.add.reduceat(np.append(np.where(seen, values, 0), 0), spans)[::2] for values in (square, 1))
+    total, number = (np.add.reduceat(np.append(np.where(finite, values, 0), 0), spans)[::2] for values in (square, 1))
     return _consistency(time[ends], total, number.astype(int), freedom)
 
 
@@ -108,9 +108,9 @@ def averaged(
     square: Float[Array, "s k"], time: Float[Array, "k"], *, count: Int[Array, "s k"] | None = None, freedom: int
 ) -> Consistency:
     """The mean over seeds at every time; `count` says how many independent values each entry is the mean of, else 1."""
-    seen = np.isfinite(square)
-    number = np.where(seen, 1 if count is None else count, 0)
-    total = np.sum(np.where(seen, square, 0.0) * number, axis=0)
+    finite = np.isfinite(square)
+    number = np.where(finite, 1 if count is None else count, 0)
+    total = np.sum(np.where(finite, square, 0.0) * number, axis=0)
     return _consistency(time, total, number.sum(axis=0), freedom)
 
 

@@ -87,5 +87,5 @@ def _twin(found: Twin) -> Json:
 
 def _refusal(found: Refusal) -> Json:
     numbers = {"sensitivity": found.sensitivity, "mismatch": found.mismatch}
-    told = {key: value if math.isfinite(value) else None for key, value in numbers.items()}
-    return {"kind": None, "words": found.reason, "refused": found.kind, **told}
+    finite = {key: value if math.isfinite(value) else None for key, value in numbers.items()}
+    return {"kind": None, "words": found.reason, "refused": found.kind, **finite}

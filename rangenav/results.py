@@ -30,9 +30,9 @@ UNIT = re.compile(r"(?:1/s|Hz|(?:m|s|rad|\(rad/s\)|\(m/s²\))[²³⁴⁷]?(?:/(?
 @dataclass_transform(frozen_default=True, eq_default=False, kw_only_default=True)
 def result(kind: type[T]) -> type[T]:
     """The decorator of every class of results: a frozen, keyword-only dataclass without equality, of a short `repr`."""
-    made = dataclasses.dataclass(frozen=True, eq=False, kw_only=True, repr=False)(kind)
-    made.__repr__ = summary  # pyright: ignore[reportAttributeAccessIssue]
-    return made
+    decorated = dataclasses.dataclass(frozen=True, eq=False, kw_only=True, repr=False)(kind)
+    decorated.__repr__ = summary  # pyright: ignore[reportAttributeAccessIssue]
+    return decorated
 
 
 def summary(found: Any) -> str:

@@ -168,8 +168,8 @@ def _recorded(row: Format) -> Reader:
         require(time.min() >= -ON_PATH and time.max() <= context.duration + ON_PATH, rule)
         away = np.linalg.norm(path(time) - position, axis=-1)
         worst = int(np.argmax(away))
-        said = f"at t = {time[worst]:.4g} s it is {away[worst]:.2g} m from the path of the preset that is certified"
-        require(float(away[worst]) <= ON_PATH, f"{source}: {said}")
+        message = f"at t = {time[worst]:.4g} s it is {away[worst]:.2g} m from the path of the preset that is certified"
+        require(float(away[worst]) <= ON_PATH, f"{source}: {message}")
         return FileContents(context, RECORDED)
 
     return read

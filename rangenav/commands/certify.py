@@ -31,14 +31,14 @@ def certify(
 
     require_place("-o", output, ".json")
     with working(f"certifying {preset}"):
-        made = certificate.certify_file(preset)
+        issued = certificate.certify_file(preset)
     if output is not None:
-        output.write_bytes(certificate.dumps(made))
+        output.write_bytes(certificate.dumps(issued))
     if json:
-        print_json(certificate.to_builtins(made))
+        print_json(certificate.to_builtins(issued))
     else:
-        layout.show(text.certified(made, name=preset, written=output))
-    if not made.certified:
-        for sentence in made.failures:
+        layout.show(text.certified(issued, name=preset, written=output))
+    if not issued.certified:
+        for sentence in issued.failures:
             print(f"{preset}: {sentence}", file=sys.stderr)
         raise SystemExit(1)

@@ -53,41 +53,41 @@ def import_(
         return print_json({"preset": str(output)}) if json else layout.show(text.copied(path, output))
     confirm = {} if frame is None else {"frame": frame}
     with working(f"reading {path}"):
-        found = formats.read(path, from_, confirm=confirm, knots=knots)
-        made = as_preset(found, duration=duration, anchor=anchor)
-        answer = _report(found, made, output)
-    presets.save(made, output)
+        imported = formats.read(path, from_, confirm=confirm, knots=knots)
+        preset = as_preset(imported, duration=duration, anchor=anchor)
+        answer = _report(imported, preset, output)
+    presets.save(preset, output)
     if json:
         return print_json(answer)
-    return layout.show(text.imported(made, analysis.analyse(made), answer, source=found.source))
+    return layout.show(text.imported(preset, analysis.analyse(preset), answer, source=imported.source))
 
 
-def _report(found: Any, made: presets.Preset, output: Path) -> dict[str, Any]:
+def _report(imported: Any, preset: presets.Preset, output: Path) -> dict[str, Any]:
     from rangenav import analysis
     from rangenav.signals import Flown
 
-    seen = analysis.analyse(made)
-    flown = isinstance(made.angular_velocity, Flown)
+    analysed = analysis.analyse(preset)
+    flown = isinstance(preset.angular_velocity, Flown)
     report: dict[str, Any] = {
         "preset": str(output),
-        "format": found.format,
-        "rows": found.rows,
-        "rate": found.rate,
-        "duration": found.duration,
-        "used": made.duration,
-        "frame": found.frame,
-        "snap_from": "the file" if found.derivatives == "file" else "a fit: it is not in the file",
-        "fit_error": found.fit_error,
-        "findings": list(found.findings),
+        "format": imported.format,
+        "rows": imported.rows,
+        "rate": imported.rate,
+        "duration": imported.duration,
+        "used": preset.duration,
+        "frame": imported.frame,
+        "snap_from": "the file" if imported.derivatives == "file" else "a fit: it is not in the file",
+        "fit_error": imported.fit_error,
+        "findings": list(imported.findings),
         "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",
-        "excitation": {"window": made.requirement.window, "mu": seen.mu, "floor": seen.mu_floor},
-        "rank": seen.rank,
-        "verdict": seen.verdict.word,
+        "excitation": {"window": preset.requirement.window, "mu": analysed.mu, "floor": analysed.mu_floor},
+        "rank": analysed.rank,
+        "verdict": analysed.verdict.word,
     }
-    if found.rate is None:
+    if imported.rate is None:
         report["rate_reason"] = "null: pieces and no samples"
-    if found.fit_error is None:
+    if imported.fit_error is None:
         report["fit_error_reason"] = "null: the path is the file's own"
-    if not seen.verdict.judged:
-        report |= {"excitation": None, "rank": None, "reason": f"null: {seen.verdict.reason}"}
+    if not analysed.verdict.judged:
+        report |= {"excitation": None, "rank": None, "reason": f"null: {analysed.verdict.reason}"}
     return report

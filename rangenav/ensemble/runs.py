@@ -232,10 +232,10 @@ def _or_never(time: float | None) -> float:
 
 def _binned(square: Array, time: Array, ends: Array) -> tuple[Array, Array]:
     """Mean and number of the finite values that fall in (the end before, this end]."""
-    seen = np.isfinite(square) & (time <= ends[-1])
-    bins = np.searchsorted(ends, time[seen])
+    finite = np.isfinite(square) & (time <= ends[-1])
+    bins = np.searchsorted(ends, time[finite])
     count = np.bincount(bins, minlength=len(ends))
-    total = np.bincount(bins, weights=square[seen], minlength=len(ends))
+    total = np.bincount(bins, weights=square[finite], minlength=len(ends))
     return np.where(count > 0, total / np.maximum(count, 1), np.nan), count
 
 

@@ -24,9 +24,9 @@ NAME = "rangenav"
 def write_npz(chosen: Preset, path: Path) -> OutputFile:
     """Every array of the run, estimate included, named as by `rangenav simulate --save`."""
     with tempfile.TemporaryDirectory() as folder:
-        made = Path(folder) / "run.npz"
-        record.save(record.run(chosen), made)
-        write_bytes(path, made.read_bytes())
+        archive = Path(folder) / "run.npz"
+        record.save(record.run(chosen), archive)
+        write_bytes(path, archive.read_bytes())
     return OutputFile(files=(path,), frame=_frame(run_of(chosen)))
 
 

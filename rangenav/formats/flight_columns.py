@@ -98,16 +98,16 @@ def _kept(
     share = float(again.mean())
     rule = f"{raw.table.source}: {share:.0%} of the stamps repeat or go back: rounded, as spreadsheets do, or no clock"
     require(share <= ROUNDED, rule)
-    said = []
+    faults = []
     if missing.any():
-        said.append(f"numbers are missing on {lines(raw.table.lines[missing])}")
+        faults.append(f"numbers are missing on {lines(raw.table.lines[missing])}")
     if again.any():
-        said.append(f"stamps repeat or go back on {lines(raw.table.lines[again])}")
-    if said:
+        faults.append(f"stamps repeat or go back on {lines(raw.table.lines[again])}")
+    if faults:
         answered = answer(confirm, "lines", DROP)
-        findings.append(" and ".join(said) + (": dropped, as asked" if answered else ""))
+        findings.append(" and ".join(faults) + (": dropped, as asked" if answered else ""))
         if answered is None:
-            evidence = " and ".join(said)
+            evidence = " and ".join(faults)
             asks = "what to do with broken lines"
             questions.append(
                 Question(key="lines", flag="--lines", asks=asks, options=DROP, suggestion="drop", evidence=evidence)
@@ -146,7 +146,7 @@ def _doubtful(kind: str, guess: units.Guess) -> bool:
 
 
 def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Question:
-    said = f'the file says "{stated}"; ' if stated else "the file does not say; "
+    stated_text = f'the file says "{stated}"; ' if stated else "the file does not say; "
     known = tuple(units.UNITS[kind])
     suggestion = guess.unit or (stated if stated in known else None)
     return Question(
@@ -155,7 +155,7 @@ def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Questio
         asks=f"in which unit {'are' if kind in ('time', 'range') else 'is'} {units.WORDS[kind]}",
         options=known,
         suggestion=suggestion,
-        evidence=said + guess.evidence,
+        evidence=stated_text + guess.evidence,
     )
 
 

@@ -39,11 +39,11 @@ def polynomials(
     """The pieces as a signal that begins at t = 0; yaw (rad) is kept for the file."""
     table = coefficients(knots, derivatives)
     turn = None if yaw is None else coefficients(knots, yaw[:, :, None])[..., 0]
-    made = []
+    pieces = []
     for k, (duration, piece) in enumerate(zip(np.diff(knots), table, strict=True)):
         x, y, z = (_eight(piece[:, axis]) for axis in range(3))
-        made.append(Piece(duration=float(duration), x=x, y=y, z=z, yaw=ZERO if turn is None else _eight(turn[k])))
-    return Polynomials(pieces=tuple(made))
+        pieces.append(Piece(duration=float(duration), x=x, y=y, z=z, yaw=ZERO if turn is None else _eight(turn[k])))
+    return Polynomials(pieces=tuple(pieces))
 
 
 def _eight(values: Float[Array, "8"]) -> Coefficients:

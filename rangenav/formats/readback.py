@@ -79,12 +79,12 @@ def euroc_truth(content: Mapping[str, bytes], source: str) -> Samples:
 
 def ros_poses(content: Mapping[str, bytes], source: str) -> Samples:
     """The true poses of a bag or of an MCAP file."""
-    with tempfile.TemporaryDirectory(prefix="rangenav-") as made:
-        folder = Path(made) / "bag"
+    with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
+        folder = Path(temporary) / "bag"
         folder.mkdir()
         for name, data in content.items():
-            plain = "record.mcap" if name == "" else name
-            require(plain not in (".", "..") and "/" not in plain, f"{source}: {name!r} is no file of a bag")
-            (folder / plain).write_bytes(data)
+            file_name = "record.mcap" if name == "" else name
+            require(file_name not in (".", "..") and "/" not in file_name, f"{source}: {name!r} is no file of a bag")
+            (folder / file_name).write_bytes(data)
         time, position = ros.poses(folder / "record.mcap" if "" in content else folder)
     return time - ros.FIRST, position

@@ -166,14 +166,16 @@ def path_through(
         findings.append(curve.summary)
         return curve.path, curve.largest, curve.summary, UNJUDGED
     fit = fitted(time, np.stack([position, velocity, acceleration, jerk], axis=1), snap, source=source)
-    said = f"pieces of degree 7 every {fit.stride} rows, {1e3 * fit.distance:.2g} mm from the file's positions at most"
+    fit_text = (
+        f"pieces of degree 7 every {fit.stride} rows, {1e3 * fit.distance:.2g} mm from the file's positions at most"
+    )
     if fit.snap is None:
-        findings += [said, IMPLIED]
-        return fit.path, fit.distance, said, IMPLIED
-    said += f", snap within {fit.snap:.2%} of the file's"
-    findings.append(said)
+        findings += [fit_text, IMPLIED]
+        return fit.path, fit.distance, fit_text, IMPLIED
+    fit_text += f", snap within {fit.snap:.2%} of the file's"
+    findings.append(fit_text)
     lost = f"of the snap in the file the pieces miss {fit.snap:.0%}: its rows are too far apart, or do not agree"
-    return fit.path, fit.distance, said, lost if fit.snap > SNAP_KEPT else None
+    return fit.path, fit.distance, fit_text, lost if fit.snap > SNAP_KEPT else None
 
 
 def fitted(

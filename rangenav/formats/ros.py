@@ -45,8 +45,8 @@ def write_mcap(preset: Preset, path: Path) -> OutputFile:
     require(path.parent.is_dir(), f"{path.parent}: no such folder")
     with tempfile.TemporaryDirectory() as folder:
         count = _write(upright_run(preset), preset, Path(folder) / "bag", mcap=True)
-        (made,) = (Path(folder) / "bag").glob("*.mcap")
-        write_bytes(path, made.read_bytes())
+        (bag_file,) = (Path(folder) / "bag").glob("*.mcap")
+        write_bytes(path, bag_file.read_bytes())
     return _written(count, (path,))
 
 

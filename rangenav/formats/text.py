@@ -157,8 +157,8 @@ def _number(part: str, name: str, place: str) -> float:
         value = float(part) if part else np.nan
     except ValueError:
         mangled = "; spreadsheets mangle stamps into times of day" if ":" in part or "/" in part else ""
-        said = f"{place}: {name[:SHOWN]} must be a number, got {part[:SHOWN]!r}{mangled}"
-        raise ValueError(said) from None
+        message = f"{place}: {name[:SHOWN]} must be a number, got {part[:SHOWN]!r}{mangled}"
+        raise ValueError(message) from None
     require(not abs(value) > LARGEST, _too_large(part, name, place))
     return value
 

@@ -139,9 +139,9 @@ def _gyro(gyro: Array, time: Array, turning: Array | None, turning_name: Literal
     slope = float(np.sum(predicted * turned)) / power
     named = {unit: abs(slope / factor - 1) for unit, factor in UNITS["gyro"].items()}
     unit = min(named, key=lambda one: named[one])
-    said = f"{turning_name} turns {slope:.3g} times as fast as the gyro says"
+    ratio_text = f"{turning_name} turns {slope:.3g} times as fast as the gyro says"
     if named[unit] > 2 * NEAR and turning_name == "gravity":
         return Guess(unit=None, evidence="there is no magnetometer, whose field would tell")
     if named[unit] > 2 * NEAR:
-        return Guess(unit=None, evidence=f"{said}: in no unit known, are all axes the same body's?")
-    return Guess(unit=unit, evidence=f"{said}, which is {unit}")
+        return Guess(unit=None, evidence=f"{ratio_text}: in no unit known, are all axes the same body's?")
+    return Guess(unit=unit, evidence=f"{ratio_text}, which is {unit}")

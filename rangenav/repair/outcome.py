@@ -78,11 +78,11 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
     """What `rangenav repair --json` prints."""
     stated = found.certificate
 
-    def said(figure: Figures) -> dict[str, Any]:
+    def figures_entry(figure: Figures) -> dict[str, Any]:
         blind = not np.isfinite(figure.sigma)
-        told: dict[str, Any] = {"mu": 0.0 if figure.mu <= BLIND_MU else figure.mu}
-        told["position_sigma"] = None if blind else figure.sigma
-        return told | ({"reason": "position_sigma: null, blind"} if blind else {})
+        entry: dict[str, Any] = {"mu": 0.0 if figure.mu <= BLIND_MU else figure.mu}
+        entry["position_sigma"] = None if blind else figure.sigma
+        return entry | ({"reason": "position_sigma: null, blind"} if blind else {})
 
     return {
         "preset": name,
@@ -90,8 +90,8 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
         "words": found.description,
         "effort": found.effort,
         "evaluations": found.evaluations,
-        "before": said(found.figures_before),
-        "after": said(found.figures_after)
+        "before": figures_entry(found.figures_before),
+        "after": figures_entry(found.figures_after)
         | {
             "title": found.after.title,
             "rank": stated.rank.rank,
@@ -105,14 +105,14 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
 
 def failure_reason(preset: Preset, by: ChangeKind, budget: Budget, nearest_trials: list[Trial]) -> str:
     trial = min(nearest_trials, key=lambda one: one.violation, default=NOWHERE)
-    said = f"{by}: no change that meets the requirement was found among {budget.used} motions"
+    reason = f"{by}: no change that meets the requirement was found among {budget.used} motions"
     if trial.figures is None:
-        return said
+        return reason
     sigma, needed = trial.figures.sigma, preset.requirement
     mu = 0.0 if trial.figures.mu <= BLIND_MU else trial.figures.mu
-    said += f"; the nearest has μ = {mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
-    said += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
+    reason += f"; the nearest has μ = {mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
+    reason += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
     excess = trial.figures.excess
     if trial.figures.worst_excess > 0:
-        said += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
-    return said
+        reason += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+    return reason

@@ -267,8 +267,8 @@ def _outliers(effects: Effects) -> str:
     if not effects.outliers:
         return ""
     share, size = 100 * effects.outlier_probability, effects.outlier_size
-    said = f"{share:g} of 100 ranges are too long, by {size:g} m on average"
-    return f"{said}; the paper's observer has no gate and believes each one"
+    outliers = f"{share:g} of 100 ranges are too long, by {size:g} m on average"
+    return f"{outliers}; the paper's observer has no gate and believes each one"
 
 
 def _vector(vector: Vec3) -> str:

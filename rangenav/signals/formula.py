@@ -103,8 +103,8 @@ class Formula(
             what = "value" if order == 0 else f"derivative of order {order}"
             k, text = int(np.argmax(wild)), shortened(getattr(self, axis))
             finite = math.isfinite(value[k])
-            said = f"the {what} of {text} exceeds {limit:g}" if finite else f"{text} has no finite {what}"
-            raise ValueError(f"{axis}: {said} at t = {t[k]:g} s")
+            message = f"the {what} of {text} exceeds {limit:g}" if finite else f"{text} has no finite {what}"
+            raise ValueError(f"{axis}: {message} at t = {t[k]:g} s")
         return value
 
     @property

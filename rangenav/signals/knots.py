@@ -20,7 +20,7 @@ SAME = 1e-11
 
 def pieces(signal: Signal) -> Iterator[Pieces]:
     """The piecewise polynomials that a signal is made of: none, one, or in a Sum two."""
-    return (made for made in (part.piecewise() for part in signal.parts()) if made is not None)
+    return (polynomials for polynomials in (part.piecewise() for part in signal.parts()) if polynomials is not None)
 
 
 def has_pieces(signal: Signal) -> bool:
@@ -53,6 +53,6 @@ def bounds_between(signal: Signal, order: int, time: Float[Array, "n"]) -> Float
     """Bounds on a derivative's norm (order 2 or more) from each time (s) to the knots before and after it."""
     bounds = np.zeros(len(time))
     for part in signal.parts():
-        made = part.piecewise()
-        bounds += part.bound(order) if made is None else piecewise.hulls(made, order, time)
+        polynomials = part.piecewise()
+        bounds += part.bound(order) if polynomials is None else piecewise.hulls(polynomials, order, time)
     return bounds

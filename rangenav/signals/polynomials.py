@@ -133,12 +133,12 @@ def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
     parts = curve.piecewise()
     late = float(parts.knots[0])
     require(late == 0 or not parts.repeats, f"to repeat as pieces a curve must begin at t = 0, not at {late:g} s")
-    made = [_piece(length, table) for length, table in zip(np.diff(parts.knots), _by_piece(parts), strict=True)]
+    pieces = [_piece(length, table) for length, table in zip(np.diff(parts.knots), _by_piece(parts), strict=True)]
     if late > 0:
         standing = np.zeros((8, 3))
         standing[0] = parts.tables[0][0, 0]
-        made.insert(0, _piece(late, standing))
-    return Polynomials(pieces=tuple(made), ends="repeat" if parts.repeats else "hold")
+        pieces.insert(0, _piece(late, standing))
+    return Polynomials(pieces=tuple(pieces), ends="repeat" if parts.repeats else "hold")
 
 
 def _mixed_piece(piece: Piece, matrix: Array, shift: Array) -> Piece:
