@@ -1,4 +1,4 @@
-"""Analysis and record as the JSON objects of the command line: finite numbers, or null with a reason beside it."""
+"""Analysis and record as the JSON objects of the command line: finite numbers, or null with a reason."""
 
 import math
 from dataclasses import asdict
@@ -133,7 +133,7 @@ def _accuracy(accuracy: Accuracy) -> Json:
 
 
 def _ignored(preset: Preset) -> Json:
-    """A note beside the predicted accuracy where sensors do what it does not know."""
+    """A note on the predicted accuracy where sensors have effects that it does not model."""
     return {"assumes": noise_note(preset.sensors)} if active_effects(preset.sensors) else {}
 
 

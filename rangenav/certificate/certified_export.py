@@ -49,7 +49,7 @@ def write(
 ) -> CertifiedExport:
     """Write a file or folder and its certificate.
 
-    `name` is the preset's name in error messages; `otherwise` says how a person asks for an uncertified file.
+    `name` is the preset's name in error messages; `otherwise` says how to write an uncertified file.
 
     Raises ValueError, and leaves nothing written, if the gate refuses the preset (unless `uncertified`), if the format
     cannot hold it, or if what was written fails its certificate.

@@ -1,7 +1,7 @@
 """The certificate of a file, computed from its bytes and never from the object in memory that was written to the file.
 
 The chain is bytes → preset (read again) → bounds of μ, ranks, predicted accuracy, limits, jumps → checks. A number that
-cannot be bounded is null, and the reason stands beside it. A number that comes from samples says so. Nothing in a
+cannot be bounded is null, with the reason in a field next to it. A number that comes from samples says so. Nothing in a
 certificate depends on the time or the place of its computation.
 """
 

@@ -32,11 +32,11 @@ class Artifact(Part, frozen=True, kw_only=True):
     sha256: str
     bytes: int
     covers: str | msgspec.UnsetType = msgspec.UNSET
-    """What of the file is certified, where that is not all of it."""
+    """The part of the file that is certified, where that is not the whole file."""
 
 
 class Tool(Part, frozen=True, kw_only=True):
-    """What computed it; other versions are no failure, they are told."""
+    """The versions that computed the certificate. Verification reports other versions and does not fail."""
 
     rangenav: str
     python: str
@@ -139,7 +139,7 @@ class Accuracy(Part, frozen=True, kw_only=True):
 
 
 class Extremes(Part, frozen=True, kw_only=True):
-    """What the motion asks for on the IMU's samples in [0, duration]."""
+    """The extremes of the motion on the IMU's samples in [0, duration]."""
 
     speed: float
     acceleration: float
@@ -211,7 +211,7 @@ class Certificate(Part, frozen=True, kw_only=True):
     certified: bool
     """The checks come out as `expect` says."""
     meets: bool
-    """All requirements are met, whatever was expected: what an export asks for."""
+    """Whether all requirements are met, whatever the preset expects. An export needs this."""
     verdict: Literal["blind", "weak", "observable", "not judged"]
     """Not judged: what the figures below say is about a fit, or about a path that jumps."""
     checks: tuple[Check, ...]

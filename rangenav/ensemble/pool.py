@@ -20,7 +20,7 @@ MAX_STEPS = 200_000_000
 MAX_AT_ONCE = 4_000_000
 """IMU samples in all runs that are worked on at once; each takes 0.4 kB while it is."""
 POLL = 0.1
-"""s between two looks at `cancelled`."""
+"""s between two calls of `cancelled`."""
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 

@@ -1,6 +1,6 @@
-"""What the program has to know of an exchange format: one frozen row, from which every list of formats is made.
+"""The description of an exchange format: one frozen row. Every list of formats follows from these rows.
 
-The rows stand in `table`; the command line, the page, the certificates and the documentation read them there.
+The rows are in `table`; the command line, the page, the certificates and the documentation read them there.
 """
 
 from collections.abc import Callable, Mapping
@@ -34,7 +34,7 @@ Samples = tuple[Float[Array, "n"], Float[Array, "n 3"]]
 
 @dataclass(frozen=True, kw_only=True)
 class ReadOptions:
-    """What a reader is told about a file besides its bytes."""
+    """The arguments of a reader other than the file's bytes."""
 
     source: str
     """The file's name, for messages."""

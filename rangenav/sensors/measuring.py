@@ -2,7 +2,7 @@
 
 Gyro and accel share the IMU's clock. The magnetometer is read on that clock too, at its own slower rate: samples in
 between are NaN. Ranges carry their own time stamps, so they may come at any rate, with gaps, between IMU samples.
-Biases, outliers, drop-outs and a lever arm are added where `Effects` asks for them.
+Biases, outliers, drop-outs and a lever arm are added where `Effects` has them.
 """
 
 import numpy as np

@@ -31,7 +31,7 @@ def line(node: Node) -> tuple[float, float] | None:
 
 
 def frequencies(node: Node) -> frozenset[float] | None:
-    """The frequencies (rad/s) of all there is besides straight lines; None if something does not repeat."""
+    """The frequencies (rad/s) of all terms except straight lines; None if a term is not periodic."""
     if line(node) is not None:
         return frozenset()
     if node.operation in ("+", "-"):
@@ -42,7 +42,7 @@ def frequencies(node: Node) -> frozenset[float] | None:
 
 
 def _repeating(node: Node) -> frozenset[float] | None:
-    """As `frequencies`, where a line is not left out: it multiplies or bends what stands beside it."""
+    """As `frequencies`, but a straight line counts as not periodic: it multiplies or bends another term."""
     if node.is_number:
         return frozenset()
     inner = line(node.arguments[0]) if node.operation in TURNING else None

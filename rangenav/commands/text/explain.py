@@ -34,7 +34,7 @@ def report(preset: Preset, found: Analysis, explanation: Json, *, name: str) -> 
 
 
 def _horizon(horizon: Json, preset: Preset) -> list[str]:
-    """From the start of the flight, and at the worst of the starts looked at."""
+    """From the start of the flight, and at the worst of several starts."""
     needed = quantity(preset.requirement.position_sigma, "m")
     return [_lasting("rank 13", horizon["full_rank"]), _lasting(f"an error below {needed}", horizon["accurate"])]
 
