@@ -37,11 +37,11 @@ FAULTS = {
     MAG_FAULT: "mag must be finite, or NaN where there is none",
     RANGE_TIME_FAULT: "range_time must increase and lie after the last sample and not after this one",
 }
-"""The rule that a sample breaks, by what the kernel returns."""
+"""The rule that a sample breaks, by the fault code that the kernel returns."""
 
 
 def start(guess: Guess, *, state: Float[Array, "13"], rotation: Float[Array, "3 3"], world: World) -> Start:
-    """The initial estimate that a guess stands for, where the true first state (body axes) and R(0) are these."""
+    """The initial estimate that a guess describes. state: the true first state, body axes. rotation: the true R(0)."""
     axis = np.asarray(guess.attitude_axis) / np.linalg.norm(guess.attitude_axis)
     start_rotation = so3.exp(-guess.attitude_angle * axis) @ rotation
     if guess.state == "zero":
@@ -55,7 +55,7 @@ def start(guess: Guess, *, state: Float[Array, "13"], rotation: Float[Array, "3 
 
 
 def parameters(setting: ObserverConfig, *, symmetric: bool) -> Parameters:
-    """The configuration in the kernel's terms; `symmetric` where ranges come at the IMU's rate."""
+    """The configuration as the kernel's parameters. symmetric: whether ranges come at the IMU's rate; see `begin`."""
     instance("setting", setting, ObserverConfig, called="cascade.ObserverConfig")
     forms = get_args(model.ModelForm)
     require(setting.form in forms, f"setting.form must be {' or '.join(forms)}, got {described(setting.form)}")
@@ -86,10 +86,10 @@ def parameters(setting: ObserverConfig, *, symmetric: bool) -> Parameters:
 
 
 def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bool = False) -> State:
-    """The observer at its first IMU sample; ranges stamped at that time are applied when the next sample comes.
+    """The observer at its first IMU sample. A range stamped at that time is applied when the next sample comes.
 
-    `symmetric` where every range comes with an IMU sample, at the IMU's rate: half of each correction is then applied
-    before the estimate is read and half after, which makes the estimate second order in the step.
+    symmetric: whether every IMU sample has a range. Then half of each correction is applied before the estimate is read
+    and half after it, which makes the estimate second order in the step.
     Raises ValueError for arrays of the wrong shape or type, stamps out of order, or numbers that are not finite.
     """
     instance("first", first, Sample, called="cascade.Sample")
@@ -137,9 +137,9 @@ def step(state: State, sample: Sample) -> State:
 
 
 def checked_sample(sample: Sample) -> tuple[float, Array, Array, Array, Array, Array]:
-    """The fields of a sample as a float and arrays of the shapes that the kernel reads; it looks at their numbers.
+    """The fields of a sample as a float and as arrays of the shapes that the kernel reads.
 
-    Raises ValueError in one sentence for an array of the wrong shape or type.
+    Raises ValueError for an array of the wrong shape or type. The kernel itself checks that the numbers are finite.
     """
     time, gyro, accel, mag, range_time, distance = sample
     time = number("time", time)
@@ -168,7 +168,7 @@ def _refuse_sample(fault: int, before: float, time: float) -> None:
 
 
 def _floats(vector: Vec3) -> Vec3:
-    """Whole numbers become floats, so that the kernels are called with one type only and compile once."""
+    """The vector with floats for whole numbers: the kernels then see one type only and compile once."""
     return float(vector[0]), float(vector[1]), float(vector[2])
 
 
