@@ -181,7 +181,7 @@ class Session:
                 self._open(self.dock.chosen_preset)
             self.dock.refresh()
             settings = self.dock.read()
-            self.dock.compare.read()
+            self.dock.compare.refresh()
             shown = self.picture
             picture = shown if shown is not None and settings == shown.settings else compute.compute(settings)
             self._autosave.remember(settings, self.dock.gains.units)  # before drawing: the tab may be gone by then

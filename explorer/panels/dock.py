@@ -113,6 +113,14 @@ class Dock:
         raise self._chosen
 
     def _take_over(self) -> Settings:
+        for panel in (self.motion, self.sensors, self.world, self.vehicle, self.guess, self.twin):
+            panel.refresh()
+        without_gains = self._without_gains()
+        self.gains.refresh(without_gains)
+        return self.gains.read(without_gains)
+
+    def _without_gains(self) -> Settings:
+        """What all panels but that of the gains hold."""
         motion_choice, sensor_choice = self.motion.read(), self.sensors.read()
         preset = msgspec.structs.replace(
             self._settings.preset,
@@ -127,7 +135,7 @@ class Dock:
             seed=sensor_choice.seed,
             guess=self.guess.read(),
         )
-        without_gains = Settings(
+        return Settings(
             origin=self._settings.origin,
             edition=self._settings.edition,
             preset=preset,
@@ -136,7 +144,6 @@ class Dock:
             drafts=self.motion.drafts(),
             twin_turn=self.twin.read(),
         )
-        return self.gains.read(without_gains)
 
     @contextmanager
     def catching(self) -> Iterator[None]:

@@ -36,7 +36,12 @@ def _nothing() -> None:
 
 
 class InvalidInputError(Exception):
-    """The chosen values are no valid input; a complaint below the control says why."""
+    """The chosen values are no valid input. Its cause is the ValueError that says why; `refresh` shows that."""
+
+    def __init__(self, section: "Section | None" = None, text: str = "") -> None:
+        """`section` holds the control, if one is the cause; the reason may name a column of the `text`."""
+        super().__init__()
+        self.section, self.text = section, text
 
 
 class Resettable(Protocol):
@@ -106,14 +111,18 @@ class Section:
         self.form.forget(self._controls)
 
     @contextmanager
-    def catching(self, text: str = "") -> Iterator[None]:
-        """Turn a ValueError into a complaint here, which points into the text, and into an InvalidInputError."""
+    def checking(self, text: str = "") -> Iterator[None]:
+        """Turn a ValueError into an InvalidInputError that names this section; the page stays as it is."""
         try:
             yield
         except ValueError as error:
-            self.complaint.say(str(error), text=text)
-            raise InvalidInputError from error
-        self.complaint.clear()
+            raise InvalidInputError(self, text) from error
+
+    @contextmanager
+    def catching(self, text: str = "") -> Iterator[None]:
+        """Turn a ValueError into a complaint here, which points into the text, and into an InvalidInputError."""
+        with complaining(self), self.checking(text):
+            yield
 
     @contextmanager
     def answering(self) -> Iterator[None]:
@@ -156,6 +165,25 @@ class Section:
         for control in self._controls:
             if name in (control.name, "all"):
                 control.reset()
+
+
+@contextmanager
+def complaining(*sections: Section) -> Iterator[None]:
+    """Show an InvalidInputError in the section that it names, if that is one of these.
+
+    The sections are given in the order in which they are checked: the complaints of those before it are cleared, and
+    without an error those of all.
+    """
+    try:
+        yield
+    except InvalidInputError as refusal:
+        if refusal.section in sections:
+            for section in sections[: sections.index(refusal.section)]:
+                section.complaint.clear()
+            refusal.section.complaint.say(str(refusal.__cause__), text=refusal.text)
+        raise
+    for section in sections:
+        section.complaint.clear()
 
 
 class Form:

@@ -1,10 +1,18 @@
-"""A dock without a session's loop: its controls are taken over before they are read."""
+"""The value of a dock or of a panel, where no session's loop takes over the controls."""
 
-from explorer.model.settings import Settings
-from explorer.panels.dock import Dock
+from typing import Protocol, TypeVar
+
+T_co = TypeVar("T_co", covariant=True)
 
 
-def refreshed(dock: Dock) -> Settings:
-    """The settings that the controls show now. Raises the errors of `Dock.refresh`."""
-    dock.refresh()
-    return dock.read()
+class Refreshable(Protocol[T_co]):
+    """A dock, or a panel that needs no value of another one."""
+
+    def refresh(self) -> None: ...
+    def read(self) -> T_co: ...
+
+
+def refreshed(panel: Refreshable[T_co]) -> T_co:
+    """The value that the controls show now. Raises the errors of `refresh`."""
+    panel.refresh()
+    return panel.read()

@@ -105,8 +105,8 @@ class ComparePanel:
             }
             self._table = form.gui.add_html("")
 
-    def read(self) -> None:
-        """Take in the switches."""
+    def refresh(self) -> None:
+        """Take over the switches."""
         enabled = frozenset[Name](name for name in NAMES if self._switches[name].read())
         self._changed |= enabled != self.enabled
         self.enabled = enabled

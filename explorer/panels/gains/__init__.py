@@ -45,24 +45,30 @@ class GainsPanel:
         self._picture: Picture | None = None
         self._gains = self._base = Gains()
 
-    def read(self, without_gains: Settings) -> Settings:
-        """The settings with the gains chosen. Raises InvalidInputError after showing the reason below the control."""
+    def refresh(self, without_gains: Settings) -> None:
+        """Show the gains in the units chosen, on the dials in use; physical units depend on the other settings.
+
+        Raises InvalidInputError after showing the reason below the control.
+        """
         with self._section.catching():
-            mode, chosen_units = self.mode.read(), self.units_choice.read()
-        unscheduled = (
-            self.paper_dials.read()
-            if self.units == "paper"
-            else self.physical_dials.read(partial(context_of, without_gains))
-        )
-        gains = replace(unscheduled, mode=mode, attitude=self.schedule_dials.read(unscheduled.attitude))
-        self._gains = gains
+            _, chosen_units = self.mode.read(), self.units_choice.read()
+        self._refresh_dials(without_gains)
+        self.schedule_dials.refresh(self._unscheduled().attitude)
+        self._gains = self.read(without_gains).preset.gains
         if chosen_units != self.units:
             self._show_units(chosen_units)
             if chosen_units == "physical":
-                self.physical_dials.read(partial(context_of, without_gains))  # shows them
+                self._refresh_dials(without_gains)
             if self._picture is not None:
                 self.draw(self._picture)
-        self._hide_unused(gains)
+        self._hide_unused(self._gains)
+
+    def read(self, without_gains: Settings) -> Settings:
+        """The settings with the gains on the dials on the page. Raises InvalidInputError."""
+        with self._section.checking():
+            mode = self.mode.read()
+        unscheduled = self._unscheduled()
+        gains = replace(unscheduled, mode=mode, attitude=self.schedule_dials.read(unscheduled.attitude))
         drafts = replace(without_gains.drafts, schedule=self.schedule_dials.draft)
         return replace(without_gains, preset=replace(without_gains.preset, gains=gains), drafts=drafts)
 
@@ -90,6 +96,16 @@ class GainsPanel:
         ):
             if content != line.content:
                 line.content = content
+
+    def _refresh_dials(self, without_gains: Settings) -> None:
+        if self.units == "paper":
+            self.paper_dials.refresh()
+        else:
+            self.physical_dials.refresh(partial(context_of, without_gains))
+
+    def _unscheduled(self) -> Gains:
+        """The gains on the dials of the units in use, in constant mode without a schedule."""
+        return self.paper_dials.read() if self.units == "paper" else self.physical_dials.read()
 
     def _show_units(self, units: GainUnits) -> None:
         """Show the same gains on the dials of these units."""

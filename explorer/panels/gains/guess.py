@@ -7,7 +7,7 @@ from explorer.model.compute import Picture
 from explorer.panels.gains.equilibria import EquilibriaSection
 from explorer.widgets.controls import Choice, Vector
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form, Section, complaining
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3
 
@@ -40,12 +40,17 @@ class GuessPanel:
             self._velocity = Vector(section, "velocity (m/s)", step=0.1, hint=f"m/s, {hint}")
             self._gravity = Vector(section, "gravity (m/s²)", step=0.1, hint=f"m/s², {hint}")
 
+    def refresh(self) -> None:
+        """Show below the control why the guess is invalid. Raises InvalidInputError."""
+        with complaining(self._section, self._offsets):
+            self.read()
+
     def read(self) -> Guess:
-        """The guess chosen. Raises InvalidInputError after showing the reason below the control."""
-        with self._section.catching():
+        """The guess chosen. Raises InvalidInputError."""
+        with self._section.checking():
             state, axis, angle = self._state.read(), self._axis.read(), self._angle.read()
             attitude_error = Guess(attitude_axis=axis, attitude_angle=angle)
-        with self._offsets.catching():
+        with self._offsets.checking():
             return Guess(
                 state=state,
                 position_offset=self._position.read(),

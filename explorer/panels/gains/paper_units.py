@@ -1,7 +1,7 @@
 """The gains in the paper's units: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
 
 from explorer.widgets.dials import LogDial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form, Section, complaining
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
@@ -44,15 +44,20 @@ class PaperDials:
             hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."
             self._rho2 = LogDial(section, "ρ2", RHO2_LIMITS, hint=hint)
 
+    def refresh(self) -> None:
+        """Show below the dials why the gains are invalid. Raises InvalidInputError."""
+        with complaining(self.noise, self._process, self._start, self.attitude):
+            self.read()
+
     def read(self) -> Gains:
-        """The gains chosen, in constant mode without a schedule. Raises InvalidInputError after showing the reason."""
-        with self.noise.catching():
+        """The gains chosen, in constant mode without a schedule. Raises InvalidInputError."""
+        with self.noise.checking():
             q = RiccatiGains(q=self._q.read()).q
-        with self._process.catching():
+        with self._process.checking():
             v = RiccatiGains(v=_read_blocks(self._v)).v
-        with self._start.catching():
+        with self._start.checking():
             riccati = RiccatiGains(q=q, v=v, p0=_read_blocks(self._p0))
-        with self.attitude.catching():
+        with self.attitude.checking():
             attitude = AttitudeGains(k1=self._k1.read(), rho1=self._rho1.read(), rho2=self._rho2.read())
         return Gains(riccati=riccati, attitude=attitude)
 

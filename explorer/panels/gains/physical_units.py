@@ -11,7 +11,7 @@ from msgspec.structs import asdict, replace
 
 from explorer.model.gain_units import GAIN_LABELS, GainContext, in_paper_units, in_physical_units, with_page_labels
 from explorer.widgets.dials import LogDial
-from explorer.widgets.form import Form, InvalidInputError, Section
+from explorer.widgets.form import Form, InvalidInputError, Section, complaining
 from rangenav.gains import Gains
 from rangenav.physical_gains import PhysicalGains
 
@@ -50,7 +50,7 @@ class PhysicalDials:
         self._add(self.attitude, ATTITUDE)
 
     def write(self, gains: Gains, base: Gains) -> None:
-        """Take gains. The next `read` shows them, because their physical values depend on the path."""
+        """Take gains. The next `refresh` shows them, because their physical values depend on the path."""
         self._gains, self._base, self._context = gains, base, None
 
     def show(self, visible: bool, *, noise: bool) -> None:
@@ -59,39 +59,50 @@ class PhysicalDials:
         self._prior.show(visible)
         self.attitude.show(visible)
 
-    def read(self, current_context: Callable[[], GainContext]) -> Gains:
-        """The gains as written or as moved, in constant mode without a schedule.
+    def refresh(self, current_context: Callable[[], GainContext]) -> None:
+        """Take over the values that were moved, and show the values that the gains have in the current context.
 
         Gains that have no physical values stay as they are. Raises InvalidInputError after showing the reason.
         """
-        entered = {} if self._context is None else self._entered()
+        with complaining(*self._all_sections):
+            entered = {} if self._context is None else self._entered()
         moved_dials = {name: value for name, value in entered.items() if value != self._read_values[name]}
         try:
             context = current_context()
         except ValueError as error:
-            return self._keep_without_values(f"the path's typical {error}", error, moved_dials)
+            self._keep_without_values(f"the path's typical {error}", error, moved_dials)
+            return
         if context != self._context:
             try:
                 self._show_values(context, moved_dials)
             except ValueError as error:
-                return self._keep_without_values(with_page_labels(str(error)), error, moved_dials)
-            entered = self._entered()
-        self._gains = self._gains_from(entered, context)
+                self._keep_without_values(with_page_labels(str(error)), error, moved_dials)
+                return
+            with complaining(*self._all_sections):
+                entered = self._entered()
+        with complaining(*self._all_sections):
+            self._gains = self._gains_from(entered, context)
         self._read_values = entered
-        return self._gains
 
-    def _keep_without_values(self, why: str, error: ValueError, moved_dials: dict[str, float]) -> Gains:
+    def read(self) -> Gains:
+        """The gains as written or as moved, in constant mode without a schedule. Raises InvalidInputError."""
+        return self._gains if self._context is None else self._gains_from(self._entered(), self._context)
+
+    @property
+    def _all_sections(self) -> tuple[Section, ...]:
+        return tuple(dict.fromkeys(self.sections.values()))
+
+    def _keep_without_values(self, why: str, error: ValueError, moved_dials: dict[str, float]) -> None:
         """Leave the gains as they are, and show why they have no physical values. A dial that was moved is refused."""
         self.noise.complaint.say(f"no physical values: {why}")
         if moved_dials:
             raise InvalidInputError from error
-        return self._gains
 
     def _entered(self) -> dict[str, float]:
         """The values of the dials."""
         entered = {}
         for name, dial in self.dials.items():
-            with self.sections[name].catching():
+            with self.sections[name].checking():
                 entered[name] = dial.read()
         return entered
 
@@ -120,8 +131,7 @@ class PhysicalDials:
         except ValueError as error:
             sentence = str(error)
             cause = next((name for name in changed if name in sentence), changed[0])
-            self.sections[cause].complaint.say(with_page_labels(sentence))
-            raise InvalidInputError from ValueError(with_page_labels(sentence))
+            raise InvalidInputError(self.sections[cause]) from ValueError(with_page_labels(sentence))
 
 
 def labelled_values(gains: Gains, context: GainContext) -> list[tuple[str, float, str]]:

@@ -37,18 +37,22 @@ class ScheduleDials:
         """The schedule on the dials while it is switched off; the default schedule while it is switched on."""
         return Schedule() if self.enabled.read() else self._last_valid
 
-    def read(self, gains: AttitudeGains) -> AttitudeGains:
-        """The gains with the schedule chosen. Raises InvalidInputError after showing the reason below the dials."""
+    def refresh(self, gains: AttitudeGains) -> None:
+        """Show the dials if the switch is on. Raises InvalidInputError after showing the reason below the dials."""
         on = self.enabled.read()
         self.dials_section.show(on)
-        if not on:
+        if on:
+            with self.dials_section.catching():
+                self._last_valid = self.read(gains).schedule or self._last_valid
+
+    def read(self, gains: AttitudeGains) -> AttitudeGains:
+        """The gains with the schedule chosen. Raises InvalidInputError."""
+        if not self.enabled.read():
             return gains
-        with self.dials_section.catching():
+        with self.dials_section.checking():
             steady, halfway, memory = self.steady.read(), self.halfway.read(), self._memory.read()
             schedule = Schedule(steady=steady, halfway=halfway, memory=memory)
-            scheduled = AttitudeGains(k1=gains.k1, rho1=gains.rho1, rho2=gains.rho2, schedule=schedule)
-        self._last_valid = schedule
-        return scheduled
+            return AttitudeGains(k1=gains.k1, rho1=gains.rho1, rho2=gains.rho2, schedule=schedule)
 
     def write(self, schedule: Schedule | None, base: Schedule | None, draft: Schedule) -> None:
         """Show a schedule; if there is none, show the draft with the switch off."""

@@ -64,12 +64,19 @@ class MotionPanel:
             self._transforms = PathTransforms(form, edit)
         self.angular_velocity = _AngularVelocity(form)
 
-    def read(self) -> MotionChoice:
-        """The motion chosen. Raises InvalidInputError after showing the reason below the control."""
-        scale, duration, window = self.timing.read()
+    def refresh(self) -> None:
+        """Show what follows from the motion chosen. Raises InvalidInputError after showing the reason."""
+        self.timing.refresh()
+        _, duration, _ = self.timing.read()
         self._transforms.set_duration(duration)
-        path = self.path.read(duration)
-        angular_velocity, start = self.angular_velocity.read(duration)
+        self.path.refresh(duration)
+        self.angular_velocity.refresh(duration)
+
+    def read(self) -> MotionChoice:
+        """The motion chosen. Raises InvalidInputError."""
+        scale, duration, window = self.timing.read()
+        path = self.path.read()
+        angular_velocity, start = self.angular_velocity.read()
         return MotionChoice(
             path=path,
             angular_velocity=angular_velocity,
@@ -134,8 +141,13 @@ class _Timing:
             hint = f"How long the flight is, {MIN_DURATION:g} to {MAX_DURATION:g} s; a longer one takes longer to show."
             self._duration = Number(section, "duration (s)", step=1.0, hint=hint)
 
-    def read(self) -> tuple[float, float, float]:
+    def refresh(self) -> None:
         with self.section.catching():
+            self.read()
+
+    def read(self) -> tuple[float, float, float]:
+        """Time scale, duration (s) and window (s)."""
+        with self.section.checking():
             duration = self._duration.read()
             require_within("duration", duration, MIN_DURATION, MAX_DURATION, "s")
             return self.time_scale.read(), duration, self._window.read()
@@ -168,10 +180,15 @@ class _AngularVelocity:
                 hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
                 self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))
 
-    def read(self, duration: float) -> tuple[AngularVelocity, Vec3]:
-        angular_velocity = self.signal_editor.read(duration)
-        self._start_section.show(not isinstance(angular_velocity, Flown))
+    def refresh(self, duration: float) -> None:
+        self.signal_editor.refresh(duration)
+        self._start_section.show(not isinstance(self.signal_editor.signal, Flown))
         with self._start_section.catching():
+            self._rotation.read()
+
+    def read(self) -> tuple[AngularVelocity, Vec3]:
+        angular_velocity = self.signal_editor.read()
+        with self._start_section.checking():
             return angular_velocity, self._rotation.read()
 
     def write(self, choice: MotionChoice, base: MotionChoice, drafts: Drafts) -> None:

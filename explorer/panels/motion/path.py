@@ -45,15 +45,26 @@ class PathPanel:
             self._wiggle_editor = SignalEditor(form, WIGGLE, PATH_LABELS, hint=FAMILY_HINT, visible=False)
             self._sum_offset = _SumOffset(form)
 
-    def read(self, duration: float) -> Signal:
-        """The path chosen. Raises InvalidInputError after showing the reason below the control."""
-        base = cast(Family, self.base_editor.read(duration))
+    def refresh(self, duration: float) -> None:
+        """Show the editors of the path chosen. Raises InvalidInputError after showing the reason below the control.
+
+        A family that was just chosen may start from the signal as it is over the duration (s) of the flight.
+        """
+        self.base_editor.refresh(duration)
         has_wiggle = self._has_wiggle.read()
         self._show_wiggle(has_wiggle)
-        if not has_wiggle:
+        if has_wiggle:
+            self._wiggle_editor.refresh(duration)
+            with self._wiggle_section.catching():
+                self.read()
+
+    def read(self) -> Signal:
+        """The path in the editors on the page. Raises InvalidInputError."""
+        base = cast(Family, self.base_editor.read())
+        if not self._wiggle_editor.visible:
             return base
-        wiggle = cast(Family, self._wiggle_editor.read(duration))
-        with self._wiggle_section.catching():
+        wiggle = cast(Family, self._wiggle_editor.read())
+        with self._wiggle_section.checking():
             return self._sum_offset.read(Sum(base=base, wiggle=wiggle))
 
     def write(self, path: Signal, base: Signal, drafts: Drafts) -> None:
@@ -74,7 +85,7 @@ class PathPanel:
     def drafts(self) -> tuple[tuple[Family, ...], tuple[Family, ...]]:
         """The drafts of base and wiggle, besides the path itself. A wiggle that is switched off comes last."""
         wiggle_drafts = self._wiggle_editor.drafts()
-        if not self._has_wiggle.read() and self._wiggle_editor.signal != FIRST_WIGGLE:
+        if not self._wiggle_editor.visible and self._wiggle_editor.signal != FIRST_WIGGLE:
             wiggle_drafts = (*wiggle_drafts, self._wiggle_editor.signal)
         return cast(tuple[Family, ...], self.base_editor.drafts()), cast(tuple[Family, ...], wiggle_drafts)
 

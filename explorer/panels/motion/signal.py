@@ -32,14 +32,19 @@ class SignalEditor:
         self._current_family: str = next(iter(labels))
         self._signal: AngularVelocity = Multisine()
 
-    def read(self, duration: float) -> AngularVelocity:
-        """The signal. A family that was just chosen starts from its own draft, or from the converted signal."""
+    def refresh(self, duration: float) -> None:
+        """Show the editor of the family chosen. One that was just chosen starts from its own draft, or from the signal
+        converted over the duration (s). Raises InvalidInputError after showing the reason below the control."""
         with self._section.catching():
             family = self.family_menu.read()
         if family != self._current_family:
             self._switch(family, duration)
+        self.editors[family].refresh()
         self._signal = self._last_valid[family] = self.editors[family].read()
-        return self._signal
+
+    def read(self) -> AngularVelocity:
+        """The signal in the editor on the page. Raises InvalidInputError."""
+        return self.editors[self._current_family].read()
 
     def write(
         self, signal: AngularVelocity, base: AngularVelocity | None, drafts: tuple[AngularVelocity, ...] = ()
@@ -70,8 +75,13 @@ class SignalEditor:
 
     @property
     def signal(self) -> AngularVelocity:
-        """The signal that was read or written last."""
+        """The signal as it was when `refresh` or `write` was called last."""
         return self._signal
+
+    @property
+    def visible(self) -> bool:
+        """Whether it is on the page."""
+        return self._visible
 
     @property
     def points(self) -> tuple[Waypoint, ...]:

@@ -1,6 +1,7 @@
 """The Presets tab: browse presets, read their stories, save your own, reproduce the paper's figures, download."""
 
 import html
+from contextlib import suppress
 
 from explorer.model.compute import Picture
 from explorer.model.settings import Settings
@@ -73,7 +74,7 @@ class PresetsPanel:
 
     def read(self) -> str:
         """The name of the chosen preset. Raises InvalidInputError if the browser sent a name that is not offered."""
-        with self._section.catching():
+        with self._section.checking():
             return self._choice.read()
 
     def write(self, settings: Settings) -> None:
@@ -91,7 +92,9 @@ class PresetsPanel:
         self._draw_card()
 
     def refresh(self) -> None:
-        """Show what other pages have changed in the library, and certificates that are ready."""
+        """Show what other pages have changed in the library, certificates that are ready, and why a name is refused."""
+        with suppress(InvalidInputError), self._section.catching():
+            self.read()
         self._catalog.refresh_if_due()
         self._update_menu()
         self._draw_card()

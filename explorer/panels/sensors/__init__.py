@@ -46,7 +46,7 @@ class SensorsPanel:
         with section:
             self.range_rate = Dial(section, "range (Hz)", (1.0, 200.0), step=1.0, hint=hint)
         self.noise = NoiseFolder(form)
-        self._rates = section = Section(form, "IMU and magnetometer rates", expanded=False)
+        section = Section(form, "IMU and magnetometer rates", expanded=False)
         with section:
             hint = "Hz: gyro and accelerometer, and with them the observer's step. Faster makes every change slower."
             self.imu_rate = Dial(section, "IMU (Hz)", (20.0, 1000.0), step=10.0, hint=hint)
@@ -60,22 +60,30 @@ class SensorsPanel:
             self._seed = Number(section, "noise seed", step=1.0, hint=hint)
         self._shown_set = CUSTOM
 
-    def read(self) -> SensorChoice:
-        """The sensors chosen. Raises InvalidInputError after showing the reason below the control."""
+    def refresh(self) -> None:
+        """Show the set just picked, or the name of the set that the sensors equal, and describe the effects.
+
+        Raises InvalidInputError after showing the reason below the control.
+        """
         with self._section.catching():
             picked = self.sensor_set.read()
             if picked != self._shown_set and picked != CUSTOM:
                 self._show(SENSOR_SETS[picked].sensors)
-            rates = Sensors(
-                imu_rate=self.imu_rate.read(), mag_rate=self.mag_rate.read(), range_rate=self.range_rate.read()
-            )
-        noise, unmodelled = self.noise.read(rates.imu_rate), self.effects.read()
+            rates = self._rates()
+        self.noise.refresh(rates.imu_rate)
+        self.effects.refresh()
         with self._section.catching():
-            sensors = msgspec.structs.replace(rates, noise=noise, unmodelled=unmodelled)
-        if self.sensor_set.read() == picked:  # else the visitor has just picked another set, and the next read takes it
+            sensors = self._sensors()
+        if self.sensor_set.read() == picked:  # else the visitor has just picked another set; the next refresh shows it
             self._show_set_name(sensors)
         self.effects.describe(effect_sentences(sensors))
         with self._seed_section.catching():
+            self.read()
+
+    def read(self) -> SensorChoice:
+        """The sensors chosen. Raises InvalidInputError."""
+        sensors = self._sensors()
+        with self._seed_section.checking():
             return SensorChoice(sensors, _whole_number("seed", self._seed.read()))
 
     def write(self, choice: SensorChoice, base: SensorChoice) -> None:
@@ -96,6 +104,18 @@ class SensorsPanel:
     def clear(self) -> None:
         """Hide the error that concerns the sensors together with the motion."""
         self._seed_section.complaint.clear()
+
+    def _rates(self) -> Sensors:
+        """The rates chosen, with the usual noise."""
+        return Sensors(imu_rate=self.imu_rate.read(), mag_rate=self.mag_rate.read(), range_rate=self.range_rate.read())
+
+    def _sensors(self) -> Sensors:
+        """The rates, the noise and the effects chosen."""
+        with self._section.checking():
+            rates = self._rates()
+        noise, unmodelled = self.noise.read(), self.effects.read()
+        with self._section.checking():
+            return msgspec.structs.replace(rates, noise=noise, unmodelled=unmodelled)
 
     def _show(self, sensors: Sensors) -> None:
         for name, dial in self._rate_dials.items():

@@ -25,9 +25,14 @@ class EffectsFolder:
             }
             """The controls by the names of their fields."""
 
-    def read(self) -> Effects:
-        """The effects chosen. Raises InvalidInputError after showing the reason below the controls."""
+    def refresh(self) -> None:
+        """Show below the controls why the effects are invalid. Raises InvalidInputError."""
         with self._section.catching():
+            self.read()
+
+    def read(self) -> Effects:
+        """The effects chosen. Raises InvalidInputError."""
+        with self._section.checking():
             return Effects(**{field: control.read() for field, control in self.controls.items()})
 
     def write(self, chosen: Effects, base: Effects) -> None:

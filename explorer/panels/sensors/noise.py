@@ -44,22 +44,29 @@ class NoiseFolder:
         self._unit: Unit = "sample"
         self._converted: tuple[Noise, float, Noise] | None = None
 
-    def read(self, rate: float) -> Noise:
-        """The noise chosen, for an IMU at `rate` (Hz)."""
+    def refresh(self, rate: float) -> None:
+        """Show the noise in the unit chosen, and in the other one, for an IMU at `rate` (Hz).
+
+        Raises InvalidInputError after showing the reason below the controls.
+        """
         with self._section.catching():
-            noise = Noise(
+            noise = self.read()
+            chosen_unit: Unit = "density" if self.as_density.read() else "sample"
+            if chosen_unit != self._unit:
+                noise = self._in_unit(noise, chosen_unit, rate)
+                self.show(noise)
+            self._describe_other_unit(noise, rate)
+
+    def read(self) -> Noise:
+        """The noise on the dials on the page, in their unit. Raises InvalidInputError."""
+        with self._section.checking():
+            return Noise(
                 gyro=self._gyro[self._unit].read(),
                 accel=self._accel[self._unit].read(),
                 mag=self._mag.read(),
                 range=self._range.read(),
                 imu_unit=self._unit,
             )
-            chosen_unit: Unit = "density" if self.as_density.read() else "sample"
-            if chosen_unit != self._unit:
-                noise = self._in_unit(noise, chosen_unit, rate)
-                self.show(noise)
-            self._describe_other_unit(noise, rate)
-        return noise
 
     def write(self, noise: Noise, base: Noise) -> None:
         """Show noise in its own unit; if the preset has the other unit, the dials cannot be reset to the preset."""

@@ -3,7 +3,7 @@
 import math
 
 from explorer.widgets.controls import Vector
-from explorer.widgets.form import Action, Form, Section
+from explorer.widgets.form import Action, Form, Section, complaining
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 
@@ -35,16 +35,18 @@ class WorldPanel:
             self._magnetic = Vector(magnetic, "m", step=0.01, hint=hint)
         self._unit_magnetic: Vec3 = (0.0, 0.0, 0.0)
 
-    def read(self) -> World:
-        """The world chosen. Raises InvalidInputError after showing the reason below the control."""
-        with self._anchor_section.catching():
-            anchor = self._anchor.read()
-            World(anchor=anchor)
-        with self.section.catching():
-            gravity = self._gravity.read()
-            World(gravity=gravity, magnetic=_direction_across(gravity))
+    def refresh(self) -> None:
+        """Say where z points. Raises InvalidInputError after showing the reason below the control."""
+        with complaining(self._anchor_section, self.section):
+            _, gravity = self._anchor_and_gravity()
         self._describe_axes(gravity)
         with self._magnetic_section.catching():
+            self.read()
+
+    def read(self) -> World:
+        """The world chosen. Raises InvalidInputError."""
+        anchor, gravity = self._anchor_and_gravity()
+        with self._magnetic_section.checking():
             typed = self._magnetic.read()
             return World(
                 anchor=anchor, gravity=gravity, magnetic=typed if typed == self._unit_magnetic else _direction(typed)
@@ -61,6 +63,15 @@ class WorldPanel:
     def move_anchor(self, position: Vec3) -> None:
         """Move the anchor to a position (m), as a drag does."""
         self._anchor.show(position)
+
+    def _anchor_and_gravity(self) -> tuple[Vec3, Vec3]:
+        with self._anchor_section.checking():
+            anchor = self._anchor.read()
+            World(anchor=anchor)
+        with self.section.checking():
+            gravity = self._gravity.read()
+            World(gravity=gravity, magnetic=_direction_across(gravity))
+        return anchor, gravity
 
     def _describe_axes(self, gravity: Vec3) -> None:
         aside = math.hypot(gravity[0], gravity[1]) > 1e-9 * math.hypot(*gravity)

@@ -37,14 +37,15 @@ class TwinPanel:
             form.button("The usual twin", self.use_default, hint="A right angle, where that leads far enough.")
         section.show(False)
 
+    def refresh(self) -> None:
+        """Take over what was typed. Raises InvalidInputError after showing the reason below the control."""
+        with self.section.catching():
+            self._turn, self._shown = self._typed()
+
     def read(self) -> Vec3 | None:
         """The rotation vector (rad) that was dragged or typed; None for the default twin. Raises InvalidInputError."""
-        if self._shown is not None:
-            with self.section.catching():
-                typed = self.angle.read(), self.axis.read()
-                if typed != self._shown:
-                    self._turn, self._shown = _rotation_vector(*typed), typed
-        return self._turn
+        turn, _ = self._typed()
+        return turn
 
     def write(self, turn: Vec3 | None) -> None:
         """Show a rotation vector. That of the default twin is shown once `draw` knows it."""
@@ -62,6 +63,14 @@ class TwinPanel:
         self.section.show(True)
         if self._shown is None or not _same(_rotation_vector(*self._shown), twin_or_refusal.turn):
             self._show(twin_or_refusal.turn, about=twin_or_refusal.axis)
+
+    def _typed(self) -> tuple[Vec3 | None, tuple[float, Vec3] | None]:
+        """The rotation vector, and the angle and the axis in the controls; None for these where no twin is shown."""
+        if self._shown is None:
+            return self._turn, None
+        with self.section.checking():
+            typed = self.angle.read(), self.axis.read()
+            return (self._turn if typed == self._shown else _rotation_vector(*typed)), typed
 
     def _show(self, turn: Vec3, *, about: Vec3 | None = None) -> None:
         """Show a rotation vector, about the only possible axis or else its own; a zero rotation keeps the axis."""

@@ -30,9 +30,14 @@ class VehiclePanel:
             self._choice = Choice(section, "vehicle", _labels(CATALOGUE), hint=HINT)
             self._table = form.gui.add_html("")
 
-    def read(self) -> Vehicle:
-        """The vehicle chosen."""
+    def refresh(self) -> None:
+        """Show below the control why the vehicle is invalid. Raises InvalidInputError."""
         with self._section.catching():
+            self.read()
+
+    def read(self) -> Vehicle:
+        """The vehicle chosen. Raises InvalidInputError."""
+        with self._section.checking():
             return self._choice.read()
 
     def write(self, chosen: Vehicle, base: Vehicle) -> None:

@@ -26,6 +26,7 @@ from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Tone
 from rangenav.twin import Twin
 from tests.support.pictures import picture
+from tests.support.refreshed import refreshed
 from tests.support.sent_messages import Page
 
 SLOW = preset.load("paper-slow")
@@ -270,21 +271,21 @@ def test_the_numbers_of_a_twin_turn_it_as_a_drag_does(panel: TwinPanel) -> None:
     usual = details.details(p).twin
     assert isinstance(usual, Twin)
     panel.draw(usual)
-    assert panel.read() is None  # what is shown of the usual twin is no choice of the visitor's
+    assert refreshed(panel) is None  # what is shown of the usual twin is no choice of the visitor's
     assert panel.angle.read() == pytest.approx(np.pi / 2)
     panel.axis.show((0.0, 2.0, 0.0))
     panel.angle.show(np.radians(50.0))
-    turn = panel.read()
+    turn = refreshed(panel)
     assert turn == pytest.approx((0.0, np.radians(50.0), 0.0))
     panel.draw(details.details(p, turn=turn).twin)
-    assert panel.read() == turn
+    assert refreshed(panel) == turn
     dragged = twin.turn_towards(p, (1.0, 2.0, -0.5), time=0.0)
     panel.write(dragged)
     panel.draw(details.details(p, turn=dragged).twin)
-    assert panel.read() == dragged
+    assert refreshed(panel) == dragged
     assert panel.angle.read() == pytest.approx(np.linalg.norm(dragged))
     panel.use_default()
-    assert panel.read() is None
+    assert refreshed(panel) is None
 
 
 def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis_and_passes_through_nothing(
@@ -299,7 +300,7 @@ def test_the_angle_of_the_twin_of_going_back_and_forth_counts_about_its_one_axis
     for angle in (-2.0, 0.0, 1.0):
         panel.draw(computed)
         panel.angle.show(angle)
-        turn = panel.read()
+        turn = refreshed(panel)
         assert turn == pytest.approx(angle * np.array(axis))
         computed = details.details(p, turn=turn).twin
         assert isinstance(computed, Twin)
@@ -315,16 +316,16 @@ def test_an_axis_that_points_nowhere_is_refused_and_the_turn_stays(panel: TwinPa
     panel.draw(computed)
     panel.axis.show(axis)
     with pytest.raises(InvalidInputError):
-        panel.read()
+        refreshed(panel)
     panel.axis.show((0.0, 0.0, 1.0))
-    assert panel.read() == pytest.approx((0.0, 0.0, 0.5))
+    assert refreshed(panel) == pytest.approx((0.0, 0.0, 0.5))
 
 
 def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: TwinPanel) -> None:
     for name, shown in (("circle", False), ("hover", True), ("lissajous", False)):
         panel.draw(details.details(preset.load(name)).twin)
         assert panel.section.visible == shown
-        assert panel.read() is None
+        assert refreshed(panel) is None
 
 
 def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_weakest_axis(page: Page) -> None:

@@ -126,15 +126,15 @@ def test_a_picked_sensor_set_replaces_everything_but_the_seed_and_is_described(d
     panel = dock.sensors
     assert panel.sensor_set.read() == CUSTOM
     _pick(panel, entry.name)
-    assert panel.read() == SensorChoice(entry.sensors, SHIPPED["soft"].seed)
+    assert refreshed(panel) == SensorChoice(entry.sensors, SHIPPED["soft"].seed)
     assert panel.sensor_set.read() == entry.name
     assert html.escape(entry.summary) in panel.set_text.content
     assert panel.effects.description.visible == bool(sensors.effect_sentences(entry.sensors))
     panel.range_rate.show(17.0)
-    assert panel.read().sensors == msgspec.structs.replace(entry.sensors, range_rate=17.0)
+    assert refreshed(panel).sensors == msgspec.structs.replace(entry.sensors, range_rate=17.0)
     assert panel.sensor_set.read() == CUSTOM
     _pick(panel, entry.name)  # and it may be picked again
-    assert panel.read().sensors == entry.sensors
+    assert refreshed(panel).sensors == entry.sensors
 
 
 def test_every_effect_that_is_on_is_described_outside_its_closed_folder(dock: Dock):

@@ -14,9 +14,14 @@ class ConstantEditor:
         with section:
             self.value = Vector(section, f"value ({slot.unit})", step=slot.step, hint=f"{slot.unit}, at all times.")
 
-    def read(self) -> Multisine:
-        """The constant."""
+    def refresh(self) -> None:
+        """Show below the control why the constant is invalid. Raises InvalidInputError."""
         with self._section.catching():
+            self.read()
+
+    def read(self) -> Multisine:
+        """The constant. Raises InvalidInputError."""
+        with self._section.checking():
             return Multisine(offset=self.value.read())
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:

@@ -2,7 +2,8 @@
 
 editor = SinesEditor(form, slot)   its own sections, below the controls that are there already
 editor.write(signal, base)         show a signal; base is the preset's signal if that is of this family, else None
-editor.read()                      the signal; raises InvalidInputError after showing the reason below the control
+editor.refresh()                   show what follows from the controls; raises InvalidInputError after saying why
+editor.read()                      the signal; raises InvalidInputError, and leaves the page as it is
 editor.show(visible)               a hidden editor keeps what was typed
 """
 
@@ -29,6 +30,7 @@ class SignalSlot:
 class Editor(Protocol):
     """What all editors offer."""
 
+    def refresh(self) -> None: ...
     def read(self) -> AngularVelocity: ...
     def write(self, signal: AngularVelocity, base: AngularVelocity | None) -> None: ...
     def show(self, visible: bool) -> None: ...

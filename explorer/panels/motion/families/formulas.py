@@ -5,7 +5,7 @@ import msgspec
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Text, Vector
 from explorer.widgets.dials import DIGITS
-from explorer.widgets.form import Form, InvalidInputError, Section
+from explorer.widgets.form import Form, InvalidInputError, Section, complaining
 from rangenav.number_format import significant
 from rangenav.signals import AXES, Flown, Formula
 from rangenav.signals.expressions import MAX_LENGTH
@@ -36,19 +36,21 @@ class FormulaEditor:
                 "Forget turning and scaling", self._forget_map, hint="The formulas count as typed again."
             )
 
+    def refresh(self) -> None:
+        """Show below the boxes why the formulas are invalid. Raises InvalidInputError."""
+        with complaining(self._section, self._offset_section):
+            self.read()
+
     def read(self) -> Formula:
-        """The formulas as typed."""
-        with self._section.catching():
+        """The formulas as typed. Raises InvalidInputError."""
+        with self._section.checking():
             texts = {axis: text.read() for axis, text in self.texts.items()}
         try:
             formula = msgspec.structs.replace(self._signal, **texts)
         except ValueError as error:
-            self._section.complaint.say(str(error), text=texts.get(str(error)[:1], ""))
-            raise InvalidInputError from error
-        self._section.complaint.clear()
-        with self._offset_section.catching():
-            self._signal = msgspec.structs.replace(formula, offset=self._offset.read(), drift=self._drift.read())
-        return self._signal
+            raise InvalidInputError(self._section, texts.get(str(error)[:1], "")) from error
+        with self._offset_section.checking():
+            return msgspec.structs.replace(formula, offset=self._offset.read(), drift=self._drift.read())
 
     def write(self, signal: Formula, base: Formula | None) -> None:
         """Show formulas."""
@@ -94,11 +96,16 @@ class FlownEditor:
             hint = f"rad, an expression in t (s): the turn about the thrust axis. {ALLOWED}."
             self._yaw = Text(section, "yaw(t) =", hint=hint, longest=MAX_TEXT)
 
-    def read(self) -> Flown:
-        """The yaw as typed."""
+    def refresh(self) -> None:
+        """Show below the control why the yaw is invalid. Raises InvalidInputError."""
         with self._section.catching():
+            self.read()
+
+    def read(self) -> Flown:
+        """The yaw as typed. Raises InvalidInputError."""
+        with self._section.checking():
             yaw = self._yaw.read()
-        with self._section.catching(yaw):
+        with self._section.checking(yaw):
             return Flown(yaw=yaw)
 
     def write(self, signal: Flown, base: Flown | None) -> None:

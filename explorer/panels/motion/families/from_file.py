@@ -21,6 +21,9 @@ class FileSignalEditor:
         with section:
             self._line = form.gui.add_html("")
 
+    def refresh(self) -> None:
+        """Nothing follows from a signal without controls."""
+
     def read(self) -> AngularVelocity:
         """The signal as it was written."""
         return self._signal

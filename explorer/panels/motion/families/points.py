@@ -7,7 +7,7 @@ import msgspec
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.families.table import Table
 from explorer.widgets.controls import Choice, Number, Text, Vector
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form, Section, complaining
 from rangenav.inputs import Vec3, require
 from rangenav.signals import MinimumSnap, Waypoint, Waypoints, waypoints
 from rangenav.signals.waypoints import MAX_POINTS
@@ -56,20 +56,27 @@ class PointsEditor(Generic[F]):
         """The points of the curve."""
         return self._signal.points
 
-    def read(self) -> F:
-        """The curve with what the visitor has moved last: the table, the ends, or the boxes of one point."""
-        with self._section.catching():
-            text = self._text.read()
-            points = self.points if text == self._text_of_points else TABLE.parse(text, self._formatted)
-            require(2 <= len(points) <= MAX_POINTS, f"2 to {MAX_POINTS} waypoints make a path, got {len(points)}")
-            typed = self._with_ends(points)
-        with self._point_section.catching():
-            signal = self._with_boxes(typed)
+    def refresh(self) -> None:
+        """Own the curve that the controls make, and show it in all of them. Raises InvalidInputError after showing the
+        reason below the control."""
+        with complaining(self._section, self._point_section):
+            signal, points, text = self._typed()
+            with self._point_section.checking():
+                self._index = self._chosen.read()
+        if self._signal.period is None and signal.period is not None:
+            self._period.show(signal.period)  # just closed: the box may have held a period that is too short
         if signal.points == points:
             self._signal, self._text_of_points = signal, text  # the text stays as it was typed
             self._show_boxes()
         else:
             self._set(signal)
+
+    def read(self) -> F:
+        """The curve with what the visitor has moved: the table, the ends, or the boxes of the point they show.
+
+        Raises InvalidInputError.
+        """
+        signal, _, _ = self._typed()
         return signal
 
     def write(self, signal: F, base: F | None) -> None:
@@ -97,12 +104,21 @@ class PointsEditor(Generic[F]):
         self._text.show(self._text_of_points)
         self._show_boxes()
 
+    def _typed(self) -> tuple[F, tuple[Waypoint, ...], str]:
+        """The curve that the controls make, and the points and the text of the table in it."""
+        with self._section.checking():
+            text = self._text.read()
+            points = self.points if text == self._text_of_points else TABLE.parse(text, self._formatted)
+            require(2 <= len(points) <= MAX_POINTS, f"2 to {MAX_POINTS} waypoints make a path, got {len(points)}")
+            curve = self._with_ends(points)
+        with self._point_section.checking():
+            return self._with_boxes(curve), points, text
+
     def _with_ends(self, points: tuple[Waypoint, ...]) -> F:
         """The curve through the points, open or closed as the controls say."""
         closed, period = self._ends.read(), self._period.read()
         if closed and self._signal.period is None and period <= points[-1].time - points[0].time:
             period = _suggested_period(self._signal)
-            self._period.show(period)
         chosen = period if closed else None
         if (points, chosen) == (self.points, self._signal.period):
             return self._signal
@@ -112,7 +128,6 @@ class PointsEditor(Generic[F]):
         """The curve with what the boxes say of the chosen point, if they were moved since they were shown."""
         index = self._chosen.read()
         if index != self._index or index >= len(signal.points):
-            self._index = index
             return signal
         time, value = self._time.read(), self._value.read()
         if (time, value) == (self._point_in_boxes.time, self._point_in_boxes.value):
@@ -135,14 +150,14 @@ class PointsEditor(Generic[F]):
 
     def _insert(self) -> None:
         with self._point_section.answering():
-            self.read()
+            self.refresh()
             inserted = waypoints.insert(self._signal, self._index)
             self._index += 1
             self._set(inserted)
 
     def _delete(self) -> None:
         with self._point_section.answering():
-            self.read()
+            self.refresh()
             self._set(waypoints.delete(self._signal, self._index))
 
 

@@ -37,14 +37,16 @@ class PolynomialsEditor:
             self._text = Text(section, "pieces", hint=hint, longest=MAX_TEXT, lines=True)
             self._jumps = form.gui.add_html("", visible=False)
 
-    def read(self) -> Polynomials:
-        """The pieces as typed."""
+    def refresh(self) -> None:
+        """Name the jumps at the knots. Raises InvalidInputError after showing the reason below the text."""
         with self._section.catching():
-            text = _without_header(self._text.read())
-            if text != self._text_of_pieces:
-                self._pieces, self._text_of_pieces = TABLE.parse(text, self._formatted), text
-            signal = Polynomials(pieces=self._pieces, ends=self._ends.read())
+            signal, self._text_of_pieces = self._typed()
+        self._pieces = signal.pieces
         self._show_jumps(polynomials.complaints(signal))
+
+    def read(self) -> Polynomials:
+        """The pieces as typed. Raises InvalidInputError."""
+        signal, _ = self._typed()
         return signal
 
     def write(self, signal: Polynomials, base: Polynomials | None) -> None:
@@ -57,6 +59,13 @@ class PolynomialsEditor:
     def show(self, visible: bool) -> None:
         """Show or hide it."""
         self._section.show(visible)
+
+    def _typed(self) -> tuple[Polynomials, str]:
+        """The signal as typed, and the text of its pieces."""
+        with self._section.checking():
+            text = _without_header(self._text.read())
+            pieces = self._pieces if text == self._text_of_pieces else TABLE.parse(text, self._formatted)
+            return Polynomials(pieces=pieces, ends=self._ends.read()), text
 
     def _show_jumps(self, jumps: tuple[str, ...]) -> None:
         """Name the jumps at the knots. A jump is no error, for a file may have one; but no vehicle can fly it."""

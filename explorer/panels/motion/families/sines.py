@@ -9,7 +9,7 @@ import msgspec
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form, Section, complaining
 from rangenav.number_format import significant
 from rangenav.signals import Multisine, Tone
 
@@ -33,10 +33,17 @@ class SinesEditor:
             form.buttons("add a tone", actions, hint="One more sine on this axis.")
         self._offset_and_drift = _OffsetAndDrift(form, slot)
 
+    def refresh(self) -> None:
+        """Show each tone in its label. Raises InvalidInputError after showing the reason below the control."""
+        for tone in self._tones:
+            tone.refresh()
+        with complaining(self._bottom, self._offset_and_drift.section):
+            self.read()
+
     def read(self) -> Multisine:
-        """The signal that the sliders show."""
+        """The signal that the sliders show. Raises InvalidInputError."""
         tones = tuple(tone.read() for tone in self._tones)
-        with self._bottom.catching():
+        with self._bottom.checking():
             return self._offset_and_drift.read(Multisine(tones=tones))
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:
@@ -93,16 +100,19 @@ class _ToneSection:
             self._phase = Dial(section, "φ₀ (rad)", (-3.142, 3.142), step=0.001, hint=hint)
             form.buttons("", {"− remove this tone": partial(remove, self)}, hint="Ctrl+Z brings it back.")
 
-    def read(self) -> Tone:
+    def refresh(self) -> None:
         with self.section.catching():
-            tone = Tone(
+            tone = self.read()
+        self._update_label(tone)
+
+    def read(self) -> Tone:
+        with self.section.checking():
+            return Tone(
                 axis=self.axis,
                 amplitude=self._amplitude.read(),
                 frequency=self._frequency.read(),
                 phase=self._phase.read(),
             )
-        self._update_label(tone)
-        return tone
 
     def write(self, tone: Tone, base: Tone | None) -> None:
         self._amplitude.write(tone.amplitude, base and base.amplitude)
@@ -128,7 +138,7 @@ class _OffsetAndDrift:
             self._drift = Vector(section, f"drift ({slot.unit}/s)", step=0.01, hint=hint)
 
     def read(self, signal: Multisine) -> Multisine:
-        with self.section.catching():
+        with self.section.checking():
             return msgspec.structs.replace(signal, offset=self._offset.read(), drift=self._drift.read())
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:
