@@ -23,6 +23,9 @@ from rangenav.formats.exported_run import run_of
 from rangenav.formats.output_files import write_text
 from rangenav.preset import Preset
 
+pytestmark = pytest.mark.slow
+
+
 COMMANDS = (export, import_, log)
 
 

@@ -8,6 +8,9 @@ import pytest
 
 from tests.fuzz import TARGETS
 
+pytestmark = pytest.mark.slow
+
+
 SOURCE = Path(__file__).parent.parent
 
 

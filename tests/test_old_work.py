@@ -23,6 +23,9 @@ from explorer.storage.work_files import WorkFiles
 from rangenav import certificate, formats, preset, provenance
 from rangenav.certificate import exports
 
+pytestmark = pytest.mark.slow
+
+
 ARCHIVE = Path(__file__).parent / "old_work" / "0.1.0.tar.xz"
 FIRST = "paper-slow"
 EXPORTS = {

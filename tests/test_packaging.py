@@ -10,6 +10,9 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
+
 SOURCE = Path(__file__).parent.parent
 BUILD_SECONDS = 300
 RUN_SECONDS = 120

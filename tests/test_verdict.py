@@ -15,6 +15,9 @@ from rangenav import analysis, certificate, formats, logs, preset, verdict
 from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
 
+pytestmark = pytest.mark.slow
+
+
 SHIPPED = sorted(preset.shipped())
 SOFT = preset.load("soft")
 

@@ -16,6 +16,9 @@ from rangenav import preset
 from tests.support.shared_server import shared
 from tests.support.wire import Wire
 
+pytestmark = pytest.mark.slow
+
+
 NOT_SHOWN = "Not shown"
 
 

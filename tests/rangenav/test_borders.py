@@ -22,6 +22,9 @@ from rangenav.observability import spectrum as spectra
 from tests.support import records
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 SCENE = records.scene("paper-slow", duration=0.5, imu_rate=40.0, range_rate=20.0)
 Z, START, CONFIG = SCENE.measurements, SCENE.start, SCENE.setting()
 PATH = SCENE.preset.path

@@ -17,6 +17,9 @@ from tests.support.real_files import shared
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 FIELD = np.array([0.0, 0.36, -0.93])
 ANCHORS = ((1.5, 1.2, 0.2), (-1.5, 1.0, 0.0), (2.0, -2.0, 0.5))
 """Points about 2.7 m from where BROAD's sensor was moved about."""

@@ -23,6 +23,9 @@ from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Effects, Noise, Sen
 from rangenav.signals import Flown, Multisine, Tone
 from tests.support.present import present
 
+pytestmark = pytest.mark.slow
+
+
 SHIPPED = preset.shipped()
 NAMES = sorted(SHIPPED)
 ROOT = Path(preset.__file__).parent.parent

@@ -21,6 +21,9 @@ from rangenav.signals import Multisine, Tone
 from tests.support.present import present
 from tests.support.signal_examples import EXAMPLES, POLYNOMIALS
 
+pytestmark = pytest.mark.slow
+
+
 replace = msgspec.structs.replace
 SOFT = preset.load("soft")
 RECORDS = ("tum", "euroc", "positions", "jerk")

@@ -18,6 +18,9 @@ from rangenav.signals import Tone
 from rangenav.strapdown import Track
 from tests.support import nine_states, records
 
+pytestmark = pytest.mark.slow
+
+
 PRIOR = np.diag(np.repeat([1.0, 1.0, 0.01], 3))
 
 

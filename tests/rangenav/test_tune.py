@@ -19,6 +19,8 @@ from rangenav.riccati import Blocks, RiccatiGains
 from rangenav.tradeoff import Point
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
 
 def shortened(name: str, duration: float, gains: Gains | None = None) -> Preset:
     p = preset.load(name)

@@ -18,6 +18,9 @@ from tests.support.motion_examples import circle, tilted
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 KINDS = {
     "hover": "turned",
     "line": "turned",

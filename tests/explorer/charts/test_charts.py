@@ -23,6 +23,9 @@ from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Vehicle
 from tests.support.pictures import astronomic, check_drawable, picture
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
+
 ALL = [plot for group in plot_list.GROUPS for plot in group.plots]
 MOST_POINTS = 2 * curves.BUCKETS
 

@@ -20,6 +20,9 @@ from rangenav.provenance import Source, fingerprint
 from tests.support.pictures import astronomic, check_drawable, picture
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
+
 ALL = [plot for group in plot_list.GROUPS for plot in group.plots]
 ERRORS = plot_list.GROUPS[0].plots
 

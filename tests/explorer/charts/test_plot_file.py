@@ -32,6 +32,9 @@ from tests.support.sent_messages import Page
 from tests.support.shared_server import shared
 from tests.support.wire import Wire
 
+pytestmark = pytest.mark.slow
+
+
 ALL = {plot.name: plot for group in plot_list.GROUPS for plot in group.plots}
 SVG = "{http://www.w3.org/2000/svg}"
 ROOT = Path(__file__).parents[3]

@@ -18,6 +18,9 @@ from rangenav.number_format import significant
 from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
+
 POSITION = plot_list.ERRORS.plots[0]
 GRAMIAN = next(plot for plot in plot_list.OBSERVABILITY.plots if plot.name == "gramian")
 

@@ -26,6 +26,8 @@ from tests.support.pictures import picture
 from tests.support.sent_messages import Page
 from tests.support.waiting_visitor import Editing
 
+pytestmark = pytest.mark.slow
+
 
 def basin_of(settle: list[float], *, angle: float = 3.0, final: list[float] | None = None) -> Basin:
     count = len(settle)

@@ -18,6 +18,9 @@ from rangenav.sensors import Effects, Noise, Sensors
 from rangenav.signals import Multisine, Tone
 from rangenav.signals.multisine import LETTERS
 
+pytestmark = pytest.mark.slow
+
+
 replace = msgspec.structs.replace
 SLOW = preset.load("paper-slow")
 BASE = Settings(preset=SLOW)

@@ -29,6 +29,9 @@ from tests.support.pictures import picture
 from tests.support.refreshed import refreshed
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
+
 SLOW = preset.load("paper-slow")
 
 

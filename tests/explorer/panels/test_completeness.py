@@ -2,6 +2,7 @@
 
 from typing import get_args
 
+import pytest
 import viser
 
 from explorer.model.jobs import Jobs
@@ -20,6 +21,8 @@ from rangenav.signals import Family, Flown, Sum
 from tests.support.page_settings import EVERYTHING, SHIPPED
 from tests.support.refreshed import refreshed
 from tests.support.signal_examples import EXAMPLES
+
+pytestmark = pytest.mark.slow
 
 
 def test_the_preset_with_every_effect_has_no_field_at_its_default():

@@ -32,6 +32,8 @@ from rangenav.signals import Multisine, Tone
 from tests.support.page_settings import EVERYTHING, SHIPPED
 from tests.support.refreshed import refreshed
 
+pytestmark = pytest.mark.slow
+
 
 def _nothing() -> None:
     """For a form whose controls nobody moves."""

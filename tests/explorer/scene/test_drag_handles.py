@@ -19,6 +19,9 @@ from rangenav.inputs import Vec3
 from tests.support import wire
 from tests.support.wire import Wire
 
+pytestmark = pytest.mark.slow
+
+
 ANCHOR = (0.5, -0.25, 1.0)
 POSITIONS = ((1.0, 2.0, 3.0), (1 / 3, 0.0, -1.0), (0.0, -2.0, 0.125))
 FIRST, SECOND, ANCHOR_HANDLE, GIZMO = (f"/handles/{name}" for name in ("waypoint1", "waypoint2", "anchor", "gizmo"))

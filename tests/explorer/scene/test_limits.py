@@ -15,6 +15,8 @@ from rangenav import preset, vehicle
 from rangenav.vehicle import CRAZYFLIE, FREE, HAND_HELD, Break, Vehicle
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
 
 def picture(name: str, by: Vehicle) -> Picture:
     return compute(Settings(preset=replace(preset.load(name), vehicle=by)))

@@ -25,6 +25,8 @@ from explorer.scene.view import IDLE_TIME
 from tests.support.pictures import astronomic, picture
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("time", [0.0, 3.2149, 1e9])
 def test_vehicle_and_range_sphere_are_those_of_the_nearest_sample(page: Page, time: float) -> None:

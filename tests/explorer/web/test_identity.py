@@ -17,6 +17,9 @@ from explorer.web.identity import KEY, SLOT_KEY, Slots
 from tests.support import wire
 from tests.support.wire import Storage, Wire
 
+pytestmark = pytest.mark.slow
+
+
 BROWSER, OTHER = "a" * 32, "b" * 32
 
 

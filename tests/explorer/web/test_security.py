@@ -18,6 +18,8 @@ from websockets.typing import Origin, Subprotocol
 from explorer.web import security
 from tests.support.wire import Wire
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[viser.ViserServer]:

@@ -17,6 +17,9 @@ from rangenav.certificate.excitation_bound import excitation_bounds
 from rangenav.signals import Formula
 from rangenav.signals.intervals import ELEMENTARY, Interval
 
+pytestmark = pytest.mark.slow
+
+
 BITS = 128
 """Of the balls: their radii are then far below a double's last place."""
 SPANS = {

@@ -23,6 +23,9 @@ from rangenav.vehicle import CRAZYFLIE
 from tests.support.null_reasons import nulls_without_reason
 from tests.support.signal_examples import EXAMPLES
 
+pytestmark = pytest.mark.slow
+
+
 SHIPPED = [file.stem for file in preset.shipped_files()]
 SOFT = preset.load("soft")
 SOFT_BYTES = preset.dumps(SOFT).encode()

@@ -25,6 +25,9 @@ from rangenav.signals import (
 from rangenav.signals.multisine import LETTERS
 from tests.support.signal_examples import BLIND, EXAMPLES, LOOP, MINIMUM_SNAP, MULTISINE, PERIODIC_FORMULA, WAYPOINTS
 
+pytestmark = pytest.mark.slow
+
+
 TIGHT = 0.95
 """The grid is refined until about 1% is given away, and refining moves the least window and its direction a little."""
 

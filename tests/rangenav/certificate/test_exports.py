@@ -17,6 +17,9 @@ from rangenav.signals import Polynomials
 from rangenav.vehicle import CRAZYFLIE
 from tests.support.signal_examples import POLYNOMIALS
 
+pytestmark = pytest.mark.slow
+
+
 replace = msgspec.structs.replace
 READERS = exports.readers()
 RUNS = tuple(row for row in formats.writable() if row.certified_as == "run")

@@ -11,6 +11,9 @@ import pytest
 from rangenav import __main__ as cli
 from rangenav import certificate, preset
 
+pytestmark = pytest.mark.slow
+
+
 Call = Callable[..., tuple[int, str, str]]
 
 

@@ -14,6 +14,9 @@ from rangenav.certificate import exports
 from tests.support.present import present
 from tests.support.real_files import shared
 
+pytestmark = pytest.mark.slow
+
+
 EVERYTHING = tuple(row.name for row in formats.writable() if row.name != "preset")
 
 

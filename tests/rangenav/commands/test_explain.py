@@ -8,6 +8,8 @@ import pytest
 from rangenav import preset
 from rangenav.twin import Twin, twin
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("name", ["hover", "circle", "paper-slow"])
 def test_the_report_says_what_the_library_found(answer, name: str):

@@ -10,6 +10,9 @@ from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report
 from rangenav.commands.text.spectrum_bar import spectrum_bar
 
+pytestmark = pytest.mark.slow
+
+
 FIRST = {
     "paper-slow": "✓ observable in every window of 6 s",
     "circle": "✗ blind: rank 11 of 13 in the window of 10 s",

@@ -15,6 +15,9 @@ from rangenav.preset import Preset
 from rangenav.progress import CancelledError
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 CURVES = ("position", "velocity", "gravity", "attitude")
 
 

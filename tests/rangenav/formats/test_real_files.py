@@ -11,6 +11,8 @@ from rangenav.observability import excitation
 from tests.support.present import present
 from tests.support.real_files import shared
 
+pytestmark = pytest.mark.slow
+
 
 def judged(name, format, **confirm):
     found = formats.settled(formats.read(shared(name), format, confirm=confirm))

@@ -18,6 +18,9 @@ from rangenav.kernels import rotation as rot
 from rangenav.kernels.layout import CONSISTENCY_TIME
 from tests.support import records
 
+pytestmark = pytest.mark.slow
+
+
 CORNERS = [
     (q, (v,) * 4, np.full(13, p0), symmetric)
     for q, v, p0, symmetric in itertools.product(riccati.Q_RANGE, riccati.V_RANGE, riccati.P0_RANGE, (True, False))

@@ -17,6 +17,9 @@ from rangenav.signals import Multisine, Tone
 from tests.support.motion_examples import tumbling
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 SHIPPED = [file.stem for file in preset.shipped_files()]
 SLOW, CIRCLE, HOVER = preset.load("paper-slow"), preset.load("circle"), preset.load("hover")
 laws = settings(max_examples=40)

@@ -26,6 +26,9 @@ from rangenav.signals import (
 )
 from rangenav.vehicle import CRAZYFLIE, FIVE_INCH
 
+pytestmark = pytest.mark.slow
+
+
 replace = msgspec.structs.replace
 SOFT = preset.load("soft")
 EIGHT = Multisine(

@@ -17,6 +17,9 @@ from tests.support.effect_examples import EVERYTHING, example
 from tests.support.records import SILENT
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 SLOW = preset.load("paper-slow")
 ONE_IN_A_MILLION = 1e-6
 ARRAYS = ("time", "gyro", "accel", "mag", "range_time", "range")

@@ -15,6 +15,9 @@ from rangenav.analysis import analyse
 from rangenav.signals import Formula, expressions, series
 from rangenav.signals.intervals import ELEMENTARY, Interval
 
+pytestmark = pytest.mark.slow
+
+
 TIMES = np.linspace(0.05, 3, 60)
 WITNESSES = [
     "sin(2*t) + cos(3*t - 1)",

@@ -13,6 +13,9 @@ from explorer.server import SessionServer
 from explorer.session import Session
 from tests.support.wire import Wire
 
+pytestmark = pytest.mark.slow
+
+
 BAND = "of these settings"
 PRESS = 0.05
 """s: presses of buttons go through a pool of threads, and may be overtaken."""

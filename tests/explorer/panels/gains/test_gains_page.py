@@ -14,6 +14,9 @@ from rangenav.attitude import Schedule
 from tests.support.waiting_visitor import Editing, newest
 from tests.support.wire import Storage, Wire
 
+pytestmark = pytest.mark.slow
+
+
 NOT_SHOWN = "Not shown"
 
 PAPER_UNITS, PHYSICAL_UNITS = "in the paper's letters", "in physical words"

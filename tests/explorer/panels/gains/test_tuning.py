@@ -20,6 +20,9 @@ from rangenav.tradeoff import Point
 from rangenav.tune import Tuned
 from tests.support.waiting_visitor import Editing
 
+pytestmark = pytest.mark.slow
+
+
 PRESS = 0.05
 """s: presses of buttons go through a pool of threads, and may be overtaken."""
 SEEDS, TRIED = 2, 40

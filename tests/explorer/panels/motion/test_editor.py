@@ -19,6 +19,9 @@ from tests.support.shared_server import shared
 from tests.support.waiting_visitor import Editing, newest
 from tests.support.wire import Storage, Wire
 
+pytestmark = pytest.mark.slow
+
+
 NOT_SHOWN = "Not shown"
 LONGEST_ANSWER = 1.0
 """s in which a complaint about bad input must appear, beyond the time that a picture takes on this machine."""

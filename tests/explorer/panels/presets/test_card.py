@@ -11,6 +11,9 @@ from explorer.storage.certifier import Certifier
 from explorer.storage.import_file import ImportFile, guess
 from rangenav import certificate, preset
 
+pytestmark = pytest.mark.slow
+
+
 SHIPPED = preset.shipped()
 
 

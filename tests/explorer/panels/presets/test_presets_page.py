@@ -22,6 +22,9 @@ from rangenav.certificate import exports
 from tests.support.waiting_visitor import Editing
 from tests.support.wire import Storage, Wire
 
+pytestmark = pytest.mark.slow
+
+
 SHIPPED = preset.shipped()
 SAVE, TIDY = "keep", "tidy"
 WORST = re.compile(r"from ([\d.]+) s: rank")
