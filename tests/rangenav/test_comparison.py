@@ -8,6 +8,8 @@ from msgspec.structs import replace
 
 from rangenav import comparison, preset, record, refine
 
+pytestmark = pytest.mark.slow
+
 
 def candidates(name: str, **changes) -> dict[str, comparison.Candidate]:
     return {c.name: c for c in comparison.compare(record.run(replace(preset.load(name), **changes)))}

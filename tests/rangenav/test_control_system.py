@@ -17,6 +17,9 @@ from rangenav.riccati import Blocks, RiccatiGains
 from tests.support import records
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 SOFT = Gains(
     riccati=RiccatiGains(
         q=10.0,

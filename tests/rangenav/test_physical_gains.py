@@ -18,6 +18,9 @@ from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 from rangenav.sensors import Noise, Sensors
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 WORLD = World()
 SENSORS = Sensors()
 AT = Typical(distance=1.2, speed=2.0)

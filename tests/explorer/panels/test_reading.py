@@ -15,6 +15,9 @@ from tests.support.page_settings import SHIPPED
 from tests.support.refreshed import refreshed
 from tests.support.sent_messages import Page
 
+pytestmark = pytest.mark.slow
+
+
 MOVES: dict[str, Callable[[Dock], None]] = {
     "nothing": lambda dock: None,
     "another family of the path": lambda dock: dock.motion.path.base_editor.family_menu.show("waypoints"),

@@ -21,7 +21,7 @@ from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 from tests.support.signal_examples import keeps_its_family
 
-pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:Do not use the `random` module")]
 """The threads of the websocket use `random` while hypothesis draws."""
 FEW = tried(max_examples=60, deadline=None, suppress_health_check=SLOW_DRAWS)
 

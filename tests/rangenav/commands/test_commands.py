@@ -16,6 +16,9 @@ from rangenav.observability import excitation
 from rangenav.signals import Multisine
 from tests.support.null_reasons import nulls_without_reason
 
+pytestmark = pytest.mark.slow
+
+
 SHORT = msgspec.structs.replace(preset.load("paper"), duration=8.0)
 """The paper's path, long enough to settle on and short enough to run often."""
 

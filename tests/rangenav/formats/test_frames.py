@@ -12,6 +12,9 @@ from rangenav.formats import exported_run, frames
 from rangenav.signals import Flown
 from tests.support.signal_examples import EXAMPLES
 
+pytestmark = pytest.mark.slow
+
+
 CHANGES = {"z-up": frames.Z_UP_Z_DOWN, "ned": frames.NED_ENU, "frd": frames.FRD_FLU}
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -18,7 +18,7 @@ from rangenav.signals import polynomials
 from tests.support.present import present
 from tests.support.signal_examples import eight
 
-pytestmark = pytest.mark.filterwarnings("default")  # other people's warnings are theirs
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # other people's warnings are theirs
 
 
 @pytest.fixture(scope="module")

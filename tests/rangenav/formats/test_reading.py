@@ -19,6 +19,9 @@ from rangenav.signals.multisine import LETTERS
 from tests.support.present import present
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 RATE = 100.0
 MANGLED = "spreadsheets mangle stamps into times of day"
 TURN = np.array([0.4, -0.7, 0.9])

@@ -13,6 +13,9 @@ from rangenav.observability import excitation
 from rangenav.signals import Flown, Signal
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 KNOWN = preset.load("barrel")
 DURATION = 12.0
 TIME = np.arange(0, DURATION + 1e-9, 0.01)

@@ -17,6 +17,9 @@ from tests.support.present import present
 from tests.support.refusals import exactly
 from tests.support.signal_examples import EXAMPLES
 
+pytestmark = pytest.mark.slow
+
+
 FLYABLE = ("paper-slow", "soft", "lissajous", "helix", "tilted-circle")
 
 

@@ -39,6 +39,9 @@ from tests.support.signal_examples import (
     timed,
 )
 
+pytestmark = pytest.mark.slow
+
+
 GRAVITY = (0.0, 0.0, 9.81)
 ANCHOR = (0.1, -0.2, 1.5)
 WINDOW = 3.0

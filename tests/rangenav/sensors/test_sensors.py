@@ -18,6 +18,9 @@ from rangenav import cascade, motion, preset, record, reference, sensors
 from rangenav.sensors import Measurements, Noise, Sensors
 from tests.support.refusals import exactly
 
+pytestmark = pytest.mark.slow
+
+
 SLOW = preset.load("paper-slow")
 P = msgspec.structs.replace(SLOW, world=msgspec.structs.replace(SLOW.world, anchor=(0.3, -0.2, 1.5)))
 SILENT = Noise(gyro=0.0, accel=0.0, mag=0.0, range=0.0)

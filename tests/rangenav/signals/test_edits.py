@@ -13,6 +13,9 @@ from rangenav import signals
 from rangenav.signals import Multisine, Sum
 from tests.support.signal_examples import EXAMPLES, MULTISINE, WAYPOINTS, keeps_its_family
 
+pytestmark = pytest.mark.slow
+
+
 T = np.linspace(0, 12, 301)
 ABOUT = (0.5, -1.0, 2.0)
 TURN = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()

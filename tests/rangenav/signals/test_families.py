@@ -35,6 +35,9 @@ from tests.support.signal_examples import (
     WAYPOINTS,
 )
 
+pytestmark = pytest.mark.slow
+
+
 SMOOTH_ORDERS = {"minimum snap": 3, "polynomials": 3, "standing still": 9}
 """Up to which derivative each is continuous everywhere; the others at least to snap."""
 DENSE = np.linspace(0, 13, 2001)

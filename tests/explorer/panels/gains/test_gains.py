@@ -20,7 +20,7 @@ from rangenav.gains import Gains
 from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings
 from tests.support.refreshed import refreshed
 
-pytestmark = pytest.mark.filterwarnings("ignore:Do not use the `random` module")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:Do not use the `random` module")]
 """The threads of the websocket use `random` while hypothesis draws."""
 FEW = tried(max_examples=40, deadline=None, suppress_health_check=SLOW_DRAWS)
 SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
