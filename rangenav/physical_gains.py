@@ -185,8 +185,9 @@ def keep_known(converted: Gains, known: Iterable[Gains], at: Typical, *, world: 
 def _kept(kept: T, converted: T, known: T, round_trip: T) -> T:
     if converted == round_trip:
         return known
-    structs = isinstance(kept, msgspec.Struct) and isinstance(converted, msgspec.Struct)
-    if not structs or type(converted) is not type(round_trip):
+    if not (isinstance(kept, msgspec.Struct) and isinstance(converted, msgspec.Struct)):
+        return kept
+    if type(converted) is not type(round_trip):
         return kept
     names = converted.__struct_fields__
     parts = {name: _kept(*(getattr(value, name) for value in (kept, converted, known, round_trip))) for name in names}
