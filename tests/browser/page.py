@@ -31,7 +31,7 @@ FLAGS = [
 ]
 INPUT_PAUSE = 0.08
 """s between inputs: viser's page sends at most one per 50 ms and panel."""
-PATIENCE = 60.0
+PATIENCE = 120.0
 """s: a busy machine that renders in software may need seconds for a frame."""
 COARSE = 0.5
 """Pixels of the screen for each pixel of the page: a quarter of the work for a software renderer."""
