@@ -1,6 +1,5 @@
 """The search never loses on its training seeds, keeps its bounds, and finds gains whose worth is known beforehand."""
 
-import json
 import math
 
 import msgspec
@@ -239,34 +238,3 @@ def test_bad_arguments_are_answered_in_one_line(run, arguments, sentence):
     assert (code, out) == (2, "")
     assert sentence in err
     assert err.count("\n") == 1
-
-
-@pytest.fixture
-def run(monkeypatch, capsys):
-    """run(arguments) -> (exit code, stdout, stderr), in this process."""
-    from rangenav import __main__ as cli
-
-    def call(*arguments):
-        monkeypatch.setattr("sys.argv", ["rangenav", *map(str, arguments)])
-        code = 0
-        try:
-            cli.main()
-        except SystemExit as stop:
-            code = stop.code
-        captured = capsys.readouterr()
-        return code, captured.out, captured.err
-
-    return call
-
-
-@pytest.fixture
-def answer(run):
-    """answer(arguments) -> the one JSON object on stdout, after success without a word on stderr."""
-
-    def call(*arguments):
-        code, out, err = run(*arguments, "--json")
-        assert (code, err) == (0, "")
-        assert out.count("\n") == 1
-        return json.loads(out, parse_constant=pytest.fail)
-
-    return call
