@@ -27,7 +27,7 @@ test: $(VENV)/installed-test
 	$(PYTEST) $(ARGS)
 
 quick: $(VENV)/installed-quick
-	$(PYTEST) -m "not slow and not browser" $(ARGS)
+	$(PYTEST) --ignore tests/browser -m "not slow" $(ARGS)
 
 check: $(VENV)/installed-test
 	$(BIN)/ruff format --check .

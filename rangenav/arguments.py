@@ -78,7 +78,7 @@ def instance(name: str, value: Any, wanted: type, *, called: str) -> None:
 
 def described(value: Any) -> str:
     """What a value is, for a sentence: an array by its shape, text in quotes, anything else by its type."""
-    if value is None or isinstance(value, bool):
+    if value is None or isinstance(value, bool | np.bool_):
         return str(value)
     if isinstance(value, str):
         return repr(value if len(value) <= 40 else value[:39] + "…")

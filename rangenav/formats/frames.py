@@ -44,7 +44,8 @@ def to_rotation(quaternion: Float[Array, "*n 4"]) -> Float[Array, "*n 3 3"]:
 
 def from_rotation(rotation: Float[Array, "*n 3 3"]) -> Float[Array, "*n 4"]:
     """Unit quaternions (wxyz) of rotation matrices, w ≥ 0."""
-    flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(canonical=True)
+    matrices = np.array(rotation.reshape(-1, 3, 3))  # scipy before 1.16 refuses what is read-only, as every result is
+    flat = Rotation.from_matrix(matrices).as_quat(canonical=True)
     return np.roll(flat, 1, axis=-1).reshape(*rotation.shape[:-2], 4)
 
 

@@ -99,7 +99,7 @@ def test_real_numbers_become_floats(value):
     ("value", "sentence"),
     [
         (True, "rate must be a number, got True"),
-        (np.True_, "rate must be a number, got bool"),
+        (np.True_, "rate must be a number, got True"),
         (None, "rate must be a number, got None"),
         ("2", "rate must be a number, got '2'"),
         (np.ones(1), "rate must be a number, got an array of shape (1,)"),

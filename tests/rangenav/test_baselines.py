@@ -71,7 +71,7 @@ def test_near_the_truth_its_covariance_is_its_error(name: str):
         scene = records.scene(name, duration=20.0, seed=seed)
         motion = scene.truth.motion
         track = baselines.filtered(scene.measurements, truth_start(scene), NEAR, scene.setting())
-        turned = Rotation.from_matrix(motion.rotation) * Rotation.from_matrix(track.rotation).inv()
+        turned = Rotation.from_matrix(motion.rotation @ np.swapaxes(track.rotation, -1, -2))
         error = np.hstack([motion.position - track.position, motion.velocity - track.velocity, turned.as_rotvec()])
         weighted = np.linalg.solve(track.covariance, error[..., None])[..., 0]
         ratios.append(np.mean(np.sum(error * weighted, axis=-1)) / 9)

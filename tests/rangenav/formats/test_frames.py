@@ -115,3 +115,10 @@ def test_gravity_beside_z_is_refused_where_z_must_point_up():
     world = preset.msgspec.structs.replace(p.world, gravity=(1.0, 0.0, 9.7))
     with pytest.raises(ValueError, match="gravity must lie along z"):
         upright(preset.msgspec.structs.replace(p, world=world))
+
+
+def test_what_is_read_only_can_be_converted():
+    """Arrays of results are read-only, and scipy's rotations of old versions refuse those."""
+    rotation = np.eye(3)[None]
+    rotation.flags.writeable = False
+    np.testing.assert_array_equal(frames.from_rotation(rotation), [[1.0, 0.0, 0.0, 0.0]])
