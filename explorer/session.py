@@ -39,7 +39,8 @@ from explorer.storage.work_files import StorageError
 from explorer.web import viewport
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
-from explorer.widgets.form import Form, InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
+from explorer.widgets.form import Form
 
 PROGRESS_PERIOD = 0.1
 """s between two updates of the progress of the compilation."""

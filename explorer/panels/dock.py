@@ -33,7 +33,8 @@ from explorer.panels.world.twin import TwinPanel
 from explorer.panels.world.vehicle import VehiclePanel
 from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
-from explorer.widgets.form import Form, InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
+from explorer.widgets.form import Form
 from explorer.widgets.progress import ProgressPanel
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset

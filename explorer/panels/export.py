@@ -10,7 +10,8 @@ from typing import Literal
 
 from explorer.model.settings import Settings
 from explorer.storage import preset_file
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 
 PlotFormat = Literal["csv", "svg", "png"]
 PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."

@@ -7,7 +7,8 @@ import viser
 
 from explorer.model.playback import STEP, Playback
 from explorer.widgets.controls import when_moved
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 
 BUTTONS = {
     "|◀": "home",

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 from explorer.model.history import History
 from explorer.model.settings import Settings
-from explorer.widgets.form import Form, InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
+from explorer.widgets.form import Form
 from explorer.widgets.page import Page
 
 HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."

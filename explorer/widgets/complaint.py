@@ -47,6 +47,15 @@ class Complaint:
         self._line.remove()
 
 
+class InvalidInputError(Exception):
+    """The chosen values are no valid input. Its cause is the ValueError that says why; `refresh` shows that."""
+
+    def __init__(self, complaint: Complaint | None = None, text: str = "") -> None:
+        """`complaint` is the one below the control, if one is the cause; the reason may name a column of the `text`."""
+        super().__init__()
+        self.complaint, self.text = complaint, text
+
+
 def pointer(text: str, sentence: str) -> str:
     """An excerpt of the text with a caret below the column that the sentence names, as HTML; empty if it names none."""
     named = COLUMN.search(sentence)

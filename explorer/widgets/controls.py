@@ -13,7 +13,8 @@ from typing import Any, Generic, TypeVar
 
 import viser
 
-from explorer.widgets.form import Section, Wake
+from explorer.widgets.form import Wake
+from explorer.widgets.section import Section
 from rangenav.inputs import Vec3
 
 CHANGED = " •"

@@ -5,7 +5,7 @@ import math
 import viser
 
 from explorer.widgets.controls import Control
-from explorer.widgets.form import Section
+from explorer.widgets.section import Section
 from rangenav.number_format import significant
 
 WIDEN = 1.25

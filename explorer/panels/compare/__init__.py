@@ -16,7 +16,8 @@ from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.panels.compare import text
 from explorer.widgets.controls import Number, Switch
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav import ensemble
 from rangenav.comparison import Candidate
 from rangenav.ensemble import Ensemble

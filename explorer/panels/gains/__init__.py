@@ -12,8 +12,9 @@ from explorer.panels.gains.paper_units import PaperDials
 from explorer.panels.gains.physical_units import PhysicalDials
 from explorer.panels.gains.schedule import ScheduleDials
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.section import Section
 from rangenav.gains import Gains
 
 UNITS_LABELS: dict[GainUnits, str] = {"paper": "in the paper's letters", "physical": "in physical words"}

@@ -21,8 +21,9 @@ from explorer.model.settings import effective
 from explorer.panels.presets import Page
 from explorer.widgets.controls import Number
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.section import Section
 from rangenav import ensemble
 from rangenav.ensemble import Basin
 from rangenav.ensemble.basin import MAX_AXES

@@ -11,8 +11,9 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from explorer.model.compute import Picture
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.section import Section
 from rangenav import attitude, so3
 from rangenav.attitude import AttitudeGains
 from rangenav.inputs import Vec3

@@ -7,7 +7,8 @@ from explorer.model.compute import Picture
 from explorer.panels.gains.equilibria import EquilibriaSection
 from explorer.widgets.controls import Choice, Vector
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section, complaining
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section, complaining
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3
 

@@ -1,7 +1,8 @@
 """The gains in the paper's units: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
 
 from explorer.widgets.dials import LogDial
-from explorer.widgets.form import Form, Section, complaining
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section, complaining
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains

@@ -10,8 +10,10 @@ from collections.abc import Callable
 from msgspec.structs import asdict, replace
 
 from explorer.model.gain_units import GAIN_LABELS, GainContext, in_paper_units, in_physical_units, with_page_labels
+from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.dials import LogDial
-from explorer.widgets.form import Form, InvalidInputError, Section, complaining
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section, complaining
 from rangenav.gains import Gains
 from rangenav.physical_gains import PhysicalGains
 
@@ -131,7 +133,7 @@ class PhysicalDials:
         except ValueError as error:
             sentence = str(error)
             cause = next((name for name in changed if name in sentence), changed[0])
-            raise InvalidInputError(self.sections[cause]) from ValueError(with_page_labels(sentence))
+            raise InvalidInputError(self.sections[cause].complaint) from ValueError(with_page_labels(sentence))
 
 
 def labelled_values(gains: Gains, context: GainContext) -> list[tuple[str, float, str]]:

@@ -2,8 +2,9 @@
 
 from explorer.widgets.controls import Switch
 from explorer.widgets.dials import LogDial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.section import Section
 from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule
 
 STEADY_LIMITS = (0.01, 50.0)

@@ -18,8 +18,9 @@ from explorer.panels.gains import tuning_text as text
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
 from explorer.panels.presets import Page
 from explorer.widgets.controls import Number
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.section import Section
 from rangenav import tradeoff, tune
 from rangenav.gains import Gains
 from rangenav.inputs import require

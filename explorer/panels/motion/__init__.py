@@ -12,7 +12,8 @@ from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Number, Vector
 from explorer.widgets.dials import Dial, LogDial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.inputs import Vec3, require_within
 from rangenav.number_format import significant
 from rangenav.preset import MAX_DURATION, MIN_DURATION

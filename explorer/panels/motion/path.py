@@ -14,7 +14,8 @@ from explorer.panels.motion.families import PATH_LABELS, ROWS
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Choice, Number, Switch, Vector
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav import signals, so3
 from rangenav.inputs import Vec3, require
 from rangenav.signals import Family, Multisine, Signal, Sum, Tone

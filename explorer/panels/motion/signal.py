@@ -10,7 +10,8 @@ from explorer.panels.motion.families.editor import Editor, SignalSlot
 from explorer.panels.motion.families.from_file import FileSignalEditor
 from explorer.panels.motion.families.points import PointsEditor
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.inputs import Vec3
 from rangenav.signals import AngularVelocity, Multisine, Waypoint
 

@@ -11,10 +11,12 @@ from explorer.panels.presets.library import LibraryPanel
 from explorer.panels.session_actions import SessionActions
 from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
+from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Form, InvalidInputError, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
+from explorer.widgets.section import Section
 
 MORE_HINT = (
     "The first puts every control back to what the preset says. The second loads the paper's own scenario and shows "

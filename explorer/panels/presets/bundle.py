@@ -6,9 +6,10 @@ from explorer.storage.bundle import Bundle, Send, pack
 from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
 from explorer.widgets.controls import Switch
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
+from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.formats import Format
 from rangenav.progress import Cancelled, Progress

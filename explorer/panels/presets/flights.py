@@ -5,8 +5,9 @@ import math
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import FlightOptions, FlightReport, WorldSource, judge, world_evidence
 from explorer.widgets.controls import Choice, Number, Switch, Vector
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets, table
+from explorer.widgets.section import Section
 from rangenav.flight_summary import ObserverSummary
 from rangenav.formats import Flight, ImportResult
 from rangenav.number_format import NOT_DETERMINED, quantity, significant

@@ -12,7 +12,8 @@ import numpy as np
 
 from explorer.panels.presets.card import DIMMED, badge, picture
 from explorer.storage.catalog import Catalog, marked
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.preset import Preset
 
 SIDE, POINTS = 70, 120

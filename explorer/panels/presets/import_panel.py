@@ -12,9 +12,10 @@ from explorer.storage.catalog import Catalog
 from explorer.storage.import_file import ImportFile, Interpretation, guess, interpret, is_preset_or_zip
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
+from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.formats import ImportResult, Question
 from rangenav.number_format import quantity, significant

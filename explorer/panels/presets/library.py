@@ -12,9 +12,10 @@ from explorer.storage.import_file import ImportFile, preset_in
 from explorer.storage.library import slug
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Text
-from explorer.widgets.form import Action, Form, Section
+from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
+from explorer.widgets.section import Section
 from rangenav.preset import MAX_TITLE, Preset
 
 TITLE_HINT = "Any letters will do; a new file's name is made of it."

@@ -8,7 +8,8 @@ import numpy as np
 from explorer.model.compute import Picture
 from explorer.model.settings import Printed
 from explorer.widgets.controls import Switch
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.number_format import significant
 
 EQUILIBRIA_NOTE = (

@@ -12,9 +12,10 @@ from explorer.model.jobs import Jobs
 from explorer.model.settings import Settings, effective
 from explorer.panels.presets.card import drawings
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Action, Form, Section
+from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.page import Page
+from explorer.widgets.section import Section
 from rangenav import repair
 from rangenav.certificate.figures import Figures
 from rangenav.number_format import quantity, significant

@@ -9,7 +9,8 @@ from explorer.panels.sensors.effects import STYLE, EffectsFolder
 from explorer.panels.sensors.noise import NoiseFolder
 from explorer.widgets.controls import Choice, Number
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.preset import Preset
 from rangenav.sensors import Sensors, effect_sentences
 from rangenav.sensors.sensor_sets import CATALOGUE

@@ -5,7 +5,8 @@ from typing import Any
 
 from explorer.widgets.controls import Control, Number, Vector
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.sensors import MODELLED, Effect, Effects, effects
 
 STYLE = "font-size:0.85em;line-height:1.4;padding:0 0.9em 0.6em"

@@ -3,7 +3,8 @@
 import math
 
 from explorer.widgets.controls import Vector
-from explorer.widgets.form import Action, Form, Section, complaining
+from explorer.widgets.form import Action, Form
+from explorer.widgets.section import Section, complaining
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 

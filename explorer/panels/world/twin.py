@@ -10,7 +10,8 @@ import numpy as np
 
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav import twin
 from rangenav.inputs import Vec3, refuse_nonfinite, require
 from rangenav.twin import Refusal, Twin

@@ -3,7 +3,8 @@
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.controls import Choice
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav import vehicle
 from rangenav.number_format import significant
 from rangenav.vehicle import CATALOGUE, Vehicle

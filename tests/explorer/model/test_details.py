@@ -20,7 +20,8 @@ from explorer.panels.world.twin import TwinPanel
 from explorer.scene.bounds import scene_bounds
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
 from explorer.scene.twin import TwinGhost
-from explorer.widgets.form import Form, InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
+from explorer.widgets.form import Form
 from rangenav import preset, twin
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Tone

@@ -13,7 +13,8 @@ from explorer.storage.catalog import Catalog
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
 from explorer.web.security import open_server
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from tests.support.page_settings import SHIPPED
 from tests.support.wire import Wire
 

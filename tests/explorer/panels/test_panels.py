@@ -18,10 +18,11 @@ from explorer.panels.presets.printed import MISPRINTS
 from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.sensors import CUSTOM, SensorChoice, SensorsPanel
 from explorer.storage import preset_file
-from explorer.widgets.complaint import Complaint
+from explorer.widgets.complaint import Complaint, InvalidInputError
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial, LogDial
-from explorer.widgets.form import Form, InvalidInputError, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav import analysis, certificate, preset, sensors
 from rangenav.attitude import Schedule
 from rangenav.certificate.figures import Figures

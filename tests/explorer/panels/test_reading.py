@@ -10,7 +10,7 @@ from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
 from explorer.panels.motion import MotionChoice
 from explorer.panels.sensors import SensorChoice
-from explorer.widgets.form import InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
 from tests.support.page_settings import SHIPPED
 from tests.support.refreshed import refreshed
 from tests.support.sent_messages import Page

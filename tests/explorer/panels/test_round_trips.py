@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
+from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Choice, Number, Switch, Text, Vector
 from explorer.widgets.dials import Dial, LogDial
-from explorer.widgets.form import InvalidInputError
 from rangenav import axes
 from rangenav.signals import Flown, Multisine
 from rangenav.vehicle import CATALOGUE

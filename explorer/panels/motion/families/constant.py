@@ -2,7 +2,8 @@
 
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Vector
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.signals import Multisine
 
 

@@ -3,9 +3,11 @@
 import msgspec
 
 from explorer.panels.motion.families.editor import SignalSlot
+from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Text, Vector
 from explorer.widgets.dials import DIGITS
-from explorer.widgets.form import Form, InvalidInputError, Section, complaining
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section, complaining
 from rangenav.number_format import significant
 from rangenav.signals import AXES, Flown, Formula
 from rangenav.signals.expressions import MAX_LENGTH
@@ -48,7 +50,7 @@ class FormulaEditor:
         try:
             formula = msgspec.structs.replace(self._signal, **texts)
         except ValueError as error:
-            raise InvalidInputError(self._section, texts.get(str(error)[:1], "")) from error
+            raise InvalidInputError(self._section.complaint, texts.get(str(error)[:1], "")) from error
         with self._offset_section.checking():
             return msgspec.structs.replace(formula, offset=self._offset.read(), drift=self._drift.read())
 

@@ -3,7 +3,8 @@
 import html
 
 from explorer.panels.motion.families import description
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.signals import AngularVelocity, Multisine
 
 LINE = (

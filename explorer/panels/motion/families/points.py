@@ -7,7 +7,8 @@ import msgspec
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.families.table import Table
 from explorer.widgets.controls import Choice, Number, Text, Vector
-from explorer.widgets.form import Form, Section, complaining
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section, complaining
 from rangenav.inputs import Vec3, require
 from rangenav.signals import MinimumSnap, Waypoint, Waypoints, waypoints
 from rangenav.signals.waypoints import MAX_POINTS

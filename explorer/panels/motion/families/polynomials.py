@@ -7,7 +7,8 @@ from explorer.model import palette
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.families.table import Table
 from explorer.widgets.controls import Choice, Text
-from explorer.widgets.form import Form, Section
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section
 from rangenav.signals import Piece, Polynomials, polynomials
 from rangenav.signals.polynomials import Coefficients
 

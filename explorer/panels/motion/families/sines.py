@@ -9,7 +9,8 @@ import msgspec
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
-from explorer.widgets.form import Form, Section, complaining
+from explorer.widgets.form import Form
+from explorer.widgets.section import Section, complaining
 from rangenav.number_format import significant
 from rangenav.signals import Multisine, Tone
 

@@ -14,7 +14,7 @@ from explorer.model.gain_units import GAIN_LABELS, context_of, in_physical_units
 from explorer.model.settings import GainUnits, Settings
 from explorer.panels.dock import Dock
 from explorer.panels.gains import summary
-from explorer.widgets.form import InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
 from rangenav.attitude import AttitudeGains, Schedule
 from rangenav.gains import Gains
 from tests.support.page_settings import SHIPPED, SLOW_DRAWS, page_settings

@@ -15,7 +15,7 @@ from explorer.model.compute import compute
 from explorer.model.settings import Drafts, Settings
 from explorer.panels.dock import Dock
 from explorer.panels.gains import equilibria, summary
-from explorer.widgets.form import InvalidInputError
+from explorer.widgets.complaint import InvalidInputError
 from rangenav import attitude, so3
 from rangenav.attitude import SCHEDULED, AttitudeGains, Schedule
 from rangenav.gains import Gains
