@@ -24,6 +24,7 @@ def import_(
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PRESET.toml")],
     duration: float | None = None,
     frame: Literal["z-up", "z-down"] | None = None,
+    lines: Literal["drop"] | None = None,
     knots: float | None = None,
     anchor: Vec3 = (0.0, 0.0, 0.0),
     json: bool = False,
@@ -38,6 +39,7 @@ def import_(
         output: The preset to write.
         duration: Seconds of it to fly; all by default.
         frame: Which way z points, where the format does not say.
+        lines: Drop lines whose stamps repeat or go back.
         knots: Seconds between the knots through sampled poses; as wide as stays within a centimetre by default.
         anchor: Where the anchor stands (m), which no path says.
         json: Print one JSON object.
@@ -51,7 +53,7 @@ def import_(
     if from_ == "preset":
         presets.save(presets.load(path), output)
         return print_json({"preset": str(output)}) if json else layout.show(text.copied(path, output))
-    confirm = {} if frame is None else {"frame": frame}
+    confirm = {key: value for key, value in (("frame", frame), ("lines", lines)) if value is not None}
     with working(f"reading {path}"):
         imported = formats.read(path, from_, confirm=confirm, knots=knots)
         preset = as_preset(imported, duration=duration, anchor=anchor)

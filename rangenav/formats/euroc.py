@@ -14,7 +14,7 @@ from numpy import ndarray as Array
 from rangenav.formats import flight_columns, log, spline_fit, text
 from rangenav.formats.exported_run import nanoseconds, quaternions, upright_run
 from rangenav.formats.flight_columns import FlightColumns
-from rangenav.formats.import_result import ImportResult, increasing, spacing
+from rangenav.formats.import_result import ImportResult, in_order, increasing, spacing
 from rangenav.formats.output_files import OutputFile, new_folder, write_text
 from rangenav.formats.text import Table
 from rangenav.inputs import require
@@ -49,7 +49,7 @@ LARGEST = 1e6
 def parse_file(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
     """The path of one ground-truth file, or the flight of another CSV file. Raises ValueError naming the line."""
     if b"p_RS_R_x" in data[:HEAD]:
-        return parse_truth(data, source=source, knots=knots)
+        return parse_truth(data, source=source, confirm=confirm, knots=knots)
     return log.parse(data, source=source, confirm=confirm)
 
 
@@ -89,15 +89,18 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
     )
 
 
-def parse_truth(data: bytes, *, source: str, knots: float | None) -> ImportResult:
+def parse_truth(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
     """The path of a ground-truth file, as a curve through knots."""
     table = _table(data, source)
     time, position = _seconds(table), _columns(table, POSITION)
     require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows are no path")
     text.refuse_missing(np.column_stack([time, position]), table, "a stamp or position")
-    increasing(time, table)
+    dropped: list[str] = []
+    table, questions = in_order(table, time, confirm, dropped)
+    time, position = _seconds(table), _columns(table, POSITION)
+    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows with increasing stamps are no path")
     require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
-    findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; ns, m, z-up as the format has it"]
+    findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; ns, m, z-up as the format has it", *dropped]
     rate = spacing(time, table, findings)
     curve = spline_fit.fit(time, position, spacing=knots, source=source)
     findings.append(curve.summary)
@@ -109,6 +112,7 @@ def parse_truth(data: bytes, *, source: str, knots: float | None) -> ImportResul
         duration=float(time[-1] - time[0]),
         frame="z-up",
         findings=tuple(findings),
+        questions=questions,
         path=curve.path,
         derivatives="fit",
         fitted=curve.summary,

@@ -8,14 +8,23 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.formats import units
-from rangenav.formats.import_result import ImportResult, Question, answer, lines, repeated, spacing
+from rangenav.formats.import_result import (
+    ImportResult,
+    Question,
+    answer,
+    broken_lines,
+    kept_rows,
+    last_row_twice,
+    lines,
+    repeated,
+    spacing,
+)
 from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
 from rangenav.results import result
 
 FRAMES = ("z-up", "z-down")
-DROP = ("drop",)
 LEAST_ROWS = 8
 ROUNDED = 0.2
 """Largest share of repeated stamps. With more of them, dropping lines would not repair the record."""
@@ -69,7 +78,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     elif np.isnan(raw.mag).all():
         findings.append("the magnetometer's columns are empty")
     time = (raw.time[kept] - raw.time[kept][0]) * factors["time"]
-    rate = spacing(time, _rows(table, kept), findings)
+    rate = spacing(time, kept_rows(table, kept), findings)
     recorded = None if questions else _flight(raw, kept, ranged, time, factors, frame, findings)
     return ImportResult(
         source=table.source,
@@ -93,8 +102,12 @@ def _kept(
     distance = stamped & np.isfinite(raw.range) if raw.range is not None else np.zeros_like(stamped)
     between = ~imu.any(axis=-1) & distance  # a range with a row of its own
     missing = ~(imu.all(axis=-1) & stamped) & ~between
+    twice = last_row_twice(np.column_stack([raw.time, raw.gyro, raw.accel, raw.table.values]))
+    if twice.any():
+        findings.append(f"the last row repeats the row before it: {lines(raw.table.lines[-1:])} is not used")
+    missing &= ~twice
     again = np.zeros_like(missing)
-    again[~missing] = repeated(raw.time[~missing])
+    again[~missing & ~twice] = repeated(raw.time[~missing & ~twice])
     share = float(again.mean())
     rule = f"{raw.table.source}: {share:.0%} of the stamps repeat or go back: rounded, as spreadsheets do, or no clock"
     require(share <= ROUNDED, rule)
@@ -104,15 +117,8 @@ def _kept(
     if again.any():
         faults.append(f"stamps repeat or go back on {lines(raw.table.lines[again])}")
     if faults:
-        answered = answer(confirm, "lines", DROP)
-        findings.append(" and ".join(faults) + (": dropped, as asked" if answered else ""))
-        if answered is None:
-            evidence = " and ".join(faults)
-            asks = "what to do with broken lines"
-            questions.append(
-                Question(key="lines", flag="--lines", asks=asks, options=DROP, suggestion="drop", evidence=evidence)
-            )
-    whole = ~(missing | again)
+        questions += broken_lines(" and ".join(faults), confirm, findings)
+    whole = ~(missing | again | twice)
     return np.asarray(whole & ~between), np.asarray(whole & distance)
 
 
@@ -217,14 +223,4 @@ def _flight(
         gravity=raw.gravity,
         magnetic=raw.magnetic,
         anchor=raw.anchor,
-    )
-
-
-def _rows(table: Table, kept: Array) -> Table:
-    return Table(
-        source=table.source,
-        names=table.names,
-        comments=table.comments,
-        values=table.values[kept],
-        lines=table.lines[kept],
     )

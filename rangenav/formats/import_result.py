@@ -5,7 +5,7 @@ the data suggest and the evidence, and `settled` raises until every question is 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -22,6 +22,8 @@ GRAVITY = 9.81
 """m/s², where a format says which way is down but not how strong."""
 GAP = 1.75
 """A step longer than this many usual steps is a gap: at least one sample is missing."""
+DROP = ("drop",)
+"""What may be done with broken lines."""
 NAMED = 5
 """Most line numbers that a message lists; of more lines it gives the first ones and their count."""
 
@@ -138,3 +140,39 @@ def increasing(time: Float[Array, "n"], table: Table) -> None:
     bad = repeated(time)
     if bad.any():
         raise ValueError(f"{table.source}: stamps must increase: they repeat or go back on {lines(table.lines[bad])}")
+
+
+def in_order(
+    table: Table, time: Float[Array, "n"], confirm: Mapping[str, str], findings: list[str]
+) -> tuple[Table, tuple[Question, ...]]:
+    """The rows whose stamps increase, and the question whether the other rows may be dropped.
+
+    A last row that is identical to the row before it is dropped without a question: it holds nothing new.
+    """
+    twice = last_row_twice(table.values)
+    if twice.any():
+        findings.append(f"the last row repeats the row before it: {lines(table.lines[-1:])} is not used")
+    bad = repeated(time) & ~twice
+    evidence = f"stamps repeat or go back on {lines(table.lines[bad])}"
+    return kept_rows(table, ~(bad | twice)), broken_lines(evidence, confirm, findings) if bad.any() else ()
+
+
+def last_row_twice(values: Float[Array, "n c"]) -> Bool[Array, "n"]:
+    """The last row, if it is identical to the row before it: exporters that append the end write it twice."""
+    twice = np.zeros(len(values), dtype=bool)
+    twice[-1:] = len(values) > 1 and np.array_equal(values[-1], values[-2], equal_nan=True)
+    return twice
+
+
+def broken_lines(evidence: str, confirm: Mapping[str, str], findings: list[str]) -> tuple[Question, ...]:
+    """The question what to do with broken lines, if it is open; what is wrong with the lines is one of the findings."""
+    answered = answer(confirm, "lines", DROP)
+    findings.append(evidence + (": dropped, as asked" if answered else ""))
+    asks = "what to do with broken lines"
+    asked = Question(key="lines", flag="--lines", asks=asks, options=DROP, suggestion="drop", evidence=evidence)
+    return () if answered else (asked,)
+
+
+def kept_rows(table: Table, kept: Bool[Array, "n"]) -> Table:
+    """The table with some of its rows; each keeps its line number."""
+    return replace(table, values=table.values[kept], lines=table.lines[kept])

@@ -7,6 +7,7 @@ that agree best with the snap columns. Columns of nothing but zeros are taken as
 there is no excitation to be judged. Motor thrusts (u_*) need a mass that no preset has, and are not written.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -17,7 +18,7 @@ from numpy import ndarray as Array
 from rangenav import motion
 from rangenav.axes import upright
 from rangenav.formats import frames, hermite, hover_ramps, spline_fit, text
-from rangenav.formats.import_result import ImportResult, increasing, spacing
+from rangenav.formats.import_result import ImportResult, in_order, spacing
 from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.formats.text import Table
 from rangenav.inputs import require
@@ -61,14 +62,22 @@ class ReferenceFit:
     stride: int
 
 
-def parse(data: bytes, *, source: str, knots: float | None = None) -> ImportResult:
+def parse(
+    data: bytes, *, source: str, confirm: Mapping[str, str] | None = None, knots: float | None = None
+) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source)
     time, position = text.columns(table, ("t",))[:, 0], text.columns(table, POSITION)
     require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows are no path")
     text.refuse_missing(np.column_stack([time, position]), table, "time or position")
-    increasing(time, table)
-    findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; m, s, z-up, body → world as the format has it"]
+    findings: list[str] = []
+    table, questions = in_order(table, time, confirm or {}, findings)
+    time, position = text.columns(table, ("t",))[:, 0], text.columns(table, POSITION)
+    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows with increasing stamps are no path")
+    findings = [
+        f"{len(time)} rows, {time[-1] - time[0]:.4g} s; m, s, z-up, body → world as the format has it",
+        *findings,
+    ]
     rate = spacing(time, table, findings)
     derivatives = [_derivative(table, names, word, findings) for names, word in zip(DERIVATIVES, WORDS, strict=True)]
     columns = [position, *(one for one in derivatives if one is not None)]
@@ -84,6 +93,7 @@ def parse(data: bytes, *, source: str, knots: float | None = None) -> ImportResu
         duration=float(time[-1] - time[0]),
         frame="z-up",
         findings=tuple(findings),
+        questions=questions,
         path=path,
         derivatives="file" if unjudged is None else "fit",
         fitted=fitted,

@@ -35,7 +35,7 @@ FORMATS: tuple[Format, ...] = (
         writer=reference.write,
         own_attitude_writer=partial(reference.write, attitude="preset"),
         reads=("path",),
-        reader=lambda data, asked: reference.parse(data, source=asked.source, knots=asked.knots),
+        reader=lambda data, asked: reference.parse(data, source=asked.source, confirm=asked.confirm, knots=asked.knots),
         read_label="reference CSV (Agilicious, RPG)",
         recognises=lambda head: "p_x" in head and "gyr" not in head and "acc" not in head,
         certified_as="motion",

@@ -11,7 +11,7 @@ import numpy as np
 
 from rangenav.formats import spline_fit, text
 from rangenav.formats.exported_run import quaternions, upright_run
-from rangenav.formats.import_result import ImportResult, Question, answer, increasing, spacing
+from rangenav.formats.import_result import ImportResult, Question, answer, in_order, spacing
 from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -29,9 +29,12 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
     text.refuse_missing(table.values, table, "a number")
     time, position = table.values[:, 0], table.values[:, 1:4]
     require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} poses are no path")
-    increasing(time, table)
+    dropped: list[str] = []
+    table, broken = in_order(table, time, confirm, dropped)
+    time, position = table.values[:, 0], table.values[:, 1:4]
+    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} poses with increasing stamps are no path")
     require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
-    findings = [f"{len(time)} poses, {time[-1] - time[0]:.4g} s; m and s as the format has it"]
+    findings = [f"{len(time)} poses, {time[-1] - time[0]:.4g} s; m and s as the format has it", *dropped]
     rate = spacing(time, table, findings)
     off = np.abs(np.linalg.norm(table.values[:, 4:], axis=-1) - 1) > 1e-2
     if off.any():
@@ -55,7 +58,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float 
         duration=float(time[-1] - time[0]),
         frame="z-down" if frame == "z-down" else "z-up",
         findings=tuple(findings),
-        questions=() if frame else (question,),
+        questions=(*broken, *(() if frame else (question,))),
         path=curve.path,
         derivatives="fit",
         fitted=curve.summary,

@@ -146,6 +146,24 @@ def test_repeated_stamps_gaps_and_missing_numbers_are_told_by_line_and_dropped_o
     assert any(re.startswith("3 gaps, the longest 0.11 s") and "line" in re for re in kept.findings), kept.findings
 
 
+@pytest.mark.parametrize("format", ["reference", "log"])
+def test_a_last_row_that_is_written_twice_is_dropped_with_a_word_and_other_repeats_are_asked_about(format):
+    """Exporters that append the end write it twice; a row within the file that repeats may be a fault of the clock."""
+    columns, *_ = reference()
+    data = csv(list(columns), *columns.values()) if format == "reference" else csv(STATED, *spun())
+    confirm = {} if format == "reference" else {"frame": "z-up"}
+    rows = data.splitlines()
+    once, twice = read(data, format, **confirm), read(b"\n".join([*rows, rows[-1]]), format, **confirm)
+    assert (twice.duration, asked(twice)) == (once.duration, {})
+    assert f"the last row repeats the row before it: line {len(rows) + 1} is not used" in twice.findings
+    back = read(b"\n".join([*rows[:100], rows[50], *rows[100:]]), format, **confirm)
+    assert asked(back) == {"lines": "drop"}
+    assert (
+        read(b"\n".join([*rows[:100], rows[50], *rows[100:]]), format, lines="drop", **confirm).duration
+        == once.duration
+    )
+
+
 def test_stamps_that_a_spreadsheet_has_rounded_are_beyond_mending():
     _, gyro, accel, mag = spun(60)
     mangled = [float(f"{1.3e12 + 10 * k:.6E}") for k in range(60)]
@@ -377,6 +395,6 @@ def test_a_euroc_truth_in_nanoseconds_since_1970_keeps_its_microseconds():
     p = np.column_stack([np.sin(t), t, t**2])
     header = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
     rows = [f"{s},{x},{y},{z},1,0,0,0" for s, (x, y, z) in zip(stamps.tolist(), p.tolist(), strict=True)]
-    found = euroc.parse_truth("\n".join([header, *rows]).encode(), source="data.csv", knots=0.1)
+    found = euroc.parse_truth("\n".join([header, *rows]).encode(), source="data.csv", confirm={}, knots=0.1)
     assert found.duration == pytest.approx(t[-1], abs=1e-6)
     assert found.rate == pytest.approx(200, rel=1e-4)
