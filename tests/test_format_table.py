@@ -39,7 +39,7 @@ def written(chosen: Preset, path: Path) -> formats.OutputFile:
 
 def positions(content: Mapping[str, bytes], source: str) -> format.Samples:
     """The same columns again."""
-    values = text.table(content[""], source=source, separator=None, names=("t", "x", "y", "z")).values
+    values = text.table(content[""], source=source, names=("t", "x", "y", "z")).values
     return values[:, 0], values[:, 1:]
 
 

@@ -42,7 +42,8 @@ def parse(data: bytes, *, source: str) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source)
     names = tuple(name.lower() for name in table.names)
-    rule = f"{source}: a polynomial file has the columns duration, x^0 to x^7, y^0, z^0 and yaw^0 to yaw^7"
+    wanted = "a polynomial file has the columns duration, x^0 to x^7, y^0, z^0 and yaw^0 to yaw^7"
+    rule = f"{source}: {wanted}; {text.listed(table)}"
     require(set(names) == set(NAMES) and len(names) == len(NAMES), rule)
     values = table.values[:, [names.index(name) for name in NAMES]]
     text.refuse_missing(values, table, "a coefficient or duration")
@@ -50,7 +51,10 @@ def parse(data: bytes, *, source: str) -> ImportResult:
         path = Polynomials(pieces=tuple(_piece(row) for row in values))
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from None
-    findings = [f"{len(values)} pieces, {values[:, 0].sum():.4g} s, m, s and rad, z-up as the format has it"]
+    findings = [
+        *table.remarks,
+        f"{len(values)} pieces, {values[:, 0].sum():.4g} s, m, s and rad, z-up as the format has it",
+    ]
     if len(values) > MAX_SEGMENTS:
         findings.append(f"{len(values)} pieces are more than the {MAX_SEGMENTS} a Crazyflie holds")
     complaints = polynomials.complaints(path)

@@ -48,7 +48,7 @@ def columns(*names: str) -> PositionReader:
 
 def tum_poses(content: Mapping[str, bytes], source: str) -> Samples:
     """The poses of a TUM file."""
-    values = text.table(content[""], source=source, separator=None, names=tum.NAMES).values
+    values = text.table(content[""], source=source, names=tum.NAMES).values
     return values[:, 0], values[:, 1:4]
 
 

@@ -1,16 +1,25 @@
 """Reading text files within limits: the bytes of a file, and tables of numbers with the line number of each row.
 
-The size of a file is checked before it is read, the length of a line before it is split. An entry that is no number is
-refused with its line and column. An empty field is a missing number (NaN), and each reader of a table decides about it.
+The size of a file is checked before it is read, the length of a line before it is split. Separators, quotes, decimal
+commas, columns without a name, and a header in a comment are understood (see `dialect`) and said in `Table.remarks`. An
+entry that is no number is refused with its line and column. An empty field is a missing number (NaN), and each reader
+of a table decides about it.
 """
 
+import codecs
+import csv
+import io
 from array import array
+from collections.abc import Iterator, Sequence
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
+from rangenav.formats import dialect
+from rangenav.formats.dialect import Dialect
 from rangenav.inputs import require
 from rangenav.results import result
 
@@ -20,10 +29,19 @@ MAX_LINE = 8_192
 """Characters; the widest format has 33 columns."""
 MAX_ROWS = 1_000_000
 MAX_COLUMNS = 200
+MAX_COMMENTS = 1_000
+"""Comments before the first row; later ones are not kept."""
 LARGEST = 1e20
 """Nanoseconds since 1970 are 2e18; no measured number is larger, and the square of this is finite."""
 SHOWN = 24
 """Most characters of a wrong entry that a message repeats."""
+LISTED = 40
+"""Most names of columns that a message lists."""
+COMMENT_MARKS = ("#", "%", "//")
+MEASURED = 20
+"""Lines from which the dialect is measured."""
+Row = tuple[int, list[str]]
+"""The number of the line at which a row begins, and its entries."""
 
 
 @result
@@ -34,11 +52,13 @@ class Table:
     names: tuple[str, ...]
     """As in the header, without blanks at the ends; all different."""
     comments: tuple[str, ...]
-    """Lines that begin with #, without it."""
+    """Comments before the first row, without their mark."""
     values: Float[Array, "n c"]
     """NaN where a field is empty or nan."""
     lines: Int[Array, "n"]
-    """The line number of each row in the file, from 1."""
+    """The line number at which each row begins in the file, from 1."""
+    remarks: tuple[str, ...] = ()
+    """How the file was understood, a clause for each thing that is unusual."""
 
 
 def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
@@ -58,51 +78,207 @@ def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
 
 
 def decoded(data: bytes, *, source: str) -> str:
-    """UTF-8 text, without the mark some editors put in front."""
+    """The text of a file in UTF-8, or in UTF-16 with its byte order mark."""
     try:
-        return data.decode("utf-8-sig")
+        return data.decode(_encoding(data))
     except UnicodeDecodeError as error:
         raise ValueError(f"{source}: not UTF-8 text (byte {error.start})") from None
 
 
-def table(
-    data: bytes, *, source: str, separator: str | None = ",", names: tuple[str, ...] | None = None, marked: bool = False
-) -> Table:
-    """Numbers between separators (None: blanks). The first line that is no comment names the columns, unless `names`.
+def _encoding(data: bytes) -> str:
+    return "utf-16" if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
 
-    marked: the header is the first comment (EuRoC writes `#timestamp [ns],...`).
+
+class _Lines:
+    """The lines of a file that are neither empty nor comments, within limits, and their numbers."""
+
+    def __init__(self, data: bytes, source: str) -> None:
+        self.source = source
+        self.numbers = array("q")
+        """The line number of every line that was given out."""
+        self.comments: list[Row] = []
+        """Line number and text of those before the first line that was given out."""
+        self.underscored: set[int] = set()
+        """The numbers of the lines with an underscore: float("1_0") is 10 to Python and a misprint to everybody."""
+        self.rest = self._read(data)
+
+    def _read(self, data: bytes) -> Iterator[str]:
+        file, numbers = io.TextIOWrapper(io.BytesIO(data), encoding=_encoding(data)), self.numbers
+        try:
+            for number, line in enumerate(file, 1):
+                if len(line) > MAX_LINE:
+                    raise ValueError(f"{self.source}, line {number}: longer than {MAX_LINE} characters")
+                begin = line.lstrip()
+                if not begin:
+                    continue
+                if begin.startswith(COMMENT_MARKS):
+                    self._remember(number, begin)
+                    continue
+                numbers.append(number)
+                if "_" in line:
+                    self.underscored.add(number)
+                yield line
+        except UnicodeError:
+            decoded(data, source=self.source)  # raises, and names the byte
+
+    def _remember(self, number: int, comment: str) -> None:
+        if self.numbers:
+            return
+        rule = f"{self.source}: more than {MAX_COMMENTS} comments before the first row"
+        require(len(self.comments) < MAX_COMMENTS, rule)
+        self.comments.append((number, [comment.lstrip("#%/").strip()]))
+
+
+def table(
+    data: bytes, *, source: str, separator: str = ",", names: tuple[str, ...] | None = None, marked: bool = False
+) -> Table:
+    """Numbers in columns. The first line that is no comment names the columns, unless `names` does.
+
+    If that line holds numbers, the last comment before it with as many entries names the columns. `marked` says that
+    the format has its header in a comment (`#timestamp [ns],...`), and `separator` which one it has; any other is read
+    as well, and remarked.
     """
-    comments, values, lines = [], array("d"), array("q")
-    for number, line in enumerate(decoded(data, source=source).splitlines(), 1):
-        place = f"{source}, line {number}"
-        require(len(line) <= MAX_LINE, f"{place}: longer than {MAX_LINE} characters")
-        line = line.strip()
-        if line.startswith("#"):
-            comments.append(line[1:].strip())
-            if marked and names is None:
-                names = _header(line[1:], separator, place)
-        elif line and names is None:
-            names = _header(line, separator, place)
-        elif line and names is not None:
-            values.extend(_numbers(line, separator, names, place))
-            lines.append(number)
-            require(len(lines) <= MAX_ROWS, f"{source}: more than {MAX_ROWS} rows")
-    require(names is not None and len(lines) > 0, f"{source}: no rows of numbers")
-    assert names is not None
+    lines = _Lines(data, source)
+    first = list(islice(lines.rest, MEASURED))
+    require(bool(first), f"{source}: no rows of numbers")
+    spoken = dialect.measured(first)
+    remarks = [*(("a byte order mark in front",) if _begins_with_mark(data) else ()), *spoken.remarks(separator)]
+    rows = _rows(first, lines, spoken)
+    if names is None:
+        number, header = next(rows)
+        if all(dialect.is_number(entry) for entry in header if entry):
+            number, header = _comment_with_names(lines, spoken, header)
+            remarks += [] if marked else [f"the names of the columns are in the comment on line {number}"]
+            rows = chain([next(_rows(first, lines, spoken))], rows)
+        names = _names(header, first[1:], spoken, f"{source}, line {number}")
+        unnamed = [k for k, name in enumerate(names, 1) if not name]
+        remarks += [f"column {k} has no name and is not used" for k in unnamed]
+    kept = [k for k, name in enumerate(names) if name]
+    values, numbers = _parsed(rows, names, kept, spoken, lines)
+    require(len(numbers) > 0, f"{source}: no rows of numbers")
+    table_values, named = np.array(values).reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
+    _refuse_large(table_values, named, numbers, source)
     return Table(
         source=source,
-        names=names,
-        comments=tuple(comments),
-        values=np.array(values).reshape(len(lines), len(names)),
-        lines=np.array(lines, dtype=int),
+        names=named,
+        comments=tuple(comment for _, (comment,) in lines.comments),
+        values=table_values,
+        lines=np.array(numbers, dtype=int),
+        remarks=tuple(remarks),
     )
+
+
+def _begins_with_mark(data: bytes) -> bool:
+    return data.startswith((codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+
+
+def _rows(first: Sequence[str], lines: _Lines, spoken: Dialect) -> Iterator[Row]:
+    """The entries of each row, and the number of the line where it begins. `first` was already taken from `lines`."""
+    reader, numbers, begin = spoken.rows(chain(first, lines.rest)), lines.numbers, 0
+    try:
+        for row in reader:
+            yield numbers[begin], row
+            begin = reader.line_num
+    except csv.Error as error:
+        message = f"quotes that cannot be read in this line or after it ({error})"
+        raise ValueError(f"{lines.source}, line {numbers[begin]}: {message}") from None
+
+
+def _comment_with_names(lines: _Lines, spoken: Dialect, row: Sequence[str]) -> Row:
+    """The last comment with as many entries as the first row of numbers, and its line. Raises ValueError for none."""
+    width = len(_trimmed(row))
+    split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in spoken.rows(text)]
+    fitting = [(number, entries) for number, entries in split if len(entries) in (width, len(row)) and width > 1]
+    rule = f"{lines.source}, line {lines.numbers[0]}: holds numbers, and no line before it names the columns"
+    require(bool(fitting), rule)
+    return fitting[-1]
+
+
+def _names(header: Sequence[str], samples: Sequence[str], spoken: Dialect, place: str) -> tuple[str, ...]:
+    """The names of the columns; "" for a column without one."""
+    names = [name.strip() for name in _trimmed(header)]
+    if dialect.counted(samples, spoken, len(names) + 1):
+        names.insert(0, "")
+    require(len(names) <= MAX_COLUMNS, f"{place}: more than {MAX_COLUMNS} columns")
+    require(any(names), f"{place}: no column has a name")
+    for k, name in enumerate(names):
+        require(name.isprintable(), f"{place}: column {k + 1} has no name that can be read")
+        require(not name or name not in names[:k], f"{place}: two columns are named {name[:SHOWN]!r}")
+    return tuple(names)
+
+
+def _trimmed(row: Sequence[str]) -> list[str]:
+    """A row without the empty entries at its end, which trailing separators make."""
+    end = next((k for k in range(len(row), 0, -1) if row[k - 1].strip()), 0)
+    return list(row[:end])
+
+
+def _parsed(
+    rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], spoken: Dialect, lines: _Lines
+) -> tuple["array[float]", "array[int]"]:
+    """The numbers of the named columns, row after row, and the line number of each row."""
+    values, numbers = array("d"), array("q")
+    width, every, source = len(names), len(kept) == len(names), lines.source
+    for number, row in rows:
+        if len(row) != width:
+            row = _as_wide(row, width, f"{source}, line {number}")
+        entries = row if every else [row[k] for k in kept]
+        if spoken.decimal_comma:
+            entries = [entry.replace(",", ".") for entry in entries]
+        try:
+            if number in lines.underscored:
+                raise ValueError
+            if "" in entries:
+                values.extend([float(entry) if entry else np.nan for entry in entries])
+            else:
+                values.extend(list(map(float, entries)))
+        except ValueError:
+            place = f"{source}, line {number}"
+            values.extend([_number(entry.strip(), names[k], place) for entry, k in zip(entries, kept, strict=True)])
+        numbers.append(number)
+        if len(numbers) > MAX_ROWS:
+            raise ValueError(f"{source}: more than {MAX_ROWS} rows")
+    return values, numbers
+
+
+def _as_wide(row: list[str], width: int, place: str) -> list[str]:
+    """The row without empty entries behind the last column. Raises ValueError for another number of entries."""
+    trimmed = row if len(row) < width else [*row[:width], *_trimmed(row[width:])]
+    require(len(trimmed) == width, f"{place}: {len(trimmed)} entries where {width} columns are named")
+    return trimmed
+
+
+def _number(entry: str, name: str, place: str) -> float:
+    """One entry, NaN if it is empty. Raises ValueError for what is no number."""
+    try:
+        if "_" in entry:
+            raise ValueError
+        return float(entry) if entry else np.nan
+    except ValueError:
+        mangled = "; spreadsheets mangle stamps into times of day" if ":" in entry or "/" in entry else ""
+        message = f"{place}: {name[:SHOWN]} must be a number, got {entry[:SHOWN]!r}{mangled}"
+        raise ValueError(message) from None
+
+
+def _refuse_large(values: Float[Array, "n c"], names: Sequence[str], numbers: Sequence[int], source: str) -> None:
+    large = np.argwhere(np.abs(values) > LARGEST)
+    if len(large):
+        row, column = large[0]
+        size = f"must not exceed {LARGEST:g}, got {values[row, column]:.3g}"
+        raise ValueError(f"{source}, line {numbers[row]}: {names[column][:SHOWN]} {size}")
 
 
 def columns(table: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:
     """Columns by their names. Raises ValueError naming those that are not there."""
     missing = [name for name in wanted if name not in table.names]
-    require(not missing, f"{table.source}: no column named {', '.join(missing)}")
+    require(not missing, f"{table.source}: no column named {', '.join(missing)}; {listed(table)}")
     return table.values[:, [table.names.index(name) for name in wanted]]
+
+
+def listed(table: Table) -> str:
+    """The names of a table's columns, as a clause for a complaint."""
+    more = f" … ({len(table.names)} in all)" if len(table.names) > LISTED else ""
+    return f"the file's columns are {', '.join(name[:SHOWN] for name in table.names[:LISTED])}{more}"
 
 
 def refuse_missing(values: Float[Array, "n c"], table: Table, what: str) -> None:
@@ -116,52 +292,3 @@ def refuse_missing(values: Float[Array, "n c"], table: Table, what: str) -> None
 def _count(missing: Array) -> str:
     count = int(np.sum(missing))
     return f"{count} row" if count == 1 else f"{count} rows"
-
-
-def _split(line: str, separator: str | None) -> list[str]:
-    parts = [part.strip() for part in line.split(separator)]
-    return parts[:-1] if parts[-1] == "" and len(parts) > 1 else parts
-
-
-def _header(line: str, separator: str | None, place: str) -> tuple[str, ...]:
-    names = tuple(_split(line, separator))
-    require(len(names) <= MAX_COLUMNS, f"{place}: more than {MAX_COLUMNS} columns")
-    for k, name in enumerate(names):
-        require(name != "" and name.isprintable(), f"{place}: column {k + 1} has no name that can be read")
-        require(name not in names[:k], f"{place}: two columns are named {name[:SHOWN]!r}")
-    return names
-
-
-def _numbers(line: str, separator: str | None, names: tuple[str, ...], place: str) -> list[float]:
-    parts = line.split(separator)
-    if len(parts) == len(names) + 1 and not parts[-1].strip():
-        del parts[-1]  # a trailing comma is common, and means nothing
-    require(len(parts) == len(names), f"{place}: {len(parts)} entries where {len(names)} columns are named")
-    try:
-        if "_" in line:  # float("1_0") is 10 to Python and a misprint to everybody else
-            raise ValueError
-        numbers = [float(part) if part else np.nan for part in parts]
-    except ValueError:
-        return [_number(part.strip(), name, place) for part, name in zip(parts, names, strict=True)]
-    for number, part, name in zip(numbers, parts, names, strict=True):
-        if abs(number) > LARGEST:
-            raise ValueError(_too_large(part, name, place))
-    return numbers
-
-
-def _number(part: str, name: str, place: str) -> float:
-    """One entry, and what is wrong with it."""
-    try:
-        if "_" in part:
-            raise ValueError
-        value = float(part) if part else np.nan
-    except ValueError:
-        mangled = "; spreadsheets mangle stamps into times of day" if ":" in part or "/" in part else ""
-        message = f"{place}: {name[:SHOWN]} must be a number, got {part[:SHOWN]!r}{mangled}"
-        raise ValueError(message) from None
-    require(not abs(value) > LARGEST, _too_large(part, name, place))
-    return value
-
-
-def _too_large(part: str, name: str, place: str) -> str:
-    return f"{place}: {name[:SHOWN]} must not exceed {LARGEST:g}, got {part.strip()[:SHOWN]!r}"

@@ -25,7 +25,7 @@ LARGEST = 1e5
 
 def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
-    table = text.table(data, source=source, separator=None, names=NAMES)
+    table = text.table(data, source=source, separator=" ", names=NAMES)
     text.refuse_missing(table.values, table, "a number")
     time, position = table.values[:, 0], table.values[:, 1:4]
     require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} poses are no path")
