@@ -196,7 +196,7 @@ def _comment_with_names(lines: _Lines, spoken: Dialect, row: Sequence[str]) -> R
 
 def _names(header: Sequence[str], samples: Sequence[str], spoken: Dialect, place: str) -> tuple[str, ...]:
     """The names of the columns; "" for a column without one."""
-    names = [name.strip() for name in _trimmed(header)]
+    names = [" ".join(name.split()) for name in _trimmed(header)]
     if dialect.counted(samples, spoken, len(names) + 1):
         names.insert(0, "")
     require(len(names) <= MAX_COLUMNS, f"{place}: more than {MAX_COLUMNS} columns")

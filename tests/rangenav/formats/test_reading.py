@@ -119,15 +119,12 @@ def test_other_loggers_names_are_understood():
         np.testing.assert_array_equal(present(found.flight).gyro, gyro)
 
 
-def test_two_columns_for_one_thing_and_unknown_units_are_refused():
+def test_two_columns_for_one_thing_and_columns_that_are_missing_are_refused():
     t, gyro, accel, _ = spun(20)
     twice = csv(["t", *axes("gyro_*", "accel_*"), "gx"], t, gyro, accel, t)
     with pytest.raises(ValueError, match=exactly("x.csv: two columns could be gyro x: 'gx' is the second")):
         read(twice)
-    furlongs = csv(["t [s]", *axes("gyro_* [rpm]", "accel_*")], t, gyro, accel)
-    with pytest.raises(ValueError, match=exactly("x.csv: 'rpm' is no unit of the gyro; known are rad/s, deg/s")):
-        read(furlongs)
-    with pytest.raises(ValueError, match=exactly("x.csv: no column for accel z")):
+    with pytest.raises(ValueError, match=r"x\.csv: no column for accel z; the file's columns are t, gyro_x"):
         read(csv(["t", *axes("gyro_*"), "accel_x", "accel_y"], t, gyro, accel[:, :2]))
 
 
@@ -228,7 +225,7 @@ def test_long_lines_many_columns_and_text_of_other_kinds_are_refused():
     with pytest.raises(ValueError, match="line 1: longer than 8192 characters"):
         read(b"t," * 10_000)
     with pytest.raises(ValueError, match="line 1: more than 200 columns"):
-        read((",".join(f"c{k}" for k in range(201)) + "\n1").encode())
+        read((",".join(f"c{k}" for k in range(201)) + "\n" + "1," * 201).encode())
     with pytest.raises(ValueError, match="not UTF-8 text"):
         read(b"t,\xff\xfe")
     with pytest.raises(ValueError, match="no rows of numbers"):

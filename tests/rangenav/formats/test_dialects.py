@@ -1,0 +1,113 @@
+"""Tables as spreadsheets, pandas and other tools write them: the same numbers whatever the dialect, and it is said."""
+
+import csv
+import io
+
+import numpy as np
+import pytest
+
+from rangenav import formats
+from rangenav.formats import text
+from tests.support.refusals import exactly
+
+NAMES = ("t", "p_x", "p_y", "p_z")
+VALUES = np.array([[0.0, 1.5, -0.25, 1e-6], [0.02, 1.25, 3.0, -2.5], [0.04, 1.0, 7.125, np.nan], [0.06, 0.5, 2.0, 4.0]])
+
+
+def written(separator=",", decimal=".", quoting=csv.QUOTE_MINIMAL, names=NAMES, end="\n", before=""):
+    """The table as Python's own writer of CSV files writes it."""
+    out = io.StringIO()
+    writer = csv.writer(out, delimiter=separator, quoting=quoting, lineterminator=end)
+    writer.writerow(names)
+    for row in VALUES.tolist():
+        writer.writerow(["" if v != v else repr(v).replace(".", decimal) for v in row])
+    return (before + out.getvalue()).encode()
+
+
+def read(data):
+    return text.table(data, source="x.csv")
+
+
+@pytest.mark.parametrize(
+    ("data", "remarks"),
+    [
+        (written(), ()),
+        (written(end="\r\n"), ()),
+        (written(";"), ("the entries are separated by semicolons",)),
+        (written("\t"), ("the entries are separated by tabs",)),
+        (written("|"), ("the entries are separated by vertical bars",)),
+        (written(";", ","), ("the entries are separated by semicolons", "the numbers have decimal commas")),
+        (written("\t", ","), ("the entries are separated by tabs", "the numbers have decimal commas")),
+        (written(",", ","), ("the numbers have decimal commas", "entries stand in quotes")),
+        (written(quoting=csv.QUOTE_ALL), ("entries stand in quotes",)),
+        (b"\xef\xbb\xbf" + written(), ("a byte order mark in front",)),
+        (
+            written("\t").decode().encode("utf-16"),
+            ("a byte order mark in front", "the entries are separated by tabs"),
+        ),
+        (b"# a run\n# " + written(), ("the names of the columns are in the comment on line 2",)),
+        (b"// of a tracker\n%" + written(), ("the names of the columns are in the comment on line 2",)),
+        (written().replace(b"\n", b",\n"), ()),
+    ],
+)
+def test_every_dialect_gives_the_same_numbers_and_is_said(data, remarks):
+    found = read(data)
+    assert found.names == NAMES
+    np.testing.assert_array_equal(found.values, VALUES)
+    assert found.remarks == remarks
+
+
+@pytest.mark.parametrize("header", [",t,p_x,p_y,p_z", "t,p_x,p_y,p_z"])
+def test_an_index_column_without_a_name_is_not_used_and_said(header):
+    """As pandas writes it, with an empty name, and as R writes it, with a header that is one name shorter."""
+    rows = [",".join([str(k), *("" if v != v else repr(v) for v in row)]) for k, row in enumerate(VALUES[:2].tolist())]
+    found = read("\n".join([header, *rows]).encode())
+    assert found.names == NAMES
+    np.testing.assert_array_equal(found.values, VALUES[:2])
+    assert found.remarks == ("column 1 has no name and is not used",)
+
+
+def test_lines_are_counted_with_comments_empty_lines_and_line_breaks_inside_quotes():
+    data = b'# front\n"t","note\nof two lines","p_x",\n\n0,1,2\n# between\n1,"3\n",4\n2,5,six\n'
+    with pytest.raises(ValueError, match=exactly("x.csv, line 9: p_x must be a number, got 'six'")):
+        read(data)
+    assert read(data.replace(b"six", b"6")).lines.tolist() == [5, 7, 9]
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        (b"0,1,2\n1,2,3\n", "x.csv, line 1: holds numbers, and no line before it names the columns"),
+        (b"# only a remark\n0,1,2\n1,2,3\n", "x.csv, line 2: holds numbers, and no line before it names the columns"),
+        (b"t;a\n0;1\n1;2;3\n", "x.csv, line 3: 3 entries where 2 columns are named"),
+        (b"t;a\n0,5;1,5\n1,5;1.000,5\n", "x.csv, line 3: a must be a number, got '1.000.5'"),
+    ],
+)
+def test_what_is_no_table_is_refused_by_its_line(data, said):
+    with pytest.raises(ValueError, match=exactly(said)):
+        read(data)
+
+
+def test_a_quote_that_does_not_close_is_named_by_the_line_where_it_opens():
+    with pytest.raises(ValueError, match=r"x\.csv, line 3: quotes that cannot be read"):
+        read(b't,a\n0,1\n"1,2\n2,3\n' + b"3,4\n" * 40)
+
+
+def test_a_complaint_about_a_missing_column_lists_the_columns_that_are_there():
+    data = b"time,x,y,z\n0,1,2,3\n1,2,3,4\n2,3,4,5\n"
+    with pytest.raises(ValueError, match=exactly("x.csv: no column named t; the file's columns are time, x, y, z")):
+        formats.parse(data, "reference", source="x.csv", confirm={})
+    with pytest.raises(ValueError, match="no column for gyro x, y, z; the file's columns are time, x, y, z"):
+        formats.parse(data, "log", source="x.csv", confirm={})
+
+
+def test_a_unit_in_an_unknown_spelling_is_asked_and_the_answer_overrules_it():
+    names = ["t [s]", *(f"{name} [{unit}]" for name, unit in (("gx", "rpm"), ("gy", "rpm"), ("gz", "rpm")))]
+    header = ",".join([*names, *(f"a{axis} [m/s2]" for axis in "xyz")])
+    rows = [f"{k / 100},0,0,0,0,0,9.81" for k in range(20)]
+    data = "\n".join([header, *rows]).encode()
+    (question,) = formats.parse(data, "log", source="x.csv", confirm={"frame": "z-up"}).questions
+    assert (question.key, question.flag) == ("gyro", "--gyro-unit")
+    assert question.evidence.startswith('the file says "rpm"')
+    answered = formats.parse(data, "log", source="x.csv", confirm={"frame": "z-up", "gyro": "deg/s"})
+    assert (answered.questions, answered.flight is not None) == ((), True)
