@@ -20,6 +20,7 @@ SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", " ": "blanks", "|"
 WRONG = 2
 """An entry that is no number weighs against a separator as much as this many numbers weigh for it."""
 COMMA = re.compile(r"\s*[-+]?\d*,\d+(?:[eE][-+]?\d+)?\s*")
+INDEX = re.compile(r"[0-9]{1,15}")
 POINT = re.compile(r"\s*[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?\s*|\s*nan\s*", re.IGNORECASE)
 
 
@@ -67,7 +68,7 @@ def is_number(entry: str) -> bool:
 def counted(lines: Sequence[str], dialect: Dialect, width: int) -> bool:
     """Whether every line has `width` entries, of which the first counts the lines: an index that the header omits."""
     rows = _split(dialect, lines)
-    if not rows or any(len(row) != width or not row[-1].strip() for row in rows) or not rows[0][0].isdecimal():
+    if not rows or any(len(row) != width or not row[-1].strip() for row in rows) or not INDEX.fullmatch(rows[0][0]):
         return False
     return [row[0] for row in rows] == [str(int(rows[0][0]) + k) for k in range(len(rows))]
 

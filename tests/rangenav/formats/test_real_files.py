@@ -108,7 +108,11 @@ def test_broad_is_read_as_scipy_reads_it_and_asks_only_for_its_microtesla():
     [
         ("polynomial/cs2_figure8.csv", "reference", "no column named t"),
         ("racing/togt_traj.csv", "polynomial", "a polynomial file has the columns"),
-        ("tum/freiburg1_xyz-groundtruth.txt", "log", "no column for gyro x, y, z; the file.s columns are timestamp, tx, ty"),
+        (
+            "tum/freiburg1_xyz-groundtruth.txt",
+            "log",
+            "no column for gyro x, y, z; the file.s columns are timestamp, tx, ty",
+        ),
         ("imu/fusion_sensor_data.csv", "tum", "line 1"),
         ("imu/broad_21_undisturbed_fast_combined.mat", "log", "not UTF-8 text"),
         ("racing/togt_traj.csv", "mat", "not a MATLAB v5 file"),
