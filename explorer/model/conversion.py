@@ -1,7 +1,8 @@
 """A signal is converted to another family, so that a visitor who chooses another family starts from a similar signal.
 
 Sines become formulas, and minimum-snap curves become polynomials, without loss. All other conversions sample the
-signal: waypoints lie on it, and sums of sines have its strongest frequencies.
+signal: waypoints lie on it, and sums of sines have its strongest frequencies. A family of a few numbers starts from a
+signal of its own.
 """
 
 import math
@@ -14,6 +15,7 @@ from numpy import ndarray as Array
 from rangenav.signals import (
     AXES,
     AngularVelocity,
+    Family,
     Flown,
     Formula,
     MinimumSnap,
@@ -24,7 +26,7 @@ from rangenav.signals import (
     Waypoint,
     Waypoints,
 )
-from rangenav.signals.multisine import MAX_FREQUENCY
+from rangenav.signals.multisine import LETTERS, MAX_FREQUENCY, Axis
 from rangenav.signals.polynomials import from_minimum_snap
 
 Conversion = Callable[[Signal, float], AngularVelocity]
@@ -59,6 +61,12 @@ def flown(signal: Signal, duration: float) -> Flown:
     return Flown()
 
 
+def replaced(signal: Signal, duration: float, *, first: Family) -> Family:
+    """The signal itself if it is of the family of `first`, else `first`: numbers alone do not imitate any signal."""
+    del duration
+    return signal if isinstance(signal, type(first)) else first
+
+
 def sines(signal: Signal, duration: float) -> Multisine:
     """The strongest tones of the signal over its period, or over the flight."""
     if isinstance(signal, Multisine):
@@ -66,17 +74,17 @@ def sines(signal: Signal, duration: float) -> Multisine:
     length = signal.period or duration
     values = signal(np.arange(SAMPLES) * (length / SAMPLES))
     spectrum = 2 * np.fft.rfft(values, axis=0)[: SAMPLES // 2] / SAMPLES
-    tones = [tone for axis in AXES for tone in _strongest(spectrum[:, AXES[axis]], axis, 2 * math.pi / length)]
+    tones = [tone for axis in LETTERS for tone in _strongest(spectrum[:, AXES[axis]], axis, 2 * math.pi / length)]
     return Multisine(tones=tuple(tones), offset=_rounded(spectrum[0].real / 2))
 
 
-def _strongest(line: Array, axis: str, fundamental: float) -> list[Tone]:
+def _strongest(line: Array, axis: Axis, fundamental: float) -> list[Tone]:
     strength = np.abs(line)
     strength[0] = 0
     chosen = sorted(np.argsort(strength)[::-1][:TONES_PER_AXIS].tolist())
     return [
         Tone(
-            axis=axis,  # type: ignore[arg-type]
+            axis=axis,
             amplitude=float(f"{strength[k]:.4g}"),
             frequency=min(k * fundamental, MAX_FREQUENCY),
             phase=float(f"{np.angle(line[k]) + math.pi / 2:.4g}"),

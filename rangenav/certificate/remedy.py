@@ -6,7 +6,6 @@ directions need two frequencies, three need three: tones of one frequency on all
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Literal
 
 import msgspec
 import numpy as np
@@ -22,8 +21,8 @@ from rangenav.observability import blindness, excitation
 from rangenav.preset import Preset
 from rangenav.results import result
 from rangenav.signals import Multisine, Signal, Sum, Tone
+from rangenav.signals.multisine import LETTERS
 
-LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
 LEAST_TURN = 6.0
 """rad; a tone that turns less in a window cannot be distinguished from a cubic."""
 HARMONICS, TURNS = (1.0, 1.5, 2.0, 2.5, 3.0), (2.0, 3.0)

@@ -6,11 +6,12 @@ import numpy as np
 from numpy import ndarray as Array
 
 from rangenav.certificate import remedy
-from rangenav.certificate.remedy import LETTERS, STANDARD_GRAVITY, Added, upwards, with_tones
+from rangenav.certificate.remedy import STANDARD_GRAVITY, Added, upwards, with_tones
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.repair.change import Change, with_path
 from rangenav.signals import Tone
+from rangenav.signals.multisine import LETTERS
 
 MOST_ACCELERATION = 10.0
 """m/s², of one added tone: about a weight."""

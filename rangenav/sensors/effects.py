@@ -7,13 +7,14 @@ An effect is one field of `Effects` with its row (an `Effect`), and one line in 
 preset files, the sentences beside the verdict and the tests follow from the row.
 """
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, get_type_hints
+from typing import Annotated
 
-from rangenav.inputs import Input, Vec3, require, require_within
+from rangenav import fields
+from rangenav.fields import NumberField
+from rangenav.inputs import Input, Vec3
 
 MAX_GYRO_BIAS = 10.0
 """rad/s; the worst MEMS gyro starts 0.4 rad/s off."""
@@ -29,25 +30,9 @@ UNKNOWN = "the paper's observer has no state for it"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Effect:
+class Effect(NumberField):
     """What the program has to know of one field of `Effects`."""
 
-    label: str
-    """What the page calls it, without its unit."""
-    unit: str
-    """SI unit of the value; empty for a share."""
-    limits: tuple[float, float]
-    """The least and the largest value. Of a vector: of its length."""
-    excluded: bool = False
-    """Whether the largest value itself is excluded."""
-    step: float
-    """Step of the page's control, in the unit that the page shows."""
-    dial: tuple[float, float] | None = None
-    """Ends of the page's slider, in the unit that the page shows; None: a box for a number."""
-    percent: bool = False
-    """Whether the page shows the value in per cent."""
-    hint: str
-    """What it does, for the page."""
     name: str = ""
     """What sentences call the effect; empty for a field that only shapes another one."""
     text: Callable[["Effects"], str] | None = None
@@ -58,23 +43,6 @@ class Effect:
     """Whether it is a vector in body axes, which turns where the axes are named anew."""
     predicted: bool = False
     """Whether the predicted accuracy takes account of it."""
-
-    @property
-    def shown_unit(self) -> str:
-        """The unit that the page shows."""
-        return "%" if self.percent else self.unit
-
-    def check(self, name: str, value: float | Vec3) -> None:
-        """Raise ValueError, with the field's name, for a value outside the limits."""
-        low, high = self.limits
-        if isinstance(value, tuple):
-            size = math.hypot(*value)
-            require(size <= high, f"{name} must not be longer than {high:g} {self.unit}, got {size:g}")
-        elif self.excluded:
-            rule = f"{name} must lie between {low:g} and {high:g}, {high:g} excluded, got {value:g}"
-            require(low <= value < high, rule)
-        else:
-            require_within(name, value, low, high, self.unit)
 
 
 class Effects(Input, frozen=True, kw_only=True):
@@ -218,8 +186,7 @@ class Effects(Input, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name, effect in rows().items():
-            effect.check(name, getattr(self, name))
+        fields.check(self)
 
     @property
     def outliers(self) -> bool:
@@ -230,13 +197,7 @@ class Effects(Input, frozen=True, kw_only=True):
 @cache
 def rows() -> Mapping[str, Effect]:
     """The row of every field, in the order of the fields. Raises TypeError for a field without one."""
-    every: dict[str, Effect] = {}
-    for name, annotation in get_type_hints(Effects, include_extras=True).items():
-        rows_of_field = [row for row in getattr(annotation, "__metadata__", ()) if isinstance(row, Effect)]
-        if len(rows_of_field) != 1:
-            raise TypeError(f"Effects.{name}: a field needs one Effect in its annotation, got {len(rows_of_field)}")
-        every[name] = rows_of_field[0]
-    return every
+    return fields.of_all(Effects, Effect)
 
 
 MODELLED = Effects()

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav import fields
 from rangenav.inputs import Input, Vec3
 from rangenav.signals.piecewise import Pieces
 
@@ -19,6 +20,10 @@ ROUNDING_MARGIN = 1 + 1e-12
 
 class SignalBase(Input, frozen=True):
     """Base of every signal in R³: each method answers as the equivalent signal does, unless a family overrides it."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        fields.check(self)
 
     def equivalent(self) -> "SignalBase":
         """The same function of time as a signal of another family, no Sum."""

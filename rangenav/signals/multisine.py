@@ -18,7 +18,8 @@ from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.signals.base import ROUNDING_MARGIN, SignalBase, add_line, divided, vector
 
 AXES = {"x": 0, "y": 1, "z": 2}
-LETTERS: tuple[Literal["x", "y", "z"], ...] = ("x", "y", "z")
+Axis = Literal["x", "y", "z"]
+LETTERS: tuple[Axis, ...] = ("x", "y", "z")
 SILENT = 1e-15
 """A tone that a rotation leaves with this share of its amplitude is rounding."""
 MAX_TONES = 64
@@ -36,7 +37,7 @@ COMMON_PERIOD_DENOMINATOR = 1000
 class Tone(Input, frozen=True, kw_only=True):
     """One sine on one axis: amplitude · sin(frequency · t + phase)."""
 
-    axis: Literal["x", "y", "z"]
+    axis: Axis
     amplitude: float
     """In the signal's unit (m for a path, rad/s for an angular velocity)."""
     frequency: float

@@ -19,7 +19,7 @@ from rangenav.number_format import significant
 from rangenav.preset import MAX_DURATION, MIN_DURATION
 from rangenav.signals import AngularVelocity, Flown, Signal
 
-ANGULAR_VELOCITY = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), step=0.01, open_tones=0)
+ANGULAR_VELOCITY = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), open_tones=0)
 FAMILY_HINT = (
     "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
     "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."

@@ -20,8 +20,8 @@ from rangenav import signals, so3
 from rangenav.inputs import Vec3, require
 from rangenav.signals import Family, Multisine, Signal, Sum, Tone
 
-PATH = SignalSlot(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), step=0.01, open_tones=1)
-WIGGLE = SignalSlot(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), step=0.01, open_tones=0)
+PATH = SignalSlot(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), open_tones=1)
+WIGGLE = SignalSlot(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), open_tones=0)
 FAMILY_HINT = (
     "; ".join(f"{row.path_label}: {row.path_hint}" for row in ROWS if row.path_label)
     + ". What is entered in one is kept while another is in use."

@@ -30,13 +30,13 @@ def test_the_preset_with_every_effect_has_no_field_at_its_default():
 
 
 def test_every_effect_has_a_control_and_no_control_is_without_an_effect(dock: Dock):
-    assert tuple(dock.sensors.effects.controls) == Effects.__struct_fields__
+    assert tuple(dock.sensors.effects.fields.controls) == Effects.__struct_fields__
 
 
 def test_each_effect_alone_is_read_back_from_its_control(dock: Dock):
     for name in Effects.__struct_fields__:
         dock.write(Settings(origin="soft", preset=SHIPPED["soft"]))
-        dock.sensors.effects.controls[name].show(getattr(EVERYTHING, name))
+        dock.sensors.effects.fields.controls[name].show(getattr(EVERYTHING, name))
         effects = refreshed(dock).preset.sensors.unmodelled
         changed = [field for field in Effects.__struct_fields__ if getattr(effects, field) != getattr(MODELLED, field)]
         assert changed == [name]

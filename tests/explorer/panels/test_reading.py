@@ -30,7 +30,7 @@ MOVES: dict[str, Callable[[Dock], None]] = {
     "a sensor set": lambda dock: dock.sensors.sensor_set.show("paper"),
     "a rate": lambda dock: dock.sensors.range_rate.show(17.0),
     "noise as a density": lambda dock: dock.sensors.noise.as_density.show(True),
-    "an effect": lambda dock: dock.sensors.effects.controls["gyro_bias"].show((0.01, 0.0, 0.0)),
+    "an effect": lambda dock: dock.sensors.effects.fields.controls["gyro_bias"].show((0.01, 0.0, 0.0)),
     "the mode of the gains": lambda dock: dock.gains.mode.show("noise-matched"),
     "gains in physical units": lambda dock: dock.gains.units_choice.show("physical"),
     "a gain in physical units": lambda dock: _move_physical(dock, 0.9),

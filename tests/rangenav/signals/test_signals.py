@@ -1,7 +1,6 @@
 """Signals against sympy, finite differences and their own laws."""
 
 import math
-from typing import Literal
 
 import msgspec
 import numpy as np
@@ -13,6 +12,7 @@ from hypothesis import strategies as st
 from rangenav import signals
 from rangenav.observability import excitation
 from rangenav.signals import Multisine, Tone
+from rangenav.signals.multisine import Axis
 from tests.support.refusals import exactly
 
 EPS = np.finfo(float).eps
@@ -80,7 +80,7 @@ def test_bound_is_never_exceeded(signal, order, moments):
 @pytest.mark.parametrize("order", ORDERS)
 def test_bound_of_tones_in_step_is_reached(order):
     """Tones whose frequencies are 1 : 5 : 9 peak together a quarter turn into the first one, at every order."""
-    parts: list[tuple[Literal["x", "y", "z"], float, float]] = [
+    parts: list[tuple[Axis, float, float]] = [
         ("x", 2.0, 1.0),
         ("x", 0.5, 5.0),
         ("y", 1.5, 5.0),

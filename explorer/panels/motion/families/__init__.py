@@ -1,22 +1,37 @@
 """The families of signals on the page: one row for each, from which menus, editors, hints and conversions follow.
 
-To add a family, add it to the union in rangenav.signals.families, and a row here.
+To add a family, add it to the union in rangenav.signals.families, and a row here: `family_of_numbers(…)` for a family
+of numbers and vectors, a FamilyRow with an editor and a conversion of its own for any other.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from explorer.model import conversion
 from explorer.model.conversion import Conversion
-from explorer.panels.motion.families.constant import ConstantEditor
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.families.formulas import FlownEditor, FormulaEditor
+from explorer.panels.motion.families.numbers import NumbersEditor
 from explorer.panels.motion.families.points import minimum_snap_editor, waypoints_editor
 from explorer.panels.motion.families.polynomials import PolynomialsEditor
 from explorer.panels.motion.families.sines import SinesEditor
 from explorer.widgets.form import Form
-from rangenav.signals import AngularVelocity, Flown, Formula, MinimumSnap, Multisine, Polynomials, Sum, Waypoints
+from rangenav import fields
+from rangenav.fields import SIGNAL_UNIT, NumberField
+from rangenav.signals import (
+    AngularVelocity,
+    Family,
+    Flown,
+    Formula,
+    MinimumSnap,
+    Multisine,
+    Polynomials,
+    Sum,
+    Waypoints,
+)
+from rangenav.signals.multisine import MAX_OFFSET
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +54,33 @@ class FamilyRow:
     """How the menu of angular velocities offers it; empty if that menu does not."""
 
 
+VALUE = NumberField(
+    label="value", unit=SIGNAL_UNIT, limits=(0.0, MAX_OFFSET), step=0.01, hint=f"{SIGNAL_UNIT}, at all times."
+)
+"""The value of a constant: the offset of a Multisine."""
+
+
+def family_of_numbers(
+    first: Family, *, description: str, path_label: str, path_hint: str, angular_velocity_label: str = ""
+) -> FamilyRow:
+    """The row of a family whose fields are numbers and vectors, each with its entry in the field's annotation.
+
+    The editor follows from the entries, and a visitor who chooses the family starts from the signal `first`.
+    Raises TypeError for a field without an entry, which would have no control.
+    """
+    kind = type(first)
+    return FamilyRow(
+        name=str(kind.__struct_config__.tag),
+        type=kind,
+        description=description,
+        editor=partial(NumbersEditor, kind=kind, entries=fields.of_all(kind, NumberField)),
+        convert=partial(conversion.replaced, first=first),
+        path_label=path_label,
+        path_hint=path_hint,
+        angular_velocity_label=angular_velocity_label,
+    )
+
+
 ROWS = (
     FamilyRow(
         name="multisine",
@@ -54,7 +96,7 @@ ROWS = (
         name="constant",
         type=Multisine,
         description="a constant",
-        editor=ConstantEditor,
+        editor=partial(NumbersEditor, kind=Multisine, entries={"offset": VALUE}),
         convert=conversion.constant,
         angular_velocity_label="constant",
     ),

@@ -21,8 +21,6 @@ class SignalSlot:
     amplitude: tuple[float, float]
     frequency: tuple[float, float]
     """Ranges of the sliders; a value beyond them widens them."""
-    step: float
-    """Step of the boxes, in the unit."""
     open_tones: int
     """The first so many tones show their sliders at once; the labels of the others show their formulas all the same."""
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from functools import partial
-from typing import Literal
 
 import msgspec
 
@@ -13,11 +12,10 @@ from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
 from rangenav.number_format import significant
 from rangenav.signals import Multisine, Tone
+from rangenav.signals.multisine import LETTERS, Axis
 
 NEW = (0.25, 4.0)
 """Amplitude and frequency (rad/s) of a new tone."""
-Axis = Literal["x", "y", "z"]
-AXES: tuple[Axis, ...] = ("x", "y", "z")
 
 
 class SinesEditor:
@@ -30,7 +28,7 @@ class SinesEditor:
         self._list = Section(form)
         self._bottom = Section(form)
         with self._bottom:
-            actions = {f"+ {axis}": partial(self._add, axis) for axis in AXES}
+            actions = {f"+ {axis}": partial(self._add, axis) for axis in LETTERS}
             form.buttons("add a tone", actions, hint="One more sine on this axis.")
         self._offset_and_drift = _OffsetAndDrift(form, slot)
 
