@@ -65,7 +65,7 @@ def read_folder(path: Path, *, confirm: Mapping[str, str]) -> ImportResult:
 def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a folder; `files` holds the content of each file by the name of its sensor."""
     imu = _table(files[IMU], f"{source}/{IMU}")
-    time = _seconds(imu)
+    time = _stamps(imu)
     sides = {name: _table(files[name], f"{source}/{name}") for name in (TRUTH, MAG, UWB) if name in files}
     rotation = position = None
     if TRUTH in sides:
@@ -82,7 +82,8 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
             ranges=_ranges(sides[UWB]) if UWB in sides else None,
             rotation=rotation,
             position=position,
-            stated={"time": "s", "gyro": "rad/s", "accel": "m/s2", "mag": "1"},
+            stated={"time": "ns", "gyro": "rad/s", "accel": "m/s2", "mag": "1"},
+            of_format=("time",),
             frame="z-up",
         ),
         confirm,
@@ -158,9 +159,13 @@ def _table(data: bytes, source: str) -> Table:
 
 def _seconds(table: Table) -> Array:
     """Stamps in s; nanoseconds since 1970 keep a quarter of a microsecond in double precision."""
+    return _stamps(table) * 1e-9
+
+
+def _stamps(table: Table) -> Array:
     rule = f"{table.source}: the first column must be #timestamp [ns], got {table.names[0][:40]!r}"
     require(table.names[0].startswith("timestamp"), rule)
-    return table.values[:, 0] * 1e-9
+    return table.values[:, 0]
 
 
 def _columns(table: Table, names: tuple[str, ...]) -> Array:
@@ -172,7 +177,7 @@ def _columns(table: Table, names: tuple[str, ...]) -> Array:
 
 
 def _ranges(table: Table) -> tuple[Array, Array]:
-    stamps, distance = _seconds(table), _columns(table, ("range",))[:, 0]
+    stamps, distance = _stamps(table), _columns(table, ("range",))[:, 0]
     text.refuse_missing(np.column_stack([stamps, distance]), table, "a stamp or range")
     increasing(stamps, table)
     return stamps, distance
@@ -180,7 +185,7 @@ def _ranges(table: Table) -> tuple[Array, Array]:
 
 def _onto(time: Array, table: Table, names: tuple[str, ...]) -> Array:
     """Rows of another sensor at the IMU's stamps; NaN where the sensor has no row within half an IMU step."""
-    stamps, values = _seconds(table), _columns(table, names)
+    stamps, values = _stamps(table), _columns(table, names)
     aligned = np.full((len(time), len(names)), np.nan)
     steps = np.diff(time)
     if not np.isfinite(steps).any():

@@ -1,22 +1,20 @@
 """A recorded flight from raw columns. Where the file leaves units, frame or faulty rows open, there is a question."""
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 
 import numpy as np
 from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
-from rangenav.formats import units
+from rangenav.formats import stamps, units
+from rangenav.formats.flight_rows import FlightRows, used_rows, with_own_rows
 from rangenav.formats.import_result import (
     ImportResult,
     Question,
     answer,
-    broken_lines,
     kept_rows,
-    last_row_twice,
     lines,
-    repeated,
     spacing,
 )
 from rangenav.formats.recorded_flight import Flight, Frame
@@ -26,12 +24,8 @@ from rangenav.results import result
 
 FRAMES = ("z-up", "z-down")
 LEAST_ROWS = 8
-ROUNDED = 0.2
-"""Largest share of repeated stamps. With more of them, dropping lines would not repair the record."""
 LARGEST = 1e9
 """Largest value, in any unit; stamps may be larger."""
-REST = 3.0
-"""s from the start, in which a vehicle usually rests: the accelerometer's reading there tells which way is up."""
 
 
 @result
@@ -48,7 +42,7 @@ class FlightColumns:
     range: Float[Array, "n"] | None = None
     """m, on the rows of the table; NaN in rows without a range."""
     ranges: tuple[Float[Array, "m"], Float[Array, "m"]] | None = None
-    """(stamps, distances) in s and m, if ranges have a file of their own."""
+    """(stamps, distances) in the unit of `time` and in m, if ranges have a file of their own."""
     rotation: Float[Array, "n 3 3"] | None = None
     position: Float[Array, "n 3"] | None = None
     moving: Bool[Array, "n"] | None = None
@@ -58,6 +52,10 @@ class FlightColumns:
     magnetic: Vec3 | None = None
     anchor: Vec3 | None = None
     findings: tuple[str, ...] = ()
+    unconfirmed: tuple[str, ...] = ()
+    """Columns of `rotation` and `position` whose names do not say that they are the truth."""
+    of_format: tuple[str, ...] = ()
+    """Quantities whose unit is that of the format; it is asked only if the numbers contradict it."""
 
 
 def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
@@ -69,8 +67,13 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
         if values is not None:
             size = float(np.max(np.abs(np.nan_to_num(values)), initial=0.0))
             require(size <= LARGEST, f"{table.source}: {name} must not exceed {LARGEST:g}, got {size:.3g}")
-    kept, ranged = _kept(raw, confirm, questions, findings)
+    raw = _unwrapped(raw, confirm, questions, findings)
+    others = tuple(values for values in (raw.mag, raw.rotation, raw.position) if values is not None)
+    imu = np.column_stack([raw.gyro, raw.accel])
+    rows = used_rows(table, raw.time, imu, raw.range, others, confirm, questions, findings)
+    kept = rows.imu
     require(int(kept.sum()) >= LEAST_ROWS, f"{table.source}: {int(kept.sum())} usable rows are no record")
+    raw = _with_own_rows(raw, rows)
     factors = _factors(raw, kept, confirm, questions, findings)
     frame = _frame(raw, kept, confirm, questions)
     if raw.mag is None:
@@ -79,7 +82,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
         findings.append("the magnetometer's columns are empty")
     time = (raw.time[kept] - raw.time[kept][0]) * factors["time"]
     rate = spacing(time, kept_rows(table, kept), findings)
-    recorded = None if questions else _flight(raw, kept, ranged, time, factors, frame, findings)
+    recorded = None if questions else _flight(raw, rows, time, factors, frame, findings)
     return ImportResult(
         source=table.source,
         format=raw.format,
@@ -93,33 +96,37 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     )
 
 
-def _kept(
+def _unwrapped(
     raw: FlightColumns, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
-) -> tuple[Bool[Array, "n"], Bool[Array, "n"]]:
-    """Masks of the rows whose IMU and of the rows whose range can be used. Other rows are dropped only if confirmed."""
-    imu = np.isfinite(np.column_stack([raw.gyro, raw.accel]))
-    stamped = np.isfinite(raw.time)
-    distance = stamped & np.isfinite(raw.range) if raw.range is not None else np.zeros_like(stamped)
-    between = ~imu.any(axis=-1) & distance  # a range with a row of its own
-    missing = ~(imu.all(axis=-1) & stamped) & ~between
-    twice = last_row_twice(np.column_stack([raw.time, raw.gyro, raw.accel, raw.table.values]))
-    if twice.any():
-        findings.append(f"the last row repeats the row before it: {lines(raw.table.lines[-1:])} is not used")
-    missing &= ~twice
-    again = np.zeros_like(missing)
-    again[~missing & ~twice] = repeated(raw.time[~missing & ~twice])
-    share = float(again.mean())
-    rule = f"{raw.table.source}: {share:.0%} of the stamps repeat or go back: rounded, as spreadsheets do, or no clock"
-    require(share <= ROUNDED, rule)
-    faults = []
-    if missing.any():
-        faults.append(f"numbers are missing on {lines(raw.table.lines[missing])}")
-    if again.any():
-        faults.append(f"stamps repeat or go back on {lines(raw.table.lines[again])}")
-    if faults:
-        questions += broken_lines(" and ".join(faults), confirm, findings)
-    whole = ~(missing | again | twice)
-    return np.asarray(whole & ~between), np.asarray(whole & distance)
+) -> FlightColumns:
+    """The columns with stamps that go on where the clock began again, which has to be confirmed."""
+    wraps = stamps.wraps(raw.time)
+    if wraps is None:
+        return raw
+    times = "once" if len(wraps.rows) == 1 else f"{len(wraps.rows)} times"
+    before = lines(raw.table.lines[wraps.rows])
+    evidence = f"the clock goes back {times} by its period of {wraps.period:.10g} ({wraps.name}), before {before}"
+    answered = answer(confirm, "stamps", stamps.UNWRAP)
+    if answered is None:
+        asks = "may the stamps go on where the clock began again"
+        options = stamps.UNWRAP
+        questions.append(
+            Question(
+                key="stamps", flag="--stamps", asks=asks, options=options, suggestion=options[0], evidence=evidence
+            )
+        )
+    else:
+        findings.append(f"{evidence}: unwrapped, as asked")
+    return replace(raw, time=wraps.unwrapped(raw.time))
+
+
+def _with_own_rows(raw: FlightColumns, rows: FlightRows) -> FlightColumns:
+    """The columns with field and truth of rows of their own on the nearest row of the IMU."""
+    filled = {
+        name: None if values is None else with_own_rows(raw.time, values, rows)
+        for name, values in (("mag", raw.mag), ("rotation", raw.rotation), ("position", raw.position))
+    }
+    return replace(raw, **filled)
 
 
 def _factors(
@@ -135,9 +142,11 @@ def _factors(
             continue
         stated, answered = raw.stated.get(kind), answer(confirm, kind, tuple(known))
         columns = values[kept] if values.ndim == 2 else values[kept][:, None]
-        guess = units.guess(kind, columns, time=time, turning=turning[kept], turning_name=turning_name)
+        seconds = time if kind == "time" else time * factors["time"]
+        guess = units.guess(kind, columns, time=seconds, turning=turning[kept], turning_name=turning_name)
         chosen = answered or stated
-        if answered is None and (stated != units.SI[kind] or _doubtful(kind, guess)):
+        usual = kind in raw.of_format or stated == units.SI[kind]
+        if answered is None and (not usual or _doubtful(kind, stated, guess)):
             questions.append(_unit_question(kind, stated, guess))
             chosen = stated or guess.unit
         factors[kind] = known.get(chosen or units.SI[kind], 1.0)
@@ -146,9 +155,9 @@ def _factors(
     return factors
 
 
-def _doubtful(kind: str, guess: units.Guess) -> bool:
-    """Whether the data contradict a stated SI unit, by the size of gravity or by the turn of the magnetic field."""
-    return kind in ("accel", "gyro") and guess.unit is not None and guess.unit != units.SI[kind]
+def _doubtful(kind: str, stated: str | None, guess: units.Guess) -> bool:
+    """Whether the data contradict a usual unit: the step of the stamps, the size of gravity, the turn of the field."""
+    return kind in ("time", "accel", "gyro") and guess.unit is not None and guess.unit != stated
 
 
 def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Question:
@@ -187,24 +196,26 @@ def _frame(raw: FlightColumns, kept: Array, confirm: Mapping[str, str], question
 
 def _flight(
     raw: FlightColumns,
-    kept: Array,
-    ranged: Array,
+    rows: FlightRows,
     time: Array,
     factors: dict[str, float],
     frame: Frame,
     findings: list[str],
 ) -> Flight:
-    range_time, distance = np.empty(0), np.empty(0)
+    kept, ranged = rows.imu, rows.ranged
+    range_time, distance, range_lines = np.empty(0), np.empty(0), None
     first = raw.time[kept][0]
     if raw.range is not None:
         range_time, distance = (raw.time[ranged] - first) * factors["time"], raw.range[ranged] * factors["range"]
+        range_lines = raw.table.lines[ranged]
     elif raw.ranges is not None:
-        range_time, distance = raw.ranges[0] - first * factors["time"], raw.ranges[1]
+        range_time, distance = (raw.ranges[0] - first) * factors["time"], raw.ranges[1]
     inside = (range_time >= time[0]) & (range_time <= time[-1])
-    range_time, distance = range_time[inside], distance[inside]
+    order = np.flatnonzero(inside)[np.argsort(range_time[inside], kind="stable")]
+    range_time, distance = range_time[order], distance[order]
     if len(distance) == 0:
         findings.append("no ranges")
-    mag = None
+    mag, strength = None, 1.0
     if raw.mag is not None and np.isfinite(raw.mag[kept]).all(axis=-1).any():
         strength = float(np.nanmedian(np.linalg.norm(raw.mag[kept], axis=-1)))
         require(strength > 0, f"{raw.table.source}: the magnetometer reads nothing but zero")
@@ -223,4 +234,8 @@ def _flight(
         gravity=raw.gravity,
         magnetic=raw.magnetic,
         anchor=raw.anchor,
+        unconfirmed=raw.unconfirmed,
+        field_length=strength,
+        lines=raw.table.lines[kept],
+        range_lines=None if range_lines is None else range_lines[order],
     )

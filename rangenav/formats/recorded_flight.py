@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3, require
@@ -43,6 +43,14 @@ class Flight:
     """m/s², inertial, if the file says."""
     magnetic: Vec3 | None = None
     anchor: Vec3 | None = None
+    unconfirmed: tuple[str, ...] = ()
+    """Columns of `rotation` and `position` whose names do not say that they are the truth, before it is confirmed."""
+    field_length: float = 1.0
+    """The median length of the magnetometer's readings in the unit of the file, by which `mag` was divided."""
+    lines: Int[Array, "n"] | None = None
+    """The line of each sample in its file, from 1."""
+    range_lines: Int[Array, "m"] | None = None
+    """The line of each range in its file, from 1."""
 
 
 def measurements(flight: Flight) -> Measurements:
@@ -68,24 +76,28 @@ def with_ranges(flight: Flight, anchor: Vec3, *, sigma: float, seed: int, rate: 
     k = known[known % stride == 0]
     noise = sigma * np.random.default_rng(seed).standard_normal(len(k))
     distance = np.linalg.norm(flight.position[k] - np.asarray(anchor), axis=-1)
-    return replace(flight, range_time=flight.time[k], range=distance + noise, anchor=anchor)
+    return replace(flight, range_time=flight.time[k], range=distance + noise, range_lines=None, anchor=anchor)
 
 
 def between(flight: Flight, begin: float, end: float) -> Flight:
     """The part of a record from begin to end (s); its own stamps are kept."""
     inside = (flight.time >= begin) & (flight.time <= end)
     require(int(inside.sum()) >= 2, f"no samples between {begin:g} s and {end:g} s")
-    ranged = (flight.range_time >= begin) & (flight.range_time <= end)
+    flight = with_some_ranges(flight, (flight.range_time >= begin) & (flight.range_time <= end))
     optional = {
         name: None if getattr(flight, name) is None else getattr(flight, name)[inside]
-        for name in ("mag", "rotation", "position", "moving")
+        for name in ("mag", "rotation", "position", "moving", "lines")
     }
     return replace(
         flight,
         time=flight.time[inside],
         gyro=flight.gyro[inside],
         accel=flight.accel[inside],
-        range_time=flight.range_time[ranged],
-        range=flight.range[ranged],
         **optional,
     )
+
+
+def with_some_ranges(flight: Flight, kept: Bool[Array, "m"]) -> Flight:
+    """The record with some of its ranges."""
+    lines = None if flight.range_lines is None else flight.range_lines[kept]
+    return replace(flight, range_time=flight.range_time[kept], range=flight.range[kept], range_lines=lines)
