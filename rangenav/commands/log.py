@@ -11,6 +11,7 @@ import tyro
 from rangenav import formats
 from rangenav.commands.output import print_json
 from rangenav.commands.progress import working
+from rangenav.formats import log_columns
 from rangenav.inputs import Vec3, require
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ def log(
     range_unit: Literal["m", "cm", "mm"] | None = None,
     frame: Literal["z-up", "z-down"] | None = None,
     lines: Literal["drop"] | None = None,
+    stamps: Literal["unwrap"] | None = None,
+    columns: Annotated[tuple[str, ...], tyro.conf.arg(metavar="QUANTITY=NAME")] = (),
     world: Literal["still", "given"] | None = None,
     gravity: Vector = None,
     magnetic: Vector = None,
@@ -67,6 +70,8 @@ def log(
         range_unit: Confirms the unit of the ranges.
         frame: Confirms which way z of the inertial frame points.
         lines: Drop lines with missing numbers or repeated stamps.
+        stamps: Let the stamps go on where the clock began again.
+        columns: Chooses columns where several would do: accel=linear_acceleration.
         world: Take gravity and field from the still start, or as given.
         gravity: Gravity vector (m/s²), inertial.
         magnetic: Direction of the magnetic field, inertial.
@@ -87,7 +92,8 @@ def log(
     from rangenav.formats import recorded_flight
 
     confirm = {"time": time_unit, "gyro": gyro_unit, "accel": accel_unit, "mag": mag_unit, "range": range_unit}
-    answers = {key: value for key, value in {**confirm, "frame": frame, "lines": lines}.items() if value is not None}
+    confirm |= {"frame": frame, "lines": lines, "stamps": stamps, **_chosen_columns(columns)}
+    answers = {key: value for key, value in confirm.items() if value is not None}
     imported = formats.read(file, from_ or _format(file), confirm=answers)
     vectors = _world_vectors(world, gravity, magnetic)
     flight = formats.settled(imported).flight
@@ -133,6 +139,15 @@ def log(
         sensed=int(informative.rank[informative.worst]),
     )
     return layout.show(shown)
+
+
+def _chosen_columns(columns: tuple[str, ...]) -> dict[str, str]:
+    """Answers to the questions which columns hold a quantity, from `accel=linear_acceleration`."""
+    for chosen in columns:
+        kind, sign, _ = chosen.partition("=")
+        known = ", ".join(log_columns.NAMES)
+        require(bool(sign) and kind in log_columns.NAMES, f"--columns must be QUANTITY=NAME of {known}, got {chosen!r}")
+    return {log_columns.columns_key(chosen.partition("=")[0]): chosen for chosen in columns}
 
 
 def _typed(arguments: Mapping[str, Any]) -> dict[str, str]:

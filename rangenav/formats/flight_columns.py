@@ -20,10 +20,13 @@ from rangenav.formats.import_result import (
 from rangenav.formats.recorded_flight import Flight, Frame
 from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
+from rangenav.number_format import vector
 from rangenav.results import result
 
 FRAMES = ("z-up", "z-down")
 LEAST_ROWS = 8
+UPRIGHT = 0.9
+"""Least cosine between the mean specific force and the vertical for an attitude that tells which way z points."""
 LARGEST = 1e9
 """Largest value, in any unit; stamps may be larger."""
 
@@ -56,11 +59,13 @@ class FlightColumns:
     """Columns of `rotation` and `position` whose names do not say that they are the truth."""
     of_format: tuple[str, ...] = ()
     """Quantities whose unit is that of the format; it is asked only if the numbers contradict it."""
+    questions: tuple[Question, ...] = ()
+    """What the names of the columns leave open."""
 
 
 def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     """The flight, or the questions that are open. Raises ValueError for faults that no answer can correct."""
-    table, questions, findings = raw.table, [], list(raw.findings)
+    table, questions, findings = raw.table, list(raw.questions), list(raw.findings)
     require(len(raw.time) >= LEAST_ROWS, f"{table.source}: {len(raw.time)} rows are no record")
     for name in ("gyro", "accel", "mag", "range"):
         values = getattr(raw, name)
@@ -175,23 +180,35 @@ def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Questio
 
 
 def _frame(raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question]) -> Frame:
+    """The inertial frame. The attitude in the file tells it; without one, body axes with z down tell nothing of it."""
     answered = answer(confirm, "frame", FRAMES)
     if answered is not None or raw.frame is not None:
         return "z-down" if (answered or raw.frame) == "z-down" else "z-up"
-    rest = raw.accel[kept][: max(1, int(np.sum(kept) // 50))].mean(axis=0)
-    axis = int(np.argmax(np.abs(rest)))
-    up = axis == 2 and rest[2] > 0
-    down = axis == 2 and rest[2] < 0
-    at = f"at first the accelerometer reads ({rest[0]:.3g}, {rest[1]:.3g}, {rest[2]:.3g})"
-    suggestion = "z-up" if up else "z-down" if down else None
-    evidence = (
-        f"{at}, so the body's z points {'up' if up else 'down'}" if suggestion else f"{at}, which points along no z"
-    )
+    suggestion, evidence = _frame_evidence(raw, kept)
     asks = "which way does the world's z point"
     questions.append(
         Question(key="frame", flag="--frame", asks=asks, options=FRAMES, suggestion=suggestion, evidence=evidence)
     )
-    return "z-down" if down else "z-up"
+    return "z-down" if suggestion == "z-down" else "z-up"
+
+
+def _frame_evidence(raw: FlightColumns, kept: Array) -> tuple[Frame | None, str]:
+    accel = raw.accel[kept]
+    if raw.rotation is not None:
+        force = np.einsum("nij,nj->ni", raw.rotation[kept], accel)
+        force = force[np.isfinite(force).all(axis=-1)]
+        mean = force.mean(axis=0) if len(force) else np.zeros(3)
+        if abs(mean[2]) > UPRIGHT * np.linalg.norm(mean):
+            way = "up" if mean[2] > 0 else "down"
+            turned = "turned by the file's attitude, the accelerometer reads"
+            return ("z-up" if way == "up" else "z-down"), f"{turned} {vector(mean)} on average: z points {way}"
+    rest = accel[: max(1, len(accel) // 50)].mean(axis=0)
+    at = f"at first the accelerometer reads {vector(rest)}"
+    if int(np.argmax(np.abs(rest))) != 2:
+        return None, f"{at}, which points along no z"
+    if rest[2] > 0:
+        return "z-up", f"{at}, so the body's z points up"
+    return None, f"{at}: the body's z points down, in a z-down world, or upside down in a z-up world; the anchor tells"
 
 
 def _flight(

@@ -72,6 +72,8 @@ class ImportResult:
     unjudged: str | None = None
     """Why excitation cannot be judged from this path; None if it can."""
     flight: Flight | None = None
+    columns: tuple[tuple[str, str], ...] = ()
+    """The name of every column of a table, and the quantity that it is used for; empty if it is not used."""
     sha256: str = ""
     """SHA-256 of the file's bytes; empty for a folder."""
 

@@ -8,13 +8,14 @@ asked when it is read again.
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.formats import flight_columns, frames, text, units
+from rangenav.formats import flight_columns, frames, log_columns, text
 from rangenav.formats.exported_run import quaternions, run_of
 from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult
@@ -24,61 +25,50 @@ from rangenav.formats.text import Table
 from rangenav.inputs import Vec3, require
 from rangenav.preset import Preset
 
-NAMES = {
-    "time": re.compile(r"(t|time|timestamp|stamp|sec|seconds)"),
-    "gyro": re.compile(r"(?:imu_)?(?:gyro|gyr|gyroscope|angular_velocity|omega|w|g|w_rs_s)_?([xyz])"),
-    "accel": re.compile(r"(?:imu_)?(?:accel|acc|accelerometer|acceleration|linear_acceleration|a|a_rs_s)_?([xyz])"),
-    "mag": re.compile(r"(?:imu_)?(?:mag|magn|magnetometer|magnetic|magnetic_field|m)_?([xyz])"),
-    "range": re.compile(r"(range|distance|dist|uwb|uwb_range|d)"),
-    "position": re.compile(r"(?:opt_|truth_|gt_)?(?:p|pos|position|p_rs_r)_?([xyz])"),
-    "quaternion": re.compile(r"(?:opt_|truth_|gt_)?(?:q|quat|quaternion|orientation|q_rs)_?([wxyz])"),
-}
-SUFFIXES = {
-    "dps": "deg/s",
-    "rads": "rad/s",
-    "ms2": "m/s2",
-    "mps2": "m/s2",
-    "ut": "uT",
-    "ns": "ns",
-    "us": "us",
-    "ms": "ms",
-    "s": "s",
-}
-"""Units that some loggers append to a name: gyro_x_dps, t_ms."""
 WORLD = re.compile(r"(gravity|magnetic|anchor)\s*=\s*(\S+)\s+(\S+)\s+(\S+)")
 FRAME = re.compile(r"frame\s*=\s*(z-up|z-down)")
 LARGEST = 1e9
+NAMED, SHOWN = 10, 40
+"""Most names that a finding lists, and most characters of each."""
 
 
 def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a file, or its questions. Raises ValueError naming line and column."""
     table = text.table(data, source=source)
-    groups, stated, unknown = _grouped(table)
-    for kind, axes in (("gyro", "xyz"), ("accel", "xyz")):
-        missing = [axis for axis in axes if axis not in groups.get(kind, {})]
-        require(not missing, f"{source}: no column for {kind} {', '.join(missing)}; {text.listed(table)}")
-    require("time" in groups, f"{source}: no column for the time; {text.listed(table)}")
-    findings = [*table.remarks, *([f"columns not understood and not used: {', '.join(unknown)}"] if unknown else [])]
-    quaternion = _vector(table, groups, "quaternion", "wxyz")
+    columns = log_columns.columns(table, confirm)
+    values = {kind: columns.values(table, kind) for kind in log_columns.NAMES}
+    for kind in ("time", "gyro", "accel"):
+        there = columns.groups[kind].columns if kind in columns.groups else {}
+        missing = [axis for axis in log_columns.AXES[kind] if axis not in there]
+        named = "the time" if kind == "time" else f"{kind} {', '.join(missing)}"
+        require(values[kind] is not None, f"{source}: no column for {named}; {text.listed(table)}")
+    findings = [*table.remarks, *_unused(columns.unused)]
+    time, gyro, accel = values["time"], values["gyro"], values["accel"]
+    assert time is not None
+    assert gyro is not None
+    assert accel is not None
+    quaternion, distance = values["quaternion"], values["range"]
     world = _world(table)
     raw = FlightColumns(
         table=table,
         format="log",
-        time=table.values[:, next(iter(groups["time"].values()))],
-        gyro=_needed(table, groups, "gyro"),
-        accel=_needed(table, groups, "accel"),
-        mag=_vector(table, groups, "mag", "xyz"),
-        range=table.values[:, next(iter(groups["range"].values()))] if "range" in groups else None,
+        time=time[:, 0],
+        gyro=gyro,
+        accel=accel,
+        mag=values["mag"],
+        range=None if distance is None else distance[:, 0],
         rotation=None if quaternion is None else attitude(quaternion, source),
-        position=_vector(table, groups, "position", "xyz"),
-        stated=stated,
+        position=values["position"],
+        stated=columns.stated,
         frame=_stated_frame(table),
         gravity=world.get("gravity"),
         magnetic=world.get("magnetic"),
         anchor=world.get("anchor"),
         findings=tuple(findings),
+        unconfirmed=columns.unconfirmed,
+        questions=columns.questions,
     )
-    return flight_columns.flight(raw, confirm)
+    return replace(flight_columns.flight(raw, confirm), columns=columns.uses)
 
 
 def write(preset: Preset, path: Path) -> OutputFile:
@@ -106,56 +96,21 @@ _MEASURED = (("gyro", "rad/s"), ("accel", "m/s2"), ("mag", "1"))
 
 
 def attitude(quaternion: Float[Array, "n 4"], source: str) -> Float[Array, "n 3 3"]:
-    """Rotations of quaternions (wxyz), NaN where one is missing. Raises ValueError for lengths far from one."""
+    """Rotations of quaternions (wxyz), NaN where one is missing or all zero. Raises ValueError for other lengths."""
     size = np.linalg.norm(quaternion, axis=-1)
-    off = np.abs(size - 1) > 0.1
+    lost = size == 0  # trackers write zeros where they have lost the body
+    off = (np.abs(size - 1) > 0.1) & ~lost
     rule = f"{source}: quaternions must be of unit length, row {int(np.argmax(off)) + 1} has {size[np.argmax(off)]:.3g}"
     require(not off.any(), rule)
-    return frames.to_rotation(quaternion)
+    return frames.to_rotation(np.where(lost[:, None], np.nan, quaternion))
 
 
-def _grouped(table: Table) -> tuple[dict[str, dict[str, int]], dict[str, str], list[str]]:
-    """The column of each quantity, the units that the names state, and the names that are not understood."""
-    groups: dict[str, dict[str, int]] = {}
-    stated: dict[str, str] = {}
-    unknown = []
-    for column, name in enumerate(table.names):
-        base, unit = units.split(name.lstrip("#"))
-        plain = re.sub(r"[^a-z0-9]+", "_", base.lower()).strip("_")
-        head, _, tail = plain.rpartition("_")
-        if unit is None and tail in SUFFIXES:
-            plain, unit = head, SUFFIXES[tail]
-        for kind, pattern in NAMES.items():
-            match = pattern.fullmatch(plain)
-            if match:
-                axis = match[1] if kind not in ("time", "range") else kind
-                rule = f"{table.source}: two columns could be {kind} {axis}: {name[:40]!r} is the second"
-                require(axis not in groups.setdefault(kind, {}), rule)
-                groups[kind][axis] = column
-                _state(stated, kind, unit, table.source)
-                break
-        else:
-            unknown.append(name[:40])
-    return groups, stated, unknown[:10]
-
-
-def _state(stated: dict[str, str], kind: str, unit: str | None, source: str) -> None:
-    if unit is None or kind not in units.UNITS:
-        return
-    require(
-        stated.get(kind, unit) == unit, f"{source}: {units.WORDS[kind]} has columns in {stated.get(kind)} and {unit}"
-    )
-    stated[kind] = unit
-
-
-def _vector(table: Table, groups: dict[str, dict[str, int]], kind: str, axes: str) -> Array | None:
-    if not all(axis in groups.get(kind, {}) for axis in axes):
-        return None
-    return table.values[:, [groups[kind][axis] for axis in axes]]
-
-
-def _needed(table: Table, groups: dict[str, dict[str, int]], kind: str) -> Float[Array, "n 3"]:
-    return table.values[:, [groups[kind][axis] for axis in "xyz"]]
+def _unused(names: tuple[str, ...]) -> list[str]:
+    """The first columns that are not used; the whole list is in the result."""
+    if not names:
+        return []
+    more = f" … ({len(names)} in all)" if len(names) > NAMED else ""
+    return [f"columns not understood and not used: {', '.join(name[:SHOWN] for name in names[:NAMED])}{more}"]
 
 
 def _stated_frame(table: Table) -> Frame | None:

@@ -121,11 +121,79 @@ def test_other_loggers_names_are_understood():
 
 def test_two_columns_for_one_thing_and_columns_that_are_missing_are_refused():
     t, gyro, accel, _ = spun(20)
-    twice = csv(["t", *axes("gyro_*", "accel_*"), "gx"], t, gyro, accel, t)
-    with pytest.raises(ValueError, match=exactly("x.csv: two columns could be gyro x: 'gx' is the second")):
+    twice = csv(["t", *axes("gyro_*", "accel_*"), "Gyro X"], t, gyro, accel, t)
+    with pytest.raises(ValueError, match=exactly("x.csv: two columns could be gyro x: 'Gyro X' is the second")):
         read(twice)
     with pytest.raises(ValueError, match=r"x\.csv: no column for accel z; the file's columns are t, gyro_x"):
         read(csv(["t", *axes("gyro_*"), "accel_x", "accel_y"], t, gyro, accel[:, :2]))
+
+
+def test_where_two_groups_of_columns_would_do_a_person_chooses_and_all_others_are_named():
+    """A phone writes Acceleration and Linear Acceleration, which is without gravity; a logger has two clocks."""
+    t, gyro, accel, _ = spun(200)
+    names = ["t [s]", "time [s]", *axes("gyro_* [rad/s]", "Acceleration * (m/s^2)", "Linear Acceleration * (m/s^2)")]
+    others = [f"battery {k}" for k in range(15)]
+    data = csv([*names, "gx", *others], t, t + 1e4, gyro, accel, 0.01 * accel, *np.tile(t, (16, 1)))
+    found = read(data, frame="z-up")
+    assert asked(found) == {"time-columns": None, "accel-columns": None}
+    (clock, force) = found.questions
+    assert force.options == ("accel=acceleration", "accel=linear_acceleration")
+    assert "acceleration: median length 9.81; linear_acceleration: median length 0.0981" in force.text
+    assert clock.flag == force.flag == "--columns"
+    chosen = {"time-columns": "time=time", "accel-columns": "accel=linear_acceleration"}
+    flight = present(formats.settled(read(data, frame="z-up", accel="m/s2", **chosen)).flight)
+    np.testing.assert_allclose(flight.accel, 0.01 * accel)
+    assert [name for name, use in found.columns if not use] == [
+        "time [s]", *axes("Linear Acceleration * (m/s^2)"), "gx", *others
+    ]  # fmt: skip
+    assert any("battery 4 … (20 in all)" in one for one in found.findings), found.findings
+    with pytest.raises(ValueError, match="accel-columns must be one of accel=acceleration, accel=linear_acceleration"):
+        read(data, **{"accel-columns": "accel=gravity"})
+
+
+@pytest.mark.parametrize(("period", "unit", "factor"), [(2.0**32, "us", 1e6), (604_800.0, "s", 1.0)])
+def test_a_clock_that_begins_again_goes_on_once_that_is_confirmed(period, unit, factor):
+    t, gyro, accel, mag = spun(200)
+    stamps = (t - 1.0) * factor
+    stamps[:100] += period
+    data = csv([f"t [{unit}]", *STATED[1:]], stamps, gyro, accel, mag)
+    confirm = {"frame": "z-up", "time": unit}
+    found = read(data, **confirm)
+    assert asked(found) == {"stamps": "unwrap"}
+    assert "goes back once by its period" in found.questions[0].evidence
+    assert "before line 102" in found.questions[0].evidence
+    flight = present(formats.settled(read(data, stamps="unwrap", **confirm)).flight)
+    np.testing.assert_allclose(flight.time, t, atol=1e-6)
+
+
+def test_rows_of_one_sensor_are_no_broken_lines_even_where_broken_lines_are_dropped():
+    """A range, a field or a pose may have a row of its own, also with the very stamp of a row of the IMU."""
+    t, gyro, accel, mag = spun(60)
+    imu = np.column_stack([t, gyro, accel, np.full((60, 7), np.nan)])
+    field = np.column_stack([t, np.full((60, 6), np.nan), mag, np.full((60, 4), np.nan)])
+    ranges = np.column_stack([t[::2], np.full((30, 9), np.nan), 2.0 + t[::2], np.full((30, 3), np.nan)])
+    pose = np.column_stack([t + 0.001, np.full((60, 10), np.nan), np.column_stack([t, t, t])])
+    table = np.vstack([imu, field, ranges, pose])
+    data = csv([*STATED, "range [m]", *axes("p_* [m]")], table[np.argsort(table[:, 0], kind="stable")])
+    for confirm in ({}, {"lines": "drop"}):
+        found = formats.settled(read(data, frame="z-up", **confirm))
+        flight = present(found.flight)
+        assert (len(flight.time), len(flight.range)) == (60, 30)
+        np.testing.assert_allclose(present(flight.mag), mag, atol=1e-4)  # divided by its length
+        np.testing.assert_allclose(present(flight.position)[:, 0], t)
+        assert not any("line" in one for one in found.findings), found.findings
+
+
+def test_a_body_upside_down_does_not_tell_the_frame_of_the_world_but_an_attitude_does():
+    """A camera looks down its z axis: at rest its accelerometer reads −z in a world whose z points up."""
+    t, gyro, accel, mag = spun(200)
+    down = csv(STATED, t, gyro, -accel, mag)
+    assert asked(read(down)) == {"frame": None}
+    assert "upside down in a z-up world" in read(down).questions[0].evidence
+    still = np.tile([0.0, 0.0, -9.81], (200, 1))
+    turned = np.tile([0.0, 1.0, 0.0, 0.0], (200, 1))  # half a turn about x: body z down, world z up
+    known = csv([*STATED, *[f"q_{axis} [1]" for axis in "wxyz"]], t, 0 * gyro, still, mag, turned)
+    assert asked(read(known)) == {"frame": "z-up"}
 
 
 def test_repeated_stamps_gaps_and_missing_numbers_are_told_by_line_and_dropped_only_when_asked():
