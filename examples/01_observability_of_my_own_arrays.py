@@ -11,7 +11,7 @@ motion: the rank on sliding windows, the excitation, and a verdict where the dat
 # positions in metres with z up.
 import numpy as np
 
-from rangenav import analysis
+from rangenav import analysis, preset
 from rangenav.formats import path_preset, sampled_path
 from rangenav.observability import excitation, spectrum
 
@@ -57,6 +57,6 @@ for name, path in (("fitted to positions", mine.path), ("all derivatives", known
 # window of nearly 10 s.
 print(analysis.how_long(known).summary)
 for window in (6.0, 10.0):
-    result = analysis.analyse(analysis.with_window(known, window, source="my flight"))
+    result = analysis.analyse(preset.with_window(known, window, source="my flight"))
     sigma = result.lifted_end.position
     print(f"{window:g} s: {result.verdict}, rank {result.rank}, predicted 1-σ position {sigma:.3g} m")

@@ -2,7 +2,6 @@
 
 from functools import lru_cache
 
-import msgspec
 import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
@@ -17,7 +16,6 @@ from rangenav.observability.rows import PathSamples
 from rangenav.preset import Preset, Requirement
 from rangenav.provenance import Source
 from rangenav.results import result
-from rangenav.sensors import Sensors, effects
 from rangenav.signals import Signal
 from rangenav.verdict import Verdict, judge, restriction
 
@@ -226,15 +224,6 @@ def how_long(preset: Preset) -> Horizon:
     )
 
 
-def with_window(preset: Preset, window: float, *, source: str) -> Preset:
-    """The preset judged over another window (s). Raises ValueError, starting with `source`, if it does not fit."""
-    try:
-        requirement = msgspec.structs.replace(preset.requirement, window=window)
-        return msgspec.structs.replace(preset, requirement=requirement)
-    except ValueError as error:
-        raise ValueError(f"{source}: {error}") from None
-
-
 def _windows(
     samples: PathSamples,
     world: World,
@@ -261,12 +250,3 @@ def _windows(
         sigma_lifted=end_position("lifted"),
         sigma_nonlinear=end_position("nonlinear"),
     )
-
-
-def noise_note(sensors: Sensors) -> str:
-    """What the predicted accuracy assumes, as a text to show with it."""
-    lost = sensors.unmodelled.dropout_probability
-    thinned = f", {100 * lost:g} of 100 of them lost" if lost else ""
-    note = f"ranges at {sensors.range_rate:g} Hz with {sensors.sigma.range:g} m noise{thinned}, no IMU noise"
-    ignored = effects.unpredicted(sensors.unmodelled)
-    return f"{note}, and nothing of what is on besides: {', '.join(ignored)}" if ignored else note

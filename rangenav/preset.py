@@ -181,6 +181,15 @@ def load(name_or_path: str | Path) -> Preset:
     return loads(text, source=path.name)
 
 
+def with_window(preset: Preset, window: float, *, source: str) -> Preset:
+    """The preset judged over another window (s). Raises ValueError, starting with `source`, if it does not fit."""
+    try:
+        requirement = msgspec.structs.replace(preset.requirement, window=window)
+        return msgspec.structs.replace(preset, requirement=requirement)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+
+
 def save(preset: Preset, path: str | Path) -> None:
     """Write a preset as TOML."""
     Path(path).write_text(dumps(preset), encoding="utf-8")

@@ -8,13 +8,13 @@ import msgspec
 import numpy as np
 
 from rangenav import motion, record
-from rangenav.analysis import Analysis, analyse, noise_note
+from rangenav.analysis import Analysis, analyse
 from rangenav.model import STATES
 from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
 from rangenav.record import Record, Summary
-from rangenav.sensors import active_effects, effect_sentences
+from rangenav.sensors import active_effects, effect_sentences, noise_assumption
 
 Json = dict[str, Any]
 
@@ -134,7 +134,7 @@ def _accuracy(accuracy: Accuracy) -> Json:
 
 def _ignored(preset: Preset) -> Json:
     """A note on the predicted accuracy where sensors have effects that it does not model."""
-    return {"assumes": noise_note(preset.sensors)} if active_effects(preset.sensors) else {}
+    return {"assumes": noise_assumption(preset.sensors)} if active_effects(preset.sensors) else {}
 
 
 def _settle(median: Any) -> Json:

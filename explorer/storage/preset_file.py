@@ -7,6 +7,7 @@ from explorer.model.settings import Settings, effective
 from rangenav import analysis, preset
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
+from rangenav.sensors import noise_assumption
 
 PRINTED_START = (
     "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
@@ -43,7 +44,7 @@ def verdict_comments(shown: Preset) -> str:
         f"required: {requirement.mu:.6g}: {met}",
         f"predicted 1-sigma position at the end of the worst window: {lifted} lifted, "
         f"{nonlinear} nonlinear; required {requirement.position_sigma:g} m",
-        f"it assumes {analysis.noise_note(shown.sensors)}",
+        f"it assumes {noise_assumption(shown.sensors)}",
     ]
     lines += [f"blind: {direction.summary}" for direction in motion_analysis.directions]
     return "".join(f"# {line}\n" for line in lines)

@@ -5,9 +5,10 @@ verify_file(path)   one sentence for each place where a file and its certificate
 """
 
 from rangenav.certificate.certify import READERS, FileContents, Reader, certify, certify_file, read_preset
+from rangenav.certificate.encoding import dumps, loads, to_builtins
 from rangenav.certificate.files import path_for
 from rangenav.certificate.requirements import gate
-from rangenav.certificate.schema import Certificate, dumps, loads, to_builtins
+from rangenav.certificate.schema import Certificate
 from rangenav.certificate.verify import differences, read_stored, verify, verify_file
 
 __all__ = [

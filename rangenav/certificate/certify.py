@@ -18,7 +18,7 @@ import numpy as np
 import rangenav
 from rangenav import preset as presets
 from rangenav import verdict
-from rangenav.certificate import remedy, requirements, sections
+from rangenav.certificate import motion_sections, remedy, requirements, sections
 from rangenav.certificate.files import read_bytes
 from rangenav.certificate.schema import Artifact, Certificate, Tool
 from rangenav.inputs import require
@@ -86,8 +86,8 @@ def _without_artifact(preset: Preset) -> Certificate:
     claim, excitation = sections.excitation_section(preset)
     rank = sections.rank_section(preset, claim)
     accuracy = sections.accuracy_section(preset)
-    limits, flyability = sections.limits_section(preset)
-    jumps = sections.jumps_section(preset)
+    limits, flyability = motion_sections.limits_section(preset)
+    jumps = motion_sections.jumps_section(preset)
     checks = requirements.requirements(excitation, rank, accuracy, jumps, flyability, preset)
     failures = requirements.failures(checks, excitation, preset.expect)
     meets = all(check.met for check in checks)
@@ -112,8 +112,8 @@ def _without_artifact(preset: Preset) -> Certificate:
         limits=limits,
         vehicle=flyability,
         jumps=jumps,
-        frame=sections.frame_section(preset),
-        source=sections.source_section(preset),
+        frame=motion_sections.frame_section(preset),
+        source=motion_sections.source_section(preset),
         artifact=Artifact(format="", sha256="", bytes=0),
         tool=Tool(rangenav=rangenav.__version__, python=platform.python_version(), numpy=np.__version__),
     )

@@ -28,8 +28,9 @@ from rangenav import preset as presets
 from rangenav.axes import upright
 from rangenav.certificate import files, requirements
 from rangenav.certificate.certify import READERS, FileContents, Reader, certify, read_preset
+from rangenav.certificate.encoding import dumps
 from rangenav.certificate.files import path_for, read_bytes
-from rangenav.certificate.schema import Certificate, dumps
+from rangenav.certificate.schema import Certificate
 from rangenav.formats import Format, readback, text
 from rangenav.inputs import require
 from rangenav.preset import Preset

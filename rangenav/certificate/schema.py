@@ -1,11 +1,11 @@
-"""What a certificate says, and its JSON: the same bytes for the same certificate; finite numbers, or null and why.
+"""What a certificate says: finite numbers, or null and the reason.
 
 Lengths in m, times in s, frequencies in rad/s, μ in m²/s⁷ unless a field says otherwise; figures have eight digits, and
 bounds are rounded to the side on which they stay true.
 """
 
 import math
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 
@@ -14,8 +14,6 @@ from rangenav.inputs import Vec3
 FORMAT, VERSION = "rangenav-certificate", 1
 DIGITS = 8
 """Of every figure: more would differ between processors, fewer would not tell presets apart."""
-MAX_BYTES = 200_000
-"""Larger files are no certificates."""
 Expectation = Literal["observable", "weak", "unobservable"]
 Names = Literal["excitation", "rank", "accuracy", "smooth", "vehicle", "source"]
 
@@ -235,32 +233,6 @@ class Certificate(Part, frozen=True, kw_only=True):
     tool: Tool
 
 
-def to_builtins(certificate: Certificate) -> dict[str, Any]:
-    """Nested dicts and lists. Raises ValueError if a number is not finite: that is an error of ours."""
-    found = msgspec.to_builtins(certificate)
-    _refuse_nonfinite(found, "$")
-    return msgspec.json.decode(msgspec.json.encode(found))  # lists for tuples
-
-
-def dumps(certificate: Certificate) -> bytes:
-    """JSON, indented, ending in a line feed: the same bytes for the same certificate."""
-    return msgspec.json.format(msgspec.json.encode(to_builtins(certificate)), indent=2) + b"\n"
-
-
-def loads(content: bytes, *, source: str) -> Certificate:
-    """A certificate from JSON; errors start with `source`. Raises ValueError with one sentence."""
-    if len(content) > MAX_BYTES:
-        raise ValueError(f"{source}: larger than {MAX_BYTES} bytes, which no certificate is")
-    try:
-        found = msgspec.json.decode(content, type=Certificate)
-        _refuse_nonfinite(msgspec.to_builtins(found), "$")
-    except (msgspec.DecodeError, ValueError) as error:
-        raise ValueError(f"{source}: no certificate: {' '.join(str(error).split())}") from None
-    except RecursionError:
-        raise ValueError(f"{source}: no certificate: nested too deeply") from None
-    return found
-
-
 def figure(value: float, *, toward: Literal[-1, 0, 1] = 0) -> float:
     """The value to eight digits: the nearest, or the next one below (−1) or above (1), where a bound stays a bound."""
     if value == 0 or not math.isfinite(value):
@@ -275,14 +247,3 @@ def figure(value: float, *, toward: Literal[-1, 0, 1] = 0) -> float:
 def known(value: float) -> float | None:
     """The figure, None where it is not finite."""
     return figure(value) if math.isfinite(value) else None
-
-
-def _refuse_nonfinite(value: Any, path: str) -> None:
-    if isinstance(value, float) and not math.isfinite(value):
-        raise ValueError(f"{path} is not finite")
-    if isinstance(value, dict):
-        for key, entry in value.items():
-            _refuse_nonfinite(entry, f"{path}.{key}")
-    if isinstance(value, list | tuple):
-        for k, entry in enumerate(value):
-            _refuse_nonfinite(entry, f"{path}[{k}]")

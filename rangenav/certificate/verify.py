@@ -13,7 +13,7 @@ from typing import Any
 import msgspec
 
 from rangenav import preset as presets
-from rangenav.certificate import schema
+from rangenav.certificate import encoding
 from rangenav.certificate.certify import READERS, Reader, certify
 from rangenav.certificate.files import file_of, path_for, read_bytes
 from rangenav.certificate.schema import Certificate
@@ -52,7 +52,7 @@ def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = REA
         content, certificate = read_bytes(path), path_for(path)
         if not certificate.is_file():
             return (f"{path.name}: there is no certificate beside it ({certificate.name})",)
-        stored = schema.loads(read_bytes(certificate), source=certificate.name)
+        stored = encoding.loads(read_bytes(certificate), source=certificate.name)
         return verify(content, stored, source=path.name, readers=readers)
     except ValueError as error:
         return (str(error),)
@@ -84,7 +84,7 @@ def differences(stored: Certificate, computed: Certificate) -> tuple[str, ...]:
 def read_stored(name_or_path: str | Path) -> Certificate:
     """The stored certificate of a file, or of a shipped preset by its name. Raises ValueError."""
     place = path_for(_locate(name_or_path))
-    return schema.loads(read_bytes(place), source=place.name)
+    return encoding.loads(read_bytes(place), source=place.name)
 
 
 def _locate(name_or_path: str | Path) -> Path:
@@ -102,7 +102,7 @@ def _locate(name_or_path: str | Path) -> Path:
 
 
 def _compared(certificate: Certificate) -> dict[str, Any]:
-    return {key: value for key, value in schema.to_builtins(certificate).items() if key not in UNCOMPARED}
+    return {key: value for key, value in encoding.to_builtins(certificate).items() if key not in UNCOMPARED}
 
 
 def _differences(stored: Any, computed: Any, path: str) -> Iterator[str]:

@@ -21,7 +21,7 @@ def analyze(preset: PresetName, *, window: float | None = None, json: bool = Fal
 
     chosen = presets.load(preset)
     if window is not None:
-        chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
+        chosen = presets.with_window(chosen, window, source=f"{preset}, --window")
     with working(f"analysing {preset}"):
         found = analysis.analyse(chosen)
     if json:

@@ -39,7 +39,7 @@ def explain(
 
     chosen = presets.load(preset)
     if window is not None:
-        chosen = analysis.with_window(chosen, window, source=f"{preset}, --window")
+        chosen = presets.with_window(chosen, window, source=f"{preset}, --window")
     require_place("--save", save, ".toml")
     with working(f"looking for a twin of {preset}"):
         found = twin.twin(chosen, tolerance=tolerance, apart=apart)

@@ -18,18 +18,15 @@ from numpy import ndarray as Array
 from rangenav.arguments import finite_array, increasing_array, number
 from rangenav.inputs import require
 from rangenav.motion import Motion, to_body, to_inertial
-from rangenav.observability import quadrature, windows
-from rangenav.results import result
+from rangenav.observability import quadrature, running_sums, windows
 from rangenav.signals import Signal, knots
 
-MIN_GRID, MAX_GRID, MAX_EVALUATIONS = 64, 4000, 150_000
-"""The bound for all t evaluates at least and at most so many windows, and so many snaps for its sums (30 ms)."""
+MIN_GRID, MAX_GRID = 64, 4000
+"""The bound for all t evaluates at least and at most so many windows."""
 MAX_KNOTS = 2000
 """Most knots at which additional windows start or end. With more knots a window has hundreds, and no one matters."""
 UNEXCITED = 1e-12
 """An excitation below this share of window · sup|p⁗|² counts as zero; a finer grid would not change it."""
-CELL_NODES, CELLS_PER_RADIAN = 4, 2.0
-"""A cell has half a radian of the fastest tone, which 4 Gauss nodes integrate to a relative 1e-11."""
 BOUND_SHARE, BOUND_ROUNDS = 0.05, 4
 """The grid is refined until the possible drop of λ_min between its points is at most this share of μ: only where λ_min
 is low, so two rounds and 700 windows give the bound for which an even grid needs 4000."""
@@ -93,11 +90,11 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[
     start, window = windows.checked(path, start, window)
     if knots.has_pieces(path):
         first, last = float(start.min()), float(start.max())
-        sums = _running_sums(path, first, last + window)
+        sums = running_sums.between(path, first, last + window)
         if sums is not None:
             events = _events(path, first, last, window)
             every = start if events is None else np.union1d(start, events)
-            least = _least_eigenvalues(path, sums, every, window)
+            least = running_sums.least_eigenvalues(path, sums, every, window)
             lowest = int(np.sum(least <= least.min() + sums.rounding))  # sums cannot tell these apart
             start = every[np.argsort(least, kind="stable")[: min(lowest, len(start))]]
     values = eigenvalues(path, start, window)
@@ -124,17 +121,17 @@ def bound_for_all_t(path: Signal, window: float) -> float | None:
     if events is None or not math.isfinite(path.bound(4)):
         return None
     time = np.union1d(np.linspace(0, period, MIN_GRID + 1), events)
-    sums = _running_sums(path, 0.0, period + window)
+    sums = running_sums.between(path, 0.0, period + window)
     if sums is None:
         least, rounding = eigenvalues(path, time, window)[:, 0], 0.0
     else:
-        least, rounding = _least_eigenvalues(path, sums, time, window), sums.rounding
+        least, rounding = running_sums.least_eigenvalues(path, sums, time, window), sums.rounding
     for _ in range(BOUND_ROUNDS):
         more = _refinements(time, least, _slack(path, time, window))
         if sums is None or len(more) == 0 or least.min() <= UNEXCITED * window * path.bound(4) ** 2:
             break
         order = np.argsort(np.append(time, more))
-        least = np.append(least, _least_eigenvalues(path, sums, more, window))[order]
+        least = np.append(least, running_sums.least_eigenvalues(path, sums, more, window))[order]
         time = np.append(time, more)[order]
     lowest = lowest_between(least, _slack(path, time, window), rounding)
     return max(0.0, lowest) if math.isfinite(lowest) else None
@@ -160,6 +157,13 @@ def drop_between(start: Float[Array, "w"], *ends: tuple[Float[Array, "c"], Float
     return np.diff(start) ** 2 / 4 * curvature
 
 
+def _events(path: Signal, first: float, last: float, window: float) -> Array | None:
+    """Starts of windows, strictly between two times, that start or end at a knot; None if there are too many knots."""
+    if knots.most(path, last - first + window) > MAX_KNOTS:
+        return None
+    return np.union1d(knots.knots(path, first, last), knots.knots(path, first + window, last + window) - window)
+
+
 def _slack(path: Signal, time: Array, window: float) -> Array:
     """The drop between neighbouring times (s), from bounds of the path's snap and its rate."""
     middle = (time[1:] + time[:-1]) / 2
@@ -181,55 +185,6 @@ def _refinements(time: Array, least: Array, slack: Array) -> Array:
     added = np.maximum(parts - 1, 0)
     number = np.arange(added.sum()) - np.repeat(np.cumsum(added) - added, added) + 1
     return np.repeat(time[:-1][loose], added) + number * np.repeat(np.diff(time)[loose] / np.maximum(parts, 1), added)
-
-
-def _events(path: Signal, first: float, last: float, window: float) -> Array | None:
-    """Starts of windows, strictly between two times, that start or end at a knot; None if there are too many knots."""
-    if knots.most(path, last - first + window) > MAX_KNOTS:
-        return None
-    return np.union1d(knots.knots(path, first, last), knots.knots(path, first + window, last + window) - window)
-
-
-@result
-class _Sums:
-    """∫p⁗p⁗ᵀ from the first edge to each edge, by a few nodes in each cell between two edges."""
-
-    edges: Float[Array, "c"]
-    total: Float[Array, "c 3 3"]
-    nodes: int
-    rounding: float
-    """Rounding of a difference of two sums. Reported eigenvalues never come from these sums."""
-
-
-def _running_sums(path: Signal, first: float, last: float) -> _Sums | None:
-    """Sums between two times (s), with an edge at every knot; None if they are too much work.
-
-    Windows overlap, so thousands of them cost one pass over the path and two cells each.
-    """
-    bandwidth, count = knots.smooth_bandwidth(path, last), max(CELL_NODES, knots.degree(path) - 3)
-    cells = 1 + CELLS_PER_RADIAN * bandwidth * (last - first)
-    if not count * (cells + knots.most(path, last - first)) <= MAX_EVALUATIONS:
-        return None
-    edges = np.union1d(np.linspace(first, last, math.ceil(cells) + 1), knots.knots(path, first, last))
-    total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(_cell(path, edges[:-1], edges[1:], count), axis=0)])
-    rounding = (len(edges) + count) * np.finfo(float).eps * float(np.trace(total[-1]))
-    return _Sums(edges=edges, total=total, nodes=count, rounding=rounding)
-
-
-def _least_eigenvalues(path: Signal, sums: _Sums, start: Array, window: float) -> Array:
-    """The least eigenvalue of each window, from the sum up to its end minus the sum up to its start."""
-    both = np.concatenate([start, start + window])
-    cell = np.clip(np.searchsorted(sums.edges, both, side="right") - 1, 0, len(sums.edges) - 1)
-    until = sums.total[cell] + _cell(path, sums.edges[cell], both, sums.nodes)
-    return np.linalg.eigvalsh(until[len(start) :] - until[: len(start)])[:, 0]
-
-
-def _cell(path: Signal, first: Array, last: Array, count: int) -> Array:
-    """∫p⁗p⁗ᵀ over short intervals, by one panel each."""
-    x, weight = quadrature.legendre(count)
-    length = (last - first)[:, None]
-    snap = path(first[:, None] + length * x, 4) * np.sqrt(np.maximum(length, 0) * weight)[..., None]
-    return snap.transpose(0, 2, 1) @ snap
 
 
 def sampled_eigenvalues(

@@ -16,7 +16,7 @@ from rangenav.sensors.noise import (
     in_unit,
     per_sample,
 )
-from rangenav.sensors.suite import Sensors, active_effects, effect_sentences
+from rangenav.sensors.suite import Sensors, active_effects, effect_sentences, noise_assumption
 
 __all__ = [
     "MAX_RATE",
@@ -40,5 +40,6 @@ __all__ = [
     "effects",
     "in_unit",
     "measure",
+    "noise_assumption",
     "per_sample",
 ]

@@ -1,7 +1,7 @@
 """What a vehicle carries: the rate of each sensor, its noise, and the effects that the paper does not model."""
 
 from rangenav.inputs import Input, require, require_within
-from rangenav.sensors.effects import MODELLED, Effects, sentences
+from rangenav.sensors.effects import MODELLED, Effects, sentences, unpredicted
 from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, in_unit
 
 
@@ -46,3 +46,12 @@ def effect_sentences(sensors: Sensors) -> tuple[str, ...]:
 def active_effects(sensors: Sensors) -> tuple[str, ...]:
     """The names of the effects that are on and that the paper does not model."""
     return tuple(sentences(sensors.unmodelled))
+
+
+def noise_assumption(sensors: Sensors) -> str:
+    """What the predicted accuracy assumes, as a text to show with it."""
+    lost = sensors.unmodelled.dropout_probability
+    thinned = f", {100 * lost:g} of 100 of them lost" if lost else ""
+    note = f"ranges at {sensors.range_rate:g} Hz with {sensors.sigma.range:g} m noise{thinned}, no IMU noise"
+    ignored = unpredicted(sensors.unmodelled)
+    return f"{note}, and nothing of what is on besides: {', '.join(ignored)}" if ignored else note

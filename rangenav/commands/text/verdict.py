@@ -4,12 +4,13 @@ import math
 from typing import Any
 
 from rangenav import motion, record, vehicle
-from rangenav.analysis import Analysis, noise_note
+from rangenav.analysis import Analysis
 from rangenav.commands.text.layout import SIGNS, Sign, met
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
+from rangenav.sensors import noise_assumption
 
 Json = dict[str, Any]
 
@@ -36,7 +37,7 @@ def accuracy_lines(preset: Preset, found: Analysis) -> list[str]:
         *_positions(end, found.nonlinear_end.position),
         *_rates(found.lifted_end),
         f"required {plus_minus(needed)}: {met(end <= needed)}",
-        f"assumed: {noise_note(preset.sensors)}",
+        f"assumed: {noise_assumption(preset.sensors)}",
     ]
 
 

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rangenav import analysis, certificate, motion, preset
-from rangenav.certificate import exports, schema
+from rangenav.certificate import encoding, exports, schema
 from rangenav.certificate.remedy import with_tones
 from rangenav.certificate.schema import Certificate
 from rangenav.motion import World
@@ -39,7 +39,7 @@ def certified(p: Preset) -> Certificate:
 
 def stored(name: str) -> Certificate:
     """The certificate that is shipped; another test computes it again."""
-    return schema.loads(certificate.path_for(preset.find(name)).read_bytes(), source=name)
+    return encoding.loads(certificate.path_for(preset.find(name)).read_bytes(), source=name)
 
 
 def check(found: Certificate, name: str) -> schema.Check:
@@ -96,7 +96,7 @@ def test_the_flight_ready_presets_can_be_flown_with_margin_in_a_bounded_box():
 def test_the_same_bytes_give_the_same_certificate_to_the_last_byte():
     again = certificate.certify(SOFT_BYTES, source="elsewhere.toml")
     assert certificate.dumps(again) == certificate.dumps(SOFT_CERTIFICATE)
-    assert schema.loads(certificate.dumps(again), source="here") == SOFT_CERTIFICATE
+    assert encoding.loads(certificate.dumps(again), source="here") == SOFT_CERTIFICATE
 
 
 @settings(max_examples=30)
@@ -162,7 +162,7 @@ def test_every_claim_that_is_changed_is_noticed(name: str):
     """A number made 5% larger (or 5% of a unit), a flag turned, a word added: every place but who computed it."""
     content = preset.find(name).read_bytes()
     found = certificate.certify(content, source=name)
-    whole = schema.to_builtins(found)
+    whole = encoding.to_builtins(found)
     loose = {("excitation", "floor"), ("excitation", "starts")}  # allowances, not claims
     for where in leaves(whole):
         if where[0] == "tool" or where in loose:
@@ -180,7 +180,7 @@ def test_every_claim_that_is_changed_is_noticed(name: str):
             changed = [*value, "words"] if isinstance(value, list) else value + " and more"
         text = json.dumps(put(whole, where, changed)).encode()
         try:
-            wrong = certificate.differences(schema.loads(text, source=name), found)
+            wrong = certificate.differences(encoding.loads(text, source=name), found)
         except ValueError:
             continue  # not even read
         assert wrong, where
@@ -191,13 +191,13 @@ json_values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
     max_leaves=6,
 )
-PLACES = leaves(schema.to_builtins(SOFT_CERTIFICATE)) + [(key,) for key in schema.to_builtins(SOFT_CERTIFICATE)]
+PLACES = leaves(encoding.to_builtins(SOFT_CERTIFICATE)) + [(key,) for key in encoding.to_builtins(SOFT_CERTIFICATE)]
 
 
 @settings(max_examples=60)
 @given(st.lists(st.tuples(st.sampled_from(PLACES), json_values), min_size=1, max_size=3))
 def test_certificates_with_anything_in_them_are_answered_with_sentences(mutations: list):
-    mutated = schema.to_builtins(SOFT_CERTIFICATE)
+    mutated = encoding.to_builtins(SOFT_CERTIFICATE)
     for where, value in mutations:
         try:
             mutated = put(mutated, where, value)
@@ -209,7 +209,7 @@ def test_certificates_with_anything_in_them_are_answered_with_sentences(mutation
 def answered(text: bytes) -> None:
     """Whatever a certificate holds, what is said of it are sentences of one line."""
     try:
-        read = schema.loads(text, source="soft.certificate.json")
+        read = encoding.loads(text, source="soft.certificate.json")
     except ValueError as error:
         said = [str(error)]
     else:
@@ -277,7 +277,7 @@ def test_where_nothing_is_bounded_the_certificate_says_null_and_why():
     assert "nothing is known to bound" in str(found.excitation.reason)
     assert not check(found, "excitation").proven
     assert check(found, "excitation").met
-    assert nulls_without_reason(schema.to_builtins(found)) == []
+    assert nulls_without_reason(encoding.to_builtins(found)) == []
 
 
 def test_a_path_that_does_not_repeat_is_bounded_on_its_flight_and_says_so():
@@ -305,7 +305,7 @@ def test_a_period_too_long_to_bound_is_left_for_the_flight_and_that_is_said():
 def test_a_path_of_any_family_is_certified_or_refused_with_reasons(name: str):
     p = replace(SOFT, path=EXAMPLES[name], duration=10.0, requirement=replace(SOFT.requirement, window=4.0))
     found = certified(p)
-    assert nulls_without_reason(schema.to_builtins(found)) == []
+    assert nulls_without_reason(encoding.to_builtins(found)) == []
     assert found.meets == (certificate.gate(found) is None)
     assert found.certified == (not found.failures)
 

@@ -155,7 +155,7 @@ def test_window_overrides_the_presets_own(answer):
     # a longer window contains a shorter one: the integral can only grow
     assert longer["excitation"]["mu"] > own["excitation"]["mu"]
     assert longer["excitation"]["mu"] == pytest.approx(
-        analysis.analyse(analysis.with_window(preset.load("soft"), 15.0, source="soft")).mu
+        analysis.analyse(preset.with_window(preset.load("soft"), 15.0, source="soft")).mu
     )
 
 

@@ -467,7 +467,7 @@ def test_three_verdicts():
     paper = preset.load("paper")
     assert analysis.analyse(paper).verdict.word == "observable"
     assert analysis.analyse(preset.load("hover")).verdict.word == "blind"
-    assert analysis.analyse(analysis.with_window(preset.load("paper-slow"), 2.0, source="here")).verdict.word == "weak"
+    assert analysis.analyse(preset.with_window(preset.load("paper-slow"), 2.0, source="here")).verdict.word == "weak"
     assert analysis.analyse(preset.load("wiggle")).verdict.word == "weak"
 
 

@@ -214,14 +214,14 @@ def test_a_record_with_losses_is_in_order_and_passes_its_check(lost, start, leng
     assert len(z.range) == len(z.range_time)
 
 
-def told_of(**effects):
+def sensors_with(**effects):
     return Sensors(unmodelled=Effects(**effects))
 
 
 def test_nothing_is_said_where_nothing_is_on():
     assert sensors.effect_sentences(Sensors()) == ()
-    assert sensors.effect_sentences(told_of(outlier_probability=0.5, outlier_size=0.0)) == ()
-    assert sensors.effect_sentences(told_of(burst_start=3.0)) == ()
+    assert sensors.effect_sentences(sensors_with(outlier_probability=0.5, outlier_size=0.0)) == ()
+    assert sensors.effect_sentences(sensors_with(burst_start=3.0)) == ()
     assert Sensors().unmodelled == MODELLED
 
 
@@ -249,9 +249,9 @@ def test_every_effect_changes_the_record(field):
 def test_a_field_that_shapes_an_effect_does_nothing_while_that_effect_is_off(field):
     if ROWS[field].shapes:
         assert_same(measured(noise=Noise()), measured(noise=Noise(), **{field: example(field)}), *ARRAYS)
-        assert sensors.effect_sentences(told_of(**{field: example(field)})) == ()
+        assert sensors.effect_sentences(sensors_with(**{field: example(field)})) == ()
     else:
-        assert len(sensors.effect_sentences(told_of(**{field: example(field)}))) == 1
+        assert len(sensors.effect_sentences(sensors_with(**{field: example(field)}))) == 1
 
 
 def test_every_field_has_one_complete_row():
@@ -340,18 +340,18 @@ def test_the_plain_observer_agrees_on_a_record_with_everything_on(mode):
 
 
 def test_the_predicted_accuracy_says_what_it_does_not_know_and_thins_its_ranges():
-    assert analysis.noise_note(Sensors()) == "ranges at 50 Hz with 0.1 m noise, no IMU noise"
-    assert analysis.noise_note(told_of(dropout_probability=0.2)) == (
+    assert sensors.noise_assumption(Sensors()) == "ranges at 50 Hz with 0.1 m noise, no IMU noise"
+    assert sensors.noise_assumption(sensors_with(dropout_probability=0.2)) == (
         "ranges at 50 Hz with 0.1 m noise, 20 of 100 of them lost, no IMU noise"
     )
-    said = analysis.noise_note(Sensors(unmodelled=EVERYTHING))
+    said = sensors.noise_assumption(Sensors(unmodelled=EVERYTHING))
     assert said.endswith(f"and nothing of what is on besides: {', '.join(n for n in NAMES if n != 'drop-outs')}")
 
 
 def test_with_three_of_four_ranges_lost_the_predicted_accuracy_is_twice_as_poor():
     """Information adds up, so σ goes with the root of the expected number of ranges, whatever the window."""
     whole, thinned = (
-        analysis.analyse(replace(SLOW, sensors=told_of(dropout_probability=share))) for share in (0.0, 0.75)
+        analysis.analyse(replace(SLOW, sensors=sensors_with(dropout_probability=share))) for share in (0.0, 0.75)
     )
     assert thinned.lifted_end.position / whole.lifted_end.position == pytest.approx(2.0, rel=1e-9)
     assert thinned.nonlinear_end.position / whole.nonlinear_end.position == pytest.approx(2.0, rel=1e-9)
@@ -361,7 +361,7 @@ def test_with_three_of_four_ranges_lost_the_predicted_accuracy_is_twice_as_poor(
 
 def test_the_reports_name_what_is_on_and_are_as_they_were_where_nothing_is():
     p = replace(SLOW, sensors=Sensors(unmodelled=EVERYTHING))
-    assert report.analysis_report(p, analysis.analyse(p), name="x")["accuracy"]["assumes"] == analysis.noise_note(
+    assert report.analysis_report(p, analysis.analyse(p), name="x")["accuracy"]["assumes"] == sensors.noise_assumption(
         p.sensors
     )
     assert report.analysis_report(p, analysis.analyse(p), name="x")["accuracy"]["range_rate"] == 50
