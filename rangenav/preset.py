@@ -5,12 +5,14 @@ Errors name file, field and rule: `eight.toml: Expected `float`, got `str` - at 
 
 import math
 import re
+import unicodedata
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
 import msgspec
 
+from rangenav import toml_limits
 from rangenav.gains import Gains, Guess
 from rangenav.inputs import Input, Vec3, require, require_within
 from rangenav.motion import World
@@ -30,8 +32,12 @@ WINDOWS = 600
 """An analysis evaluates about this many windows of a path, each at all its quadrature nodes."""
 PATH_DERIVATIVES, TURNING_DERIVATIVES = 4, 1
 """Up to snap, and up to angular acceleration."""
-MAX_BYTES = 1_000_000
+MAX_BYTES = toml_limits.MAX_BYTES
 MAX_TITLE, MAX_STORY = 80, 400
+BLANK = "Zs"
+"""Unicode's category of blanks, of which Python calls only one printable."""
+MAX_SENTENCE = 300
+"""Characters of an error of the parser."""
 NUMBER_ARRAY = re.compile(r"\[\n((?:    [-+.\deE]+,\n)+)\]")
 """An array that the TOML writer has spread over lines. No string matches, because its line ends are escaped."""
 FOLDERS = (Path(__file__).parent / "presets", Path(__file__).parent.parent / "presets")
@@ -85,7 +91,7 @@ class Preset(Input, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        require(0 < len(self.title) <= MAX_TITLE, f"title must have 1 to {MAX_TITLE} characters, got {len(self.title)}")
+        refuse_title(self.title)
         require(len(self.story) <= MAX_STORY, f"story must have at most {MAX_STORY} characters, got {len(self.story)}")
         require_within("duration", self.duration, MIN_DURATION, MAX_DURATION, "s")
         require(0 <= self.seed < 2**53, f"seed must lie between 0 and 2^53, got {self.seed}")
@@ -128,14 +134,31 @@ class Preset(Input, frozen=True, kw_only=True):
             self._refuse_unsuitable(turning, TURNING_DERIVATIVES)
 
 
+def refuse_title(title: str) -> None:
+    """Raise ValueError unless a title can be shown on one line as it is: one rule, for files and for the page's box."""
+    rule = f"title must have 1 to {MAX_TITLE} printable characters"
+    require(len(title.strip()) > 0, f"{rule}, got {'blanks only' if title else 'none'}")
+    require(len(title) <= MAX_TITLE, f"{rule}, got {len(title)}")
+    strange = next((c for c in title if not c.isprintable() and unicodedata.category(c) != BLANK), "")
+    place = f"got U+{ord(strange or ' '):04X} at character {title.find(strange) + 1}"
+    require(not strange, f"{rule}, and no line end, control character or mark of writing direction: {place}")
+
+
 def loads(text: str, *, source: str) -> Preset:
     """A preset from TOML text; errors start with `source`. Raises ValueError."""
     try:
+        toml_limits.refuse_large(text)
         return msgspec.toml.decode(text, type=Preset)
     except (msgspec.DecodeError, ValueError) as error:  # ValueError: an integer of thousands of digits
-        raise ValueError(f"{source}: {' '.join(str(error).split())}") from None
+        raise ValueError(f"{source}: {_shortened(str(error))}") from None
     except RecursionError:
         raise ValueError(f"{source}: nested too deeply") from None
+
+
+def _shortened(sentence: str) -> str:
+    """One line of a readable length: the parser repeats a wrong value whole, then says where it stands."""
+    line = " ".join(sentence.split())
+    return line if len(line) <= MAX_SENTENCE else f"{line[: MAX_SENTENCE // 2]} … {line[-MAX_SENTENCE // 2 :]}"
 
 
 def dumps(preset: Preset) -> str:
@@ -171,9 +194,10 @@ def load(name_or_path: str | Path) -> Preset:
     path = Path(name_or_path)
     try:
         path = find(name_or_path)
-        if path.stat().st_size > MAX_BYTES:
-            raise ValueError(f"{path.name}: larger than {MAX_BYTES} bytes, which no preset is")
-        text = path.read_bytes().decode("utf-8")
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)  # no more, also of a file that states no size
+        require(len(content) <= MAX_BYTES, f"{path.name}: larger than {MAX_BYTES} bytes, which no preset is")
+        text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise ValueError(f"{path.name}: not UTF-8 text (byte {error.start})") from None
     except OSError as error:

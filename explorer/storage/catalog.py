@@ -7,6 +7,7 @@ from it, and a save is refused if the file has changed since this visitor opened
 
 import contextlib
 import hashlib
+import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from explorer.model.settings import Settings
 from explorer.storage.certifier import CertificateOrReason, Certifier
 from explorer.storage.library import Library, LibraryError, edition, slug
 from rangenav import certificate, preset
-from rangenav.preset import MAX_TITLE, Preset
+from rangenav.preset import Preset
 
 MINE, NEW = "mine:", "new:"
 OWN_MARK, NEW_MARK, DELETED_MARK = "★", "◌", "✗"
@@ -204,12 +205,9 @@ def marked(name: str) -> str:
 
 
 def checked_title(text: str) -> str:
-    """A typed title without surplus blanks. Raises LibraryError if it is empty, too long or not printable."""
-    title = " ".join(text.split())
-    if not 0 < len(title) <= MAX_TITLE or not title.isprintable():
-        raise LibraryError(
-            f"a title has 1 to {MAX_TITLE} printable characters, this one has {len(title)}: type one above"
-        )
+    """A typed title without surplus blanks. Raises ValueError with the sentence that a file's title gets."""
+    title = re.sub(" +", " ", text.strip(" "))
+    preset.refuse_title(title or text)
     return title
 
 

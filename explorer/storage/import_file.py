@@ -4,10 +4,7 @@
 `rangenav.preset` reads a preset, also the one in a zip that the page has packed.
 """
 
-import io
 import tempfile
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePosixPath
@@ -16,15 +13,15 @@ import msgspec
 
 from explorer.storage.library import slug
 from rangenav import formats, preset
-from rangenav.formats import ImportResult
+from rangenav.formats import ImportResult, archives
 from rangenav.formats.path_preset import as_preset
 from rangenav.inputs import Vec3, require
 from rangenav.preset import MAX_TITLE, Preset
 
 HEAD = 4096
 """The number of bytes at the beginning of a file from which its format is guessed."""
-ZIPPED, MAX_ENTRIES = b"PK\x03\x04", 1000
-"""The first bytes of a zip, and the largest number of files in it."""
+ZIPPED = b"PK\x03\x04"
+"""The first bytes of a zip."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +60,9 @@ def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], an
     if result.questions or result.path is None:
         return Interpretation(result, None)
     imported = as_preset(result, anchor=anchor)
-    return Interpretation(result, msgspec.structs.replace(imported, title=path.stem[:MAX_TITLE] or imported.title))
+    return Interpretation(
+        result, msgspec.structs.replace(imported, title=path.stem[:MAX_TITLE].strip() or imported.title)
+    )
 
 
 def is_preset_or_zip(file: ImportFile) -> bool:
@@ -85,14 +84,12 @@ def preset_in(file: ImportFile) -> Preset:
 
 def _unzipped(file: ImportFile) -> tuple[str, bytes]:
     """Name and bytes of the one preset in a zip. No more bytes are unpacked than a preset may have."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(file.content)) as packed:
-            require(len(packed.filelist) <= MAX_ENTRIES, f"{file.name}: more than {MAX_ENTRIES} files in one zip")
-            presets = [entry for entry in packed.filelist if entry.filename.lower().endswith(".toml")]
-            require(len(presets) == 1, f"{file.name}: {len(presets)} presets (.toml) in it, and one is wanted")
-            with packed.open(presets[0]) as inside:
-                content = inside.read(preset.MAX_BYTES + 1)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
-        raise ValueError(f"{file.name}: this zip cannot be read ({error})") from None
-    display_name = "".join(c for c in presets[0].filename if c.isprintable()).rpartition("/")[2]
+    presets = archives.members(file.content, source=file.name, wanted=_is_preset_name, limit=preset.MAX_BYTES)
+    require(len(presets) == 1, f"{file.name}: {len(presets)} presets (.toml) in it, and one is wanted")
+    ((name, content),) = presets.items()
+    display_name = "".join(c for c in name if c.isprintable()).rpartition("/")[2]
     return f"{display_name[:80]} in {file.name}", content
+
+
+def _is_preset_name(name: str) -> bool:
+    return name.lower().endswith(".toml")

@@ -38,7 +38,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
     variables = mat5.arrays(data, source=source)
     parts = {kind: _named(variables, kind, source) for kind in NAMES}
     for kind, values in parts.items():
-        bounded = values is None or not np.any(np.abs(values) > text.LARGEST)  # NaN is a missing number
+        bounded = values is None or _largest(values) <= text.LARGEST
         require(bounded, f"{source}: {kind} must be finite and not exceed {text.LARGEST:g}")
     gyro, accel = _wide(parts["gyro"], 3, "gyro", source), _wide(parts["accel"], 3, "accel", source)
     names = ", ".join(sorted(variables)[:12]) or "none"
@@ -73,6 +73,12 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
         ),
         confirm,
     )
+
+
+def _largest(values: Array) -> float:
+    """The largest size of a number; NaN is a missing number and has none."""
+    ends = (np.fmax.reduce(values, axis=None, initial=0.0), np.fmin.reduce(values, axis=None, initial=0.0))
+    return float(max(ends[0], -ends[1]))
 
 
 def _named(variables: dict[str, Array], kind: str, source: str) -> Array | None:

@@ -36,7 +36,7 @@ def as_preset(result: ImportResult, *, duration: float | None = None, anchor: Ve
 
     def made(turning: AngularVelocity) -> Preset:
         return Preset(
-            title=Path(result.source).stem[:MAX_TITLE] or "imported",
+            title=_printable(Path(result.source).stem)[:MAX_TITLE].strip() or "imported",
             story=f"Imported from {result.format}."
             if result.derivatives == "file"
             else f"Imported from {result.format}; its snap is the fit's, not the flight's.",
@@ -64,7 +64,7 @@ def source(result: ImportResult) -> Source:
     if result.path is None:
         raise ValueError(f"{result.source}: holds no path")
     return Source(
-        file="".join(c if c.isprintable() else "?" for c in result.source)[-MAX_FILE:] or "?",
+        file=_printable(result.source)[-MAX_FILE:] or "?",
         sha256=result.sha256,
         format=cast(SourceFormat, result.format),
         derivatives=result.derivatives,
@@ -72,3 +72,8 @@ def source(result: ImportResult) -> Source:
         unjudged=(result.unjudged or "")[:MAX_WORDS],
         path_sha256=fingerprint(result.path),
     )
+
+
+def _printable(name: str) -> str:
+    """A file's name as it can be shown on one line."""
+    return "".join(c if c.isprintable() else "?" for c in name)

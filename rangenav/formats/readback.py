@@ -5,18 +5,18 @@ Each reader is the shortest way to stamps (s) and positions (m), and knows nothi
 
 import io
 import tempfile
-import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
-from rangenav.formats import euroc, ros, text, tum
+from rangenav.arguments import NUMBERS
+from rangenav.formats import archives, arrays, euroc, mat5, ros, text, tum
 from rangenav.formats.format import Format, PositionReader, Samples
 from rangenav.inputs import require
 
-MAX_UNPACKED = 1_000_000_000
-"""Bytes that an archive may unpack to."""
+MAX_UNPACKED = 100_000_000
+"""Bytes of the stamps and positions in an archive: two million of each take 64 MB."""
 
 
 def positions(content: Mapping[str, bytes], form: Format, source: str) -> Samples:
@@ -24,7 +24,7 @@ def positions(content: Mapping[str, bytes], form: Format, source: str) -> Sample
     if form.positions is None:
         raise ValueError(f"{source}: no record is written as {form.name!r}")
     try:
-        time, position = form.positions(content, source)
+        time, position = (_numbers(values) for values in form.positions(content, source))
     except Exception as error:  # readers of other libraries raise any exception, and do not name the file
         if isinstance(error, ValueError) and str(error).startswith(source):
             raise
@@ -33,6 +33,12 @@ def positions(content: Mapping[str, bytes], form: Format, source: str) -> Sample
     fits = time.ndim == 1 and position.shape == (len(time), 3) and len(time) > 0
     require(fits and bool(np.isfinite(time).all() and np.isfinite(position).all()), rule)
     return time, position
+
+
+def _numbers(values: np.ndarray) -> np.ndarray:
+    """The same, in double precision. Raises ValueError for an array of anything but real numbers."""
+    require(values.dtype.kind in NUMBERS, "no numbers")
+    return values.astype(float, copy=False)
 
 
 def columns(*names: str) -> PositionReader:
@@ -54,18 +60,15 @@ def tum_poses(content: Mapping[str, bytes], source: str) -> Samples:
 
 def npz_arrays(content: Mapping[str, bytes], source: str) -> Samples:
     """The arrays `time` and `position` of an NPZ archive."""
-    with zipfile.ZipFile(io.BytesIO(content[""])) as archive:
-        size = sum(entry.file_size for entry in archive.infolist())
-        require(size <= MAX_UNPACKED, f"{source}: unpacks to {size} bytes")
-    with np.load(io.BytesIO(content[""]), allow_pickle=False) as arrays:
-        return arrays["time"], arrays["position"]
+    names = ("time.npy", "position.npy")
+    packed = archives.members(content[""], source=source, wanted=lambda name: name in names, limit=MAX_UNPACKED)
+    time, position = (np.load(io.BytesIO(packed[name]), allow_pickle=False) for name in names)
+    return time, position
 
 
 def mat_struct(content: Mapping[str, bytes], source: str) -> Samples:
     """The fields `time` and `position` of the struct in a .mat file."""
-    from scipy.io import loadmat
-
-    held = loadmat(io.BytesIO(content[""]), variable_names=["rangenav"])["rangenav"][0, 0]
+    held = mat5.fields(content[""], arrays.NAME, source=source)
     return held["time"][:, 0], held["position"]
 
 

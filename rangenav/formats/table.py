@@ -10,7 +10,7 @@ from rangenav.formats import arrays, euroc, log, mat, polynomial, preset_toml, r
 from rangenav.formats.format import Content, Format
 from rangenav.inputs import require
 
-MAX_MAT = 256_000_000
+MAX_MAT = 128_000_000
 """Bytes of a .mat file that is read."""
 
 FORMATS: tuple[Format, ...] = (

@@ -11,6 +11,7 @@ import csv
 import io
 from array import array
 from collections.abc import Iterator, Sequence
+from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 
@@ -28,11 +29,19 @@ MAX_BYTES = 64_000_000
 MAX_LINE = 8_192
 """Characters; the widest format has 33 columns."""
 MAX_ROWS = 1_000_000
+MAX_LINES = MAX_ROWS + 10_000
+"""Of every kind, also empty ones and comments."""
+MAX_NUMBERS = 8_000_000
+"""In all rows together; a file of MAX_BYTES with twelve digits in each has five million."""
+MAX_ROW_LINES = 20
+"""Lines of one row, which goes on in the next line where an entry in quotes is still open."""
 MAX_COLUMNS = 200
 MAX_COMMENTS = 1_000
 """Comments before the first row; later ones are not kept."""
 LARGEST = 1e20
 """Nanoseconds since 1970 are 2e18; no measured number is larger, and the square of this is finite."""
+PART = 2**20
+"""Bytes that are decoded at a time."""
 SHOWN = 24
 """Most characters of a wrong entry that a message repeats."""
 LISTED = 40
@@ -77,12 +86,16 @@ def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
     return data
 
 
-def decoded(data: bytes, *, source: str) -> str:
-    """The text of a file in UTF-8, or in UTF-16 with its byte order mark."""
-    try:
-        return data.decode(_encoding(data))
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{source}: not UTF-8 text (byte {error.start})") from None
+def _refuse_undecodable(data: bytes, source: str) -> None:
+    """Raise ValueError naming the first byte that is no text; a part is decoded at a time, for it may take four times
+    as much memory as its bytes."""
+    decoder = codecs.getincrementaldecoder(_encoding(data))()
+    for at in range(0, len(data), PART):
+        left_over = len(decoder.getstate()[0])
+        try:
+            decoder.decode(data[at : at + PART], final=at + PART >= len(data))
+        except UnicodeDecodeError as error:
+            raise ValueError(f"{source}: not UTF-8 text (byte {at - left_over + error.start})") from None
 
 
 def _encoding(data: bytes) -> str:
@@ -100,14 +113,18 @@ class _Lines:
         """Line number and text of those before the first line that was given out."""
         self.underscored: set[int] = set()
         """The numbers of the lines with an underscore: float("1_0") is 10 to Python and a misprint to everybody."""
+        self.in_row = 0
+        """How many lines were given out since the last row ended."""
         self.rest = self._read(data)
 
     def _read(self, data: bytes) -> Iterator[str]:
         file, numbers = io.TextIOWrapper(io.BytesIO(data), encoding=_encoding(data)), self.numbers
         try:
-            for number, line in enumerate(file, 1):
+            for number, line in enumerate(iter(partial(file.readline, MAX_LINE + 2), ""), 1):  # no more is decoded
                 if len(line) > MAX_LINE:
                     raise ValueError(f"{self.source}, line {number}: longer than {MAX_LINE} characters")
+                if number > MAX_LINES:
+                    raise ValueError(f"{self.source}: more than {MAX_LINES} lines")
                 begin = line.lstrip()
                 if not begin:
                     continue
@@ -115,11 +132,14 @@ class _Lines:
                     self._remember(number, begin)
                     continue
                 numbers.append(number)
+                self.in_row += 1
+                if self.in_row > MAX_ROW_LINES:
+                    raise ValueError(f"{self.source}, line {number}: quotes that are open for {MAX_ROW_LINES} lines")
                 if "_" in line:
                     self.underscored.add(number)
                 yield line
         except UnicodeError:
-            decoded(data, source=self.source)  # raises, and names the byte
+            _refuse_undecodable(data, self.source)
 
     def _remember(self, number: int, comment: str) -> None:
         if self.numbers:
@@ -139,7 +159,10 @@ def table(
     as well, and remarked.
     """
     lines = _Lines(data, source)
-    first = list(islice(lines.rest, MEASURED))
+    first: list[str] = []
+    for line in islice(lines.rest, MEASURED):
+        lines.in_row = 0
+        first.append(line)
     require(bool(first), f"{source}: no rows of numbers")
     spoken = dialect.measured(first)
     remarks = [*(("a byte order mark in front",) if _begins_with_mark(data) else ()), *spoken.remarks(separator)]
@@ -156,7 +179,7 @@ def table(
     kept = [k for k, name in enumerate(names) if name]
     values, numbers = _parsed(rows, names, kept, spoken, lines)
     require(len(numbers) > 0, f"{source}: no rows of numbers")
-    table_values, named = np.array(values).reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
+    table_values, named = np.frombuffer(values).reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
     _refuse_large(table_values, named, numbers, source)
     return Table(
         source=source,
@@ -177,6 +200,7 @@ def _rows(first: Sequence[str], lines: _Lines, spoken: Dialect) -> Iterator[Row]
     reader, numbers, begin = spoken.rows(chain(first, lines.rest)), lines.numbers, 0
     try:
         for row in reader:
+            lines.in_row = 0
             yield numbers[begin], row
             begin = reader.line_num
     except csv.Error as error:
@@ -238,6 +262,8 @@ def _parsed(
         numbers.append(number)
         if len(numbers) > MAX_ROWS:
             raise ValueError(f"{source}: more than {MAX_ROWS} rows")
+        if len(values) > MAX_NUMBERS:
+            raise ValueError(f"{source}: more than {MAX_NUMBERS} numbers")
     return values, numbers
 
 

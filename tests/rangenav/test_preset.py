@@ -192,8 +192,9 @@ def test_the_unit_of_the_imus_noise_is_written_only_where_it_is_a_density():
 @pytest.mark.parametrize(
     "text", ["[\n    1,\n    2,\n]", "a\"b\\c'd", "\t\u0007\u0000\r\n", "σ → 30°, \U0001f681", "]] = # [path]", " "]
 )
-def test_titles_that_look_like_toml_survive(text):
-    p = msgspec.structs.replace(SHIPPED["paper"], title=text, story=text)
+def test_titles_and_stories_that_look_like_toml_survive(text):
+    title = "".join(c for c in text if c.isprintable()) or "?"  # a title stands on one line
+    p = msgspec.structs.replace(SHIPPED["paper"], title=f"{title}.", story=text)
     assert preset.loads(preset.dumps(p), source="round trip") == p
 
 
@@ -555,3 +556,34 @@ def test_titles_and_stories_are_for_reading(name):
     assert p.title[0].isupper()
     assert p.story.endswith(".")
     assert "\n" not in p.title + p.story
+
+
+@pytest.mark.parametrize(
+    ("title", "match"),
+    [
+        ("", "title must have 1 to 80 printable characters, got none"),
+        ("   ", "title must have 1 to 80 printable characters, got blanks only"),
+        ("x" * 81, "title must have 1 to 80 printable characters, got 81"),
+        ("a\x00b", r"mark of writing direction: got U\+0000 at character 2"),
+        ("two\nlines", r"line end.*: got U\+000A at character 4"),
+        ("\u202edesrever", r"mark of writing direction: got U\+202E at character 1"),
+        ("two\u2028lines", r"got U\+2028 at character 4"),
+    ],
+)
+def test_a_title_that_cannot_be_shown_as_it_is_is_refused_from_a_file_in_the_words_of_the_pages_box(title, match):
+    from explorer.storage.catalog import checked_title
+
+    text = preset.dumps(preset.load("soft"))
+    damaged = msgspec.toml.encode(msgspec.toml.decode(text) | {"title": title}).decode()
+    with pytest.raises(ValueError, match=match) as from_file:
+        preset.loads(damaged, source="x.toml")
+    with pytest.raises(ValueError, match=match) as from_box:
+        checked_title(title)
+    if title.strip():
+        assert str(from_file.value).startswith(f"x.toml: {from_box.value}")
+
+
+def test_a_title_may_have_any_script_and_any_blank():
+    for title in ("Süd « Tour » 1", "北 — 南", "é̂ ∫p⁗"):
+        shown = msgspec.structs.replace(preset.load("soft"), title=title)
+        assert preset.loads(preset.dumps(shown), source="x.toml") == shown

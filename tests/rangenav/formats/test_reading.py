@@ -321,7 +321,7 @@ def test_arrays_are_read_as_scipy_wrote_them(seed, kind, compressed, rows):
 
 
 def test_a_mat_file_that_unpacks_into_gigabytes_is_stopped(monkeypatch):
-    bomb = zlib.compress(b"\x00" * 10_000_000)
+    bomb = zlib.compress(struct.pack("<II", 14, 10_000_000) + b"\x00" * 10_000_000)
     data = b" " * 124 + b"\x00\x01IM" + struct.pack("<II", 15, len(bomb)) + bomb
     monkeypatch.setattr(mat5, "MAX_UNPACKED", 1_000_000)
     with pytest.raises(ValueError, match="more than 1 MB of numbers"):
