@@ -2,6 +2,7 @@
 
 import viser
 
+from explorer.scene.lights import light
 from explorer.session import Session
 from explorer.shared import Shared
 
@@ -12,6 +13,7 @@ class SessionServer:
     def __init__(self, server: viser.ViserServer, shared: Shared) -> None:
         self._server, self.shared = server, shared
         self._by_client: dict[int, Session] = {}
+        light(server.scene)
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)
 
