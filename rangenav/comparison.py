@@ -60,8 +60,8 @@ def compare(of: Record) -> tuple[Candidate, ...]:
 def refined(of: Record) -> Candidate:
     """The whole record refined, starting from the cascade's last estimate."""
     began = time.perf_counter()
-    found = refine.refine(of.measurements, of.estimate, config_of(of))
-    return candidate(REFINEMENT, found.track, of, time.perf_counter() - began, outcome=found.summary)
+    refinement = refine.refine(of.measurements, of.estimate, config_of(of))
+    return candidate(REFINEMENT, refinement.track, of, time.perf_counter() - began, outcome=refinement.summary)
 
 
 def filtered(of: Record) -> Candidate:

@@ -24,15 +24,15 @@ class FlightJumps:
 def flight_jumps(path: Signal, duration: float) -> FlightJumps:
     """The largest jump of each derivative within (0, duration) seconds; 0 where a jump is rounding."""
     largest, count = np.zeros(len(piecewise.JUMP_ORDERS)), 0
-    for found in knots.pieces(path):
-        once, steps = found.knots, piecewise.jumps(found)
-        if found.repeats:
-            once = np.mod(once, found.duration)
+    for pieces in knots.pieces(path):
+        once, steps = pieces.knots, piecewise.jumps(pieces)
+        if pieces.repeats:
+            once = np.mod(once, pieces.duration)
         end = duration * (1 - SAME_TIME)
-        inside = (once < end) & ((once > SAME_TIME * end) | (found.repeats & (found.duration < end)))
+        inside = (once < end) & ((once > SAME_TIME * end) | (pieces.repeats & (pieces.duration < end)))
         if inside.any():
             sizes = np.linalg.norm(steps[inside], axis=-1).max(axis=0)
-            rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(found, order) for order in piecewise.JUMP_ORDERS]
+            rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(pieces, order) for order in piecewise.JUMP_ORDERS]
             largest = np.maximum(largest, np.where(sizes > rounding, sizes, 0.0))
             count += int(inside.sum())
     position, velocity, acceleration, jerk, snap = (float(f"{size:.3g}") for size in largest)

@@ -16,7 +16,7 @@ from rangenav.twin import Refusal, Twin
 Json = dict[str, Any]
 
 
-def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
+def explanation(preset: Preset, outcome: Twin | Refusal, *, name: str) -> Json:
     """The JSON object of a preset: verdict, horizon, functions, excitation, frozen ranks, printed condition, twin."""
     analysed = analyse(preset)
     truth = record.simulated(record.truth_inputs(preset)).motion
@@ -31,27 +31,32 @@ def explanation(preset: Preset, found: Twin | Refusal, *, name: str) -> Json:
         "excitation": {"at": shaken.start, "weakest": shaken.weakest.tolist(), "words": shaken.summary},
         "frozen": {"at": stopped.time, "body": stopped.body, "turned": stopped.turned, "words": stopped.summary},
         "printed": _printed(preset, truth, analysed),
-        "twin": _twin(found) if isinstance(found, Twin) else _refusal(found),
+        "twin": _twin(outcome) if isinstance(outcome, Twin) else _refusal(outcome),
     }
 
 
 def _horizon(preset: Preset) -> Json:
-    found = how_long(preset)
+    horizon = how_long(preset)
     return {
-        "full_rank": {"from_start": found.full_rank[0], "worst": found.full_rank[1]},
-        "accurate": {"from_start": found.accurate[0], "worst": found.accurate[1]},
-        "words": found.summary,
+        "full_rank": {"from_start": horizon.full_rank[0], "worst": horizon.full_rank[1]},
+        "accurate": {"from_start": horizon.accurate[0], "worst": horizon.accurate[1]},
+        "words": horizon.summary,
     }
 
 
 def _functions(preset: Preset, analysed: Analysis) -> Json:
     at, window = analysed.gramian_at, preset.requirement.window
-    found = functions.functions(preset.path, preset.world.gravity, at, window)
-    return {"at": at, "rank": found.rank, "relations": list(found.relations), "unseen": list(found.unseen)}
+    dependence = functions.functions(preset.path, preset.world.gravity, at, window)
+    return {
+        "at": at,
+        "rank": dependence.rank,
+        "relations": list(dependence.relations),
+        "unseen": list(dependence.unseen),
+    }
 
 
 def _printed(preset: Preset, truth: Motion, analysed: Analysis) -> Json:
-    found = printed.compare(
+    both_conditions = printed.compare(
         truth,
         analysed.windows.start,
         preset.requirement.window,
@@ -61,31 +66,31 @@ def _printed(preset: Preset, truth: Motion, analysed: Analysis) -> Json:
         rank=analysed.rank,
     )
     return {
-        "mu": found.mu,
-        "mu_printed": found.mu_printed,
-        "mu_formula": float(np.min(found.least_formula)),
-        "mu_axes": float(np.min(found.least_axes)),
-        "phi": found.phi,
-        "phi_printed": found.phi_printed,
-        "false_certificate": found.false_certificate,
-        "words": found.summary,
+        "mu": both_conditions.mu,
+        "mu_printed": both_conditions.mu_printed,
+        "mu_formula": float(np.min(both_conditions.least_formula)),
+        "mu_axes": float(np.min(both_conditions.least_axes)),
+        "phi": both_conditions.phi,
+        "phi_printed": both_conditions.phi_printed,
+        "false_certificate": both_conditions.false_certificate,
+        "words": both_conditions.summary,
     }
 
 
-def _twin(found: Twin) -> Json:
+def _twin(twin: Twin) -> Json:
     return {
-        "kind": found.kind,
-        "words": found.summary,
-        "mismatch": found.mismatch,
-        "nearest": found.nearest,
-        "farthest": found.farthest,
-        "turn": list(found.turn),
-        "shift": found.shift.tolist(),
-        "drift": found.drift.tolist(),
+        "kind": twin.kind,
+        "words": twin.summary,
+        "mismatch": twin.mismatch,
+        "nearest": twin.nearest,
+        "farthest": twin.farthest,
+        "turn": list(twin.turn),
+        "shift": twin.shift.tolist(),
+        "drift": twin.drift.tolist(),
     }
 
 
-def _refusal(found: Refusal) -> Json:
-    numbers = {"sensitivity": found.sensitivity, "mismatch": found.mismatch}
+def _refusal(refusal: Refusal) -> Json:
+    numbers = {"sensitivity": refusal.sensitivity, "mismatch": refusal.mismatch}
     finite = {key: value if math.isfinite(value) else None for key, value in numbers.items()}
-    return {"kind": None, "words": found.reason, "refused": found.kind, **finite}
+    return {"kind": None, "words": refusal.reason, "refused": refusal.kind, **finite}

@@ -68,17 +68,17 @@ class ObserverSummary:
         return None not in self.final_position and self.innovation_rms is not None
 
 
-def summarise_windows(found: Informative) -> WindowSummary:
+def summarise_windows(windows: Informative) -> WindowSummary:
     """Counts of verdicts, and the worst window."""
-    worst = found.worst
-    known = found.sigma[np.isfinite(found.sigma)]
+    worst = windows.worst
+    known = windows.sigma[np.isfinite(windows.sigma)]
     return WindowSummary(
-        window=found.window,
-        counts={verdict: sum(one == verdict for one in found.each) for verdict in VERDICTS},
-        worst_start=float(found.start[worst]),
-        worst_rank=int(found.rank[worst]),
-        worst_eigenvalues=tuple(found.eigenvalues[worst].tolist()),
-        worst_position=_finite(float(found.sigma[worst])),
+        window=windows.window,
+        counts={verdict: sum(one == verdict for one in windows.each) for verdict in VERDICTS},
+        worst_start=float(windows.start[worst]),
+        worst_rank=int(windows.rank[worst]),
+        worst_eigenvalues=tuple(windows.eigenvalues[worst].tolist()),
+        worst_position=_finite(float(windows.sigma[worst])),
         median_position=float(np.median(known)) if len(known) else None,
     )
 

@@ -118,22 +118,21 @@ def run_seed(preset: Preset, seed: int, *, form: model.ModelForm = "derived") ->
     )
 
 
-def truth_inputs(preset: Preset) -> TruthInputs:
-    """The part of a preset that determines its truth."""
+def truth_inputs(preset: Preset, *, rate: float | None = None) -> TruthInputs:
+    """The part of a preset that determines its truth, on the IMU's clock or at another rate (Hz)."""
     return TruthInputs(
         path=preset.path,
         angular_velocity=preset.angular_velocity,
         world=preset.world,
         initial_rotation=preset.initial_rotation,
         duration=preset.duration,
-        rate=preset.sensors.imu_rate,
+        rate=preset.sensors.imu_rate if rate is None else rate,
     )
 
 
-@lru_cache(maxsize=CACHED)
-def simulated(inputs: TruthInputs) -> Truth:
-    """The truth on the IMU's clock."""
-    moved = motion.simulate(
+def motion_of(inputs: TruthInputs) -> Motion:
+    """The motion that the inputs determine, at their rate."""
+    return motion.simulate(
         inputs.path,
         inputs.angular_velocity,
         world=inputs.world,
@@ -141,6 +140,12 @@ def simulated(inputs: TruthInputs) -> Truth:
         duration=inputs.duration,
         rate=inputs.rate,
     )
+
+
+@lru_cache(maxsize=CACHED)
+def simulated(inputs: TruthInputs) -> Truth:
+    """The truth on the clock of the inputs."""
+    moved = motion_of(inputs)
     return Truth(motion=moved, state=model.true_state(moved, world=inputs.world))
 
 
@@ -172,8 +177,8 @@ def observed(
         measurements, start, ObserverConfig(world=world, sensors=sensors, gains=gains, form=form)
     )
     seconds = time.perf_counter() - began
-    found = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    return Outcome(estimate=estimate, errors=found, summary=summarise(estimate, found, seconds))
+    run_errors = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
+    return Outcome(estimate=estimate, errors=run_errors, summary=summarise(estimate, run_errors, seconds))
 
 
 def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:

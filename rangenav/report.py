@@ -19,49 +19,49 @@ from rangenav.sensors import active_effects, effect_sentences, noise_assumption
 Json = dict[str, Any]
 
 
-def analysis_report(preset: Preset, found: Analysis, *, name: str) -> Json:
+def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
     """What `rangenav analyze --json` prints."""
-    window = found.windows.window
+    window = analysis.windows.window
     truth = record.simulated(record.truth_inputs(preset))
     return {
         "preset": name,
         "duration": preset.duration,
         "limits": asdict(motion.limits(truth.motion, world=preset.world)),
-        "excitation": _excitation(found, truth.motion, window),
+        "excitation": _excitation(analysis, truth.motion, window),
         "gramian": {
             "window": window,
-            "at": found.gramian_at,
-            "eigenvalues": found.gramian.tolist(),
-            "rank": found.rank,
-            "tolerance": found.tolerance,
-            "floor": found.floor,
+            "at": analysis.gramian_at,
+            "eigenvalues": analysis.gramian.tolist(),
+            "rank": analysis.rank,
+            "tolerance": analysis.tolerance,
+            "floor": analysis.floor,
         },
         "nonlinear": {
             "window": window,
-            "at": found.nonlinear_at,
-            "eigenvalues": found.nonlinear.tolist(),
-            "rank": found.nonlinear_rank,
+            "at": analysis.nonlinear_at,
+            "eigenvalues": analysis.nonlinear.tolist(),
+            "rank": analysis.nonlinear_rank,
         },
-        "blind_directions": [{"vector": d.vector.tolist(), "words": d.summary} for d in found.directions],
+        "blind_directions": [{"vector": d.vector.tolist(), "words": d.summary} for d in analysis.directions],
         "accuracy": {
             "window": window,
-            "at": found.accuracy_at,
+            "at": analysis.accuracy_at,
             "range_sigma": preset.sensors.sigma.range,
             "range_rate": preset.sensors.range_rate,
-            "lifted": {"start": _accuracy(found.lifted_start), "end": _accuracy(found.lifted_end)},
-            "nonlinear": {"start": _accuracy(found.nonlinear_start), "end": _accuracy(found.nonlinear_end)},
+            "lifted": {"start": _accuracy(analysis.lifted_start), "end": _accuracy(analysis.lifted_end)},
+            "nonlinear": {"start": _accuracy(analysis.nonlinear_start), "end": _accuracy(analysis.nonlinear_end)},
             **_ignored(preset),
         },
-        **verdict(preset, found),
+        **verdict(preset, analysis),
     }
 
 
-def verdict(preset: Preset, found: Analysis) -> Json:
+def verdict(preset: Preset, analysis: Analysis) -> Json:
     """The verdict; null, and why, of a path that was fitted to a record or that jumps."""
     source = {} if preset.source is None else {"source": msgspec.to_builtins(preset.source)}
-    if found.verdict.judged:
-        return {"verdict": found.verdict.word, **source}
-    return {"verdict": None, "verdict_reason": f"null: {found.verdict}", **source}
+    if analysis.verdict.judged:
+        return {"verdict": analysis.verdict.word, **source}
+    return {"verdict": None, "verdict_reason": f"null: {analysis.verdict}", **source}
 
 
 def simulation_report(first: Record, others: list[Summary], *, name: str) -> Json:
@@ -103,24 +103,24 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
     return report
 
 
-def _excitation(found: Analysis, truth: motion.Motion, window: float) -> Json:
+def _excitation(analysis: Analysis, truth: motion.Motion, window: float) -> Json:
     signal = excitation.chosen_signal(truth, printed_formula=True, body_axes=True)
-    printed = excitation.sampled_eigenvalues(signal, truth.time, found.windows.start, window)
+    printed = excitation.sampled_eigenvalues(signal, truth.time, analysis.windows.start, window)
     least = int(np.argmin(printed[:, 0]))
     report: Json = {
         "window": window,
-        "mu": found.mu,
-        "at": found.mu_at,
-        "eigenvalues": found.excitation.tolist(),
-        "floor": found.mu_floor,
-        "bound_for_all_t": found.bound_for_all_t,
+        "mu": analysis.mu,
+        "at": analysis.mu_at,
+        "eigenvalues": analysis.excitation.tolist(),
+        "floor": analysis.mu_floor,
+        "bound_for_all_t": analysis.bound_for_all_t,
         "printed": {
             "mu": float(printed[least, 0]),
-            "at": float(found.windows.start[least]),
+            "at": float(analysis.windows.start[least]),
             "eigenvalues": printed[least].tolist(),
         },
     }
-    if found.bound_for_all_t is None:
+    if analysis.bound_for_all_t is None:
         report["bound_reason"] = "no common period, so no grid covers all t, or no known bound of snap and its rate"
     return report
 

@@ -35,14 +35,14 @@ def result(kind: type[T]) -> type[T]:
     return decorated
 
 
-def summary(found: Any) -> str:
+def summary(results: Any) -> str:
     """The fields of a result in a few lines: shapes and spans instead of numbers."""
-    units = _units(type(found))
+    units = _units(type(results))
     parts = [
-        f"{field.name} {_shown(getattr(found, field.name))}{units.get(field.name, '')}"
-        for field in dataclasses.fields(found)
+        f"{field.name} {_shown(getattr(results, field.name))}{units.get(field.name, '')}"
+        for field in dataclasses.fields(results)
     ]
-    lines = [f"{type(found).__name__}("]
+    lines = [f"{type(results).__name__}("]
     for k, part in enumerate(parts):
         text = part + (")" if k == len(parts) - 1 else ", ")
         if len(lines[-1]) + len(text) > WIDTH:
@@ -98,7 +98,7 @@ def _units(kind: type) -> dict[str, str]:
         if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
             continue
         if isinstance(docstring, ast.Expr) and isinstance(docstring.value, ast.Constant):
-            found = UNIT.match(str(docstring.value.value))
-            if found:
-                units[field.target.id] = f" {found[0]}"
+            unit = UNIT.match(str(docstring.value.value))
+            if unit:
+                units[field.target.id] = f" {unit[0]}"
     return units

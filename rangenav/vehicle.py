@@ -188,7 +188,7 @@ def demands(motion: Motion, *, world: World) -> Demands:
 def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ...]:
     """The limits of a vehicle that a motion breaks, the most broken one first."""
     demanded = demands(motion, world=world)
-    found = []
+    breaks = []
     for limit in WORDS:
         allowed = bound(vehicle, limit)
         if allowed is None:
@@ -198,14 +198,14 @@ def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ..
         where = quantity < allowed if least else quantity > allowed
         if where.any():
             worst = int(np.argmin(quantity) if least else np.argmax(quantity))
-            found.append(_break(limit, allowed, float(quantity[worst]), float(motion.time[worst]), where))
-    return tuple(sorted(found, key=lambda one: -float(np.mean(one.where))))
+            breaks.append(_break(limit, allowed, float(quantity[worst]), float(motion.time[worst]), where))
+    return tuple(sorted(breaks, key=lambda one: -float(np.mean(one.where))))
 
 
 def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
     """A motion's use of every limit; quantities without a limit are included, except the height."""
     demanded = demands(motion, world=world)
-    found = []
+    every_use = []
     for limit, (name, unit) in WORDS.items():
         allowed = bound(vehicle, limit)
         if allowed is not None or not limit.startswith("height"):
@@ -213,7 +213,7 @@ def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
             least = limit.endswith("_min")
             worst = int(np.argmin(quantity) if least else np.argmax(quantity))
             factor = math.degrees(1) if limit == "tilt" else 1.0
-            found.append(
+            every_use.append(
                 Use(
                     name=f"{'least ' if least else ''}{name}",
                     unit=unit,
@@ -223,7 +223,7 @@ def uses(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Use, ...]:
                     least=least,
                 )
             )
-    return tuple(found)
+    return tuple(every_use)
 
 
 def bound(vehicle: Vehicle, limit: str) -> float | None:

@@ -26,6 +26,7 @@ from rangenav.formats.path_preset import as_preset
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Formula, expressions, series
 from tests.support.signal_examples import EXAMPLES
+from tests.support.toml_fragments import TOML_FRAGMENTS
 
 DEADLINE = 1.0
 """s; a case that takes longer hangs, as far as somebody typing is concerned."""
@@ -89,22 +90,7 @@ NUMBERS = [
     "64",
     "65",
 ]
-DAMAGES = [
-    "nan",
-    "-inf",
-    "1e999",
-    "9" * 30,
-    "[",
-    "]",
-    "{",
-    '"',
-    "=",
-    "\n",
-    "true",
-    "[path]",
-    "[[path.points]]",
-    "1979-05-27",
-]
+DAMAGES = [*TOML_FRAGMENTS, "[[path.points]]"]
 DAMAGES += [
     'kind = "sum"',
     'kind = "flown"',

@@ -94,16 +94,16 @@ def python_lines(settings: Settings, file: str) -> str:
         "from rangenav import analysis, observability, preset, record",
         f"p = preset.load({json.dumps(file, ensure_ascii=False)})",
         "flight = record.run(p" + (', form="printed")' if printed.model else ")"),
-        "found = analysis.analyse(p)",
+        "result = analysis.analyse(p)",
     ]
     if printed.excitation or printed.body_axes:
         switches = f"printed_formula={printed.excitation}, body_axes={printed.body_axes}"
-        moved, windows = "flight.truth.motion", "found.windows.start, found.windows.window"
+        moved, windows = "flight.truth.motion", "result.windows.start, result.windows.window"
         lines += [
             f"signal = observability.excitation.chosen_signal({moved}, {switches})",
             f"printed = observability.excitation.sampled_eigenvalues(signal, {moved}.time, {windows})",
         ]
     else:
         lines[0] = "from rangenav import analysis, preset, record"
-        lines.append("found.verdict, found.mu, flight.summary")
+        lines.append("result.verdict, result.mu, flight.summary")
     return "\n".join(lines) + "\n"

@@ -13,9 +13,9 @@ MAX_BYTES = 200_000
 
 def to_builtins(certificate: Certificate) -> dict[str, Any]:
     """Nested dicts and lists. Raises ValueError if a number is not finite: that is an error of ours."""
-    found = msgspec.to_builtins(certificate)
-    _refuse_nonfinite(found, "$")
-    return msgspec.json.decode(msgspec.json.encode(found))  # lists for tuples
+    entries = msgspec.to_builtins(certificate)
+    _refuse_nonfinite(entries, "$")
+    return msgspec.json.decode(msgspec.json.encode(entries))  # lists for tuples
 
 
 def dumps(certificate: Certificate) -> bytes:
@@ -28,13 +28,13 @@ def loads(content: bytes, *, source: str) -> Certificate:
     if len(content) > MAX_BYTES:
         raise ValueError(f"{source}: larger than {MAX_BYTES} bytes, which no certificate is")
     try:
-        found = msgspec.json.decode(content, type=Certificate)
-        _refuse_nonfinite(msgspec.to_builtins(found), "$")
+        certificate = msgspec.json.decode(content, type=Certificate)
+        _refuse_nonfinite(msgspec.to_builtins(certificate), "$")
     except (msgspec.DecodeError, ValueError) as error:
         raise ValueError(f"{source}: no certificate: {' '.join(str(error).split())}") from None
     except RecursionError:
         raise ValueError(f"{source}: no certificate: nested too deeply") from None
-    return found
+    return certificate
 
 
 def _refuse_nonfinite(value: Any, path: str) -> None:

@@ -50,8 +50,8 @@ TIME = re.compile(r"\bt\b")
 
 def readers() -> Mapping[str, Reader]:
     """How the bytes of every format that can be certified are read again."""
-    found = {row.name: _reader(row) for row in formats.rows()}
-    return {**READERS, **{name: reader for name, reader in found.items() if reader is not None}}
+    certified_formats = {row.name: _reader(row) for row in formats.rows()}
+    return {**READERS, **{name: reader for name, reader in certified_formats.items() if reader is not None}}
 
 
 def _reader(row: Format) -> Reader | None:
@@ -92,14 +92,14 @@ def gate(preset: Preset, form: str = "preset") -> str | None:
     What is to be flown must meet every requirement; of a preset and of a run it is enough that the preset is what it
     says it is, so that a hover can be studied.
     """
-    found = certify(presets.dumps(preset).encode(), source="preset")
-    return None if found.certified and formats.row(form).gate == "claim" else requirements.gate(found)
+    issued = certify(presets.dumps(preset).encode(), source="preset")
+    return None if issued.certified and formats.row(form).gate == "claim" else requirements.gate(issued)
 
 
-def write_certificate(found: Certificate, path: Path) -> Path:
+def write_certificate(certificate: Certificate, path: Path) -> Path:
     """Write a certificate where `verify` looks for that of a file or folder."""
     place = path_for(path)
-    place.write_bytes(dumps(found))
+    place.write_bytes(dumps(certificate))
     return place
 
 
@@ -144,10 +144,10 @@ def _steady(row: Format) -> Reader:
         why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
         require(why is None, f"{source}: {why}")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
-        found = formats.parse(content, row.name, source=source, confirm={})
-        require(found.unjudged is None, f"{source}: {found.unjudged}")
-        path = cast(Polynomials, found.path)
-        ramp = max(0.0, (found.duration - context.duration) / 2)
+        imported = formats.parse(content, row.name, source=source, confirm={})
+        require(imported.unjudged is None, f"{source}: {imported.unjudged}")
+        path = cast(Polynomials, imported.path)
+        ramp = max(0.0, (imported.duration - context.duration) / 2)
         try:
             steady = msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
         except ValueError as error:

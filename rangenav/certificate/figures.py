@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rangenav import motion, vehicle
+from rangenav import record, vehicle
 from rangenav.certificate import derivative_bounds
 from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
 from rangenav.certificate.sums import least
@@ -83,14 +83,7 @@ def _least(path: Signal, window: float, last: float) -> float:
 def demanded(preset: Preset) -> Demands:
     """The motion's demands on a vehicle, on a coarse grid of the flight."""
     rate = min(preset.sensors.imu_rate, RATE, MAX_SAMPLES / preset.duration)
-    moved = motion.simulate(
-        preset.path,
-        preset.angular_velocity,
-        world=preset.world,
-        initial_rotation=preset.initial_rotation,
-        duration=preset.duration,
-        rate=rate,
-    )
+    moved = record.motion_of(record.truth_inputs(preset, rate=rate))
     return vehicle.demands(moved, world=preset.world)
 
 

@@ -173,8 +173,8 @@ def accuracy_section(preset: Preset) -> schema.Accuracy:
     )
 
 
-def _sigma(found: accuracy.Accuracy) -> schema.Sigma:
-    position, velocity, gravity = known(found.position), known(found.velocity), known(found.gravity)
+def _sigma(predicted: accuracy.Accuracy) -> schema.Sigma:
+    position, velocity, gravity = known(predicted.position), known(predicted.velocity), known(predicted.gravity)
     blind = None in (position, velocity, gravity)
     return schema.Sigma(
         position=position,

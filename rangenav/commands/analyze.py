@@ -23,7 +23,7 @@ def analyze(preset: PresetName, *, window: float | None = None, json: bool = Fal
     if window is not None:
         chosen = presets.with_window(chosen, window, source=f"{preset}, --window")
     with working(f"analysing {preset}"):
-        found = analysis.analyse(chosen)
+        analysed = analysis.analyse(chosen)
     if json:
-        return print_json(report.analysis_report(chosen, found, name=preset))
-    return layout.show(text.report(chosen, found, name=preset))
+        return print_json(report.analysis_report(chosen, analysed, name=preset))
+    return layout.show(text.report(chosen, analysed, name=preset))

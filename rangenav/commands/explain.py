@@ -42,14 +42,14 @@ def explain(
         chosen = presets.with_window(chosen, window, source=f"{preset}, --window")
     require_place("--save", save, ".toml")
     with working(f"looking for a twin of {preset}"):
-        found = twin.twin(chosen, tolerance=tolerance, apart=apart)
+        outcome = twin.twin(chosen, tolerance=tolerance, apart=apart)
     if save is not None:
-        if isinstance(found, twin.Refusal):
-            raise ValueError(f"--save: {preset} has no twin to write: {found.reason}")
+        if isinstance(outcome, twin.Refusal):
+            raise ValueError(f"--save: {preset} has no twin to write: {outcome.reason}")
         title = f"Twin of {chosen.title}"[: presets.MAX_TITLE]
-        presets.save(msgspec.structs.replace(chosen, path=found.path, title=title), save)
+        presets.save(msgspec.structs.replace(chosen, path=outcome.path, title=title), save)
     with working(f"explaining {preset}"):
-        answer = explanation.explanation(chosen, found, name=preset)
+        answer = explanation.explanation(chosen, outcome, name=preset)
     if json:
         return print_json(answer)
     return layout.show(text.report(chosen, analysis.analyse(chosen), answer, name=preset))

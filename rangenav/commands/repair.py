@@ -38,11 +38,11 @@ def repair(
     chosen = presets.load(preset)
     try:
         with working(f"looking for a change of {preset}"):
-            found = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)
+            repaired = repairing.improve(chosen, by=by) if improve else repairing.repair(chosen, by=by)
     except repairing.CannotRepairError as error:
         print(f"{preset}: {error}", file=sys.stderr)
         raise SystemExit(1) from None
     if output is not None:
-        presets.save(found.after, output)
-    answer = repairing.report(found, name=preset)
+        presets.save(repaired.after, output)
+    answer = repairing.report(repaired, name=preset)
     return print_json(answer) if json else layout.show(text.report(chosen, answer, name=preset, written=output))

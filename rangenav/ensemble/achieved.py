@@ -29,9 +29,9 @@ class Achieved:
     """The observer's own 1-σ, median over the runs."""
 
 
-def achieved(runs: Ensemble, found: Analysis) -> Achieved:
+def achieved(runs: Ensemble, analysis: Analysis) -> Achieved:
     """The predicted, the achieved and the estimated accuracy; both arguments must come from the same preset."""
-    windows = found.windows
+    windows = analysis.windows
     time = windows.start + windows.window
     rms = np.sqrt(np.mean(runs.position**2, axis=0))
     return Achieved(

@@ -86,5 +86,5 @@ def sphere(count: int) -> Float[Array, "a 3"]:
 
 
 def _settled(time: Array, error: Array) -> float:
-    found = record.settled(time, error, record.SETTLED_ATTITUDE)
-    return np.inf if found is None else found
+    settled_at = record.settled(time, error, record.SETTLED_ATTITUDE)
+    return np.inf if settled_at is None else settled_at

@@ -161,8 +161,8 @@ def attitude_errors(
     guessed = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
     some = batch(_samples(truth))
     parts = [rotations[k : k + some] for k in range(0, len(rotations), some)]
-    found = (cascade.attitudes(measurements, guessed, setting, rotations=part) for part in parts)
-    return np.concatenate([angles(attitudes, truth.motion.rotation) for attitudes in found])
+    estimates = (cascade.attitudes(measurements, guessed, setting, rotations=part) for part in parts)
+    return np.concatenate([angles(attitudes, truth.motion.rotation) for attitudes in estimates])
 
 
 def spread(figures: Float[Array, "s"]) -> Spread:

@@ -43,19 +43,19 @@ def directions(
     for name, block in BLOCKS.items():
         left, size, _ = np.linalg.svd(null_basis[block])
         spans[name] = left[:, : int(np.sum(size > SHARE))]
-    found: list[tuple[Array, list[str]]] = []
+    named: list[tuple[Array, list[str]]] = []
     for kind, span in spans.items():
         for vector in _readable_basis(span):
-            _add(found, vector, kind)
-    return tuple(Direction(vector=v, kinds=tuple(kinds), summary=_summary(v, kinds)) for v, kinds in found)
+            _add(named, vector, kind)
+    return tuple(Direction(vector=v, kinds=tuple(kinds), summary=_summary(v, kinds)) for v, kinds in named)
 
 
-def _add(found: list[tuple[Array, list[str]]], vector: Array, kind: str) -> None:
-    for known, kinds in found:
+def _add(named: list[tuple[Array, list[str]]], vector: Array, kind: str) -> None:
+    for known, kinds in named:
         if abs(known @ vector) > SAME:
             kinds.append(kind)
             return
-    found.append((vector, [kind]))
+    named.append((vector, [kind]))
 
 
 def _readable_basis(span: Array) -> list[Array]:

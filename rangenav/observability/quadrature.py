@@ -99,13 +99,13 @@ def _edges(path: Signal, first: float, last: float) -> Array:
     require(
         most <= MAX_KNOTS, f"a signal may have {MAX_KNOTS} knots in {last - first:g} s, this one has up to {most:.0f}"
     )
-    found = knots.knots(path, first, last)
+    edges = knots.knots(path, first, last)
     bandwidth = knots.smooth_bandwidth(path, last)
     if bandwidth > 0:
         longest = PANEL_TURN / bandwidth
         even = np.arange(math.floor(first / longest) + 1, math.ceil(last / longest)) * longest
-        found = np.union1d(found, even[(even > first) & (even < last)])
-    return np.concatenate([[first], found, [last]])
+        edges = np.union1d(edges, even[(even > first) & (even < last)])
+    return np.concatenate([[first], edges, [last]])
 
 
 def _panel_nodes(path: Signal, edges: Array, window: float, panels: int, raised: int) -> int:

@@ -81,9 +81,9 @@ def repair(
     _refuse_unjudged(preset, by, before)
     nearest_trials: list[Trial] = []
     for limited in _limited(preset, by, budget):
-        found = _smallest(limited, by, before.excitation.at, budget, nearest_trials)
-        if found is not None:
-            change, theta = found
+        solution = _smallest(limited, by, before.excitation.at, budget, nearest_trials)
+        if solution is not None:
+            change, theta = solution
             after = changed_preset(change, theta, preset, REPAIRED)
             return outcome(preset, after, by, change.description(theta), change.effort(theta), budget)
     raise CannotRepairError(failure_reason(preset, by, budget, nearest_trials))
@@ -103,10 +103,10 @@ def improve(
     Raises CannotRepairError if the motion is blind, which is for `repair`, or if σ does not fall by a tenth.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
-    found, refused = figures(preset), path_changes.refusal(by, preset)
+    current, refused = figures(preset), path_changes.refusal(by, preset)
     if refused is not None:
         raise CannotRepairError(f"{by}: {refused}")
-    if not np.isfinite(found.sigma):
+    if not np.isfinite(current.sigma):
         raise CannotRepairError(
             f"{by}: the motion is blind, so there is no predicted error to improve: repair it first"
         )
@@ -119,10 +119,10 @@ def improve(
         if theta is None:
             continue
         after = changed_preset(change, change.rounded(theta), preset, IMPROVED)
-        if figures(after).sigma <= IMPROVEMENT * found.sigma and _kept(after, limited):
+        if figures(after).sigma <= IMPROVEMENT * current.sigma and _kept(after, limited):
             return outcome(preset, after, by, change.description(change.rounded(theta)), change.effort(theta), budget)
     raise CannotRepairError(
-        f"{by}: no change of effort {limit:g} or less, within the limits, lowers the {found.sigma:.3g} m by a tenth"
+        f"{by}: no change of effort {limit:g} or less, within the limits, lowers the {current.sigma:.3g} m by a tenth"
     )
 
 

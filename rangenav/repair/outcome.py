@@ -74,9 +74,9 @@ def certificate_of(preset: Preset) -> Certificate:
     return certificate.certify(presets.dumps(preset).encode(), source="preset")
 
 
-def report(found: Repair, *, name: str) -> dict[str, Any]:
+def report(repair: Repair, *, name: str) -> dict[str, Any]:
     """What `rangenav repair --json` prints."""
-    stated = found.certificate
+    stated = repair.certificate
 
     def figures_entry(figure: Figures) -> dict[str, Any]:
         blind = not np.isfinite(figure.sigma)
@@ -86,14 +86,14 @@ def report(found: Repair, *, name: str) -> dict[str, Any]:
 
     return {
         "preset": name,
-        "by": found.by,
-        "words": found.description,
-        "effort": found.effort,
-        "evaluations": found.evaluations,
-        "before": figures_entry(found.figures_before),
-        "after": figures_entry(found.figures_after)
+        "by": repair.by,
+        "words": repair.description,
+        "effort": repair.effort,
+        "evaluations": repair.evaluations,
+        "before": figures_entry(repair.figures_before),
+        "after": figures_entry(repair.figures_after)
         | {
-            "title": found.after.title,
+            "title": repair.after.title,
             "rank": stated.rank.rank,
             "mu_bound": stated.excitation.lower,
             "flyable": stated.vehicle.flyable,

@@ -22,6 +22,7 @@ from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 from rangenav.sensors import MAX_SIGMA, MIN_SIGMA, MODELLED, Effects, Noise, Sensors, effects
 from rangenav.signals import Flown, Multisine, Tone
 from tests.support.present import present
+from tests.support.toml_fragments import TOML_FRAGMENTS
 
 pytestmark = pytest.mark.slow
 
@@ -402,31 +403,15 @@ def test_no_text_whatever_raises_anything_but_a_sentence(text):
     assert sentence is None or (sentence.startswith("eight.toml: ") and "\n" not in sentence)
 
 
-FRAGMENTS = [
-    "nan",
-    "-inf",
-    "0",
-    "-1",
-    "1e999",
-    "9" * 30,
-    "[",
-    "]",
-    "{",
-    '"',
-    "=",
-    "\n",
-    "true",
-    "[path]",
-    "[[path.tones]]",
-    "1979-05-27",
-]
-
-
 @settings(max_examples=200)
 @given(
     st.sampled_from(NAMES),
     st.lists(
-        st.tuples(st.floats(0, 1), st.integers(0, 25), st.sampled_from(FRAGMENTS) | st.text(max_size=3)),
+        st.tuples(
+            st.floats(0, 1),
+            st.integers(0, 25),
+            st.sampled_from([*TOML_FRAGMENTS, "[[path.tones]]"]) | st.text(max_size=3),
+        ),
         min_size=1,
         max_size=3,
     ),

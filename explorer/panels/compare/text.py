@@ -24,7 +24,7 @@ GREY = '<span style="opacity:.7">{}</span>'
 def nothing_pinned() -> str:
     """A text on the use of pinning, shown while no run is pinned."""
     return BLOCK.format(
-        GREY.format("Pin a run, change anything: A stays in every plot, and what changed is told here.")
+        GREY.format("Pin a run, change anything: A stays in every plot, and what changed is shown here.")
     )
 
 

@@ -15,64 +15,74 @@ DIGITS = 12
 """Of a SHA-256 that are shown."""
 
 
-def certified(found: Certificate, *, name: str, written: Path | None) -> Report:
-    """What was asked of a preset and what it is proven or found to do."""
+def certified(certificate: Certificate, *, name: str, written: Path | None) -> Report:
+    """What was asked of a preset and what it is proven or computed to do."""
     typed = layout.argument(name)
     kept = written or f"{Path(name).stem}.certificate.json"
     following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(kept)}"
-    if not found.certified:
+    if not certificate.certified:
         following = f"repair {typed} -o repaired.toml"
-    expected = f", as its preset expects ({found.expect})" if found.certified and found.expect != "observable" else ""
+    expected = (
+        f", as its preset expects ({certificate.expect})"
+        if certificate.certified and certificate.expect != "observable"
+        else ""
+    )
     return Report(
         subject=layout.subject(name),
-        sign="✓" if found.certified else "✗",
-        answer=f"certified: {found.verdict}{expected}" if found.certified else f"NOT certified: {_refusal(found)}",
-        title=found.title,
+        sign="✓" if certificate.certified else "✗",
+        answer=f"certified: {certificate.verdict}{expected}"
+        if certificate.certified
+        else f"NOT certified: {_refusal(certificate)}",
+        title=certificate.title,
         groups=(
-            *group("requirements", (_check(one.met, one.proven, one.words) for one in found.checks)),
-            *group("would help", found.remedy if isinstance(found.remedy, str) else None),
-            *group("what it covers", *coverage(found)),
-            *group("the file", f"SHA-256 {found.artifact.sha256[:DIGITS]}…, {found.artifact.bytes} bytes"),
+            *group("requirements", (_check(one.met, one.proven, one.words) for one in certificate.checks)),
+            *group("would help", certificate.remedy if isinstance(certificate.remedy, str) else None),
+            *group("what it covers", *coverage(certificate)),
+            *group("the file", f"SHA-256 {certificate.artifact.sha256[:DIGITS]}…, {certificate.artifact.bytes} bytes"),
             *group("written", str(written) if written else None),
             *layout.next_commands(following),
         ),
     )
 
 
-def _refusal(found: Certificate) -> str:
-    missed = ", ".join(one.name for one in found.checks if not one.met)
-    return f"{found.verdict}; not met: {missed}" if missed else f"{found.verdict}, expected {found.expect}"
+def _refusal(certificate: Certificate) -> str:
+    missed = ", ".join(one.name for one in certificate.checks if not one.met)
+    return (
+        f"{certificate.verdict}; not met: {missed}"
+        if missed
+        else f"{certificate.verdict}, expected {certificate.expect}"
+    )
 
 
 def _check(met: bool, proven: bool, sentence: str) -> str:
     return f"{'✓' if met else '✗'} {sentence}{' (proven)' if proven else ''}"
 
 
-def _expectation(found: Certificate) -> str:
-    if not found.certified:
-        return f", expected {found.expect}"
-    return ", as expected" if found.expect == found.verdict else f", as expected ({found.expect})"
+def _expectation(certificate: Certificate) -> str:
+    if not certificate.certified:
+        return f", expected {certificate.expect}"
+    return ", as expected" if certificate.expect == certificate.verdict else f", as expected ({certificate.expect})"
 
 
-def coverage(found: Certificate) -> tuple[str, ...]:
+def coverage(certificate: Certificate) -> tuple[str, ...]:
     """For which windows, and for which part of an exported file, the certificate speaks."""
-    starts = found.claim.starts.replace(">=", "≥")
-    bounded = "μ is bounded" if found.excitation.lower is not None else "μ is sampled"
-    windows = f"{bounded} for windows of {quantity(found.claim.window, 's')}, {starts}"
-    return (windows, *(() if found.artifact.covers is msgspec.UNSET else (found.artifact.covers,)))
+    starts = certificate.claim.starts.replace(">=", "≥")
+    bounded = "μ is bounded" if certificate.excitation.lower is not None else "μ is sampled"
+    windows = f"{bounded} for windows of {quantity(certificate.claim.window, 's')}, {starts}"
+    return (windows, *(() if certificate.artifact.covers is msgspec.UNSET else (certificate.artifact.covers,)))
 
 
-def claim(found: Certificate) -> tuple[Group, ...]:
+def claim(certificate: Certificate) -> tuple[Group, ...]:
     """For which windows the certificate speaks, and its figures."""
-    excited = found.excitation
+    excited = certificate.excitation
     mu = excited.lower if excited.lower is not None else excited.found
     figures = f"μ ≥ {quantity(mu, 'm²/s⁷')}" if mu else "μ is 0"
-    sigma = found.accuracy.lifted.end.position
+    sigma = certificate.accuracy.lifted.end.position
     return group(
         "what it covers",
-        *coverage(found),
-        f"{figures}, required {significant(excited.required)}; rank {found.rank.rank} of {found.rank.of}",
-        f"position {plus_minus(sigma)}, required ±{quantity(found.accuracy.required, 'm')}",
+        *coverage(certificate),
+        f"{figures}, required {significant(excited.required)}; rank {certificate.rank.rank} of {certificate.rank.of}",
+        f"position {plus_minus(sigma)}, required ±{quantity(certificate.accuracy.required, 'm')}",
     )
 
 
@@ -86,10 +96,10 @@ def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certi
         groups = (
             tuple(
                 one
-                for found in stored.values()
+                for certificate in stored.values()
                 for one in (
-                    *group("verdict", f"{SIGNS[found.verdict]} {found.verdict}{_expectation(found)}"),
-                    *claim(found),
+                    *group("verdict", f"{SIGNS[certificate.verdict]} {certificate.verdict}{_expectation(certificate)}"),
+                    *claim(certificate),
                 )
             )
             if not wrong
@@ -99,7 +109,7 @@ def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certi
             subject=subject,
             sign="✗" if wrong else "✓",
             answer=answer,
-            title="" if wrong else next((found.title for found in stored.values()), ""),
+            title="" if wrong else next((certificate.title for certificate in stored.values()), ""),
             groups=groups,
         )
     return Report(

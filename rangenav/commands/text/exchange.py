@@ -62,9 +62,9 @@ def _figures(answer: Json) -> list[str]:
     return [f"{value} {key}" for key, value in counts.items() if str(value) not in notes]
 
 
-def imported(made: Preset, found: Analysis, answer: Json, *, source: str) -> Report:
+def imported(made: Preset, analysis: Analysis, answer: Json, *, source: str) -> Report:
     """How a file was understood, and what its path lets one range tell; `answer` is the command's JSON object."""
-    sign, said = headline(made, found)
+    sign, said = headline(made, analysis)
     output = layout.argument(Path(answer["preset"]))
     sampled, fit = answer["rate"] is not None, answer["fit_error"]
     rows = f"rows at {quantity(answer['rate'], 'Hz')}" if sampled else "pieces without samples"
@@ -72,7 +72,7 @@ def imported(made: Preset, found: Analysis, answer: Json, *, source: str) -> Rep
     frame = "" if answer["frame"] in " ".join(answer["findings"]) else f", {answer['frame']}"
     part = "" if used == length else f", {used} of {length} used"
     near = "the file's own" if fit is None else f"within {quantity(fit, 'm')} of every position of the file"
-    seen = [f"rank {found.rank} of 13", *excitation_lines(made, found)] if found.verdict.judged else []
+    seen = [f"rank {analysis.rank} of 13", *excitation_lines(made, analysis)] if analysis.verdict.judged else []
     return Report(
         subject=source,
         sign=sign,

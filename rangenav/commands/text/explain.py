@@ -11,9 +11,9 @@ ROTATING = ("turned axes", "axes that do not rotate")
 """How the library's sentence names the axes of the gyro-integrated frame, and how this report names them."""
 
 
-def report(preset: Preset, found: Analysis, explanation: Json, *, name: str) -> Report:
+def report(preset: Preset, analysis: Analysis, explanation: Json, *, name: str) -> Report:
     """Why a preset's motion is observable or not; `explanation` is the command's JSON object."""
-    sign, answer = headline(preset, found)
+    sign, answer = headline(preset, analysis)
     typed = layout.argument(name)
     twin = (f"explain {typed} --save twin.toml",) if explanation["twin"]["kind"] else ()
     return Report(

@@ -111,7 +111,7 @@ def folded_command(text: str, columns: int) -> list[str]:
 
 def three_digits(sentence: str) -> str:
     """A sentence of the library, whose numbers Python's format specifiers wrote, with numbers as a report has them."""
-    return PRINTED_NUMBER.sub(lambda found: significant(float(found.group())), sentence)
+    return PRINTED_NUMBER.sub(lambda number: significant(float(number.group())), sentence)
 
 
 def show(report: Report) -> None:

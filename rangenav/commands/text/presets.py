@@ -13,7 +13,7 @@ EXPECTED = {"observable": "✓", "weak": "!", "unobservable": "✗"}
 def report(shipped: Mapping[str, Preset]) -> Report:
     """The shipped presets by what is expected of them."""
     counts = {expect: sum(p.expect == expect for p in shipped.values()) for expect in EXPECTED}
-    told = ", ".join(f"{count} {expect}" for expect, count in counts.items() if count)
+    expected = ", ".join(f"{count} {expect}" for expect, count in counts.items() if count)
     longest = max(map(len, shipped), default=0)
     lists = (
         group(f"{sign} {one}", (f"{name:<{longest}}  {p.title}" for name, p in shipped.items() if p.expect == one))
@@ -22,6 +22,6 @@ def report(shipped: Mapping[str, Preset]) -> Report:
     return Report(
         subject="presets",
         sign="✓",
-        answer=f"{len(shipped)} are shipped: {told}",
+        answer=f"{len(shipped)} are shipped: {expected}",
         groups=(*chain.from_iterable(lists), *layout.next_commands("analyze paper-slow", "explain circle")),
     )

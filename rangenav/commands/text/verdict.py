@@ -15,27 +15,27 @@ from rangenav.sensors import noise_assumption
 Json = dict[str, Any]
 
 
-def headline(preset: Preset, found: Analysis) -> tuple[Sign, str]:
+def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     """The verdict in a sentence, with its sign."""
     window, needed = quantity(preset.requirement.window, "s"), preset.requirement.position_sigma
-    at = quantity(found.gramian_at, "s")
+    at = quantity(analysis.gramian_at, "s")
     texts = {
         "observable": f"observable in every window of {window} (weakest from {at})",
         "weak": f"weak: rank {STATES} in every window of {window}, but the predicted error "
-        f"{quantity(found.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}",
-        "blind": f"blind: rank {found.rank} of {STATES} in the window of {window} from {at}",
-        "not judged": str(found.verdict),
+        f"{quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}",
+        "blind": f"blind: rank {analysis.rank} of {STATES} in the window of {window} from {at}",
+        "not judged": str(analysis.verdict),
     }
-    sign: Sign = SIGNS[found.verdict.word]  # pyright: ignore[reportAssignmentType]
-    return sign, texts[found.verdict.word]
+    sign: Sign = SIGNS[analysis.verdict.word]  # pyright: ignore[reportAssignmentType]
+    return sign, texts[analysis.verdict.word]
 
 
-def accuracy_lines(preset: Preset, found: Analysis) -> list[str]:
+def accuracy_lines(preset: Preset, analysis: Analysis) -> list[str]:
     """Predicted errors at the end of the worst window, the requirement, and what the prediction assumes."""
-    end, needed = found.lifted_end.position, preset.requirement.position_sigma
+    end, needed = analysis.lifted_end.position, preset.requirement.position_sigma
     return [
-        *_positions(end, found.nonlinear_end.position),
-        *_rates(found.lifted_end),
+        *_positions(end, analysis.nonlinear_end.position),
+        *_rates(analysis.lifted_end),
         f"required {plus_minus(needed)}: {met(end <= needed)}",
         f"assumed: {noise_assumption(preset.sensors)}",
     ]
