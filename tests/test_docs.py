@@ -60,13 +60,17 @@ def test_the_table_of_presets_is_true(name: str):
     (row,) = re.findall(rf"^\| `{name}` \|(.*)\|$", text, flags=re.MULTILINE)
     anchor, window, required, reached, expected, rank, sigma, verdict = [cell.strip() for cell in row.split("|")][1:]
     p = preset.load(name)
-    found = analysis.analyse(p)
+    analysed = analysis.analyse(p)
     assert tuple(float(number) for number in anchor.strip("()").split(",")) == p.world.anchor
     assert (float(window), float(required)) == (p.requirement.window, p.requirement.mu)
-    assert float(reached) == pytest.approx(found.mu, rel=0.02, abs=1e-6)
-    assert (expected, verdict, rank) == (p.expect, found.verdict.word, f"{found.rank} / {found.nonlinear_rank}")
-    if math.isfinite(found.lifted_end.position):
-        assert float(sigma.removesuffix(" m")) == pytest.approx(found.lifted_end.position, rel=0.05)
+    assert float(reached) == pytest.approx(analysed.mu, rel=0.02, abs=1e-6)
+    assert (expected, verdict, rank) == (
+        p.expect,
+        analysed.verdict.word,
+        f"{analysed.rank} / {analysed.nonlinear_rank}",
+    )
+    if math.isfinite(analysed.lifted_end.position):
+        assert float(sigma.removesuffix(" m")) == pytest.approx(analysed.lifted_end.position, rel=0.05)
     else:
         assert sigma == "–"
 

@@ -30,11 +30,11 @@ READ_ONLY.flags.writeable = False
     ],
 )
 def test_numbers_in_any_container_become_float64_in_c_order(value):
-    found = arguments.array("gyro", value, (3,))
-    np.testing.assert_array_equal(found, [0.0, 1.0, 2.0])
-    assert type(found) is np.ndarray
-    assert found.dtype == np.float64
-    assert found.flags.carray
+    computed = arguments.array("gyro", value, (3,))
+    np.testing.assert_array_equal(computed, [0.0, 1.0, 2.0])
+    assert type(computed) is np.ndarray
+    assert computed.dtype == np.float64
+    assert computed.flags.carray
 
 
 def test_what_is_right_already_is_not_copied():
@@ -90,9 +90,9 @@ def test_stamps_that_do_not_increase_are_named_by_their_place():
 
 @pytest.mark.parametrize("value", [2, 2.0, np.float32(2), np.int8(2), np.float64(2)])
 def test_real_numbers_become_floats(value):
-    found = arguments.number("rate", value)
-    assert type(found) is float
-    assert found == 2.0
+    computed = arguments.number("rate", value)
+    assert type(computed) is float
+    assert computed == 2.0
 
 
 @pytest.mark.parametrize(

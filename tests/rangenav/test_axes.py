@@ -25,8 +25,8 @@ def test_every_family_is_described_in_the_other_axes(family: str):
     time = np.linspace(0.1, 5, 40)
     for order in range(5):
         expected = EXAMPLES[family](time, order) @ FLIP
-        found = axes.flipped_signal(EXAMPLES[family])(time, order)
-        assert np.allclose(found, expected, rtol=1e-9, atol=1e-9 * (1 + np.abs(expected).max()))
+        computed = axes.flipped_signal(EXAMPLES[family])(time, order)
+        assert np.allclose(computed, expected, rtol=1e-9, atol=1e-9 * (1 + np.abs(expected).max()))
 
 
 def test_nothing_that_can_be_measured_changes():
@@ -64,9 +64,9 @@ def test_the_yaw_of_pieces_and_biases_turn_with_their_axes_and_upright_is_the_sa
     path = msgspec.structs.replace(POLYNOMIALS, pieces=(pieces, *POLYNOMIALS.pieces[1:]))
     for signal in (path, Sum(base=path, wiggle=MULTISINE)):
         turned = axes.flipped_signal(signal)
-        found = turned.base if isinstance(turned, Sum) else turned
-        assert isinstance(found, Polynomials)
-        assert found.pieces[0].yaw == (-0.5, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0, -3.0)
+        computed = turned.base if isinstance(turned, Sum) else turned
+        assert isinstance(computed, Polynomials)
+        assert computed.pieces[0].yaw == (-0.5, 0.25, 0.0, 0.0, 0.0, 0.0, 0.0, -3.0)
         assert axes.flipped_signal(turned) == signal
     biased = Effects(gyro_bias=(0.01, 0.02, -0.03), lever_arm=(0.1, -0.2, 0.3))
     p = SHIPPED["soft"]

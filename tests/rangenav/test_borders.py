@@ -207,14 +207,14 @@ def answer_or_sentence(call: Callable[[], Any]) -> Any:
 def test_whatever_a_record_holds_the_observers_answer_or_refuse(fields):
     """Before there were checks, most of these read past an array's end or ended the interpreter."""
     for observe in (cascade.observe, baselines.ekf):
-        found = answer_or_sentence(lambda observe=observe: observed(observe, **fields))
-        assert isinstance(found, str) or len(found.rotation) == len(found.time)
+        outcome = answer_or_sentence(lambda observe=observe: observed(observe, **fields))
+        assert isinstance(outcome, str) or len(outcome.rotation) == len(outcome.time)
 
 
 @given(fields=st.dictionaries(st.sampled_from(FIELDS), anything, min_size=1, max_size=3))
 def test_whatever_a_sample_holds_a_step_answers_or_refuses(fields):
-    found = answer_or_sentence(lambda: cascade.step(begun(), sample(**fields)))
-    assert isinstance(found, str) or found.state.shape == (13,)
+    outcome = answer_or_sentence(lambda: cascade.step(begun(), sample(**fields)))
+    assert isinstance(outcome, str) or outcome.state.shape == (13,)
 
 
 def track() -> strapdown.Track:

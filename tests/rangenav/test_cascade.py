@@ -85,9 +85,9 @@ def test_many_starts_at_once_are_each_what_it_is_alone(attitude: AttitudeGains, 
     setting = scene.setting(Gains(attitude=attitude))
     rotations = Rotation.random(5, np.random.default_rng(4)).as_matrix()
     together = cascade.attitudes(scene.measurements, scene.start, setting, rotations=rotations)
-    for rotation, found in zip(rotations, together, strict=True):
+    for rotation, computed in zip(rotations, together, strict=True):
         alone = cascade.observe(scene.measurements, Start(state=scene.start.state, rotation=rotation), setting)
-        np.testing.assert_array_equal(found, alone.rotation)
+        np.testing.assert_array_equal(computed, alone.rotation)
 
 
 def test_many_starts_need_a_magnetometer_from_the_first_sample():
@@ -101,17 +101,17 @@ def test_a_schedule_halves_the_steady_attitude_error_and_a_constant_gain_stays_a
     """All sensors at 200 Hz, noise-matched, last half of 20 s, median of ten seeds; constant k1 = 4 gives 0.73°."""
     steady = {}
     for attitude in (AttitudeGains(), SCHEDULED):
-        found = []
+        computed = []
         for seed in range(10):
             scene = records.scene("paper", duration=20.0, seed=seed)
             estimate = scene.observe(Gains(mode="noise-matched", attitude=attitude))
-            found.append(np.sqrt(np.mean(scene.errors(estimate).attitude[2000:] ** 2)))
+            computed.append(np.sqrt(np.mean(scene.errors(estimate).attitude[2000:] ** 2)))
             if attitude.schedule is None:
                 assert np.all(estimate.k1 == attitude.k1)
             else:
                 assert present(estimate.k1)[0] > 7.9
                 assert np.median(present(estimate.k1)[3000:]) < 0.6  # from 8 down to 0.5, and a little noise
-        steady[attitude] = np.degrees(np.median(found))
+        steady[attitude] = np.degrees(np.median(computed))
     assert steady[SCHEDULED] < min(0.4, steady[AttitudeGains()] / 2)
 
 

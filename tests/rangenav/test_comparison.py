@@ -17,22 +17,22 @@ def candidates(name: str, **changes) -> dict[str, comparison.Candidate]:
 
 def test_the_refinement_is_best_and_all_judge_the_same_record():
     of = record.run(preset.load("paper"))
-    found = {c.name: c for c in comparison.compare(of)}
-    assert list(found) == [comparison.CASCADE, comparison.REFINEMENT, comparison.EKF, comparison.EKF_TRUTH]
-    assert found[comparison.CASCADE].estimate is of.estimate
-    steady = {name: c.summary.steady_position for name, c in found.items()}
+    candidates_by_name = {c.name: c for c in comparison.compare(of)}
+    assert list(candidates_by_name) == [comparison.CASCADE, comparison.REFINEMENT, comparison.EKF, comparison.EKF_TRUTH]
+    assert candidates_by_name[comparison.CASCADE].estimate is of.estimate
+    steady = {name: c.summary.steady_position for name, c in candidates_by_name.items()}
     assert steady[comparison.REFINEMENT] < min(steady[comparison.CASCADE], steady[comparison.EKF_TRUTH])
-    assert found[comparison.REFINEMENT].outcome.startswith("converged after")
-    for c in found.values():
+    assert candidates_by_name[comparison.REFINEMENT].outcome.startswith("converged after")
+    for c in candidates_by_name.values():
         assert c.estimate.state.shape == of.truth.state.shape
         assert c.estimate.innovation.shape == of.estimate.innovation.shape
         assert c.summary.microseconds_per_step > 0
 
 
 def test_the_text_names_a_wrong_place():
-    found = candidates("soft")
-    assert found[comparison.EKF].outcome.startswith("in a wrong place: ")
-    assert found[comparison.CASCADE].outcome.startswith("within 0.3 m from t = ")
+    candidates_by_name = candidates("soft")
+    assert candidates_by_name[comparison.EKF].outcome.startswith("in a wrong place: ")
+    assert candidates_by_name[comparison.CASCADE].outcome.startswith("within 0.3 m from t = ")
 
 
 def test_a_refinement_that_converged_to_the_mirror_image_says_so():

@@ -76,10 +76,10 @@ def test_a_filter_that_believes_in_too_little_noise_is_found_too_sure_and_one_in
 def test_the_sliding_mean_of_innovations_is_inside_its_band_as_often_as_promised():
     """One run, windows of 2 s = 20 innovations: the share over many runs, because neighbours overlap."""
     time = np.arange(STEPS) * 0.1
-    found = [consistency.sliding(consistency.innovations(kalman(s)[0]), time, window=2.0) for s in range(SEEDS)]
-    assert np.mean([one.inside for one in found]) == pytest.approx(0.95, abs=0.02)
-    assert found[0].time[0] == pytest.approx(2.0)
-    assert found[0].time[-1] == time[-1]
+    computed = [consistency.sliding(consistency.innovations(kalman(s)[0]), time, window=2.0) for s in range(SEEDS)]
+    assert np.mean([one.inside for one in computed]) == pytest.approx(0.95, abs=0.02)
+    assert computed[0].time[0] == pytest.approx(2.0)
+    assert computed[0].time[-1] == time[-1]
 
 
 def test_a_sliding_mean_is_the_plain_mean_of_what_the_window_holds():
@@ -87,8 +87,8 @@ def test_a_sliding_mean_is_the_plain_mean_of_what_the_window_holds():
     time = np.cumsum(rng.uniform(0.01, 0.3, 300))
     square = rng.chisquare(1, 300)
     square[::17] = np.nan
-    found = consistency.sliding(square, time, window=1.5)
-    for t, mean, low, high in zip(found.time, found.mean, found.low, found.high, strict=True):
+    computed = consistency.sliding(square, time, window=1.5)
+    for t, mean, low, high in zip(computed.time, computed.mean, computed.low, computed.high, strict=True):
         held = square[(time > t - 1.5) & (time <= t)]
         held = held[np.isfinite(held)]
         assert mean == pytest.approx(held.mean(), rel=1e-12)
@@ -114,19 +114,19 @@ def test_the_normalised_error_is_the_mahalanobis_distance_and_not_a_number_where
     root = rng.standard_normal((4, 3, 3))
     P, e = root @ np.swapaxes(root, -1, -2), rng.standard_normal((4, 3))
     P[1], P[2, 0, 0] = np.diag([1.0, -1.0, 1.0]), np.inf
-    found = consistency.errors(e, P)
+    computed = consistency.errors(e, P)
     for k in (0, 3):
-        assert found[k] == pytest.approx(e[k] @ np.linalg.inv(P[k]) @ e[k], rel=1e-9)
-    assert np.isnan(found[1:3]).all()
+        assert computed[k] == pytest.approx(e[k] @ np.linalg.inv(P[k]) @ e[k], rel=1e-9)
+    assert np.isnan(computed[1:3]).all()
 
 
 def test_counts_weigh_the_means_they_belong_to():
     square, count = np.array([[2.0, np.nan], [1.0, np.nan]]), np.array([[3, 0], [1, 0]])
-    found = consistency.averaged(square, np.array([0.0, 1.0]), count=count, freedom=1)
-    assert found.mean[0] == pytest.approx(7 / 4)
-    np.testing.assert_allclose([found.low[0], found.high[0]], scipy.stats.chi2.ppf([0.025, 0.975], 4) / 4)
-    assert np.isnan(found.mean[1])
-    assert found.summary == "100% inside the 95% band, 0% too sure, 0% too cautious"
+    computed = consistency.averaged(square, np.array([0.0, 1.0]), count=count, freedom=1)
+    assert computed.mean[0] == pytest.approx(7 / 4)
+    np.testing.assert_allclose([computed.low[0], computed.high[0]], scipy.stats.chi2.ppf([0.025, 0.975], 4) / 4)
+    assert np.isnan(computed.mean[1])
+    assert computed.summary == "100% inside the 95% band, 0% too sure, 0% too cautious"
     assert "nothing" in consistency.averaged(square[:, 1:], np.array([1.0]), freedom=1).summary
 
 

@@ -11,10 +11,10 @@ from tests.support import records
 def test_norms_are_lengths_of_the_differences_of_the_three_vectors():
     rng = np.random.default_rng(0)
     state, truth = rng.standard_normal((2, 50, 13)) * 10
-    found = errors.norms(state, truth)
+    norms = errors.norms(state, truth)
     for block in range(3):
         part = slice(4 + 3 * block, 7 + 3 * block)
-        np.testing.assert_allclose(found[block], np.linalg.norm(state[:, part] - truth[:, part], axis=1), rtol=1e-14)
+        np.testing.assert_allclose(norms[block], np.linalg.norm(state[:, part] - truth[:, part], axis=1), rtol=1e-14)
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-12, 1e-6, 1.0, 3.0, np.pi - 1e-6, np.pi - 1e-12, np.pi])
@@ -25,8 +25,8 @@ def test_angles_are_those_of_the_rotation_in_between_from_nothing_to_a_half_turn
     between = Rotation.from_rotvec((size * axis / np.linalg.norm(axis, axis=-1, keepdims=True)).reshape(-1, 3))
     truth = Rotation.random(7, rng)
     repeated = Rotation.concatenate([truth] * 3)
-    found = (between.inv() * repeated).as_matrix().reshape(3, 7, 3, 3)
-    angles = errors.angles(found, truth.as_matrix())
+    computed = (between.inv() * repeated).as_matrix().reshape(3, 7, 3, 3)
+    angles = errors.angles(computed, truth.as_matrix())
     expected = (repeated * (between.inv() * repeated).inv()).magnitude().reshape(3, 7)
     np.testing.assert_allclose(angles, expected, atol=2e-15 * 4)  # matrices hold an angle to some rounding of one
     np.testing.assert_allclose(angles, size, atol=1e-14)
@@ -35,20 +35,20 @@ def test_angles_are_those_of_the_rotation_in_between_from_nothing_to_a_half_turn
 def test_the_errors_of_a_run_are_those_of_its_state_and_attitude():
     scene = records.scene("paper-slow", duration=1.0)
     estimate = scene.observe()
-    found = scene.errors(estimate)
+    run_errors = scene.errors(estimate)
     np.testing.assert_array_equal(
-        [found.position, found.velocity, found.gravity], errors.norms(estimate.state, scene.truth.state)
+        [run_errors.position, run_errors.velocity, run_errors.gravity], errors.norms(estimate.state, scene.truth.state)
     )
     turned = Rotation.from_matrix(scene.truth.motion.rotation @ np.swapaxes(estimate.rotation, -1, -2))
-    np.testing.assert_allclose(found.attitude, turned.magnitude(), atol=1e-14)
+    np.testing.assert_allclose(run_errors.attitude, turned.magnitude(), atol=1e-14)
 
 
 def test_what_is_not_a_number_stays_so():
     state = np.zeros((2, 13))
     state[1, 5] = np.nan
-    found = errors.norms(state, np.ones((2, 13)))
-    assert np.isfinite(found[:, 0]).all()
-    assert np.isnan(found[0, 1])
+    norms = errors.norms(state, np.ones((2, 13)))
+    assert np.isfinite(norms[:, 0]).all()
+    assert np.isnan(norms[0, 1])
     rotation = np.tile(np.eye(3), (2, 1, 1))
     broken = rotation.copy()
     broken[1, 0, 0] = np.nan

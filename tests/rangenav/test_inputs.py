@@ -27,13 +27,13 @@ def every_input() -> list[type[Input]]:
         for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
             if not module.name.endswith("__main__"):
                 importlib.import_module(module.name)
-    classes, found = [Input], []
+    classes, inputs = [Input], []
     while classes:
         kind = classes.pop()
         classes += kind.__subclasses__()
         if kind.__struct_fields__ and kind.__module__.startswith(("rangenav", "explorer")):
-            found.append(kind)
-    return sorted(found, key=lambda kind: (kind.__module__, kind.__name__))
+            inputs.append(kind)
+    return sorted(inputs, key=lambda kind: (kind.__module__, kind.__name__))
 
 
 INPUTS = every_input()

@@ -48,8 +48,8 @@ def integrated_rotation(angular_velocity, start, duration):
     def rate(t, r):
         return (r.reshape(3, 3) @ so3.hat(angular_velocity(np.array(t)))).ravel()
 
-    found = solve_ivp(rate, (0, duration), start.ravel(), method="DOP853", rtol=1e-13, atol=1e-13)
-    return found.y[:, -1].reshape(3, 3)
+    solution = solve_ivp(rate, (0, duration), start.ravel(), method="DOP853", rtol=1e-13, atol=1e-13)
+    return solution.y[:, -1].reshape(3, 3)
 
 
 def test_attitude_converges_with_order_four_to_the_integrated_equation():
@@ -164,25 +164,25 @@ def test_the_papers_path_asks_for_14_9_times_its_weight_and_1_8_when_slowed_four
     """MATH: "needs 14.9 times the weight in thrust; slowed four times 1.8"; figures rounded as there."""
     for name, ratio in (("paper", 14.9), ("paper-slow", 1.8)):
         p = preset.load(name)
-        found = motion.limits(simulated(p), world=p.world).thrust_to_weight
+        limits = motion.limits(simulated(p), world=p.world).thrust_to_weight
         assert isinstance(p.path, Multisine)
         t = np.linspace(0, 2 * math.pi / p.path.tones[0].frequency, 20_001)
         dense = np.linalg.norm(p.path(t, 2) - np.asarray(p.world.gravity), axis=-1).max() / 9.81
-        assert round(found, 1) == ratio
-        assert found == pytest.approx(dense, rel=2e-3)  # 200 Hz samples come within (16·5ms/2)²/2 of the peak
+        assert round(limits, 1) == ratio
+        assert limits == pytest.approx(dense, rel=2e-3)  # 200 Hz samples come within (16·5ms/2)²/2 of the peak
 
 
 def test_limits_are_the_extremes_of_the_path_found_on_a_dense_grid():
     p = preset.load("lissajous")
-    found = motion.limits(simulated(p), world=p.world)
+    limits = motion.limits(simulated(p), world=p.world)
     t = np.linspace(0, p.duration, 200_001)
     for name, order in (("speed", 1), ("acceleration", 2), ("jerk", 3), ("snap", 4)):
         # between samples a sine of 4.5 rad/s at 200 Hz hides (4.5·2.5ms)²/2
-        assert getattr(found, name) == pytest.approx(np.linalg.norm(p.path(t, order), axis=-1).max(), rel=1e-4)
+        assert getattr(limits, name) == pytest.approx(np.linalg.norm(p.path(t, order), axis=-1).max(), rel=1e-4)
     assert not isinstance(p.angular_velocity, Flown)
-    assert found.body_rate == pytest.approx(np.linalg.norm(p.angular_velocity(t), axis=-1).max(), rel=1e-4)
+    assert limits.body_rate == pytest.approx(np.linalg.norm(p.angular_velocity(t), axis=-1).max(), rel=1e-4)
     distance = np.linalg.norm(p.path(t) - np.asarray(p.world.anchor), axis=-1).min()
-    assert found.anchor_distance_min == pytest.approx(distance, rel=1e-3)
+    assert limits.anchor_distance_min == pytest.approx(distance, rel=1e-3)
 
 
 @given(vectors, vectors)

@@ -84,8 +84,8 @@ def test_switching_to_and_fro_many_times_does_not_wander(gains):
 @given(every_gain, states, worlds, sensors)
 def test_gains_that_nobody_changed_in_words_are_kept_to_the_last_bit(gains, at, world, rates):
     words = physical_gains.to_physical(gains, at, world=world, sensors=rates)
-    found = physical_gains.to_paper(words, at, world=world, sensors=rates)
-    assert physical_gains.keep_known(found, [Gains(), gains], at, world=world, sensors=rates) == gains
+    paper_gains = physical_gains.to_paper(words, at, world=world, sensors=rates)
+    assert physical_gains.keep_known(paper_gains, [Gains(), gains], at, world=world, sensors=rates) == gains
 
 
 @given(every_gain, st.floats(0.5, 0.9))
@@ -94,10 +94,10 @@ def test_a_changed_word_changes_its_gain_and_no_bit_of_the_others(gains, share):
     fewer = replace(words, attitude_time=words.attitude_time / share)  # k1 falls
     if gains.attitude.k1 * share < K1_RANGE[0] * 1.01 or gains.attitude.schedule is not None:
         return
-    found = physical_gains.to_paper(fewer, AT, world=WORLD, sensors=SENSORS)
-    kept = physical_gains.keep_known(found, [gains], AT, world=WORLD, sensors=SENSORS)
-    assert kept == replace(gains, attitude=replace(gains.attitude, k1=found.attitude.k1))
-    assert found.attitude.k1 == pytest.approx(gains.attitude.k1 * share, rel=1e-12)
+    paper_gains = physical_gains.to_paper(fewer, AT, world=WORLD, sensors=SENSORS)
+    kept = physical_gains.keep_known(paper_gains, [gains], AT, world=WORLD, sensors=SENSORS)
+    assert kept == replace(gains, attitude=replace(gains.attitude, k1=paper_gains.attitude.k1))
+    assert paper_gains.attitude.k1 == pytest.approx(gains.attitude.k1 * share, rel=1e-12)
 
 
 @pytest.mark.parametrize("size", [1e31, 1e-31, 1e200])
@@ -126,14 +126,14 @@ def test_imu_noise_is_what_the_noise_matched_observer_adds_at_the_typical_state(
         sensors=sensors,
     )
     densities = (0.3**2 / sensors.imu_rate, 0.02**2 / sensors.imu_rate)
-    rng, found = np.random.default_rng(1), []
+    rng, computed = np.random.default_rng(1), []
     for _ in range(3):
         turns = so3.exp(rng.standard_normal((3, 3)))
         vectors = np.array([AT.distance, AT.speed, 9.81])[:, None] * turns[:, :, 0]
         V = np.zeros(169)
         kernel.add_imu_noise(V, np.concatenate([np.zeros(4), *vectors]), *densities, 1.0)
-        found.append(np.diag(V.reshape(13, 13)))
-    for V in found:
+        computed.append(np.diag(V.reshape(13, 13)))
+    for V in computed:
         np.testing.assert_allclose(V[0:4].mean(), gains.riccati.v.xi, rtol=1e-9)
         np.testing.assert_allclose(V[4:7].mean(), gains.riccati.v.position, rtol=1e-9)
         np.testing.assert_allclose(V[7:10].mean(), gains.riccati.v.velocity, rtol=1e-9)
@@ -171,8 +171,8 @@ def test_the_attitude_time_is_the_slowest_time_constant(gains, world):
 def test_doubling_the_attitude_time_halves_k1_and_nothing_else():
     words = physical_gains.to_physical(Gains(), AT, world=WORLD, sensors=SENSORS)
     slower = replace(words, attitude_time=2 * words.attitude_time)
-    found = numbers(physical_gains.to_paper(slower, AT, world=WORLD, sensors=SENSORS)) / numbers(Gains())
-    np.testing.assert_allclose(found, [*[1] * 9, 0.5, 1, 1], rtol=1e-13)
+    paper_gains = numbers(physical_gains.to_paper(slower, AT, world=WORLD, sensors=SENSORS)) / numbers(Gains())
+    np.testing.assert_allclose(paper_gains, [*[1] * 9, 0.5, 1, 1], rtol=1e-13)
 
 
 def test_the_defaults_in_physical_words_are_of_the_size_of_the_default_noise():

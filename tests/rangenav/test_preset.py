@@ -474,17 +474,17 @@ def test_an_unknown_name_is_answered_with_the_shipped_ones(name):
 def test_a_shipped_preset_delivers_what_it_promises(name):
     """observable: rank 13 on every window, μ and σ as required; weak: all but σ; unobservable: a rank below 13."""
     p = SHIPPED[name]
-    found = analyse(p)
+    analysed = analyse(p)
     if p.expect != "unobservable":
-        assert found.rank == 13
-        assert found.verdict.word == p.expect
-        assert found.mu >= p.requirement.mu
-        assert found.bound_for_all_t is not None
-        assert found.bound_for_all_t >= 0.9 * p.requirement.mu  # the grid's bound gives away at most 5 percent
+        assert analysed.rank == 13
+        assert analysed.verdict.word == p.expect
+        assert analysed.mu >= p.requirement.mu
+        assert analysed.bound_for_all_t is not None
+        assert analysed.bound_for_all_t >= 0.9 * p.requirement.mu  # the grid's bound gives away at most 5 percent
     else:
-        assert found.rank < 13
-        assert found.verdict.word == "blind"
-        assert found.directions
+        assert analysed.rank < 13
+        assert analysed.verdict.word == "blind"
+        assert analysed.directions
 
 
 def test_the_figures_in_the_stories_are_true():

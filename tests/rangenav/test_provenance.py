@@ -53,8 +53,8 @@ def imported(folder: Path, kind: str) -> tuple[Path, Preset]:
         without(file, "v_", "a_lin", "jerk", "snap", "a_x", "a_y", "a_z")
     if kind == "jerk":
         without(file, "snap")
-    found = formats.read(file, form, confirm={"frame": "z-up"} if form == "tum" else {})
-    return file, as_preset(found)
+    imported = formats.read(file, form, confirm={"frame": "z-up"} if form == "tum" else {})
+    return file, as_preset(imported)
 
 
 @pytest.mark.parametrize("kind", RECORDS)
@@ -63,9 +63,9 @@ def test_a_path_whose_snap_was_not_in_its_file_is_not_judged_and_not_certified(a
     assert made.source is not None
     assert (made.source.derivatives, made.source.file) == ("fit", file.name)
     assert made.source.sha256 == hashlib.sha256(file.read_bytes()).hexdigest()
-    found = certified(made)
+    issued = certified(made)
     said = f"the path's snap was not in {file.name} but comes from fitting: {made.source.unjudged}"
-    assert (found.certified, found.meets, found.verdict, found.failures) == (False, False, "not judged", (said,))
+    assert (issued.certified, issued.meets, issued.verdict, issued.failures) == (False, False, "not judged", (said,))
     for expect in ("weak", "unobservable"):  # nor is the opposite
         assert certified(replace(made, expect=expect)).failures == (said,)
     preset.save(made, tmp_path / "made.toml")
@@ -80,15 +80,15 @@ def test_a_path_whose_snap_was_in_its_file_is_certified_as_what_it_is(answer, tm
     file, made = imported(tmp_path, kind)
     assert made.source is not None
     assert (made.source.derivatives, made.source.unjudged) == ("file", "")
-    found = certified(made)
-    assert found.verdict in ("weak", "observable")
-    (check,) = (one for one in found.checks if one.name == "source")
+    issued = certified(made)
+    assert issued.verdict in ("weak", "observable")
+    (check,) = (one for one in issued.checks if one.name == "source")
     assert check.met
     assert check.words.startswith(f"imported from {file.name} ({kind}), whose own snap it has")
     preset.save(made, tmp_path / "made.toml")
-    assert answer("analyze", tmp_path / "made.toml")["verdict"] == found.verdict
-    assert found.source is not msgspec.UNSET
-    assert (found.source.sha256, found.source.edited) == (made.source.sha256, False)
+    assert answer("analyze", tmp_path / "made.toml")["verdict"] == issued.verdict
+    assert issued.source is not msgspec.UNSET
+    assert (issued.source.sha256, issued.source.edited) == (made.source.sha256, False)
 
 
 def test_snap_columns_that_the_pieces_cannot_follow_are_not_theirs(tmp_path: Path):
@@ -98,9 +98,9 @@ def test_snap_columns_that_the_pieces_cannot_follow_are_not_theirs(tmp_path: Pat
     k = rows[0].index("snap_x")
     rows[1:] = [[*row[:k], repr(3 * float(row[k])), *row[k + 1 :]] for row in rows[1:]]
     file.write_text("\n".join(map(",".join, rows)))
-    found = formats.read(file, "reference")
-    assert found.derivatives == "fit"
-    assert str(found.unjudged).startswith("of the snap in the file the pieces miss ")
+    imported = formats.read(file, "reference")
+    assert imported.derivatives == "fit"
+    assert str(imported.unjudged).startswith("of the snap in the file the pieces miss ")
 
 
 def test_an_import_tells_where_the_snap_is_from(answer, tmp_path: Path):
@@ -127,13 +127,13 @@ def test_the_source_is_kept_by_every_file_and_a_design_has_none(answer, tmp_path
 def test_whoever_changes_the_path_has_designed_one_and_whoever_undoes_it_has_not(tmp_path: Path):
     _, made = imported(tmp_path, "tum")
     changed = replace(made, path=signals.scaled(made.path, 1.01, about=(0.0, 0.0, 0.0)))
-    found = certified(changed)
-    assert found.verdict != "not judged"
-    assert next(one for one in found.checks if one.name == "source").words == (
+    issued = certified(changed)
+    assert issued.verdict != "not judged"
+    assert next(one for one in issued.checks if one.name == "source").words == (
         "imported from tum.csv (tum) and changed since: a design"
     )
-    assert found.source is not msgspec.UNSET
-    assert found.source.edited
+    assert issued.source is not msgspec.UNSET
+    assert issued.source.edited
     assert certified(replace(changed, path=made.path)).verdict == "not judged"
     kept = replace(made, title="other", seed=7, duration=made.duration - 1, world=replace(made.world, anchor=(1, 2, 3)))
     assert verdict.restriction(kept.path, kept.source, kept.duration) is not None  # all but the path may change

@@ -147,8 +147,8 @@ def test_the_passes_end_at_the_minimum_that_an_optimiser_finds(monkeypatch: pyte
     fine = Noise(gyro=0.01, accel=0.1, mag=0.1, range=0.02)
     scene = records.scene("lissajous", duration=4.0, imu_rate=20.0, range_rate=20.0, noise=fine)
     z, setting, nominal = scene.measurements, scene.setting(), from_truth(scene)
-    found = refine.smooth(z, nominal, setting)
-    assert found.converged
+    smoothed = refine.smooth(z, nominal, setting)
+    assert smoothed.converged
     count, step = 9 + 6 * (len(z.time) - 1), 1e-6
 
     def residuals(unknowns: np.ndarray) -> np.ndarray:
@@ -163,12 +163,12 @@ def test_the_passes_end_at_the_minimum_that_an_optimiser_finds(monkeypatch: pyte
     exact: Any = jacobian  # scipy has no types, and its default is a string
     best = least_squares(residuals, start, exact, x_scale="jac", xtol=1e-12, ftol=1e-14, gtol=1e-10, max_nfev=40)
     position, velocity, rotation = (part[0] for part in rolled(z, nominal, setting, best.x[None])[0])
-    np.testing.assert_allclose(found.track.position, position, atol=1e-5)
-    np.testing.assert_allclose(found.track.velocity, velocity, atol=1e-5)
-    np.testing.assert_allclose(found.track.rotation, rotation, atol=1e-5)
+    np.testing.assert_allclose(smoothed.track.position, position, atol=1e-5)
+    np.testing.assert_allclose(smoothed.track.velocity, velocity, atol=1e-5)
+    np.testing.assert_allclose(smoothed.track.rotation, rotation, atol=1e-5)
     m = np.array(setting.world.magnetic)
     along = (np.einsum("kij,kj,i->k", rotation, z.mag, m) - 1) / fine.mag  # of the magnetometer, which tells nothing
-    assert found.passes[-1].cost * 3 * len(z.time) == pytest.approx(2 * best.cost - along @ along, rel=1e-6)
+    assert smoothed.passes[-1].cost * 3 * len(z.time) == pytest.approx(2 * best.cost - along @ along, rel=1e-6)
 
 
 def rolled(z: Measurements, nominal: Track, setting: ObserverConfig, unknowns: np.ndarray) -> tuple[tuple, np.ndarray]:
@@ -199,15 +199,15 @@ def test_it_is_within_25_millimetres_on_the_papers_paths(name: str):
     for seed in range(10):
         scene = records.scene(name, duration=20.0, seed=seed)
         before = scene.observe()
-        found = refined(scene.measurements, before, scene.setting())
-        assert found.summary.startswith("converged after")
-        assert found.fit == pytest.approx(1, abs=0.06)
-        errors = body_errors(scene, found.track)
+        refinement = refined(scene.measurements, before, scene.setting())
+        assert refinement.summary.startswith("converged after")
+        assert refinement.fit == pytest.approx(1, abs=0.06)
+        errors = body_errors(scene, refinement.track)
         assert rms(errors.position) < rms(scene.errors(before).position)
         positions.append(rms(errors.position))
         attitudes.append(np.degrees(rms(errors.attitude)))
-        off = found.track.position - scene.truth.motion.position
-        weighted = np.linalg.solve(found.track.covariance[:, :3, :3], off[..., None])[..., 0]
+        off = refinement.track.position - scene.truth.motion.position
+        weighted = np.linalg.solve(refinement.track.covariance[:, :3, :3], off[..., None])[..., 0]
         ratios.append(np.mean(np.sum(off * weighted, axis=-1)) / 3)
     assert np.median(positions) < 0.025
     assert np.median(attitudes) < 0.2
@@ -230,10 +230,10 @@ def test_slow_irregular_and_missing_samples_do_not_stop_it(range_rate: float, ma
     gone = np.random.default_rng(1).random(len(scene.measurements.range)) < lost
     z = records.without_ranges(scene.measurements, gone)
     scene = dataclasses.replace(scene, measurements=z)
-    found = refined(z, scene.observe(), scene.setting())
-    assert found.summary.startswith("converged after")
-    assert rms(body_errors(scene, found.track).position) < 0.1
-    assert np.isfinite(found.track.innovation).all()
+    refinement = refined(z, scene.observe(), scene.setting())
+    assert refinement.summary.startswith("converged after")
+    assert rms(body_errors(scene, refinement.track).position) < 0.1
+    assert np.isfinite(refinement.track.innovation).all()
 
 
 def test_residuals_have_the_variance_that_is_claimed():
@@ -247,26 +247,26 @@ def test_a_wrong_minimum_is_said():
     """Two records of one motion mixed: no trajectory fits, and the residuals of the ranges tell."""
     scene = records.scene("lissajous", duration=10.0)
     other = dataclasses.replace(scene.measurements, range=scene.measurements.range[::-1] + 0.5)
-    found = refine.smooth(other, from_truth(scene), scene.setting())
-    assert found.fit > refine.WORST_FIT
-    assert ("off by" in found.summary) or found.summary.startswith(("stopped after", "diverged"))
+    smoothed = refine.smooth(other, from_truth(scene), scene.setting())
+    assert smoothed.fit > refine.WORST_FIT
+    assert ("off by" in smoothed.summary) or smoothed.summary.startswith(("stopped after", "diverged"))
 
 
 def test_a_start_that_is_no_number_is_a_divergence_said():
     scene = records.scene("lissajous", duration=1.0)
     nominal = from_truth(scene)
     nowhere = dataclasses.replace(nominal, position=np.full_like(nominal.position, np.nan))
-    found = refine.smooth(scene.measurements, nowhere, scene.setting())
-    assert not found.converged
-    assert found.summary == "diverged: pass 1 is not finite"
+    smoothed = refine.smooth(scene.measurements, nowhere, scene.setting())
+    assert not smoothed.converged
+    assert smoothed.summary == "diverged: pass 1 is not finite"
 
 
 def test_too_few_passes_are_said(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(refine, "MAX_PASSES", 2)
     scene = records.scene("soft", duration=10.0)
-    found = refined(scene.measurements, scene.observe(Gains()), scene.setting())
-    assert not found.converged
-    assert found.summary.startswith("stopped after 2 passes: the last one still moved the position by")
+    refinement = refined(scene.measurements, scene.observe(Gains()), scene.setting())
+    assert not refinement.converged
+    assert refinement.summary.startswith("stopped after 2 passes: the last one still moved the position by")
 
 
 def test_nominal_and_measurements_are_left_as_they_were():
@@ -299,9 +299,9 @@ def test_without_a_magnetometer_the_position_in_body_axes_is_refined_all_the_sam
     scene = records.scene("lissajous", duration=20.0)
     silent = dataclasses.replace(scene.measurements, mag=np.full_like(scene.measurements.mag, np.nan))
     scene = dataclasses.replace(scene, measurements=silent)
-    found = refined(silent, scene.observe(), scene.setting())
-    assert found.summary.startswith("converged after")
-    assert rms(body_errors(scene, found.track).position) < 0.05
+    refinement = refined(silent, scene.observe(), scene.setting())
+    assert refinement.summary.startswith("converged after")
+    assert rms(body_errors(scene, refinement.track).position) < 0.05
 
 
 def test_a_record_without_ranges_is_refused():
@@ -329,9 +329,9 @@ def test_from_random_starts_it_follows_the_cascade():
         p, v = (turn @ state[block] + 3 * rng.standard_normal(3) for block in (slice(4, 7), slice(7, 10)))
         start = Start(state=model.lift(p, v, turn @ state[10:]), rotation=scene.truth.motion.rotation[0] @ turn.T)
         estimate = cascade.observe(scene.measurements, start, scene.setting())
-        found = refined(scene.measurements, estimate, scene.setting())
-        assert found.summary.startswith("converged after")
-        assert rms(body_errors(scene, found.track).position) < 0.05
+        computed = refined(scene.measurements, estimate, scene.setting())
+        assert computed.summary.startswith("converged after")
+        assert rms(body_errors(scene, computed.track).position) < 0.05
 
 
 def test_a_minimum_that_fits_less_well_than_chance_is_left_for_the_true_one():
@@ -344,15 +344,15 @@ def test_a_minimum_that_fits_less_well_than_chance_is_left_for_the_true_one():
         setting = ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         for seed in seeds:
             run = record.run_seed(p, seed)
-            found = refined(run.measurements, run.estimate, setting)
-            assert rms(np.linalg.norm(found.track.position - run.truth.motion.position, axis=1)) < 0.08
-            assert found.fit == pytest.approx(1.0, abs=refine.POOR / np.sqrt(2 * len(run.measurements.range)))
-            if found.starts == 1:
+            refinement = refined(run.measurements, run.estimate, setting)
+            assert rms(np.linalg.norm(refinement.track.position - run.truth.motion.position, axis=1)) < 0.08
+            assert refinement.fit == pytest.approx(1.0, abs=refine.POOR / np.sqrt(2 * len(run.measurements.range)))
+            if refinement.starts == 1:
                 continue
             first = refine.smooth(
                 run.measurements, refine.start_trajectory(run.measurements, run.estimate, setting), setting
             )
-            assert first.fit > found.fit
-            assert found.summary.endswith(f"passes, the best of {found.starts} starts")
+            assert first.fit > refinement.fit
+            assert refinement.summary.endswith(f"passes, the best of {refinement.starts} starts")
             helped += 1
     assert helped > 0

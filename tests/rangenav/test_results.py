@@ -45,11 +45,11 @@ def test_shapes_spans_units_and_what_is_missing_stand_for_the_numbers():
 
 
 def test_a_result_is_frozen_and_compared_by_identity():
-    found = curve()
-    assert found == found
-    assert found != dataclasses.replace(found)
+    computed = curve()
+    assert computed == computed
+    assert computed != dataclasses.replace(computed)
     with pytest.raises(dataclasses.FrozenInstanceError):
-        found.mu = 1.0  # pyright: ignore[reportAttributeAccessIssue]
+        computed.mu = 1.0  # pyright: ignore[reportAttributeAccessIssue]
 
 
 @pytest.mark.parametrize("field", [np.zeros(0), np.full(3, np.nan), np.array(["a", "b"])])
@@ -60,9 +60,9 @@ def test_arrays_without_a_finite_number_print_too(field):
 def test_every_result_of_a_run_is_at_most_a_dozen_lines_that_fit_a_terminal():
     run = record.run(SHORT)
     config = cascade.ObserverConfig(world=SHORT.world, sensors=SHORT.sensors, gains=SHORT.gains)
-    found = analysis.analyse(SHORT)
+    analysed = analysis.analyse(SHORT)
     results = [
-        run, run.truth, run.truth.motion, run.measurements, run.estimate, run.errors, found, found.windows,
+        run, run.truth, run.truth.motion, run.measurements, run.estimate, run.errors, analysed, analysed.windows,
         refine.refine(run.measurements, run.estimate, config), ensemble.seeds(SHORT, 2),
     ]  # fmt: skip
     for one in results:

@@ -66,10 +66,10 @@ def test_exp_is_orthogonal_with_determinant_one(w):
 @pytest.mark.parametrize("unit", UNITS)
 def test_exp_keeps_machine_precision_on_both_sides_of_the_series(unit, angle):
     w, R = exact(unit, angle)
-    found = so3.exp(w)
-    np.testing.assert_allclose(found, R, rtol=0, atol=2 * EPS)  # two roundings of entries near one
+    computed = so3.exp(w)
+    np.testing.assert_allclose(computed, R, rtol=0, atol=2 * EPS)  # two roundings of entries near one
     np.testing.assert_allclose(
-        so3.vee(found), so3.vee(R), rtol=0, atol=4 * EPS * angle
+        so3.vee(computed), so3.vee(R), rtol=0, atol=4 * EPS * angle
     )  # and relative for the small part
 
 
@@ -86,11 +86,11 @@ def test_log_keeps_machine_precision_on_both_sides_of_the_series(unit, angle):
 @pytest.mark.parametrize("unit", UNITS)
 def test_log_keeps_machine_precision_up_to_half_a_turn(unit, short):
     w, R = exact(unit, np.pi - short)
-    found = so3.log(R)
+    computed = so3.log(R)
     if short < 1e-7:  # the sign of the axis is then written in entries of the size of rounding
-        found = found * np.sign(found @ w)
+        computed = computed * np.sign(computed @ w)
     # entries of R carry eps; the switch at π − 0.1 is where the fading skew part has lost a factor of ten
-    np.testing.assert_allclose(found, w, rtol=0, atol=20 * np.pi * EPS)
+    np.testing.assert_allclose(computed, w, rtol=0, atol=20 * np.pi * EPS)
 
 
 @given(turns)

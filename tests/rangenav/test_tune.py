@@ -39,18 +39,18 @@ SHORT = shortened("paper", 6.0)
 @pytest.mark.parametrize("gains", [Gains(), BAD, Gains(mode="noise-matched", attitude=SCHEDULED)])
 def test_the_training_objective_never_rises(gains):
     for weight in (0.0, 0.5, 1.0):
-        found = tune.tune(shortened("paper", 4.0, gains), runs=2, evaluations=12, steadiness=weight)
-        assert found.before.gains == gains
-        assert found.after.objective(weight) <= found.before.objective(weight)
-        assert found.after.objective(weight) == min(point.objective(weight) for point in found.points)
+        tuned = tune.tune(shortened("paper", 4.0, gains), runs=2, evaluations=12, steadiness=weight)
+        assert tuned.before.gains == gains
+        assert tuned.after.objective(weight) <= tuned.before.objective(weight)
+        assert tuned.after.objective(weight) == min(point.objective(weight) for point in tuned.points)
 
 
 def test_from_bad_gains_it_finds_ones_that_are_good_on_seeds_it_has_not_seen():
-    found = tune.tune(shortened("paper", 6.0, BAD), runs=3, evaluations=150)
-    assert found.held_out_before.settled == 0
-    assert found.held_out_after.settled == 1
-    assert found.held_out_after.steady_position < found.held_out_before.steady_position / 3
-    assert found.starts_after > found.starts_before
+    tuned = tune.tune(shortened("paper", 6.0, BAD), runs=3, evaluations=150)
+    assert tuned.held_out_before.settled == 0
+    assert tuned.held_out_after.settled == 1
+    assert tuned.held_out_after.steady_position < tuned.held_out_before.steady_position / 3
+    assert tuned.starts_after > tuned.starts_before
 
 
 def test_steadiness_buys_exactness_with_time():
@@ -67,31 +67,31 @@ def test_two_searches_are_equal():
 
 def test_what_a_point_says_is_what_the_runs_say():
     """One seed, the preset's own start and default gains: settling and steady errors of its summary."""
-    found = tune.tune(SHORT, runs=1, evaluations=1)
-    for point, seed in ((found.held_out_before, SHORT.seed), (found.before, SHORT.seed + tune.TRAINING_OFFSET)):
+    tuned = tune.tune(SHORT, runs=1, evaluations=1)
+    for point, seed in ((tuned.held_out_before, SHORT.seed), (tuned.before, SHORT.seed + tune.TRAINING_OFFSET)):
         summary = record.run_seed(SHORT, seed).summary
         assert point.settle_position == pytest.approx(summary.settle_position_s, rel=1e-12)
         assert point.settle_attitude == pytest.approx(summary.settle_attitude_s, rel=1e-12)
         assert point.steady_position == pytest.approx(summary.steady_position, rel=1e-12)
         assert math.degrees(point.steady_attitude) == pytest.approx(summary.steady_attitude_deg, rel=1e-9)
         assert point.settled == 1.0
-    assert found.after == found.before
-    assert found.points == (found.before,)
+    assert tuned.after == tuned.before
+    assert tuned.points == (tuned.before,)
 
 
 def test_all_but_the_first_seed_start_about_an_axis_of_their_own():
     """About the presets' own axis the magnetometer alone is enough, so a blind gravity would look good."""
     deaf = replace(SHORT.gains, attitude=AttitudeGains(k1=4.0, rho2=1e-6))
-    found = tune.tune(replace(SHORT, gains=deaf), runs=1, evaluations=1).held_out_before
-    assert found.settled == 1
+    tuned = tune.tune(replace(SHORT, gains=deaf), runs=1, evaluations=1).held_out_before
+    assert tuned.settled == 1
     assert tune.tune(replace(SHORT, gains=deaf), runs=8, evaluations=1).held_out_before.settled < 0.5
 
 
 def test_a_run_that_never_settles_counts_as_twice_the_duration_and_numbers_stay_finite():
-    found = tune.tune(shortened("hover", 4.0), runs=2, evaluations=5)
-    assert found.before.settle_position == pytest.approx(8.0)
-    assert found.before.settled == 0
-    for point in found.points:
+    tuned = tune.tune(shortened("hover", 4.0), runs=2, evaluations=5)
+    assert tuned.before.settle_position == pytest.approx(8.0)
+    assert tuned.before.settled == 0
+    for point in tuned.points:
         assert math.isfinite(point.objective(0.5))
     known = replace(SHORT, guess=Guess(state="truth"))
     assert tune.tune(known, runs=1, evaluations=1).before.settle_attitude == pytest.approx(tradeoff.SOONEST)
@@ -137,16 +137,16 @@ def test_the_front_is_what_no_other_point_beats_in_both(seen):
 
 
 def test_the_chosen_gains_are_on_the_front_of_what_was_weighed():
-    found = tune.tune(SHORT, runs=2, evaluations=40)
-    on_front = tradeoff.front(found.points, "settle", "steady")
-    assert found.after.objective(0.5) == min(point.objective(0.5) for point in on_front)
+    tuned = tune.tune(SHORT, runs=2, evaluations=40)
+    on_front = tradeoff.front(tuned.points, "settle", "steady")
+    assert tuned.after.objective(0.5) == min(point.objective(0.5) for point in on_front)
 
 
 def test_evaluations_are_counted_and_progress_ends_at_one():
     for count in (1, 2, 7, 33):
         seen = []
-        found = tune.tune(shortened("paper", 1.0), runs=1, evaluations=count, progress=seen.append)
-        assert len(found.points) == count
+        tuned = tune.tune(shortened("paper", 1.0), runs=1, evaluations=count, progress=seen.append)
+        assert len(tuned.points) == count
         np.testing.assert_allclose(seen, np.arange(1, count + 1) / count)
 
 

@@ -56,7 +56,7 @@ def flying(path: Signal, *, anchor: tuple = (0.0, 0.0, 0.0), base: Preset = CIRC
     return replace(base, path=path, world=replace(base.world, anchor=anchor))
 
 
-def found(p: Preset, **chosen) -> Twin:
+def twin_of(p: Preset, **chosen) -> Twin:
     answer = twin(p, **chosen)
     assert isinstance(answer, Twin), answer
     return answer
@@ -82,7 +82,7 @@ def test_every_shipped_preset_has_its_twin_or_its_reason(name: str):
 @pytest.mark.parametrize("name", [name for name, kind in KINDS.items() if kind in ("turned", "mirrored")])
 def test_a_twin_flown_through_the_simulator_gives_the_same_imu_record_and_the_same_range(name: str):
     p = preset.load(name)
-    other = found(p)
+    other = twin_of(p)
     true, false = recorded(p), recorded(replace(p, path=other.path))
     for sensor in ("gyro", "accel", "mag", "range"):
         np.testing.assert_allclose(getattr(false, sensor), getattr(true, sensor), atol=EXACT, rtol=0)
@@ -112,7 +112,7 @@ def test_whatever_the_tolerance_a_twin_keeps_it_on_moments_it_did_not_look_at(to
 def test_a_hover_has_a_twin_wherever_it_is_turned_to_about_the_anchor(place: tuple, turn: tuple):
     p = flying(Multisine(offset=place), anchor=(0.3, -0.2, 0.1), base=HOVER)
     q = np.asarray(place) - p.world.anchor
-    other = found(p, turn=turn)
+    other = twin_of(p, turn=turn)
     expected = np.asarray(p.world.anchor) + Rotation.from_rotvec(turn).apply(q)
     np.testing.assert_allclose(other.path(np.array([0.0, 7.0, 20.0])), [expected] * 3, atol=EXACT)
     assert other.mismatch < EXACT
@@ -123,7 +123,7 @@ def test_a_hover_has_a_twin_wherever_it_is_turned_to_about_the_anchor(place: tup
 @given(start=points, velocity=points, turn=turns)
 def test_a_twin_of_a_line_keeps_the_three_numbers_that_its_range_knows(start: tuple, velocity: tuple, turn: tuple):
     """d² = |p₀|² + 2 p₀·v t + |v|² t²."""
-    other = found(flying(Multisine(offset=start, drift=velocity), base=LINE), turn=turn)
+    other = twin_of(flying(Multisine(offset=start, drift=velocity), base=LINE), turn=turn)
     p, v = other.path(np.zeros(())), other.path(np.zeros(()), 1)
     true = [np.dot(start, start), np.dot(start, velocity), np.dot(velocity, velocity)]
     np.testing.assert_allclose([p @ p, p @ v, v @ v], true, atol=1e-9)
@@ -148,7 +148,7 @@ def test_a_planar_path_whose_anchor_is_off_its_plane_has_its_mirror_image(
     normal = orientation.as_matrix()[:, 2]
     path = replace(circle(radius, w, phase, orientation), drift=tuple((climb * normal).tolist()))
     p = flying(path, anchor=tuple((-height * normal).tolist()))
-    other = found(p)
+    other = twin_of(p)
     assert other.kind == "mirrored"
     assert other.mismatch < EXACT
     assert other.nearest == pytest.approx(2 * height, abs=1e-6)
@@ -191,7 +191,7 @@ def test_a_mirror_image_too_near_to_be_evil_is_told_and_refused():
     answer = refused(flying(CIRCLE.path, anchor=(0.2, 0.1, 0.2)))
     assert answer.kind == "too near"
     assert "the mirror image in the plane through the anchor with normal z: 0.4 m away throughout" in answer.reason
-    assert found(flying(CIRCLE.path, anchor=(0.2, 0.1, 0.2)), apart=0.3).nearest == pytest.approx(0.4)
+    assert twin_of(flying(CIRCLE.path, anchor=(0.2, 0.1, 0.2)), apart=0.3).nearest == pytest.approx(0.4)
 
 
 def test_a_hover_at_its_anchor_and_a_line_of_motion_through_it_have_none():
@@ -203,12 +203,12 @@ def test_a_hover_at_its_anchor_and_a_line_of_motion_through_it_have_none():
 
 def test_motion_along_a_line_may_be_turned_about_that_line_only():
     p = flying(Multisine(tones=(Tone(axis="x", amplitude=1.0, frequency=2.0),), offset=(0.0, 2.0, 0.0)))
-    other = found(p, turn=(0.4, 0.5, 0.6))
+    other = twin_of(p, turn=(0.4, 0.5, 0.6))
     assert other.axis is not None
     np.testing.assert_allclose(np.abs(other.axis), [1.0, 0.0, 0.0], atol=1e-12)
     np.testing.assert_allclose(other.turn, [0.4, 0.0, 0.0], atol=1e-12)
     assert other.mismatch < EXACT
-    assert found(p).nearest == pytest.approx(2 * math.sqrt(2))
+    assert twin_of(p).nearest == pytest.approx(2 * math.sqrt(2))
 
 
 def test_planar_waypoints_and_formulas_have_mirror_images_like_any_planar_path():
@@ -216,7 +216,7 @@ def test_planar_waypoints_and_formulas_have_mirror_images_like_any_planar_path()
     points = tuple(Waypoint(time=5.0 * k, value=(x, y, -1.0)) for k, (x, y) in enumerate(square))
     formula = Formula(x="t/10 + sin(t)", y="cos(t)**2", z="0", offset=(0.0, 0.0, 2.0))
     for path in (Waypoints(points=points), MinimumSnap(points=points), formula):
-        other = found(flying(path))
+        other = twin_of(flying(path))
         assert other.kind == "mirrored"
         assert other.mismatch < EXACT
 
@@ -226,22 +226,22 @@ def test_planar_waypoints_and_formulas_have_mirror_images_like_any_planar_path()
 def test_dragging_brings_a_twin_as_near_to_the_pointer_as_any_allowed_turn_does(target: tuple, time: float):
     lengthwise = Multisine(tones=(Tone(axis="x", amplitude=1.0, frequency=2.0),), offset=(0.0, 2.0, 0.0))
     for p in (HOVER, LINE, flying(lengthwise)):
-        other = found(p, turn=turn_towards(p, target, time=time))
+        other = twin_of(p, turn=turn_towards(p, target, time=time))
         reached = np.linalg.norm(other.path(np.array(time)) - target)
         if len(symmetry.unaccelerated(p.path, p.duration)) == 3:
             q = p.path(np.array(time)) - np.asarray(p.world.anchor)
             aim = np.asarray(target) - p.world.anchor
             assert reached == pytest.approx(abs(np.linalg.norm(aim) - np.linalg.norm(q)), abs=1e-6)
         else:
-            others = [found(p, turn=(a, 0.0, 0.0)).path(np.array(time)) for a in np.linspace(0, 2 * math.pi, 25)]
+            others = [twin_of(p, turn=(a, 0.0, 0.0)).path(np.array(time)) for a in np.linspace(0, 2 * math.pi, 25)]
             assert reached <= min(np.linalg.norm(place - target) for place in others) + 1e-9
 
 
 def test_what_has_no_family_is_not_dragged():
     assert turn_towards(CIRCLE, (1.0, 2.0, 3.0), time=0.0) == (0.0, 0.0, 0.0)
-    assert not found(CIRCLE).draggable
-    assert found(CIRCLE, turn=(1.0, 2.0, 3.0)).turn == (0.0, 0.0, 0.0)
-    assert found(HOVER).draggable
+    assert not twin_of(CIRCLE).draggable
+    assert twin_of(CIRCLE, turn=(1.0, 2.0, 3.0)).turn == (0.0, 0.0, 0.0)
+    assert twin_of(HOVER).draggable
 
 
 def test_a_twin_beyond_the_numbers_a_path_may_have_is_refused_and_no_error():
@@ -268,7 +268,7 @@ def test_senseless_wishes_are_refused_in_one_sentence(chosen: dict, sentence: st
 def test_a_lever_arm_that_is_left_out_is_told():
     sensors = replace(HOVER.sensors, unmodelled=replace(HOVER.sensors.unmodelled, lever_arm=(0.0, 0.3, 0.4)))
     note = "; so it is for an antenna at the body's origin, and here a lever arm of 0.5 m is left out"
-    assert found(replace(HOVER, sensors=sensors)).summary == found(HOVER).summary + note
+    assert twin_of(replace(HOVER, sensors=sensors)).summary == twin_of(HOVER).summary + note
     paper = preset.load("paper")
     assert refused(replace(paper, sensors=sensors)).reason == refused(paper).reason + note
 

@@ -40,7 +40,7 @@ def test_demands_of_a_circle_are_those_of_the_textbook(w, radius):
     moved, world = circling(w, radius)
     asked = vehicle.demands(moved, world=world)
     centripetal = radius * w**2
-    for found, expected in [
+    for computed, expected in [
         (asked.speed, radius * w),
         (asked.acceleration, centripetal),
         (asked.jerk, radius * w**3),
@@ -50,7 +50,7 @@ def test_demands_of_a_circle_are_those_of_the_textbook(w, radius):
         (asked.height, 2.0),  # z points down
         (asked.anchor_distance, math.hypot(radius, 3.5)),
     ]:
-        np.testing.assert_allclose(found, expected, rtol=1e-9)
+        np.testing.assert_allclose(computed, expected, rtol=1e-9)
 
 
 def test_demands_agree_with_the_limits_of_a_motion():
@@ -78,23 +78,23 @@ def test_thrust_keeps_35_percent_in_hand():
     moved, world = circling(2.0)
     enough, little = (Vehicle(name="v", thrust_to_weight=needed * 1.35 * share) for share in (1.001, 0.999))
     assert vehicle.broken(moved, enough, world=world) == ()
-    (found,) = vehicle.broken(moved, little, world=world)
-    assert found.reached == pytest.approx(needed)
-    assert "35% kept in hand" in found.summary
-    assert found.where.all()
+    (breaks,) = vehicle.broken(moved, little, world=world)
+    assert breaks.reached == pytest.approx(needed)
+    assert "35% kept in hand" in breaks.summary
+    assert breaks.where.all()
 
 
 def test_where_a_limit_breaks_and_when_it_is_worst_are_told():
     path = Multisine(tones=(Tone(axis="x", amplitude=2.0, frequency=math.pi / 2),))
     moved = motion.simulate(path, Multisine(), world=World(), initial_rotation=(0, 0, 0), duration=4.0, rate=100.0)
     slow = Vehicle(name="slow", speed=2.0, anchor_distance_min=0.5)
-    found = {one.limit: one for one in vehicle.broken(moved, slow, world=World())}
-    assert set(found) == {"speed", "anchor_distance_min"}
-    assert found["speed"].reached == pytest.approx(math.pi)
-    assert found["speed"].at in (0.0, 2.0, 4.0)
-    np.testing.assert_array_equal(found["speed"].where, np.abs(np.cos(math.pi / 2 * moved.time)) * math.pi > 2)
-    assert found["anchor_distance_min"].at in (0.0, 2.0, 4.0)
-    assert found["speed"].summary == f"speed 3.14 m/s at t = {found['speed'].at:.2f} s, above the most allowed, 2"
+    breaks = {one.limit: one for one in vehicle.broken(moved, slow, world=World())}
+    assert set(breaks) == {"speed", "anchor_distance_min"}
+    assert breaks["speed"].reached == pytest.approx(math.pi)
+    assert breaks["speed"].at in (0.0, 2.0, 4.0)
+    np.testing.assert_array_equal(breaks["speed"].where, np.abs(np.cos(math.pi / 2 * moved.time)) * math.pi > 2)
+    assert breaks["anchor_distance_min"].at in (0.0, 2.0, 4.0)
+    assert breaks["speed"].summary == f"speed 3.14 m/s at t = {breaks['speed'].at:.2f} s, above the most allowed, 2"
 
 
 def test_floor_and_ceiling_follow_gravity():

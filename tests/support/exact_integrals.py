@@ -123,9 +123,9 @@ def _table(curve: Curve) -> tuple[list[Real], list[list[Polynomial]]]:
     if isinstance(curve, Polynomials):
         knots = [mp.mpf(float(t)) for t in np.concatenate([[0.0], np.cumsum([p.duration for p in curve.pieces])])]
         return knots, [[[mp.mpf(c) for c in axis] for axis in (p.x, p.y, p.z)] for p in curve.pieces]
-    found = curve.piecewise()
-    table = found.tables[0].transpose(1, 2, 0)
-    return [mp.mpf(float(t)) for t in found.knots], [[[mp.mpf(float(c)) for c in axis] for axis in p] for p in table]
+    pieces = curve.piecewise()
+    table = pieces.tables[0].transpose(1, 2, 0)
+    return [mp.mpf(float(t)) for t in pieces.knots], [[[mp.mpf(float(c)) for c in axis] for axis in p] for p in table]
 
 
 def _eigenvalues(rows: list[tuple[list[Polynomial], Real]], size: int) -> np.ndarray:

@@ -188,7 +188,7 @@ def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp
     (tmp_path / "mine.toml").write_bytes(preset_file.document(settings))
     lines = python_lines(settings, "mine.toml")
     assert len(lines.splitlines()) <= 6
-    ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), found.mu, found.verdict.word"
+    ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), result.mu, result.verdict.word"
     ask += ", printed.tolist()]))" if "printed =" in lines else "]))"
     ran = subprocess.run(
         [sys.executable, "-c", lines + ask], cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True

@@ -42,8 +42,8 @@ def stored(name: str) -> Certificate:
     return encoding.loads(certificate.path_for(preset.find(name)).read_bytes(), source=name)
 
 
-def check(found: Certificate, name: str) -> schema.Check:
-    (one,) = [one for one in found.checks if one.name == name]
+def check(issued: Certificate, name: str) -> schema.Check:
+    (one,) = [one for one in issued.checks if one.name == name]
     return one
 
 
@@ -57,35 +57,35 @@ def test_every_shipped_certificate_is_whole_and_says_what_the_analysis_says(name
     text = certificate.path_for(preset.find(name)).read_text(encoding="utf-8")
     said = json.loads(text, parse_constant=pytest.fail)
     assert nulls_without_reason(said) == []
-    found, p = analysis.analyse(preset.load(name)), preset.load(name)
+    analysed, p = analysis.analyse(preset.load(name)), preset.load(name)
     assert said["certified"]
-    assert (said["expect"], said["verdict"], said["rank"]["rank"]) == (p.expect, found.verdict.word, found.rank)
-    assert said["rank"]["nonlinear"] == found.nonlinear_rank
+    assert (said["expect"], said["verdict"], said["rank"]["rank"]) == (p.expect, analysed.verdict.word, analysed.rank)
+    assert said["rank"]["nonlinear"] == analysed.nonlinear_rank
     sigma = said["accuracy"]["lifted"]["end"]["position"]
-    if math.isfinite(found.lifted_end.position):
-        assert sigma == pytest.approx(found.lifted_end.position, rel=0.05)  # each on the worst of its own windows
+    if math.isfinite(analysed.lifted_end.position):
+        assert sigma == pytest.approx(analysed.lifted_end.position, rel=0.05)  # each on the worst of its own windows
     else:
         assert sigma is None
     if said["excitation"]["found"] is not None:
-        assert said["excitation"]["found"] == pytest.approx(found.mu, rel=0.02)
+        assert said["excitation"]["found"] == pytest.approx(analysed.mu, rel=0.02)
         assert 0.98 * said["excitation"]["found"] <= said["excitation"]["lower"]
     assert said["claim"]["starts"].startswith("every t >= 0") == (p.path.period is not None)
 
 
 def test_the_flight_ready_presets_can_be_flown_with_margin_in_a_bounded_box():
     for name in ("barrel", "trefoil", "torus", "eight-repaired"):
-        p, found = preset.load(name), stored(name)
+        p, issued = preset.load(name), stored(name)
         assert isinstance(p.angular_velocity, Flown)
-        assert (found.meets, found.vehicle.flyable) == (True, True)
-        assert found.accuracy.lifted.end.position is not None
-        assert found.accuracy.lifted.end.position < 0.15
+        assert (issued.meets, issued.vehicle.flyable) == (True, True)
+        assert issued.accuracy.lifted.end.position is not None
+        assert issued.accuracy.lifted.end.position < 0.15
         assert p.requirement.window <= 20.0
         assert p.vehicle.thrust_to_weight is not None
-        assert found.limits.thrust_to_weight * 1.35 <= p.vehicle.thrust_to_weight
+        assert issued.limits.thrust_to_weight * 1.35 <= p.vehicle.thrust_to_weight
         assert p.vehicle.height_min is not None
-        assert found.limits.height_min > p.vehicle.height_min
-        assert found.limits.height_max < 3.0
-        assert found.frame.up == ("+z" if p.world.gravity[2] < 0 else "-z")
+        assert issued.limits.height_min > p.vehicle.height_min
+        assert issued.limits.height_max < 3.0
+        assert issued.frame.up == ("+z" if p.world.gravity[2] < 0 else "-z")
         moved = motion.simulate(
             p.path, p.angular_velocity, world=p.world, initial_rotation=(0, 0, 0), duration=p.duration, rate=50.0
         )
@@ -161,8 +161,8 @@ def place(value: Any, path: tuple) -> Any:
 def test_every_claim_that_is_changed_is_noticed(name: str):
     """A number made 5% larger (or 5% of a unit), a flag turned, a word added: every place but who computed it."""
     content = preset.find(name).read_bytes()
-    found = certificate.certify(content, source=name)
-    whole = encoding.to_builtins(found)
+    issued = certificate.certify(content, source=name)
+    whole = encoding.to_builtins(issued)
     loose = {("excitation", "floor"), ("excitation", "starts")}  # allowances, not claims
     for where in leaves(whole):
         if where[0] == "tool" or where in loose:
@@ -180,7 +180,7 @@ def test_every_claim_that_is_changed_is_noticed(name: str):
             changed = [*value, "words"] if isinstance(value, list) else value + " and more"
         text = json.dumps(put(whole, where, changed)).encode()
         try:
-            wrong = certificate.differences(encoding.loads(text, source=name), found)
+            wrong = certificate.differences(encoding.loads(text, source=name), issued)
         except ValueError:
             continue  # not even read
         assert wrong, where
@@ -251,11 +251,11 @@ def test_expectations_are_held_against_what_is_found():
 
 def test_an_unobservable_motion_is_proven_so_for_every_window_where_that_can_be_had():
     for name in ("circle", "tilted-circle", "vertical-circle", "paper-implied", "figure-eight", "hover", "helix"):
-        found = stored(name)
-        assert check(found, "excitation").proven
-        assert found.excitation.upper_everywhere is not None
-        assert found.excitation.upper_everywhere < 1e-6
-        assert found.claim.starts == "every t >= 0"
+        issued = stored(name)
+        assert check(issued, "excitation").proven
+        assert issued.excitation.upper_everywhere is not None
+        assert issued.excitation.upper_everywhere < 1e-6
+        assert issued.claim.starts == "every t >= 0"
     snap = stored("minimum-snap")  # excited, by a bound, and of rank 10 all the same
     assert (check(snap, "excitation").met, check(snap, "excitation").proven, snap.rank.rank) == (True, True, 10)
 
@@ -272,61 +272,61 @@ def test_a_window_inside_one_piece_of_degree_7_has_at_most_rank_10():
 def test_where_nothing_is_bounded_the_certificate_says_null_and_why():
     kinked = "sin(2*t) + 1e-9*((t - 3.0001)**2 + 1e-12)**2.5"  # smooth, but within a micrometre of a kink
     path = Formula(x=kinked, y="cos(3*t)", z="0.5*sin(5*t)")
-    found = certified(replace(SOFT, path=path))
-    assert (found.excitation.lower, found.excitation.upper) == (None, None)
-    assert "nothing is known to bound" in str(found.excitation.reason)
-    assert not check(found, "excitation").proven
-    assert check(found, "excitation").met
-    assert nulls_without_reason(encoding.to_builtins(found)) == []
+    issued = certified(replace(SOFT, path=path))
+    assert (issued.excitation.lower, issued.excitation.upper) == (None, None)
+    assert "nothing is known to bound" in str(issued.excitation.reason)
+    assert not check(issued, "excitation").proven
+    assert check(issued, "excitation").met
+    assert nulls_without_reason(encoding.to_builtins(issued)) == []
 
 
 def test_a_path_that_does_not_repeat_is_bounded_on_its_flight_and_says_so():
     tones = (*SOFT.path.tones, Tone(axis="x", amplitude=0.01, frequency=math.sqrt(5)))  # pyright: ignore
-    found = certified(replace(SOFT, path=Multisine(tones=tones)))
-    assert found.claim.starts == "every t in [0, duration - window]"
-    assert found.claim.reason == "not every t: the path does not repeat"
-    assert found.excitation.lower is not None
-    assert found.excitation.lower > 100
+    issued = certified(replace(SOFT, path=Multisine(tones=tones)))
+    assert issued.claim.starts == "every t in [0, duration - window]"
+    assert issued.claim.reason == "not every t: the path does not repeat"
+    assert issued.excitation.lower is not None
+    assert issued.excitation.lower > 100
 
 
 def test_a_period_too_long_to_bound_is_left_for_the_flight_and_that_is_said():
     """Frequencies in ratios of hundreds repeat after an hour: the bound holds on the flight, and no more is claimed."""
     ratios = (997 / 996, 991 / 990, 40.0)
     extra = tuple(Tone(axis="x", amplitude=1e-3, frequency=1.5 * ratio) for ratio in ratios)
-    found = certified(replace(SOFT, path=Multisine(tones=(*SOFT.path.tones, *extra))))  # pyright: ignore
-    assert found.claim.period is not None
-    assert found.claim.period > 1000
-    assert found.claim.starts == "every t in [0, duration - window]"
-    assert str(found.claim.reason).startswith("not every t: ")
-    assert found.meets
+    issued = certified(replace(SOFT, path=Multisine(tones=(*SOFT.path.tones, *extra))))  # pyright: ignore
+    assert issued.claim.period is not None
+    assert issued.claim.period > 1000
+    assert issued.claim.starts == "every t in [0, duration - window]"
+    assert str(issued.claim.reason).startswith("not every t: ")
+    assert issued.meets
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_a_path_of_any_family_is_certified_or_refused_with_reasons(name: str):
     p = replace(SOFT, path=EXAMPLES[name], duration=10.0, requirement=replace(SOFT.requirement, window=4.0))
-    found = certified(p)
-    assert nulls_without_reason(encoding.to_builtins(found)) == []
-    assert found.meets == (certificate.gate(found) is None)
-    assert found.certified == (not found.failures)
+    issued = certified(p)
+    assert nulls_without_reason(encoding.to_builtins(issued)) == []
+    assert issued.meets == (certificate.gate(issued) is None)
+    assert issued.certified == (not issued.failures)
 
 
 def test_a_jump_is_found_and_named():
     step = Piece(duration=5.0, x=(0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
     back = Piece(duration=5.0, x=(0.9, -0.2, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
-    found = certified(replace(SOFT, path=Polynomials(pieces=(step, back, step, back))))
-    assert found.jumps.position == pytest.approx(0.1)  # 1.0 → 0.9, and back −0.1 → 0
-    assert found.jumps.velocity == pytest.approx(0.4)
-    assert check(found, "smooth").words == "the position jumps by 0.1 m, which nothing can follow"
+    issued = certified(replace(SOFT, path=Polynomials(pieces=(step, back, step, back))))
+    assert issued.jumps.position == pytest.approx(0.1)  # 1.0 → 0.9, and back −0.1 → 0
+    assert issued.jumps.velocity == pytest.approx(0.4)
+    assert check(issued, "smooth").words == "the position jumps by 0.1 m, which nothing can follow"
     assert certified(replace(SOFT, path=EXAMPLES["waypoints"])).jumps.snap == 0.0
 
 
 def test_the_limits_are_those_of_the_textbook():
     """A circle of radius 1 at 2 rad/s: speed 2, acceleration 4, jerk 8, snap 16, leaning atan(4/9.81)."""
-    found = stored("circle").limits
-    assert (found.speed, found.acceleration, found.jerk, found.snap) == pytest.approx((2, 4, 8, 16), rel=1e-6)
-    assert found.thrust_to_weight == pytest.approx(math.hypot(1, 4 / 9.81), rel=1e-6)
-    assert found.tilt_deg == pytest.approx(math.degrees(math.atan2(4, 9.81)), rel=1e-6)
-    assert found.anchor_distance_min == pytest.approx(math.hypot(1, 1.5), rel=1e-6)
+    issued = stored("circle").limits
+    assert (issued.speed, issued.acceleration, issued.jerk, issued.snap) == pytest.approx((2, 4, 8, 16), rel=1e-6)
+    assert issued.thrust_to_weight == pytest.approx(math.hypot(1, 4 / 9.81), rel=1e-6)
+    assert issued.tilt_deg == pytest.approx(math.degrees(math.atan2(4, 9.81)), rel=1e-6)
+    assert issued.anchor_distance_min == pytest.approx(math.hypot(1, 1.5), rel=1e-6)
 
 
 def test_what_a_vehicle_cannot_do_is_refused_with_how_much_slower_it_would_go():
@@ -359,14 +359,14 @@ def test_the_gate_is_open_for_what_meets_its_requirement_whatever_was_expected()
 )
 def test_the_gate_names_direction_window_and_deficit_and_its_remedy_is_one(name: str):
     """Whoever does what the sentence says gets a motion that meets every requirement; with half of it not."""
-    p, found = preset.load(name), stored(name)
-    said = certificate.gate(found)
+    p, issued = preset.load(name), stored(name)
+    said = certificate.gate(issued)
     assert said is not None
     window = re.escape(f"the {p.requirement.window:g} s from t = 0 s")
     assert re.search(rf"the excitation along \S.* over {window} is nothing, [\d.e+]+ m²/s⁷ required", said)
     assert "rank is 1" in said
     size, frequency = map(float, re.findall(r"a tone of at least ([\d.]+) m at ([\d.]+) rad/s along", said)[0])
-    n = np.asarray(found.excitation.direction)
+    n = np.asarray(issued.excitation.direction)
 
     def helped(amplitude: float) -> Certificate:
         added = tuple(
@@ -402,9 +402,9 @@ def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by
     readers = {**certificate.READERS, "tones": tones_file}
     file = tmp_path / "three.tones"
     file.write_text("x 1.0 1.5\ny -0.4 2.25\nz 0.3 3.0\n")
-    found = certificate.certify(file.read_bytes(), source="three.tones", form="tones", context=SOFT, readers=readers)
-    assert found.excitation == SOFT_CERTIFICATE.excitation
-    certificate.path_for(file).write_bytes(certificate.dumps(found))
+    issued = certificate.certify(file.read_bytes(), source="three.tones", form="tones", context=SOFT, readers=readers)
+    assert issued.excitation == SOFT_CERTIFICATE.excitation
+    certificate.path_for(file).write_bytes(certificate.dumps(issued))
     assert certificate.verify_file(file, readers=readers) == ()
     assert certificate.verify_file(file) == ("three.tones: files of the format 'tones' cannot be certified",)
     file.write_text("x 1.0 1.5\ny -0.4 2.25\nz 0.3 3.1\n")
@@ -413,9 +413,9 @@ def test_a_file_that_holds_a_path_only_is_certified_with_its_context_and_read_by
 
 def test_a_sum_whose_wiggle_takes_no_tones_is_refused_without_a_remedy():
     path = Sum(base=Multisine(tones=FAST[:2]), wiggle=Formula(x="0.1*sin(t)"))
-    found = certified(replace(SOFT, path=path))
-    assert not found.meets
-    assert found.remedy is msgspec.UNSET
+    issued = certified(replace(SOFT, path=path))
+    assert not issued.meets
+    assert issued.remedy is msgspec.UNSET
 
 
 def test_a_number_beyond_all_floats_in_a_title_is_equal_to_itself():

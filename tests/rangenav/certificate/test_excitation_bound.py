@@ -77,14 +77,14 @@ def test_no_window_of_any_sines_lies_outside_the_bounds(path: Multisine, window:
     period = path.period
     assume(period)
     assert period is not None
-    found = excitation_bounds(path, window, period)
+    bounds = excitation_bounds(path, window, period)
     dense = least(path, np.linspace(0, 2 * period, 301) + 0.137, window)
     slack = 1e-12 * float(np.trace(excitation(path, 0.0, window)))  # of the closed form itself
-    assert found.lower <= dense.min() + slack
-    assert dense.max() <= found.upper_everywhere + slack
-    there = least(path, np.array([found.at]), window)[0]
-    assert abs(there - found.least) <= found.floor + slack
-    assert there <= found.upper + slack
+    assert bounds.lower <= dense.min() + slack
+    assert dense.max() <= bounds.upper_everywhere + slack
+    there = least(path, np.array([bounds.at]), window)[0]
+    assert abs(there - bounds.least) <= bounds.floor + slack
+    assert there <= bounds.upper + slack
 
 
 @settings(max_examples=15)
@@ -94,9 +94,9 @@ def test_the_lower_bound_gives_away_little(numbers: tuple, turns: float):
     sizes, phases, frequencies = numbers[:3], numbers[3:6], numbers[6][:3]
     made = zip(LETTERS, sizes, frequencies, phases, strict=True)
     path = Multisine(tones=tuple(Tone(axis=a, amplitude=size, frequency=w, phase=f) for a, size, w, f in made))
-    found = excitation_bounds(path, turns * 2 * math.pi / min(frequencies), path.period or 0.0)
-    if found.least > 1e4 * found.floor:
-        assert TIGHT * found.least <= found.lower <= found.least
+    bounds = excitation_bounds(path, turns * 2 * math.pi / min(frequencies), path.period or 0.0)
+    if bounds.least > 1e4 * bounds.floor:
+        assert TIGHT * bounds.least <= bounds.lower <= bounds.least
 
 
 def test_whole_turns_of_three_frequencies_excite_as_computed_by_hand():
@@ -109,10 +109,10 @@ def test_whole_turns_of_three_frequencies_excite_as_computed_by_hand():
         )
     )
     exact = math.pi * 1.0**2 * 1.0**8  # y has least: 0.25·256 and 0.0625·6561 are more
-    found = excitation_bounds(path, 2 * math.pi, 2 * math.pi)
-    assert TIGHT * exact <= found.lower <= exact <= found.upper
-    assert found.least == pytest.approx(exact, rel=1e-9)
-    np.testing.assert_allclose(found.direction, [0, 1, 0], atol=1e-9)
+    bounds = excitation_bounds(path, 2 * math.pi, 2 * math.pi)
+    assert TIGHT * exact <= bounds.lower <= exact <= bounds.upper
+    assert bounds.least == pytest.approx(exact, rel=1e-9)
+    np.testing.assert_allclose(bounds.direction, [0, 1, 0], atol=1e-9)
 
 
 def in_turn(snap: float) -> Polynomials:
@@ -130,10 +130,10 @@ def test_snap_that_jumps_is_excited_as_computed_by_hand(window: float, seconds: 
 
     For δ = 2 it happens at single moments only, which a grid that does not know the knots passes by.
     """
-    found = excitation_bounds(in_turn(6.0), window, 3.0)
-    assert found.least == pytest.approx(36.0 * seconds, abs=1e-8)
-    assert found.lower == pytest.approx(36.0 * seconds, abs=1e-8)
-    assert found.lower <= 36.0 * seconds <= found.upper
+    bounds = excitation_bounds(in_turn(6.0), window, 3.0)
+    assert bounds.least == pytest.approx(36.0 * seconds, abs=1e-8)
+    assert bounds.lower == pytest.approx(36.0 * seconds, abs=1e-8)
+    assert bounds.lower <= 36.0 * seconds <= bounds.upper
 
 
 def dense(path: Signal, window: float, end: float, knots: np.ndarray) -> np.ndarray:
@@ -156,12 +156,12 @@ def dense(path: Signal, window: float, end: float, knots: np.ndarray) -> np.ndar
 def test_every_family_is_bounded_below_and_above_its_dense_windows(name: str, window: float):
     path = EXAMPLES[name]
     end = path.period or 6.0
-    found = excitation_bounds(path, window, end)
+    bounds = excitation_bounds(path, window, end)
     exact = dense(path, window, end, derivative_bounds.knots_until(path, end + window))
-    assert found.lower <= exact.min() * (1 + 1e-9)
-    assert found.lower >= 0.95 * exact.min()
-    assert exact.max() <= found.upper_everywhere
-    assert found.least <= exact.min() * 1.02
+    assert bounds.lower <= exact.min() * (1 + 1e-9)
+    assert bounds.lower >= 0.95 * exact.min()
+    assert exact.max() <= bounds.upper_everywhere
+    assert bounds.least <= exact.min() * 1.02
 
 
 def test_a_formula_is_bounded_as_the_sines_it_spells():
@@ -180,10 +180,10 @@ def test_a_formula_is_bounded_as_the_sines_it_spells():
 
 def test_a_path_that_ends_is_not_excited_while_it_holds_still():
     last = WAYPOINTS.points[-1].time
-    found = excitation_bounds(WAYPOINTS, 2.0, last + 1.0)
-    assert found.lower == 0.0
-    assert found.least <= found.floor  # rounding of what came before
-    assert found.at > last - 0.5  # within the floor the first window counts
+    bounds = excitation_bounds(WAYPOINTS, 2.0, last + 1.0)
+    assert bounds.lower == 0.0
+    assert bounds.least <= bounds.floor  # rounding of what came before
+    assert bounds.at > last - 0.5  # within the floor the first window counts
 
 
 def test_a_plane_has_a_bound_for_every_window_however_long_the_flight():
@@ -194,10 +194,10 @@ def test_a_plane_has_a_bound_for_every_window_however_long_the_flight():
         Tone(axis="y", amplitude=-0.5, frequency=30.0),
         Tone(axis="z", amplitude=math.sqrt(3) / 2, frequency=30.0),
     ]
-    found = excitation_bounds(Multisine(tones=tuple(tones)), 6.0, 2 * math.pi / 10)
-    np.testing.assert_allclose(np.abs(found.direction @ tilted), 1.0, atol=1e-9)
-    assert found.lower == 0.0
-    assert found.upper_everywhere < 1e-9
+    bounds = excitation_bounds(Multisine(tones=tuple(tones)), 6.0, 2 * math.pi / 10)
+    np.testing.assert_allclose(np.abs(bounds.direction @ tilted), 1.0, atol=1e-9)
+    assert bounds.lower == 0.0
+    assert bounds.upper_everywhere < 1e-9
 
 
 def test_what_cannot_be_bounded_is_said_and_not_guessed():

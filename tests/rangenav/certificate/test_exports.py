@@ -34,18 +34,18 @@ def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
     """A file and the certificate beside it."""
     file = folder / f"x{SUFFIXES.get(form, '.csv')}"
     made = formats.export(p, form, file)
-    found = exports.certified(p, form, file, steady=made.steady)
-    assert found is not None
-    exports.write_certificate(found, file)
-    return file, found
+    issued = exports.certified(p, form, file, steady=made.steady)
+    assert issued is not None
+    exports.write_certificate(issued, file)
+    return file, issued
 
 
 @pytest.mark.parametrize("form", ["preset", "polynomial", "reference", "tum", "mat", "npz", "csv", "log"])
 def test_what_is_exported_is_certified_from_its_bytes_and_one_altered_byte_fails(form: str, tmp_path: Path):
-    file, found = written(SOFT, form, tmp_path)
-    assert (found.certified, found.meets, found.artifact.format) == (True, True, form)
+    file, issued = written(SOFT, form, tmp_path)
+    assert (issued.certified, issued.meets, issued.artifact.format) == (True, True, form)
     covers = {"preset": msgspec.UNSET, **STEADY}.get(form, exports.RECORDED)
-    assert found.artifact.covers == covers
+    assert issued.artifact.covers == covers
     assert certificate.verify_file(file, readers=READERS) == ()
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 1
@@ -60,26 +60,26 @@ def test_what_is_exported_is_certified_from_its_bytes_and_one_altered_byte_fails
 def test_a_motion_in_a_file_has_the_excitation_of_its_preset(name: str, form: str, tmp_path: Path):
     """The pieces between the ramps, read back, z up: within half a percent of the path they were made from."""
     p = preset.load(name)
-    _, found = written(p, form, tmp_path)
+    _, issued = written(p, form, tmp_path)
     own = certificate.certify_file(name)
-    assert found.excitation.found == pytest.approx(own.excitation.found, rel=5e-3)
-    assert found.accuracy.lifted.end.position == pytest.approx(own.accuracy.lifted.end.position, rel=0.05)
-    assert found.limits.thrust_to_weight == pytest.approx(own.limits.thrust_to_weight, rel=0.02)
-    assert found.frame.up == "+z"
-    assert found.claim.starts == "every t in [0, duration - window]"  # the steady part of one file, and no more
-    assert found.claim.duration < p.duration
-    assert found.jumps.knots > 5
-    assert (found.jumps.position, found.jumps.velocity) == pytest.approx((0, 0), abs=1e-6)  # ten printed digits
+    assert issued.excitation.found == pytest.approx(own.excitation.found, rel=5e-3)
+    assert issued.accuracy.lifted.end.position == pytest.approx(own.accuracy.lifted.end.position, rel=0.05)
+    assert issued.limits.thrust_to_weight == pytest.approx(own.limits.thrust_to_weight, rel=0.02)
+    assert issued.frame.up == "+z"
+    assert issued.claim.starts == "every t in [0, duration - window]"  # the steady part of one file, and no more
+    assert issued.claim.duration < p.duration
+    assert issued.jumps.knots > 5
+    assert (issued.jumps.position, issued.jumps.velocity) == pytest.approx((0, 0), abs=1e-6)  # ten printed digits
 
 
 def test_a_certificate_put_beside_another_motion_fails(tmp_path: Path):
-    _, found = written(SOFT, "polynomial", tmp_path)
+    _, issued = written(SOFT, "polynomial", tmp_path)
     larger = replace(SOFT, path=signals.scaled(SOFT.path, 1.1, about=(0.0, 0.0, 0.0)))
     file, other = written(larger, "polynomial", tmp_path)
     assert certificate.verify_file(file, readers=READERS) == ()
-    exports.write_certificate(found, file)
+    exports.write_certificate(issued, file)
     assert len(certificate.verify_file(file, readers=READERS)) == 1  # its hash is another
-    exports.write_certificate(replace(found, artifact=other.artifact), file)  # even if it claims to be of these bytes
+    exports.write_certificate(replace(issued, artifact=other.artifact), file)  # even if it claims to be of these bytes
     assert any("excitation.lower is 140" in sentence for sentence in certificate.verify_file(file, readers=READERS))
 
 
@@ -105,14 +105,14 @@ def test_the_gate_lets_a_run_of_a_counterexample_pass_and_no_trajectory_of_it():
 
 
 def test_a_format_whose_file_does_not_say_enough_is_answered_with_a_sentence(tmp_path: Path):
-    file, found = written(SOFT, "polynomial", tmp_path)
-    exports.write_certificate(replace(found, context=msgspec.UNSET), file)
+    file, issued = written(SOFT, "polynomial", tmp_path)
+    exports.write_certificate(replace(issued, context=msgspec.UNSET), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said == "x.csv: its certificate says nothing of the world and the requirement"
-    exports.write_certificate(replace(found, context="version = 1"), file)
+    exports.write_certificate(replace(issued, context="version = 1"), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said.startswith("x.csv, context: ")
-    exports.write_certificate(replace(found, artifact=replace(found.artifact, format="word")), file)
+    exports.write_certificate(replace(issued, artifact=replace(issued.artifact, format="word")), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said == "x.csv: files of the format 'word' cannot be certified"
 
@@ -144,9 +144,9 @@ def holds(run, file: Path) -> bool:
 
 def every_byte_counts(folder: Path) -> None:
     """Alter, add and lose files of a certified folder; each must fail, and undone it holds again."""
-    found = [path for path in folder.rglob("*") if path.is_file() and path.name != files.OF_FOLDER]
-    assert found
-    for file in found:
+    written_files = [path for path in folder.rglob("*") if path.is_file() and path.name != files.OF_FOLDER]
+    assert written_files
+    for file in written_files:
         content = file.read_bytes()
         file.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
         (said,) = certificate.verify_file(folder, readers=READERS)
@@ -174,16 +174,16 @@ def test_a_folder_is_certified_with_every_byte_of_every_file_in_it(answer, run, 
 
 def test_an_mcap_file_is_certified_as_well(tmp_path: Path):
     pytest.importorskip("rosbags", reason="rosbags is not installed (the extra ros has it)")
-    file, found = written(SOFT, "mcap", tmp_path)
-    assert found.certified
+    file, issued = written(SOFT, "mcap", tmp_path)
+    assert issued.certified
     assert certificate.verify_file(file, readers=READERS) == ()
 
 
 def test_a_folder_that_leads_out_of_itself_or_has_no_end_is_refused(tmp_path: Path):
     folder = tmp_path / "flight"
     formats.export(SOFT, "euroc", folder)
-    found = exports.certified(SOFT, "euroc", folder)
-    exports.write_certificate(found, folder)
+    issued = exports.certified(SOFT, "euroc", folder)
+    exports.write_certificate(issued, folder)
     (folder / "out").symlink_to("/etc")
     (said,) = certificate.verify_file(folder, readers=READERS)
     assert said == "flight: 'out' is neither a file nor a folder, or has a line feed in its name"
@@ -260,20 +260,20 @@ def test_the_body_rate_of_a_trajectory_is_that_of_flying_its_file(yaw: str | Non
     """Held against the file's own columns: a body that does not turn in the preset does, once the path is flown."""
     turning = signals.Multisine() if yaw is None else signals.Flown(yaw=yaw)
     p = replace(SOFT, angular_velocity=turning)
-    file, found = written(p, "reference", tmp_path)
+    file, issued = written(p, "reference", tmp_path)
     head, *rows = [line.split(",") for line in file.read_text().splitlines()]
     w = np.array([[float(row[head.index(f"w_{axis}")]) for axis in "xyz"] for row in rows])
     t = np.array([float(row[0]) for row in rows])
     inside = (t >= 2) & (t <= 20)
-    assert found.limits.body_rate == pytest.approx(np.linalg.norm(w[inside], axis=-1).max(), rel=2e-3)
-    assert found.frame.body == "flown along the path"
+    assert issued.limits.body_rate == pytest.approx(np.linalg.norm(w[inside], axis=-1).max(), rel=2e-3)
+    assert issued.frame.body == "flown along the path"
 
 
 def test_a_trajectory_that_the_vehicle_cannot_turn_with_is_not_certified(tmp_path: Path):
     stiff = replace(SOFT, angular_velocity=signals.Multisine(), vehicle=replace(CRAZYFLIE, name="stiff", body_rate=0.3))
     assert exports.gate(stiff, "polynomial") is None  # the preset's own body does not turn
-    _, found = written(stiff, "polynomial", tmp_path)
-    assert (found.certified, found.vehicle.flyable) == (False, False)
+    _, issued = written(stiff, "polynomial", tmp_path)
+    assert (issued.certified, issued.vehicle.flyable) == (False, False)
     with pytest.raises(ValueError, match=r"promises: stiff cannot fly it: body rate 0\.73"):
         certified_export.write(stiff, "polynomial", tmp_path / "y.csv", name="stiff", otherwise="")
     assert not (tmp_path / "y.csv").exists()
@@ -282,8 +282,8 @@ def test_a_trajectory_that_the_vehicle_cannot_turn_with_is_not_certified(tmp_pat
 def test_a_trajectory_with_the_presets_own_attitude_is_judged_by_that(tmp_path: Path):
     export = certified_export.write(SOFT, "reference", tmp_path / "x.csv", name="soft", attitude="preset", otherwise="")
     assert export.certificate is not None
-    found = certificate.loads(export.certificate.read_bytes(), source="x")
+    issued = certificate.loads(export.certificate.read_bytes(), source="x")
     own = certificate.certify_file("soft")
-    assert found.frame.body == own.frame.body == "angular velocity of its own"
-    assert found.limits.body_rate == pytest.approx(own.limits.body_rate, rel=1e-6)
+    assert issued.frame.body == own.frame.body == "angular velocity of its own"
+    assert issued.limits.body_rate == pytest.approx(own.limits.body_rate, rel=1e-6)
     assert certificate.verify_file(tmp_path / "x.csv", readers=READERS) == ()

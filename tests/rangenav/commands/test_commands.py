@@ -97,11 +97,11 @@ def test_simulate_answers_with_exactly_the_contracts_keys(answer, short):
 
 @pytest.mark.parametrize("name", sorted(preset.shipped()))
 def test_every_shipped_preset_is_analysed_with_finite_numbers_or_a_null_with_its_reason(answer, name):
-    found = answer("analyze", name)
-    assert nulls_without_reason(found) == []
-    assert (found["gramian"]["rank"] == 13) == (preset.load(name).expect != "unobservable")
-    assert (found["verdict"] == "blind") == bool(found["blind_directions"])
-    for direction in found["blind_directions"]:
+    output = answer("analyze", name)
+    assert nulls_without_reason(output) == []
+    assert (output["gramian"]["rank"] == 13) == (preset.load(name).expect != "unobservable")
+    assert (output["verdict"] == "blind") == bool(output["blind_directions"])
+    for direction in output["blind_directions"]:
         assert math.hypot(*direction["vector"]) == pytest.approx(1)
         assert direction["words"]
 
@@ -113,26 +113,26 @@ def test_a_path_without_a_common_period_says_why_there_is_no_bound_for_all_t(ans
         for tone, w in zip(SHORT.path.tones, (2.0, 3.1415926, 2.7182818), strict=True)
     )
     preset.save(msgspec.structs.replace(SHORT, path=Multisine(tones=tones)), tmp_path / "free.toml")
-    found = answer("analyze", tmp_path / "free.toml")
-    assert found["excitation"]["bound_for_all_t"] is None
-    assert "no common period" in found["excitation"]["bound_reason"]
-    assert nulls_without_reason(found) == []
+    output = answer("analyze", tmp_path / "free.toml")
+    assert output["excitation"]["bound_for_all_t"] is None
+    assert "no common period" in output["excitation"]["bound_reason"]
+    assert nulls_without_reason(output) == []
 
 
 def test_a_run_that_never_settles_says_so_beside_the_null(answer):
-    found = answer("simulate", "hover")
-    assert found["settle"]["position_s"] is None
-    assert nulls_without_reason(found) == []
+    output = answer("simulate", "hover")
+    assert output["settle"]["position_s"] is None
+    assert nulls_without_reason(output) == []
 
 
 def test_the_numbers_are_those_of_the_library(answer):
     p = preset.load("lissajous")
     library = analysis.analyse(p)
-    found = answer("analyze", "lissajous")
-    assert found == json.loads(json.dumps(report.analysis_report(p, library, name="lissajous")))
-    assert found["gramian"]["eigenvalues"] == sorted(found["gramian"]["eigenvalues"])
-    assert found["excitation"]["mu"] == pytest.approx(library.mu)
-    assert found["verdict"] == library.verdict.word == "observable"
+    output = answer("analyze", "lissajous")
+    assert output == json.loads(json.dumps(report.analysis_report(p, library, name="lissajous")))
+    assert output["gramian"]["eigenvalues"] == sorted(output["gramian"]["eigenvalues"])
+    assert output["excitation"]["mu"] == pytest.approx(library.mu)
+    assert output["verdict"] == library.verdict.word == "observable"
 
 
 def test_the_printed_excitation_is_reported_at_its_own_worst_window(answer):
@@ -190,7 +190,7 @@ def test_the_printed_model_is_metres_off_where_the_derived_one_is_centimetres(an
 
 
 def test_save_writes_every_array_of_the_run(answer, short, tmp_path):
-    found = answer("simulate", short, "--save", tmp_path / "run.npz")
+    output = answer("simulate", short, "--save", tmp_path / "run.npz")
     n, m = 1601, 1601  # 8 s at 200 Hz, and a range with every sample
     expected = {
         "time": (n,),
@@ -208,7 +208,7 @@ def test_save_writes_every_array_of_the_run(answer, short, tmp_path):
     }
     with np.load(tmp_path / "run.npz", allow_pickle=False) as saved:
         assert {name: saved[name].shape for name in saved.files} == expected
-        assert saved["model"] == found["model"] == "derived"
+        assert saved["model"] == output["model"] == "derived"
         run = record.run(SHORT)
         np.testing.assert_array_equal(saved["state"], run.estimate.state)
         np.testing.assert_array_equal(saved["range"], run.measurements.range)
@@ -216,7 +216,7 @@ def test_save_writes_every_array_of_the_run(answer, short, tmp_path):
         # φ = Rᵀp⁗
         np.testing.assert_allclose(np.einsum("nij,nj->ni", saved["rotation"], saved["phi"]), saved["snap"], atol=1e-9)
         body_error = saved["state"][-1, 4:7] - saved["rotation"][-1].T @ saved["position"][-1]
-    assert np.linalg.norm(body_error) == pytest.approx(found["final"]["position"])
+    assert np.linalg.norm(body_error) == pytest.approx(output["final"]["position"])
 
 
 @pytest.mark.parametrize(

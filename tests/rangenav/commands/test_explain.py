@@ -13,24 +13,24 @@ pytestmark = pytest.mark.slow
 
 @pytest.mark.parametrize("name", ["hover", "circle", "paper-slow"])
 def test_the_report_says_what_the_library_found(answer, name: str):
-    found, p = answer("explain", name), preset.load(name)
+    output, p = answer("explain", name), preset.load(name)
     other = twin(p)
-    assert found["verdict"] == {"hover": "blind", "circle": "blind", "paper-slow": "observable"}[name]
-    assert (found["functions"]["rank"], len(found["functions"]["relations"])) == {
+    assert output["verdict"] == {"hover": "blind", "circle": "blind", "paper-slow": "observable"}[name]
+    assert (output["functions"]["rank"], len(output["functions"]["relations"])) == {
         "hover": (5, 8),
         "circle": (11, 2),
         "paper-slow": (13, 0),
     }[name]
-    assert found["frozen"]["turned"] == 5
-    assert found["printed"]["false_certificate"] is (name == "circle")
+    assert output["frozen"]["turned"] == 5
+    assert output["printed"]["false_certificate"] is (name == "circle")
     if isinstance(other, Twin):
-        assert found["twin"]["kind"] == other.kind
-        assert found["twin"]["shift"] == other.shift.tolist()
-        assert found["horizon"]["full_rank"] == {"from_start": None, "worst": None}
+        assert output["twin"]["kind"] == other.kind
+        assert output["twin"]["shift"] == other.shift.tolist()
+        assert output["horizon"]["full_rank"] == {"from_start": None, "worst": None}
     else:
-        assert found["twin"]["kind"] is None
-        assert found["twin"]["words"] == other.reason
-        assert 0.5 < found["horizon"]["full_rank"]["from_start"] <= found["horizon"]["full_rank"]["worst"] < 2
+        assert output["twin"]["kind"] is None
+        assert output["twin"]["words"] == other.reason
+        assert 0.5 < output["horizon"]["full_rank"]["from_start"] <= output["horizon"]["full_rank"]["worst"] < 2
 
 
 def test_the_saved_twin_is_a_preset_with_the_same_range_elsewhere(run, tmp_path: Path):

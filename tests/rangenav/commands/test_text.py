@@ -58,8 +58,8 @@ def test_analyze_answers_first_and_then_in_groups(run, name: str):
     assert " ".join(out.split("\n\n")[0].split()).startswith(f"{name} {FIRST[name]}")
     assert names(out)[0] == "what can be seen"
     assert ("why not" in names(out)) == (name == "circle")
-    p, found = preset.load(name), analysis.analyse(preset.load(name))
-    assert f"rank {found.rank} of 13" in out
+    p, analysed = preset.load(name), analysis.analyse(preset.load(name))
+    assert f"rank {analysed.rank} of 13" in out
     assert (
         f"required {'±'}{p.requirement.position_sigma:g} m: {'✓ met' if name == 'paper-slow' else '✗ not met'}" in out
     )

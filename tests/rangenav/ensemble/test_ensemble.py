@@ -74,30 +74,32 @@ def test_results_do_not_depend_on_the_order_in_which_threads_finish(monkeypatch)
 
 def test_normalised_squares_are_those_of_the_run_collected_between_the_times_of_the_grid():
     p = shortened("paper-slow", 3.0, gains=Gains(mode="noise-matched"))
-    found, alone = ensemble.seeds(p, 1), record.run(p)
+    every_run, alone = ensemble.seeds(p, 1), record.run(p)
     estimate, z = alone.estimate, alone.measurements
-    on_grid = np.flatnonzero(np.isin(estimate.time, found.time))
+    on_grid = np.flatnonzero(np.isin(estimate.time, every_run.time))
     for j in (1, 100, 400):
         k = on_grid[j]
         e = estimate.state[k, 4:7] - alone.truth.state[k, 4:7]
-        assert found.nees[0, j] == pytest.approx(e @ np.linalg.inv(estimate.covariance[k, 0]) @ e, rel=1e-6)
-        inside = (z.range_time > found.time[j - 1]) & (z.range_time <= found.time[j])
+        assert every_run.nees[0, j] == pytest.approx(e @ np.linalg.inv(estimate.covariance[k, 0]) @ e, rel=1e-6)
+        inside = (z.range_time > every_run.time[j - 1]) & (z.range_time <= every_run.time[j])
         squares = estimate.innovation[inside, 0] ** 2 / estimate.innovation[inside, 1]
-        assert found.nis_count[0, j] == len(squares)
+        assert every_run.nis_count[0, j] == len(squares)
         assert (
-            found.nis[0, j] == pytest.approx(squares.mean(), rel=1e-12) if len(squares) else np.isnan(found.nis[0, j])
+            every_run.nis[0, j] == pytest.approx(squares.mean(), rel=1e-12)
+            if len(squares)
+            else np.isnan(every_run.nis[0, j])
         )
-    assert found.nis_count.sum() == len(z.range) - 1  # the one before the first step has no innovation
+    assert every_run.nis_count.sum() == len(z.range) - 1  # the one before the first step has no innovation
 
 
 def test_the_band_holds_eight_of_ten_runs_at_every_time():
-    found = ensemble.seeds(SHORT, 20)
+    every_run = ensemble.seeds(SHORT, 20)
     for name in (*CURVES, "sigma"):
-        band, curves = found.band(name), getattr(found, name)
+        band, curves = every_run.band(name), getattr(every_run, name)
         assert np.all((band.low <= band.median) & (band.median <= band.high))
         held = np.sum((curves >= band.low) & (curves <= band.high), axis=0)
         np.testing.assert_array_equal(held[1:], 17)  # from the 2nd to the 18th of 20; at the start all are equal
-    assert ensemble.spread(found.peak_position).median == np.sort(found.peak_position)[9]
+    assert ensemble.spread(every_run.peak_position).median == np.sort(every_run.peak_position)[9]
 
 
 def test_runs_that_never_settle_count_as_infinite_and_leave_the_rest_alone():
@@ -116,46 +118,46 @@ def test_a_motion_that_cannot_be_seen_settles_in_no_run_and_a_good_one_in_all():
 
 def test_from_random_starts_nearly_all_hold_three_decimetres_and_five_degrees():
     """The paper's path, 10 s, default gains: 99.8 to 100 % of a thousand; here 200."""
-    found = ensemble.starts(shortened("paper", 10.0), 200, np.random.default_rng(5))
-    assert found.held.mean() >= 0.99
-    assert np.isfinite(found.settle_attitude).mean() >= 0.99
+    every_run = ensemble.starts(shortened("paper", 10.0), 200, np.random.default_rng(5))
+    assert every_run.held.mean() >= 0.99
+    assert np.isfinite(every_run.settle_attitude).mean() >= 0.99
 
 
 def test_random_starts_are_spread_evenly_over_the_rotations():
     """The angle of a uniform rotation has density (1 − cos θ)/π, so its mean is π/2 + 2/π and its deviation 0.65."""
-    found = ensemble.starts(shortened("paper", 0.5), 2000, np.random.default_rng(1))
-    assert found.attitude[:, 0].mean() == pytest.approx(np.pi / 2 + 2 / np.pi, abs=4 * 0.65 / np.sqrt(2000))
-    assert np.abs(np.diff(found.position[::10, 0])).max() == 0  # x̂ = 0 everywhere
+    every_run = ensemble.starts(shortened("paper", 0.5), 2000, np.random.default_rng(1))
+    assert every_run.attitude[:, 0].mean() == pytest.approx(np.pi / 2 + 2 / np.pi, abs=4 * 0.65 / np.sqrt(2000))
+    assert np.abs(np.diff(every_run.position[::10, 0])).max() == 0  # x̂ = 0 everywhere
 
 
 def test_a_random_start_is_the_run_that_starts_there():
     p = shortened("paper-slow", 3.0)
     rng = np.random.default_rng(3)
     rotations = Rotation.from_quat(rng.standard_normal((12, 4))).as_matrix()
-    found = ensemble.starts(p, 12, np.random.default_rng(3))
-    np.testing.assert_array_equal(found.seed, p.seed + np.arange(12) // 10)
+    every_run = ensemble.starts(p, 12, np.random.default_rng(3))
+    np.testing.assert_array_equal(every_run.seed, p.seed + np.arange(12) // 10)
     for k in (0, 4, 11):
-        seed = int(found.seed[k])
+        seed = int(every_run.seed[k])
         truth, z = record.simulated(record.truth_inputs(p)), record.measured(record.truth_inputs(p), p.sensors, seed)
         start = cascade.Start(state=np.zeros(13), rotation=rotations[k])
         setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
         estimate = cascade.observe(z, start, setting)
         alone = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-        on_grid = np.isin(z.time, found.time)
-        np.testing.assert_array_equal(found.attitude[k], alone.attitude[on_grid])
-        np.testing.assert_array_equal(found.position[k], alone.position[on_grid])
+        on_grid = np.isin(z.time, every_run.time)
+        np.testing.assert_array_equal(every_run.attitude[k], alone.attitude[on_grid])
+        np.testing.assert_array_equal(every_run.position[k], alone.position[on_grid])
 
 
 def test_the_sphere_of_starts_begins_at_its_angle_and_settles_as_each_axis_would_alone():
     p = shortened("paper", 6.0)
-    found = ensemble.basin(p, 2.5, 40)
-    np.testing.assert_allclose(found.attitude[:, 0], 2.5, rtol=1e-12)
+    region = ensemble.basin(p, 2.5, 40)
+    np.testing.assert_allclose(region.attitude[:, 0], 2.5, rtol=1e-12)
     for k in (0, 17, 39):
-        guess = replace(p.guess, attitude_axis=tuple(found.axis[k].tolist()), attitude_angle=2.5)
+        guess = replace(p.guess, attitude_axis=tuple(region.axis[k].tolist()), attitude_angle=2.5)
         alone = record.run(replace(p, guess=guess)).errors.attitude
-        np.testing.assert_allclose(found.final[k], alone[-1], atol=1e-9)  # the same start but for its last digit
+        np.testing.assert_allclose(region.final[k], alone[-1], atol=1e-9)  # the same start but for its last digit
         expected = record.settled(record.simulated(record.truth_inputs(p)).motion.time, alone, record.SETTLED_ATTITUDE)
-        assert found.settle[k] == (np.inf if expected is None else expected)
+        assert region.settle[k] == (np.inf if expected is None else expected)
 
 
 def silenced(p: Preset) -> Preset:
@@ -178,9 +180,9 @@ def test_about_the_slowest_axis_many_starts_follow_the_closed_form():
     rate = p.gains.attitude.k1 * (eigenvalues[0] + eigenvalues[1])
     angle = np.array([0.5, 2.0, 3.0, 3.1])  # closer to π the saddle magnifies the error of the integration
     rotations = so3.exp(-angle[:, None] * axes[:, 2]) @ truth.motion.rotation[0]
-    found = runs.attitude_errors(p, truth, z, rotations)
+    computed = runs.attitude_errors(p, truth, z, rotations)
     expected = 2 * np.arctan(np.tan(angle / 2)[:, None] * np.exp(-rate * z.time))
-    np.testing.assert_allclose(found, expected, atol=2e-3)  # (h rate)² of Heun and of the turn between two samples
+    np.testing.assert_allclose(computed, expected, atol=2e-3)  # (h rate)² of Heun and of the turn between two samples
 
 
 def test_the_points_of_the_sphere_are_spread_evenly():
@@ -189,19 +191,19 @@ def test_the_points_of_the_sphere_are_spread_evenly():
     np.testing.assert_allclose(axes.T @ axes / 500, np.eye(3) / 3, atol=2e-3)  # the second moment of the sphere
     cosine = axes @ axes.T - 2 * np.eye(500)
     nearest = np.arccos(cosine.max(axis=1))
-    ideal = np.sqrt(8 * np.pi / (np.sqrt(3) * 500))  # of a hexagonal lattice with the same area for each point
+    ideal = np.sqrt(8 * np.pi / (np.sqrt(3) * 500))  # of a hexagonal lattice with the same region for each point
     assert nearest.min() > 0.75 * ideal
 
 
 def test_predicted_and_reached_accuracy_stand_at_the_ends_of_the_windows():
     p = shortened("paper", 8.0)
-    six, found = ensemble.seeds(p, 6), analysis.analyse(p)
-    both = ensemble.achieved(six, found)
-    np.testing.assert_array_equal(both.time, found.windows.start + found.windows.window)
+    six, analysed = ensemble.seeds(p, 6), analysis.analyse(p)
+    both = ensemble.achieved(six, analysed)
+    np.testing.assert_array_equal(both.time, analysed.windows.start + analysed.windows.window)
     assert both.time[-1] == pytest.approx(8.0)
     assert both.achieved[-1] == pytest.approx(np.sqrt(np.mean(six.position[:, -1] ** 2)), rel=1e-12)
     assert both.estimated[-1] == np.sort(six.sigma[:, -1])[2]
-    np.testing.assert_array_equal(both.cramer_rao, found.windows.sigma_nonlinear)
+    np.testing.assert_array_equal(both.cramer_rao, analysed.windows.sigma_nonlinear)
     assert np.all(both.cramer_rao < 1.1 * both.lifted)  # a bound, by a quadrature good to 7 % near the anchor
 
 
@@ -295,7 +297,7 @@ def test_too_much_work_is_refused_in_one_sentence(work, sentence):
 
 def test_the_errors_of_attitudes_are_angles_of_the_true_against_the_estimated():
     p = shortened("paper", 1.0)
-    found = ensemble.basin(p, 0.7, 3)
+    region = ensemble.basin(p, 0.7, 3)
     truth = record.simulated(record.truth_inputs(p)).motion
-    start = so3.exp(-0.7 * found.axis[1]) @ truth.rotation[0]
-    assert so3.angle(truth.rotation[0] @ start.T) == pytest.approx(found.attitude[1, 0])
+    start = so3.exp(-0.7 * region.axis[1]) @ truth.rotation[0]
+    assert so3.angle(truth.rotation[0] @ start.T) == pytest.approx(region.attitude[1, 0])

@@ -38,15 +38,15 @@ def horizon_of(name: str, **chosen) -> horizon.Horizon:
 @pytest.mark.parametrize("name", ["paper-slow", "lissajous", "soft", "tilted-circle"])
 def test_the_ellipsoid_is_that_of_the_integral_of_the_snap(name: str):
     p = preset.load(name)
-    found = ellipsoid.ellipsoid(p.path, 1.3, 4.0)
+    computed = ellipsoid.ellipsoid(p.path, 1.3, 4.0)
     time = np.linspace(1.3, 5.3, 4001)
     snap = p.path(time, 4)
     exact = np.asarray(scipy.integrate.simpson(snap[:, :, None] * snap[:, None, :], x=time, axis=0))
-    again = found.axes @ np.diag(found.semi_axes**2) @ found.axes.T
+    again = computed.axes @ np.diag(computed.semi_axes**2) @ computed.axes.T
     np.testing.assert_allclose(again, exact, atol=1e-9 * np.abs(exact).max())
-    assert np.linalg.det(found.axes) == pytest.approx(1.0)
-    assert (np.diff(found.eigenvalues) >= 0).all()
-    assert found.weakest @ exact @ found.weakest == pytest.approx(found.eigenvalues[0], abs=1e-9 * exact.max())
+    assert np.linalg.det(computed.axes) == pytest.approx(1.0)
+    assert (np.diff(computed.eigenvalues) >= 0).all()
+    assert computed.weakest @ exact @ computed.weakest == pytest.approx(computed.eigenvalues[0], abs=1e-9 * exact.max())
 
 
 def test_the_weakest_axis_is_named_and_where_nothing_is_excited_it_is_said():
@@ -68,8 +68,8 @@ def test_the_weakest_axis_is_named_and_where_nothing_is_excited_it_is_said():
 
 @pytest.mark.parametrize("name", ["paper-slow", "lissajous", "wiggle", "circle"])
 def test_rank_by_length_is_the_rank_of_those_windows(name: str):
-    p, found = preset.load(name), horizon_of(name)
-    for length, rank in zip(found.length[::5], found.rank[::5], strict=True):
+    p, how_long = preset.load(name), horizon_of(name)
+    for length, rank in zip(how_long.length[::5], how_long.rank[::5], strict=True):
         first = spectrum.window_spectra(p.path, p.world.gravity, np.array([0.0]), float(length)).rank[0]
         assert rank[0] == first
         assert rank[1] <= rank[0]
@@ -77,8 +77,8 @@ def test_rank_by_length_is_the_rank_of_those_windows(name: str):
 
 @pytest.mark.parametrize("name", ["paper-slow", "lissajous", "wiggle"])
 def test_sigma_by_length_is_what_each_windows_own_ranges_predict(name: str):
-    p, found = preset.load(name), horizon_of(name)
-    for length, sigma in zip(found.length[::4], found.sigma[::4], strict=True):
+    p, how_long = preset.load(name), horizon_of(name)
+    for length, sigma in zip(how_long.length[::4], how_long.sigma[::4], strict=True):
         length = float(length)
         exact = accuracy.predict(p.path, p.world, 0.0, length, sigma=0.1, rate=50.0, kind="lifted", at="end").position
         if math.isnan(exact):
@@ -90,8 +90,8 @@ def test_sigma_by_length_is_what_each_windows_own_ranges_predict(name: str):
 
 
 def test_the_shortest_full_rank_and_accurate_lengths_hold_and_a_little_shorter_ones_do_not():
-    found = horizon_of("paper-slow")
-    full, good = found.full_rank[0], found.accurate[0]
+    how_long = horizon_of("paper-slow")
+    full, good = how_long.full_rank[0], how_long.accurate[0]
     assert full is not None
     assert good is not None
     assert 0.1 < full < 2.0 < good < 8.0
@@ -105,39 +105,39 @@ def test_the_shortest_full_rank_and_accurate_lengths_hold_and_a_little_shorter_o
             accuracy.end_sigmas(SLOW.path, SLOW.world, start, length, sigma=0.1, rate=50.0, kind="lifted")[0, 0]
         )
 
-    gap = np.diff(found.length).max() / 2**horizon.HALVINGS
+    gap = np.diff(how_long.length).max() / 2**horizon.HALVINGS
     assert rank(full) == 13
     assert rank(full - 1.01 * gap) < 13
     wanted = SLOW.requirement.position_sigma
     assert error(good) <= wanted < error(good - 1.01 * gap)
-    assert found.summary.startswith(f"From 0 s: rank 13 after {full:.3g} s, σ ≤ {wanted:g} m after {good:.3g} s. ")
+    assert how_long.summary.startswith(f"From 0 s: rank 13 after {full:.3g} s, σ ≤ {wanted:g} m after {good:.3g} s. ")
 
 
 @pytest.mark.parametrize("name", ["hover", "line", "circle", "helix", "vertical-circle", "paper-implied"])
 def test_no_length_makes_a_blind_path_observable(name: str):
-    found = horizon_of(name)
-    assert found.full_rank == found.accurate == (None, None)
-    assert (found.sigma == np.inf).all()
-    assert found.summary == (
+    how_long = horizon_of(name)
+    assert how_long.full_rank == how_long.accurate == (None, None)
+    assert (how_long.sigma == np.inf).all()
+    assert how_long.summary == (
         "From 0 s no window of up to 20 s has rank 13. "
         f"At the worst of {horizon.STARTS + 1} starts no window of up to 20 s has rank 13."
     )
 
 
 def test_an_accuracy_that_is_never_met_is_told_with_the_best_there_is():
-    found = horizon_of("wiggle")
-    assert found.accurate == (None, None)
-    best = found.sigma[:, 1].min()
-    assert f"σ ≤ 0.5 m not within 20 s ({best:.3g} m at best)." in found.summary
+    how_long = horizon_of("wiggle")
+    assert how_long.accurate == (None, None)
+    best = how_long.sigma[:, 1].min()
+    assert f"σ ≤ 0.5 m not within 20 s ({best:.3g} m at best)." in how_long.summary
 
 
 def test_windows_that_do_not_fit_behind_the_chosen_start_are_left_out():
-    found = horizon_of("paper-slow", start=15.0)
-    beyond = found.length > 5.0
-    assert np.isnan(found.rank[beyond, 0]).all()
-    assert np.isnan(found.sigma[beyond, 0]).all()
-    assert np.isfinite(found.rank[~beyond, 0]).all()
-    assert np.isfinite(found.rank[:, 1]).all()
+    how_long = horizon_of("paper-slow", start=15.0)
+    beyond = how_long.length > 5.0
+    assert np.isnan(how_long.rank[beyond, 0]).all()
+    assert np.isnan(how_long.sigma[beyond, 0]).all()
+    assert np.isfinite(how_long.rank[~beyond, 0]).all()
+    assert np.isfinite(how_long.rank[:, 1]).all()
     last = horizon_of("paper-slow", start=19.99)
     assert last.full_rank[0] is None
     with pytest.raises(ValueError, match=exactly("start must lie between 0 and the flight's end at 20 s, got 20 s")):
@@ -145,9 +145,9 @@ def test_windows_that_do_not_fit_behind_the_chosen_start_are_left_out():
 
 
 def test_fewer_ranges_than_unknowns_determine_nothing():
-    found = horizon_of("paper-slow", rate=2.0)
-    assert (found.sigma[found.length * 2.0 < 11.5] == np.inf).all()
-    assert np.isfinite(found.sigma[-1]).all()
+    how_long = horizon_of("paper-slow", rate=2.0)
+    assert (how_long.sigma[how_long.length * 2.0 < 11.5] == np.inf).all()
+    assert np.isfinite(how_long.sigma[-1]).all()
 
 
 def test_lost_ranges_cost_accuracy_by_the_root_of_their_share_and_no_rank():
@@ -159,9 +159,9 @@ def test_lost_ranges_cost_accuracy_by_the_root_of_their_share_and_no_rank():
 
 def test_a_long_fast_flight_is_looked_at_as_far_as_it_can_be_integrated():
     path = preset.load("wiggle").path
-    found = horizon.horizon(path, SLOW.world, 600.0, sigma=0.1, rate=50.0, position_sigma=0.5)
-    assert 10.0 < found.length[-1] < 600.0 / 16
-    assert len(found.length) == horizon.SHORT + horizon.LONG
+    how_long = horizon.horizon(path, SLOW.world, 600.0, sigma=0.1, rate=50.0, position_sigma=0.5)
+    assert 10.0 < how_long.length[-1] < 600.0 / 16
+    assert len(how_long.length) == horizon.SHORT + horizon.LONG
 
 
 # The 13 functions
@@ -170,7 +170,7 @@ def test_a_long_fast_flight_is_looked_at_as_far_as_it_can_be_integrated():
 @pytest.mark.parametrize("name", ["paper-slow", "helix"])
 def test_the_functions_are_the_powers_and_the_double_integral_of_the_apparent_acceleration(name: str):
     p, start = preset.load(name), 0.7
-    found = functions.functions(p.path, p.world.gravity, start, 3.0, points=4)
+    dependence = functions.functions(p.path, p.world.gravity, start, 3.0, points=4)
 
     def departure(tau: float, axis: int) -> float:
         def integrand(r: float) -> float:
@@ -178,7 +178,7 @@ def test_the_functions_are_the_powers_and_the_double_integral_of_the_apparent_ac
 
         return scipy.integrate.quad(integrand, 0.0, tau, epsabs=1e-11)[0]
 
-    for tau, row in zip(found.tau, found.values, strict=True):
+    for tau, row in zip(dependence.tau, dependence.values, strict=True):
         D = np.array([departure(float(tau), axis) for axis in range(3)])
         exact = np.concatenate([[1, tau, tau**2 / 2, tau**3 / 6], D, tau * D, tau**2 / 2 * D])
         np.testing.assert_allclose(row, exact, atol=1e-8)
@@ -188,20 +188,20 @@ def test_the_functions_are_the_powers_and_the_double_integral_of_the_apparent_ac
 def terms(side: str) -> list[tuple[float, str]]:
     """(coefficient, name) of each term of a relation's side."""
     names = "|".join(re.escape(name) for name in sorted(functions.NAMES, key=len, reverse=True))
-    found = re.findall(rf"(−|\+|^)\s*([\d.]+(?:e[-+]\d+)?\s+)?({names})(?= |$)", side.strip())
-    return [((-1.0 if sign == "−" else 1.0) * float(number or 1.0), name) for sign, number, name in found]
+    matches = re.findall(rf"(−|\+|^)\s*([\d.]+(?:e[-+]\d+)?\s+)?({names})(?= |$)", side.strip())
+    return [((-1.0 if sign == "−" else 1.0) * float(number or 1.0), name) for sign, number, name in matches]
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_relation_holds_on_the_window_and_there_are_as_many_as_the_rank_lacks(name: str):
     p = preset.load(name)
-    found = functions.functions(p.path, p.world.gravity, 1.3, p.requirement.window)
-    assert len(found.relations) == model.STATES - found.rank
-    column = {name: found.values[:, k] for k, name in enumerate(functions.NAMES)}
-    scale = np.abs(found.values).max()
-    for relation in found.relations:
+    dependence = functions.functions(p.path, p.world.gravity, 1.3, p.requirement.window)
+    assert len(dependence.relations) == model.STATES - dependence.rank
+    column = {name: dependence.values[:, k] for k, name in enumerate(functions.NAMES)}
+    scale = np.abs(dependence.values).max()
+    for relation in dependence.relations:
         left, right = relation.split(" = ")
-        total = sum((c * column[n] for c, n in terms(right)), np.zeros(len(found.tau)))
+        total = sum((c * column[n] for c, n in terms(right)), np.zeros(len(dependence.tau)))
         assert right == "0" or terms(right), relation
         # as many digits of the coefficients as the relation needs: three, or nine between polynomials (minimum-snap)
         np.testing.assert_allclose(column[left], total, atol=5e-3 * scale)
@@ -220,10 +220,10 @@ def test_a_hover_and_a_horizontal_circle_say_what_they_lack():
 def test_a_null_vector_carried_through_the_model_never_reaches_the_output(name: str):
     """By exact transitions over steps with constant a, as an observer takes them: 500 of 4 ms."""
     p, h = preset.load(name), 4e-3
-    found = functions.functions(p.path, p.world.gravity, 0.0, 500 * h)
-    assert len(found.null) == len(found.unseen) == model.STATES - found.rank > 0
+    dependence = functions.functions(p.path, p.world.gravity, 0.0, 500 * h)
+    assert len(dependence.null) == len(dependence.unseen) == model.STATES - dependence.rank > 0
     accel = p.path((np.arange(500) + 0.5) * h, 2) - np.asarray(p.world.gravity)
-    state, outputs = found.null.T, []
+    state, outputs = dependence.null.T, []
     for a in accel:
         state = model.transition(a, h, gravity_norm=9.81)[0] @ state
         outputs.append(state[0])
@@ -313,41 +313,41 @@ def compared(name: str, turning: Multisine) -> printed.PrintedAndDerived:
     truth = motion.simulate(
         p.path, turning, world=p.world, initial_rotation=(0.0, 0.0, 0.0), duration=p.duration, rate=200.0
     )
-    found = analysis.analyse(p)
+    analysed = analysis.analyse(p)
     start = np.linspace(0.0, p.duration - p.requirement.window, 9)
     return printed.compare(
         truth,
         start,
         p.requirement.window,
-        mu=found.mu,
-        floor=found.mu_floor,
+        mu=analysed.mu,
+        floor=analysed.mu_floor,
         required=p.requirement.mu,
-        rank=found.rank,
+        rank=analysed.rank,
     )
 
 
 @pytest.mark.parametrize(("name", "rank"), [("hover", 5), ("circle", 11)])
 def test_the_printed_condition_certifies_a_tumbling_body_that_cannot_be_observed(name: str, rank: int):
-    found = compared(name, tumbling())
-    assert found.false_certificate
-    assert found.mu == 0.0
-    assert found.mu_printed == found.least_printed.min() > 10
-    assert found.summary == (
+    both_conditions = compared(name, tumbling())
+    assert both_conditions.false_certificate
+    assert both_conditions.mu == 0.0
+    assert both_conditions.mu_printed == both_conditions.least_printed.min() > 10
+    assert both_conditions.summary == (
         f"False certificate: as printed, the condition holds for a motion of rank {rank} of 13 "
-        f"(printed μ = {found.mu_printed:.3g}, derived μ = 0, required 1 m²/s⁷)."
+        f"(printed μ = {both_conditions.mu_printed:.3g}, derived μ = 0, required 1 m²/s⁷)."
     )
     if name == "hover":
-        assert found.phi == 0.0 < found.phi_printed
+        assert both_conditions.phi == 0.0 < both_conditions.phi_printed
 
 
 def test_without_turning_the_misprints_make_no_difference():
     """ω = 0: both formulas are ä, and body axes are inertial ones."""
-    found = compared("paper-slow", Multisine())
-    assert found.phi == pytest.approx(found.phi_printed)
-    np.testing.assert_allclose(found.least_printed, found.least_formula, rtol=1e-9)
-    np.testing.assert_allclose(found.least_printed, found.least_axes, rtol=1e-9)
-    assert found.mu_printed == pytest.approx(found.mu, rel=0.02)  # nine windows instead of 401
-    assert not found.false_certificate
+    both_conditions = compared("paper-slow", Multisine())
+    assert both_conditions.phi == pytest.approx(both_conditions.phi_printed)
+    np.testing.assert_allclose(both_conditions.least_printed, both_conditions.least_formula, rtol=1e-9)
+    np.testing.assert_allclose(both_conditions.least_printed, both_conditions.least_axes, rtol=1e-9)
+    assert both_conditions.mu_printed == pytest.approx(both_conditions.mu, rel=0.02)  # nine windows instead of 401
+    assert not both_conditions.false_certificate
 
 
 @pytest.mark.parametrize(
@@ -371,11 +371,11 @@ def test_the_four_signals_are_those_of_the_chosen_switches():
     p = preset.load("circle")
     truth = record.simulated(record.truth_inputs(p)).motion
     start = np.array([0.0, 5.0])
-    found = printed.compare(truth, start, 6.0, mu=0.0, floor=1.0, required=1.0, rank=11)
+    both_conditions = printed.compare(truth, start, 6.0, mu=0.0, floor=1.0, required=1.0, rank=11)
     body = excitation.phi(truth)
     inside = (truth.time >= 5.0 - 1e-9) & (truth.time <= 11.0 + 1e-9)
     integral = np.trapezoid(body[inside][:, :, None] * body[inside][:, None, :], truth.time[inside], axis=0)
-    assert found.least_axes[1] == pytest.approx(np.linalg.eigvalsh(integral)[0], rel=1e-9)
+    assert both_conditions.least_axes[1] == pytest.approx(np.linalg.eigvalsh(integral)[0], rel=1e-9)
 
 
 # Tall windows

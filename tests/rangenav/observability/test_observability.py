@@ -133,30 +133,30 @@ def test_three_frequencies_on_three_axes_are_rank_13_however_they_are_turned(
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_every_shipped_preset_has_its_known_ranks(name: str):
-    found = analysis.analyse(preset.load(name))
-    assert (found.rank, found.nonlinear_rank) == KNOWN_RANKS[name]
+    analysed = analysis.analyse(preset.load(name))
+    assert (analysed.rank, analysed.nonlinear_rank) == KNOWN_RANKS[name]
 
 
 @pytest.mark.parametrize("name", SINES)
 def test_spectra_agree_with_fifty_digits_above_their_floor(name: str):
     p = preset.load(name)
-    found = analysis.analyse(p)
-    exact = precise_gramian.gramian_eigenvalues(p, found.gramian_at, p.requirement.window)
-    above = [k for k in range(13) if found.gramian[k] > found.floor]
-    assert len(above) == found.rank
+    analysed = analysis.analyse(p)
+    exact = precise_gramian.gramian_eigenvalues(p, analysed.gramian_at, p.requirement.window)
+    above = [k for k in range(13) if analysed.gramian[k] > analysed.floor]
+    assert len(above) == analysed.rank
     for k in above:
-        assert abs(found.gramian[k] / float(exact[k]) - 1) < 1e-3, (k, found.gramian[k], exact[k])
-    assert all(found.gramian >= 0)
+        assert abs(analysed.gramian[k] / float(exact[k]) - 1) < 1e-3, (k, analysed.gramian[k], exact[k])
+    assert all(analysed.gramian >= 0)
 
 
 @pytest.mark.parametrize(("window", "least"), [(0.25, 4.9e-26), (0.5, 1e-19), (1.0, 1e-12), (2.0, 1e-6)])
 def test_short_windows_keep_their_digits_where_eigvalsh_would_return_noise(window: float, least: float):
     """λ_min of the paper's own path; forming W loses everything below 1e-17 λ_max."""
     p = preset.load("paper")
-    found = spectrum.window_spectra(p.path, p.world.gravity, np.array([0.3]), window)
+    spectra = spectrum.window_spectra(p.path, p.world.gravity, np.array([0.3]), window)
     exact = precise_gramian.gramian_eigenvalues(p, 0.3, window)
-    np.testing.assert_allclose(found.eigenvalues[0], [float(value) for value in exact], rtol=1e-3)
-    assert 0.1 < found.eigenvalues[0, 0] / least < 10
+    np.testing.assert_allclose(spectra.eigenvalues[0], [float(value) for value in exact], rtol=1e-3)
+    assert 0.1 < spectra.eigenvalues[0, 0] / least < 10
 
 
 def test_the_sampled_sum_tends_to_the_integral():
@@ -182,8 +182,8 @@ def test_a_three_dimensional_cubic_snap_excites_everything_and_is_blind(gravity:
     D = np.stack([tau**5 / 120, tau**6 / 360, tau**7 / 840], axis=-1) - tau[:, None] ** 2 / 2 * np.asarray(gravity)
     powers = np.stack([np.ones_like(tau), tau, tau**2 / 2, tau**3 / 6], axis=-1)
     matrix = np.concatenate([powers, D, tau[:, None] * D, tau[:, None] ** 2 / 2 * D], axis=-1)[None]
-    found = spectrum.spectra(matrix, weight, 1.0, time_powers=spectrum.LIFTED_TIME_POWERS, rounding=0.0)
-    assert found.rank[0] == rank
+    spectra = spectrum.spectra(matrix, weight, 1.0, time_powers=spectrum.LIFTED_TIME_POWERS, rounding=0.0)
+    assert spectra.rank[0] == rank
     snap = np.stack([tau, tau**2, tau**3], axis=-1)
     assert np.linalg.eigvalsh(np.einsum("k,ki,kj->ij", weight, snap, snap))[0] > 1e-4
 
@@ -192,14 +192,14 @@ def test_nonlinear_rows_are_the_gradient_of_half_squared_range():
     """Against finite differences of ½|p + τv + ½τ²(g + …)|²: a change at t moves p(t+τ) by δp + τδv + ½τ²δg."""
     p = preset.load("lissajous")
     tau, start, anchor, step = np.array([0.0, 0.7, 2.0]), 0.4, np.asarray(p.world.anchor), 1e-6
-    found = rows.nonlinear(p.path, p.world.anchor, np.array([start]), tau)[0]
+    computed = rows.nonlinear(p.path, p.world.anchor, np.array([start]), tau)[0]
     for column in range(9):
         delta = np.zeros(9)
         delta[column] = step
         shift = delta[:3] + tau[:, None] * delta[3:6] + tau[:, None] ** 2 / 2 * delta[6:]
         q = p.path(start + tau) - anchor
         difference = (np.sum((q + shift) ** 2, axis=-1) - np.sum((q - shift) ** 2, axis=-1)) / (4 * step)
-        np.testing.assert_allclose(found[:, column], difference, atol=1e-8)
+        np.testing.assert_allclose(computed[:, column], difference, atol=1e-8)
 
 
 def test_reduced_rows_are_the_fourth_derivative_of_the_lifted_output():
@@ -336,10 +336,13 @@ def test_predicted_accuracy_is_the_inverse_of_the_information():
     for kind, (matrix, variance, first) in cases.items():
         J = precise_gramian.mp.matrix((matrix / np.sqrt(variance)[:, None]).tolist())
         covariance = (J.T * J) ** -1
-        found = accuracy.predict(p.path, p.world, start, window, sigma=sigma, rate=rate, kind=kind, at="start")
+        predicted = accuracy.predict(p.path, p.world, start, window, sigma=sigma, rate=rate, kind=kind, at="start")
         for k, name in enumerate(("position", "velocity", "gravity")):
             trace = sum(covariance[i, i] for i in range(first + 3 * k, first + 3 * k + 3))
-            assert getattr(found, name) == pytest.approx(float(precise_gramian.mp.sqrt(trace)), rel=1e-6), (kind, name)
+            assert getattr(predicted, name) == pytest.approx(float(precise_gramian.mp.sqrt(trace)), rel=1e-6), (
+                kind,
+                name,
+            )
 
 
 def test_accuracy_at_the_end_is_the_start_carried_by_the_transition():
@@ -416,21 +419,21 @@ def test_what_is_blind_is_called_by_its_name():
 def test_the_blind_direction_of_a_circle_is_its_normal(tilt: float, heading: float, radius: float, w: float):
     orientation = tilted(tilt, heading)
     path = circle(radius, w, 0.0, orientation)
-    found = spectrum.window_spectra(path, GRAVITY, np.array([0.0]), 6.0)
+    spectra = spectrum.window_spectra(path, GRAVITY, np.array([0.0]), 6.0)
     values, axes = excitation.directions(path, 0.0, 6.0)
-    (direction,) = [d for d in blindness.directions(spectrum.null_basis(found, 0), values, axes) if "snap" in d.kinds]
+    (direction,) = [d for d in blindness.directions(spectrum.null_basis(spectra, 0), values, axes) if "snap" in d.kinds]
     assert abs(direction.vector @ orientation.as_matrix()[:, 2]) == pytest.approx(1, abs=1e-9)
 
 
 def test_the_null_space_is_what_the_rows_do_not_see():
     p = preset.load("hover")
-    found = spectrum.window_spectra(p.path, p.world.gravity, np.array([0.0]), 6.0)
+    spectra = spectrum.window_spectra(p.path, p.world.gravity, np.array([0.0]), 6.0)
     tau, _ = quadrature.nodes(p.path, np.array([0.0]), 6.0)
     scaled = rows.lifted(p.path, p.world.gravity, np.array([0.0]), tau)[0] * 6.0 ** -spectrum.LIFTED_TIME_POWERS.astype(
         float
     )
-    assert spectrum.null_basis(found, 0).shape == (13, 8)
-    assert np.abs(scaled @ spectrum.null_basis(found, 0)).max() < 1e-11
+    assert spectrum.null_basis(spectra, 0).shape == (13, 8)
+    assert np.abs(scaled @ spectrum.null_basis(spectra, 0)).max() < 1e-11
 
 
 def test_the_gramian_does_not_know_offset_or_anchor():
@@ -447,9 +450,9 @@ def test_the_gramian_does_not_know_offset_or_anchor():
 def test_accuracy_and_verdict_are_those_of_the_window_worst_for_accuracy(name: str):
     """Not of the window with the least singular value, which is another one."""
     p = preset.load(name)
-    found = analysis.analyse(p)
-    worst = np.max(found.windows.sigma_lifted)
-    assert found.lifted_end.position == pytest.approx(worst, rel=0.07)  # the curve's own accuracy
+    analysed = analysis.analyse(p)
+    worst = np.max(analysed.windows.sigma_lifted)
+    assert analysed.lifted_end.position == pytest.approx(worst, rel=0.07)  # the curve's own accuracy
     between = replace(p.requirement, position_sigma=0.9 * worst)
     assert analysis.analyse(replace(p, requirement=between)).verdict.word == "weak"
 
@@ -458,8 +461,8 @@ def test_accuracy_and_verdict_are_those_of_the_window_worst_for_accuracy(name: s
 def test_an_excitation_below_its_floor_is_an_unobservable_motion(name: str):
     """But for one: between its knots a minimum-snap curve is a polynomial, excited everywhere and of rank 10."""
     p = preset.load(name)
-    found = analysis.analyse(p)
-    unexcited = found.mu < found.mu_floor or found.mu == 0
+    analysed = analysis.analyse(p)
+    unexcited = analysed.mu < analysed.mu_floor or analysed.mu == 0
     assert unexcited == (p.expect == "unobservable" and name != "minimum-snap")
 
 

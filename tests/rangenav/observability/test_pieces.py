@@ -90,10 +90,10 @@ curves = pytest.mark.parametrize("curve", CURVES.values(), ids=CURVES)
 def test_excitation_is_the_exact_integral_from_any_moment_on(curve):
     """Singular values are exact to the rounding of the largest: the snap of close waypoints cancels three digits."""
     start = np.array([0.0, 0.3, 1.234, 2.95, 4.8, 9.77])
-    found = np.sqrt(excitation.eigenvalues(curve, start, WINDOW))
+    singular = np.sqrt(excitation.eigenvalues(curve, start, WINDOW))
     for k, t in enumerate(start):
         witness = np.sqrt(np.maximum(exact_integrals.excitation(curve, float(t), WINDOW), 0))
-        np.testing.assert_allclose(found[k], witness, rtol=1e-11, atol=1e-12 * witness[-1])
+        np.testing.assert_allclose(singular[k], witness, rtol=1e-11, atol=1e-12 * witness[-1])
 
 
 @curves
@@ -103,16 +103,18 @@ def test_gramians_are_exact_above_their_floor(curve):
     lifted = spectrum.window_spectra(curve, GRAVITY, start, WINDOW)
     local = spectrum.nonlinear_spectra(curve, ANCHOR, start, WINDOW)
     for k, t in enumerate(start):
-        for found, witness in (
+        for computed, witness in (
             (lifted, exact_integrals.lifted(curve, GRAVITY, float(t), WINDOW)),
             (local, exact_integrals.nonlinear(curve, ANCHOR, float(t), WINDOW)),
         ):
-            _assert_same_singular_values(found, k, witness)
+            _assert_same_singular_values(computed, k, witness)
 
 
-def _assert_same_singular_values(found: spectrum.Spectrum, k: int, witness: np.ndarray) -> None:
+def _assert_same_singular_values(computed: spectrum.Spectrum, k: int, witness: np.ndarray) -> None:
     root = np.sqrt(np.maximum(witness, 0))
-    np.testing.assert_allclose(np.sqrt(found.eigenvalues[k]), root, rtol=1e-13, atol=0.01 * math.sqrt(found.floor[k]))
+    np.testing.assert_allclose(
+        np.sqrt(computed.eigenvalues[k]), root, rtol=1e-13, atol=0.01 * math.sqrt(computed.floor[k])
+    )
 
 
 def test_panels_across_the_knots_would_be_wrong_where_the_snap_jumps():
@@ -159,9 +161,9 @@ def test_a_sum_is_integrated_between_the_knots_of_both_parts(base, wiggle):
         row = rows.lifted(curve, GRAVITY, np.array([start]), np.array([t - start]))[0, 0]
         return np.outer(row, row)
 
-    found = excitation.eigenvalues(curve, np.array([start]), WINDOW)[0]
+    eigenvalues = excitation.eigenvalues(curve, np.array([start]), WINDOW)[0]
     witness = np.linalg.eigvalsh(integral(snaps))
-    np.testing.assert_allclose(found, witness, rtol=1e-10, atol=1e-12 * witness[-1])
+    np.testing.assert_allclose(eigenvalues, witness, rtol=1e-10, atol=1e-12 * witness[-1])
     seen = rows.sample(curve, np.array([start]), WINDOW)
     R = rows.triangles(seen, seen.weight, lambda part: rows.lifted_of(part, GRAVITY, "start"))[0]
     expected = integral(lifted) / WINDOW
@@ -250,10 +252,10 @@ def test_two_thousand_waypoints_in_twenty_seconds_are_refused_before_any_work():
 
 def test_two_thousand_waypoints_in_a_minute_are_analysed():
     soft = preset.load("soft")
-    found = analysis.analyse(
+    analysed = analysis.analyse(
         replace(soft, path=many(2000, 60.0), duration=60.0, requirement=replace(soft.requirement, window=6.0))
     )
-    assert found.rank == 13
+    assert analysed.rank == 13
 
 
 def test_a_period_too_short_to_list_its_knots_is_refused():
@@ -371,8 +373,8 @@ def test_accuracy_by_triangles_is_accuracy_by_singular_vectors():
         distance2 = np.sum((seen.position - np.asarray(soft.world.anchor)[:, None]) ** 2, axis=1)[0]
         matrix = rows.nonlinear_of(seen, soft.world.anchor, "end")[0] / (0.1 * np.sqrt(distance2))[:, None]
         covariance = np.linalg.inv(matrix.T @ matrix)  # nine unknowns, condition 1e9 at worst: seven digits are left
-        found = accuracy.of_ranges(seen, soft.world, sigma=0.1, kind="nonlinear", at="end")
-        for k, value in enumerate((found.position, found.velocity, found.gravity)):
+        predicted = accuracy.of_ranges(seen, soft.world, sigma=0.1, kind="nonlinear", at="end")
+        for k, value in enumerate((predicted.position, predicted.velocity, predicted.gravity)):
             block = slice(3 * k, 3 * k + 3)
             assert value == pytest.approx(math.sqrt(np.trace(covariance[block, block])), rel=1e-6)
 
@@ -381,10 +383,12 @@ def test_accuracy_by_triangles_is_accuracy_by_singular_vectors():
 def test_files_of_others_are_integrated_exactly(name):
     curve = polynomial_file(name)
     start = np.linspace(0.1, curve_duration(curve) - 5.0, 4)
-    found = excitation.eigenvalues(curve, start, 4.0)
+    eigenvalues = excitation.eigenvalues(curve, start, 4.0)
     for k, t in enumerate(start):
         witness = exact_integrals.excitation(curve, float(t), 4.0)
-        np.testing.assert_allclose(np.sqrt(found[k]), np.sqrt(np.maximum(witness, 0)), atol=1e-12 * witness[-1] ** 0.5)
+        np.testing.assert_allclose(
+            np.sqrt(eigenvalues[k]), np.sqrt(np.maximum(witness, 0)), atol=1e-12 * witness[-1] ** 0.5
+        )
     lifted = spectrum.window_spectra(curve, GRAVITY, start[:1], 4.0)
     witness = exact_integrals.lifted(curve, GRAVITY, float(start[0]), 4.0)
     _assert_same_singular_values(lifted, 0, witness)

@@ -56,59 +56,60 @@ def flown(path: Signal, **fields: object) -> Preset:
     return replace(SOFT, path=path, **fields)
 
 
-def held(found: repair.Repair, limits: Preset) -> None:
+def held(repaired: repair.Repair, limits: Preset) -> None:
     """The new preset meets every requirement, certified from its own bytes, and the vehicle of `limits` can fly it."""
-    again = certificate.certify(preset.dumps(found.after).encode(), source="after")
-    assert again == found.certificate
+    again = certificate.certify(preset.dumps(repaired.after).encode(), source="after")
+    assert again == repaired.certificate
     assert (again.certified, again.meets, again.rank.rank) == (True, True, 13)
     assert again.excitation.lower is not None
     assert again.excitation.lower >= limits.requirement.mu
     assert again.accuracy.lifted.end.position is not None
     assert again.accuracy.lifted.end.position <= limits.requirement.position_sigma
-    flying = replace(found.after, vehicle=limits.vehicle)
+    flying = replace(repaired.after, vehicle=limits.vehicle)
     assert certificate.certify(preset.dumps(flying).encode(), source="after").vehicle.flyable
-    assert found.after.story == f"{found.description[0].upper()}{found.description[1:]}."
+    assert repaired.after.story == f"{repaired.description[0].upper()}{repaired.description[1:]}."
 
 
 @pytest.mark.parametrize("name", PLANAR)
 def test_a_planar_figure_eight_of_any_family_is_repaired_by_a_tone(name: str):
     p = flown(PLANAR[name])
-    found = repair.repair(p)
-    held(found, p)
-    added = found.after.path.wiggle if isinstance(found.after.path, Sum) else found.after.path
+    repaired = repair.repair(p)
+    held(repaired, p)
+    added = repaired.after.path.wiggle if isinstance(repaired.after.path, Sum) else repaired.after.path
     assert isinstance(added, Multisine)
     (tone,) = [tone for tone in added.tones if tone.axis == "z"]
-    assert found.description == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z"
+    assert repaired.description == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z"
     assert tone.amplitude < 0.1
-    assert found.after.path.period is not None  # so the certificate speaks of every t
-    assert found.certificate.claim.starts == "every t >= 0"
+    assert repaired.after.path.period is not None  # so the certificate speaks of every t
+    assert repaired.certificate.claim.starts == "every t >= 0"
 
 
 def test_the_circle_is_repaired_within_a_small_vehicles_limits():
     """Its own vehicle is free, but a repair that a small one can fly is preferred."""
     p = preset.load("circle")
-    found = repair.repair(p)
-    held(found, replace(p, vehicle=replace(CRAZYFLIE, body_rate=None)))
-    assert found.after.vehicle == p.vehicle
-    assert found.certificate.limits.thrust_to_weight < 1.95 / 1.35
+    repaired = repair.repair(p)
+    held(repaired, replace(p, vehicle=replace(CRAZYFLIE, body_rate=None)))
+    assert repaired.after.vehicle == p.vehicle
+    assert repaired.certificate.limits.thrust_to_weight < 1.95 / 1.35
 
 
 def test_a_repair_is_not_larger_than_it_must_be():
     p = flown(EIGHT)
-    found = repair.repair(p)
-    tones = found.after.path.tones  # pyright: ignore
+    repaired = repair.repair(p)
+    tones = repaired.after.path.tones  # pyright: ignore
     smaller = tuple(replace(tone, amplitude=0.85 * tone.amplitude) if tone.axis == "z" else tone for tone in tones)
     assert not certificate.certify(
-        preset.dumps(replace(found.after, path=Multisine(tones=smaller, offset=EIGHT.offset))).encode(), source="less"
+        preset.dumps(replace(repaired.after, path=Multisine(tones=smaller, offset=EIGHT.offset))).encode(),
+        source="less",
     ).meets
-    (before, after) = found.figures_before, found.figures_after
+    (before, after) = repaired.figures_before, repaired.figures_after
     assert not math.isfinite(before.sigma)
     assert 0.9 * p.requirement.position_sigma < after.sigma <= p.requirement.position_sigma  # as little as will do
 
 
 def test_nothing_is_changed_about_what_meets_its_requirement():
-    found = repair.repair(SOFT)
-    assert (found.before, found.after, found.description, found.effort) == (
+    repaired = repair.repair(SOFT)
+    assert (repaired.before, repaired.after, repaired.description, repaired.effort) == (
         SOFT,
         SOFT,
         "nothing had to be changed",
@@ -119,9 +120,9 @@ def test_nothing_is_changed_about_what_meets_its_requirement():
 def test_three_missing_directions_take_three_tones_of_different_frequencies():
     requirement = replace(SOFT.requirement, mu=5.0)
     p = flown(Multisine(offset=(0.0, 0.0, 1.0)), requirement=requirement)
-    found = repair.repair(p)
-    held(found, p)
-    tones = found.after.path.tones  # pyright: ignore
+    repaired = repair.repair(p)
+    held(repaired, p)
+    tones = repaired.after.path.tones  # pyright: ignore
     assert sorted({tone.axis for tone in tones}) == ["x", "y", "z"]
     assert len({tone.frequency for tone in tones}) > 1  # of one frequency they would be an ellipse
 
@@ -159,19 +160,21 @@ def test_a_search_that_finds_nothing_says_how_near_it_came():
 
 def test_a_path_that_is_too_small_is_made_larger():
     p = flown(signals.scaled(SOFT.path, 0.5, about=(0.0, 0.0, 0.0)), expect="observable")
-    found = repair.repair(p, by="amplitude")
-    held(found, p)
-    assert found.description.startswith("scaled x by ")
-    size = np.ptp(found.after.path(np.linspace(0, 20, 500)), axis=0) / np.ptp(p.path(np.linspace(0, 20, 500)), axis=0)
+    repaired = repair.repair(p, by="amplitude")
+    held(repaired, p)
+    assert repaired.description.startswith("scaled x by ")
+    size = np.ptp(repaired.after.path(np.linspace(0, 20, 500)), axis=0) / np.ptp(
+        p.path(np.linspace(0, 20, 500)), axis=0
+    )
     assert size.max() < 1 / 0.5 * 1.1  # no larger than the path that is known to do, and a little
 
 
 def test_a_path_that_is_too_slow_is_run_faster_as_little_as_will_do():
     p = flown(signals.slowed(SOFT.path, 1.4), expect="observable", vehicle=FIVE_INCH)
-    found = repair.repair(p, by="timescale")
-    held(found, p)
-    factor = math.exp(found.effort)
-    assert found.description == f"run {factor:.3g} times faster"
+    repaired = repair.repair(p, by="timescale")
+    held(repaired, p)
+    factor = math.exp(repaired.effort)
+    assert repaired.description == f"run {factor:.3g} times faster"
     slower = replace(p, path=signals.slowed(p.path, 0.97 / factor * 1.06))
     assert max(shortfall(figures(slower), slower).values()) > 0
 
@@ -180,21 +183,22 @@ def test_frequencies_that_coincide_are_told_apart():
     """A circle and a z-sine of its own frequency lie in a plane; they need not stay at one frequency."""
     tones = (*EIGHT.tones, Tone(axis="z", amplitude=0.3, frequency=1.5))
     p = flown(Multisine(tones=(tones[0], replace(tones[0], axis="y", phase=1.5), replace(tones[2], frequency=1.6))))
-    found = repair.repair(p, by="frequency")
-    held(found, p)
-    assert found.description.startswith("changed ")
+    repaired = repair.repair(p, by="frequency")
+    held(repaired, p)
+    assert repaired.description.startswith("changed ")
 
 
 @pytest.mark.parametrize("path", [LOOP, SNAP])
 def test_a_planar_loop_is_repaired_by_moving_its_waypoints(path: Signal):
     p = flown(path)
-    found = repair.repair(p, by="waypoints", evaluations=250)
-    held(found, p)
-    moved = np.array([new.value for new in found.after.path.points]) - [old.value for old in POINTS]  # pyright: ignore
+    repaired = repair.repair(p, by="waypoints", evaluations=250)
+    held(repaired, p)
+    moved = np.array([new.value for new in repaired.after.path.points]) - [old.value for old in POINTS]  # pyright: ignore
     np.testing.assert_allclose(moved[:, :2], 0.0, atol=1e-12)  # out of the plane, and nowhere else
     assert 0.01 < np.abs(moved[:, 2]).max() < 0.2
     assert (
-        found.description == f"moved {np.sum(np.abs(moved[:, 2]) > 0)} waypoints by up to {np.abs(moved).max():.3g} m"
+        repaired.description
+        == f"moved {np.sum(np.abs(moved[:, 2]) > 0)} waypoints by up to {np.abs(moved).max():.3g} m"
     )
 
 
@@ -218,11 +222,11 @@ def test_a_budget_is_kept_and_progress_rises_to_its_end():
 @pytest.mark.parametrize("by", ["tones", "amplitude", "timescale"])
 def test_a_motion_is_improved_within_its_limits(by: repair.ChangeKind):
     p = replace(SOFT, vehicle=CRAZYFLIE, angular_velocity=Flown())
-    found = repair.improve(p, by=by)
-    assert found.figures_after.sigma < 0.9 * found.figures_before.sigma
-    assert found.certificate.meets
-    assert found.certificate.vehicle.flyable
-    assert found.after.title == "Soft three-tone path, improved"
+    repaired = repair.improve(p, by=by)
+    assert repaired.figures_after.sigma < 0.9 * repaired.figures_before.sigma
+    assert repaired.certificate.meets
+    assert repaired.certificate.vehicle.flyable
+    assert repaired.after.title == "Soft three-tone path, improved"
 
 
 def test_what_cannot_be_improved_is_refused():

@@ -192,19 +192,19 @@ def test_between_samples_the_attitude_is_of_fifth_order_in_the_step(turning, mos
 def test_an_antenna_in_the_imu_has_the_range_of_the_paper():
     moved = flight(TUMBLING, rate=50.0)
     time = np.linspace(0, 5, 77)
-    found = sensors.distance(moved, time, path=SLOW.path, world=SLOW.world, lever_arm=(0.0, 0.0, 0.0))
-    np.testing.assert_array_equal(found, np.linalg.norm(SLOW.path(time) - np.array(SLOW.world.anchor), axis=-1))
+    computed = sensors.distance(moved, time, path=SLOW.path, world=SLOW.world, lever_arm=(0.0, 0.0, 0.0))
+    np.testing.assert_array_equal(computed, np.linalg.norm(SLOW.path(time) - np.array(SLOW.world.anchor), axis=-1))
 
 
 def test_many_ranges_are_the_same_as_few_at_a_time():
     moved, arm = flight(TUMBLING, rate=50.0), (0.1, 0.2, 0.3)
     time = np.linspace(0, 5, 2 * antenna.AT_ONCE + 5)
 
-    def found(at):
+    def computed(at):
         return sensors.distance(moved, at, path=SLOW.path, world=SLOW.world, lever_arm=arm)
 
-    np.testing.assert_allclose(found(time)[::7], found(time[::7]), rtol=1e-14)
-    assert len(found(time[:0])) == 0
+    np.testing.assert_allclose(computed(time)[::7], computed(time[::7]), rtol=1e-14)
+    assert len(computed(time[:0])) == 0
 
 
 @given(st.floats(0, 0.99), st.floats(0, 30), st.floats(0, 30))
@@ -300,9 +300,9 @@ def test_the_error_that_the_words_promise_to_stay_stays(effects):
 
 def test_drop_outs_and_a_burst_without_noise_only_delay_the_observer():
     for effects in ({"dropout_probability": 0.5}, {"burst_start": 8.0, "burst_length": 5.0}):
-        found = run(**effects)
-        assert found.summary.steady_position < 1e-3
-        assert not found.summary.diverged
+        flight = run(**effects)
+        assert flight.summary.steady_position < 1e-3
+        assert not flight.summary.diverged
 
 
 def test_over_a_burst_the_error_grows_until_ranges_return():
@@ -320,10 +320,10 @@ def test_over_a_burst_the_error_grows_until_ranges_return():
 
 
 def test_without_any_range_the_observer_predicts_and_the_run_is_called_diverged():
-    found = record.run(replace(SLOW, sensors=Sensors(unmodelled=Effects(burst_length=100.0))))
-    assert len(found.measurements.range) == 0
-    assert np.isfinite(found.estimate.state).all()
-    assert found.summary.diverged
+    flight = record.run(replace(SLOW, sensors=Sensors(unmodelled=Effects(burst_length=100.0))))
+    assert len(flight.measurements.range) == 0
+    assert np.isfinite(flight.estimate.state).all()
+    assert flight.summary.diverged
 
 
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])

@@ -22,9 +22,9 @@ TURN = Rotation.from_rotvec([0.3, -1.1, 0.7]).as_matrix()
 names = pytest.mark.parametrize("name", EXAMPLES)
 
 
-def agree(found, expected, order, *, t=T):
+def agree(computed, expected, order, *, t=T):
     """Same derivative, to a rounding of its size."""
-    values = found(t, order)
+    values = computed(t, order)
     np.testing.assert_allclose(values, expected, atol=1e-9 * (1 + np.abs(expected).max()))
 
 

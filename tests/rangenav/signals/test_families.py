@@ -170,11 +170,11 @@ def test_bent_keeps_what_second_and_higher_derivatives_know(name):
 def test_every_family_is_analysed(name):
     requirement = msgspec.structs.replace(preset.load("soft").requirement, window=5.0)
     p = msgspec.structs.replace(preset.load("soft"), path=EXAMPLES[name], requirement=requirement, duration=12.0)
-    found = analyse(p)
-    assert (found.rank == 13) == (name not in BLIND)
-    assert (found.bound_for_all_t is None) == (EXAMPLES[name].period is None)
-    if found.bound_for_all_t:
-        assert 0.8 * found.mu < found.bound_for_all_t <= found.mu * (1 + 1e-9) or name != "closed waypoints"
+    analysed = analyse(p)
+    assert (analysed.rank == 13) == (name not in BLIND)
+    assert (analysed.bound_for_all_t is None) == (EXAMPLES[name].period is None)
+    if analysed.bound_for_all_t:
+        assert 0.8 * analysed.mu < analysed.bound_for_all_t <= analysed.mu * (1 + 1e-9) or name != "closed waypoints"
 
 
 def test_bandwidth_until_is_finite_where_a_chirp_has_none():

@@ -52,9 +52,9 @@ def test_every_derivative_is_the_one_sympy_finds(text, order):
     expression = sympy.parse_expr(text, local_dict={"e": sympy.E, "pow": sympy.Pow})
     derivative = sympy.diff(expression, t, order)
     witness = np.array([float(derivative.evalf(30, subs={t: sympy.Float(value, 30)})) for value in TIMES[::6].tolist()])
-    found = Formula(y=text)(TIMES[::6], order)[:, 1]
+    computed = Formula(y=text)(TIMES[::6], order)[:, 1]
     # twenty operations of a relative 1e-16 each, on terms that may be a thousand times their sum
-    np.testing.assert_allclose(found, witness, rtol=1e-11, atol=1e-11 * (1 + np.abs(witness).max()))
+    np.testing.assert_allclose(computed, witness, rtol=1e-11, atol=1e-11 * (1 + np.abs(witness).max()))
 
 
 def test_powers_bind_as_in_python_and_numbers_fold():
@@ -183,14 +183,14 @@ def test_interval_functions_enclose(name):
     interval = Interval(low, low + rng.exponential(0.5, 400))
     if name in ("log", "sqrt"):
         interval = Interval(np.abs(low) + 1e-9, np.abs(low) + 1e-9 + (interval.high - interval.low))
-    found = series.sqrt((interval,), 0)[0] if name == "sqrt" else ELEMENTARY[name](interval)
+    computed = series.sqrt((interval,), 0)[0] if name == "sqrt" else ELEMENTARY[name](interval)
     with np.errstate(invalid="ignore"):
         for share in np.linspace(0, 1, 11):
             inside = interval.low + share * (interval.high - interval.low)
             value = series.FUNCTIONS[name]((inside,), 0)[0]
             known = np.isfinite(value)
-            assert np.all(found.low[known] <= value[known])
-            assert np.all(value[known] <= found.high[known])
+            assert np.all(computed.low[known] <= value[known])
+            assert np.all(value[known] <= computed.high[known])
 
 
 def test_interval_arithmetic_is_rounded_outwards():
@@ -220,8 +220,8 @@ def test_interval_arithmetic_is_rounded_outwards():
     ],
 )
 def test_periods_are_read_off_the_formula(text, period):
-    found = Formula(x=text).period
-    assert found == (pytest.approx(period) if period else period)
+    computed = Formula(x=text).period
+    assert computed == (pytest.approx(period) if period else period)
 
 
 def test_two_thousand_points_to_snap_take_about_a_millisecond():

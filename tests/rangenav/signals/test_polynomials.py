@@ -49,11 +49,11 @@ def test_at_a_knot_the_piece_that_begins_there_is_meant_and_at_the_end_the_last(
 
 
 def test_jumps_are_reported_at_every_knot_and_the_worst_named():
-    found = polynomials.jumps(STEP)
-    np.testing.assert_array_equal(found.time, [0, 1, 3, 3.5])
-    np.testing.assert_allclose(found.step[1, 0], [0.25, 0, 0])
-    np.testing.assert_allclose(found.step[1, 1], [0, 0.5, 0])
-    np.testing.assert_allclose(found.step[2, 2], [0, 0.5, 0])
+    computed = polynomials.jumps(STEP)
+    np.testing.assert_array_equal(computed.time, [0, 1, 3, 3.5])
+    np.testing.assert_allclose(computed.step[1, 0], [0.25, 0, 0])
+    np.testing.assert_allclose(computed.step[1, 1], [0, 0.5, 0])
+    np.testing.assert_allclose(computed.step[2, 2], [0, 0.5, 0])
     assert polynomials.complaints(STEP) == (
         "velocity jumps by 1 m/s along x at t = 0.00 s",
         "position jumps by 0.25 m along x at t = 1.00 s",
@@ -114,10 +114,10 @@ def test_the_figure_eight_of_crazyswarm2_is_smooth_planar_and_blind():
     assert len(path.pieces) == 10
     assert polynomials.complaints(path) == ()
     assert polynomials.jumps(path).time[-1] == pytest.approx(7.28, abs=0.01)
-    found = _analysed(path, 7.28, 5.0)
-    assert found.mu == 0.0
-    assert found.rank == 11
-    assert any("nothing excites z" in direction.summary for direction in found.directions)
+    analysed = _analysed(path, 7.28, 5.0)
+    assert analysed.mu == 0.0
+    assert analysed.rank == 11
+    assert any("nothing excites z" in direction.summary for direction in analysed.directions)
 
 
 def test_the_jump_in_a_file_shipped_with_crazyswarm2_is_named():

@@ -54,13 +54,13 @@ def rounding(signal, order, t):
 def test_every_derivative_is_the_one_sympy_finds(order):
     t = sympy.symbols("t")
     grid = np.linspace(0, 10, 101)
-    found = EXAMPLE(grid, order)
+    computed = EXAMPLE(grid, order)
     for name, k in signals.AXES.items():
         terms = [s.amplitude * sympy.sin(s.frequency * t + s.phase) for s in EXAMPLE.tones if s.axis == name]
         formula = EXAMPLE.offset[k] + EXAMPLE.drift[k] * t + sum(terms)
         witness = sympy.lambdify(t, sympy.diff(formula, t, order) + 0 * t, "numpy")(grid)
         # arguments reach 160 rad, where a unit of the last place is 3e-14
-        np.testing.assert_allclose(found[:, k], witness, atol=1e-13 * 16.0**order)
+        np.testing.assert_allclose(computed[:, k], witness, atol=1e-13 * 16.0**order)
 
 
 @given(multisines, st.integers(1, 5), times)

@@ -54,9 +54,9 @@ def test_an_open_curve_starts_and_ends_at_rest_and_holds(curve, order):
 @pytest.mark.parametrize(("curve", "order"), [(WAYPOINTS, 5), (MINIMUM_SNAP, 4)])
 def test_the_curve_has_the_least_energy_of_its_derivative_among_those_through_the_points(curve, order):
     """Any bump that keeps points and ends adds energy: the integral of the square, to second order and no first."""
-    found = curve.piecewise()
-    middle = (found.knots[2] + found.knots[3]) / 2
-    half = (found.knots[3] - found.knots[2]) / 2
+    pieces = curve.piecewise()
+    middle = (pieces.knots[2] + pieces.knots[3]) / 2
+    half = (pieces.knots[3] - pieces.knots[2]) / 2
     u, weight = np.polynomial.legendre.leggauss(40)
     bump = np.polynomial.Polynomial([1, 0, -1]) ** order  # vanishes with order − 1 derivatives at both knots
     added, there = bump.deriv(order)(u), curve(middle + half * u, order)[:, 0]
@@ -175,10 +175,10 @@ def test_a_waypoint_inserted_between_two_lies_on_the_curve(curve):
 
 
 def test_hulls_enclose_and_are_not_much_too_large():
-    found = LOOP.piecewise()
+    pieces = LOOP.piecewise()
     for order in range(6):
         sampled = np.linalg.norm(LOOP(np.linspace(0, 12, 20001), order), axis=1).max()
-        assert sampled <= piecewise.hull(found, order) < 4 * sampled
+        assert sampled <= piecewise.hull(pieces, order) < 4 * sampled
 
 
 def test_minimum_snap_as_polynomials_is_the_same_curve():
