@@ -13,7 +13,7 @@ from typing import NoReturn
 import tyro
 
 import rangenav
-from rangenav.commands import overview
+from rangenav.commands import numbers, overview
 from rangenav.commands.text.layout import COLUMNS, CONTINUED, wrapped
 from rangenav.formats import OpenQuestionsError
 
@@ -55,7 +55,7 @@ def run_command() -> None:
     """Run the command that was typed; whatever goes wrong is one line on stderr and an exit code."""
     messages = io.StringIO()
     try:
-        with contextlib.redirect_stderr(messages):
+        with contextlib.redirect_stderr(messages), numbers.registry:
             app.cli(prog=PROGRAM)
             sys.stdout.flush()
     except OpenQuestionsError as error:

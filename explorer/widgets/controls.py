@@ -95,8 +95,9 @@ class Number(Control[float]):
         return self._box.value
 
     def show(self, value: float) -> None:
-        """Show a value."""
-        self._box.value = value
+        """Show a value. viser gives what a browser sends the type of what is shown: an int would cut off decimals, and
+        may have hundreds of digits."""
+        self._box.value = float(value)
 
 
 class Vector(Control[Vec3]):

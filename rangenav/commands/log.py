@@ -12,7 +12,8 @@ from rangenav import formats
 from rangenav.commands.output import print_json
 from rangenav.commands.progress import working
 from rangenav.formats import log_columns
-from rangenav.inputs import Vec3, require
+from rangenav.inputs import Vec3, require, require_within
+from rangenav.preset import MAX_DURATION
 
 if TYPE_CHECKING:
     from rangenav.flight_summary import ObserverSummary, WindowSummary  # imported when used: it takes long
@@ -22,8 +23,10 @@ if TYPE_CHECKING:
     FormatName = str
 else:
     FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
-SYNTHETIC = (1e-3, 1e2)
-"""m: limits of the noise of synthetic ranges."""
+RANGE_SIGMA = (1e-3, 1e2)
+"""m: limits of the noise of ranges, recorded or synthetic."""
+WINDOW = (0.1, MAX_DURATION)
+"""s: limits of the length of a window."""
 SHORTEST_DIRECTION = 1e-3
 """A shorter vector is no direction."""
 
@@ -101,7 +104,9 @@ def log(
         raise ValueError(f"{imported.source}: holds a path and no recorded flight: see `rangenav import`")
     if synthetic_ranges is not None:
         flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
-    require(range_sigma > 0, f"--range-sigma must be positive, got {range_sigma:g}")
+    require_within("--range-sigma", range_sigma, *RANGE_SIGMA, "m")
+    require_within("--window", window, *WINDOW, "s")
+    require(position_sigma > 0, f"--position-sigma must be positive, got {position_sigma:g}")
     anchor_position = anchor or flight.anchor
     world_model, questions, world_source = rest.world_of(
         flight, anchor=anchor_position or (0.0, 0.0, 0.0), vectors=vectors, confirmed=world == "still"
@@ -175,8 +180,8 @@ def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> A
 
     if anchor is None:
         raise ValueError("--synthetic-ranges needs --anchor X Y Z")
-    low, high = SYNTHETIC
-    require(low <= sigma <= high, f"--synthetic-ranges must lie between {low:g} m and {high:g} m, got {sigma:g}")
+    require_within("--synthetic-ranges", sigma, *RANGE_SIGMA, "m")
+    require(seed >= 0, f"--seed must not be negative, got {seed}")
     return recorded_flight.with_ranges(flight, anchor, sigma=sigma, seed=seed)
 
 

@@ -272,3 +272,30 @@ def test_speed_stays_within_its_list():
     for _ in range(20):
         clock.change_speed(+1)
     assert clock.speed == 8.0
+
+
+NUMERALS = "9" * 400
+"""A browser sends the text of a number box where JavaScript cannot hold it as a number."""
+
+
+def test_a_number_of_hundreds_of_digits_in_any_box_is_no_internal_error(visitor: Wire):
+    boxes = {
+        uuid: p for uuid, p in visitor.elements.items() if _is_number(p.get("value")) or _is_vector(p.get("value"))
+    }
+    assert len(boxes) > 40
+    for uuid, properties in boxes.items():
+        value = properties["value"]
+        assert not isinstance(value, int), f"{properties['label']}: viser would cut off decimals, and keep every digit"
+        entered = NUMERALS if _is_number(value) else [NUMERALS] * len(value)
+        visitor.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": entered}})
+    visitor.press("N seeds")
+    visitor.wait_for(lambda: "N must be a whole number between 1 and" in visitor.text(), "a complaint", timeout=10)
+    assert not any("Internal error" in text for text in visitor.notifications)
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _is_vector(value: object) -> bool:
+    return isinstance(value, list | tuple) and len(value) == 3 and all(map(_is_number, value))

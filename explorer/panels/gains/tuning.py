@@ -82,7 +82,7 @@ class TuningPanel:
             form.button("Tune the gains", self._start, hint=TUNE_HINT)
             self._summary_block, self._plots_block = form.gui.add_html(""), form.gui.add_html("")
             self._curve = form.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE_HINT)
-            self._place = form.gui.add_slider("place", 1, 2, 1, 1, hint=PLACE_HINT)
+            self._place = form.gui.add_slider("place", 1.0, 2.0, 1.0, 1.0, hint=PLACE_HINT)
             self._picked_block = form.gui.add_html("")
             self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
             self._discard = form.button("Discard", self._forget_result, hint=DISCARD_HINT)
@@ -141,9 +141,9 @@ class TuningPanel:
         by_objective = sorted(tuned.points, key=lambda point: point.objective(tuned.steadiness))
         self.choices = tradeoff.front(tuple(by_objective), *CURVES[curve])
         best = min(range(len(self.choices)), key=lambda k: self.choices[k].objective(tuned.steadiness))
-        self._place.value = 1
-        self._place.max = max(len(self.choices), 2)
-        self._place.value = best + 1
+        self._place.value = 1.0
+        self._place.max = float(max(len(self.choices), 2))
+        self._place.value = float(best + 1)
 
     def _choose_curve(self) -> None:
         """Show another curve. The browser may have sent one that is not offered."""
