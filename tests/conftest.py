@@ -71,7 +71,7 @@ def sessions():
 
 @pytest.fixture
 def editing(sessions):
-    """A visitor (tests/editing.py) of that server."""
+    """A visitor of that server."""
     from tests.support.waiting_visitor import Editing, newest
     from tests.support.wire import Wire
 

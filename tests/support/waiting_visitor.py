@@ -9,7 +9,7 @@ from collections.abc import Callable
 from explorer.model.settings import Settings
 from explorer.server import SessionServer
 from explorer.session import Session
-from tests.support.wire import Wire
+from tests.support.wire import Storage, Wire
 
 
 class Editing:
@@ -72,3 +72,20 @@ def newest(server: SessionServer, tab: Wire) -> Session:
     """The session of a tab that has just connected, once it has drawn."""
     tab.wait_for_text("of 13</b>, nonlinear")
     return server.sessions[-1]
+
+
+def arrived(sessions: tuple[int, SessionServer], storage: Storage | None = None) -> Editing:
+    """A new visitor of a server, with the storage of a browser, once the first picture is on the page."""
+    port, server = sessions
+    tab = Wire(port, storage=storage)
+    tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
+    session = server.sessions[-1]
+    tab.wait_for(lambda: session.picture is not None and "t (s)" in str(tab.elements), "the first picture")
+    return Editing(tab, session)
+
+
+def save_as(page: Editing, title: str) -> None:
+    """Save what is on the page as a preset of the library, under a title."""
+    page.set("title", title)
+    page.press("keep", "save as")
+    page.tab.wait_for_text("saved as")

@@ -1,12 +1,11 @@
-"""The Presets tab through viser's messages: saving, changing, deleting, importing, exporting, repairing, judging."""
+"""The Presets tab through viser's messages: saving, changing, deleting and uploading presets."""
 
 import errno
 import io
 import os
-import re
 import time
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -18,64 +17,13 @@ from explorer.storage.catalog import MINE, REFRESH_PERIOD
 from explorer.storage.library import Library
 from explorer.web import uploads
 from rangenav import certificate, formats, preset
-from rangenav.certificate import exports
-from tests.support.waiting_visitor import Editing
-from tests.support.wire import Storage, Wire
+from tests.support.waiting_visitor import Editing, arrived, save_as
 
 pytestmark = pytest.mark.slow
 
 
 SHIPPED = preset.shipped()
 SAVE, TIDY = "keep", "tidy"
-WORST = re.compile(r"from ([\d.]+) s: rank")
-"""The beginning of the worst window of a recorded flight (s)."""
-
-
-@pytest.fixture
-def data(tmp_path: Path, sessions: tuple[int, SessionServer]) -> Library:
-    """An empty library for this test's visitors."""
-    library = Library(tmp_path / "presets")
-    object.__setattr__(sessions[1].shared, "library", library)
-    return library
-
-
-def _visitor(sessions: tuple[int, SessionServer], storage: Storage | None = None) -> Editing:
-    port, server = sessions
-    tab = Wire(port, storage=storage)
-    tab.wait_for(lambda: tab.counts.get("GuiSetPanelWidthMessage"), "the docks")
-    session = server.sessions[-1]
-    tab.wait_for(lambda: session.picture is not None and "t (s)" in str(tab.elements), "the first picture")
-    return Editing(tab, session)
-
-
-@pytest.fixture
-def page(sessions: tuple[int, SessionServer], data: Library) -> Iterator[Editing]:
-    visitor = _visitor(sessions)
-    yield visitor
-    visitor.tab.close()
-
-
-@pytest.fixture
-def reloaded(page: Editing, sessions: tuple[int, SessionServer]) -> Iterator[Callable[[], Editing]]:
-    """A function that closes the page and opens it again in the same browser, with its storage."""
-    later: list[Editing] = []
-
-    def reload() -> Editing:
-        session = page.session
-        page.tab.close()
-        page.tab.wait_for(lambda: not session.thread.is_alive(), "the end of the session")
-        later.append(_visitor(sessions, page.tab.storage))
-        return later[0]
-
-    yield reload
-    for one in later:
-        one.tab.close()
-
-
-def _save_as(page: Editing, title: str) -> None:
-    page.set("title", title)
-    page.press(SAVE, "save as")
-    page.tab.wait_for_text("saved as")
 
 
 def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
@@ -83,7 +31,7 @@ def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
 ):
     page.set("q", 1.25)
     shown = page.settings.preset
-    _save_as(page, "Mein <b>Flug</b> / über ../ alles")
+    save_as(page, "Mein <b>Flug</b> / über ../ alles")
     (name,) = data.stamps()
     assert name == "mein-b-flug-b-uber-alles"
     saved = preset.loads(data.read(name).decode(), source=name)
@@ -96,7 +44,7 @@ def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
     stored = data.read_certificate(name)
     assert stored is not None
     assert certificate.verify(data.read(name), certificate.loads(stored, source="x"), source=name) == ()
-    other = _visitor(sessions)
+    other = arrived(sessions)
     other.set("preset", f"★ {saved.title} ({name})")
     assert other.settings.preset == saved
     other.tab.close()
@@ -109,7 +57,7 @@ def test_a_shipped_preset_is_not_written_over(page: Editing, data: Library):
 
 
 def test_a_save_over_what_another_page_has_changed_is_refused_and_both_are_kept(page: Editing, data: Library):
-    _save_as(page, "mine")
+    save_as(page, "mine")
     theirs = preset.dumps(SHIPPED["soft"]).encode()
     data.save("mine", theirs, known={page.settings.edition})
     page.set("q", 2.0)
@@ -124,7 +72,7 @@ def test_a_save_over_what_another_page_has_changed_is_refused_and_both_are_kept(
 
 
 def test_saving_again_and_again_is_no_conflict_with_oneself_and_undo_still_goes_back(page: Editing, data: Library):
-    _save_as(page, "mine")
+    save_as(page, "mine")
     before = page.settings
     page.set("q", 2.0)
     page.press(SAVE, "save")
@@ -139,7 +87,7 @@ def test_saving_again_and_again_is_no_conflict_with_oneself_and_undo_still_goes_
 
 
 def test_what_is_deleted_stays_on_the_page_and_comes_back(page: Editing, data: Library):
-    _save_as(page, "mine")
+    save_as(page, "mine")
     content, shown = data.read("mine"), page.settings
     page.press(TIDY, "delete")
     assert data.stamps() == {}
@@ -155,7 +103,7 @@ def test_what_is_deleted_stays_on_the_page_and_comes_back(page: Editing, data: L
 def test_what_was_deleted_comes_back_after_a_reload_too(
     page: Editing, data: Library, sessions: tuple[int, SessionServer], reloaded: Callable[[], Editing]
 ):
-    _save_as(page, "mine")
+    save_as(page, "mine")
     content, shown = data.read("mine"), page.settings.preset
     page.press(TIDY, "delete")
     later = reloaded()
@@ -182,9 +130,9 @@ def test_what_was_imported_and_not_saved_keeps_its_title_over_a_reload(
 def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_reported(
     page: Editing, data: Library, sessions: tuple[int, SessionServer]
 ):
-    _save_as(page, "mine")
-    other = _visitor(sessions)
-    _save_as(other, "Mine!")
+    save_as(page, "mine")
+    other = arrived(sessions)
+    save_as(other, "Mine!")
     assert "saved as mine-2.toml, beside mine.toml, which is left as it was" in other.tab.text()
     other.tab.close()
     page.set("title", "mine, better")
@@ -198,7 +146,7 @@ def test_a_save_writes_the_title_that_was_typed_and_a_title_that_is_taken_is_rep
 
 
 def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editing, data: Library):
-    _save_as(page, 'a "quoted" <b>')
+    save_as(page, 'a "quoted" <b>')
     (data.folder / 'mean"><img src=x>.toml').write_bytes(data.read("a-quoted-b"))
     assert 'class="tile"' not in page.tab.text()  # nothing is sent before it is asked for
     page.press("browse", "see all")
@@ -220,7 +168,7 @@ def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editi
 
 
 def test_renaming_keeps_what_was_changed_and_not_saved(page: Editing, data: Library):
-    _save_as(page, "old")
+    save_as(page, "old")
     page.set("q", 2.0)
     changed = page.settings.preset
     page.set("title", "飛行 two")
@@ -267,7 +215,7 @@ def test_an_invalid_title_is_reported(page: Editing, data: Library, title: str):
 
 
 def test_a_file_that_is_no_preset_is_named_beside_the_others(page: Editing, data: Library):
-    _save_as(page, "mine")
+    save_as(page, "mine")
     (data.folder / "broken.toml").write_bytes(b"\xff\x00")
     (data.folder / "wrong.toml").write_text('title = "x"')
     page.press(SAVE, "save")
@@ -351,151 +299,3 @@ def test_names_are_for_reading_only():
     assert uploads.readable("C:\\folder\\a.csv") == "a.csv"
     assert uploads.readable(7) == "file"
     assert len(uploads.readable("x" * 10**6)) <= uploads.LONGEST_NAME
-
-
-def _zip(page: Editing, name: str) -> zipfile.ZipFile:
-    page.tab.wait_for(lambda: name in dict(page.tab.downloads), name)
-    return zipfile.ZipFile(io.BytesIO(dict(page.tab.downloads)[name]))
-
-
-def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editing, tmp_path: Path):
-    page.press("formats", "all")
-    page.press("Export as a zip")
-    packed = _zip(page, "paper-slow.zip")
-    packed.extractall(tmp_path)
-    assert certificate.verify_file(tmp_path / "paper-slow.toml") == ()
-    assert certificate.verify_file(tmp_path / "paper-slow.mat", readers=exports.readers()) == ()
-    assert certificate.verify_file(tmp_path / "paper-slow.euroc", readers=exports.readers()) == ()
-    assert preset.load(tmp_path / "paper-slow.toml") == page.settings.preset
-    names = set(packed.namelist())
-    for name in ("paper-slow.mat", "paper-slow.tum.txt", "paper-slow.mcap", "paper-slow.reference.csv", "README.txt"):
-        assert name in names
-    read_back = formats.read(tmp_path / "paper-slow.reference.csv", "reference")
-    assert read_back.path is not None
-
-
-def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editing):
-    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
-    page.set("polynomials", True)  # what is to be flown must be observable; a circle may be studied
-    page.press("Export as a zip")
-    page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
-    assert page.tab.downloads == []
-    assert "• the rank is 11 of 13" in page.tab.text()
-    assert "it would do to add a tone" in page.tab.text()
-    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
-    page.wait_until_accepted()  # the complaint was about another motion
-    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
-    page.set("even if uncertified", True)
-    page.press("Export as a zip")
-    packed = _zip(page, "circle.uncertified.zip")
-    assert "circle.polynomial.uncertified.csv" in packed.namelist()
-    assert "circle.polynomial.csv.certificate.json" not in packed.namelist()
-    assert b"UNCERTIFIED" in packed.read("README.txt")
-
-
-def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_path: Path):
-    formats.export(SHIPPED["paper-slow"], "tum", tmp_path / "tour.txt")
-    lines = (tmp_path / "tour.txt").read_text().splitlines()
-    before = page.settings
-    page.tab.upload("Upload a file", "Tour 1.txt", "\n".join(lines[1:]).encode())
-    page.tab.wait_for_text("which way does z point")
-    assert page.settings == before
-    assert page.tab.value("format") == "TUM trajectory"
-    page.press("Confirm the answers")
-    if any("not answered yet" in text for text in page.refusals()):
-        page.set("frame", "z-up")
-        page.press("Confirm the answers")
-    page.tab.wait_for_text("opened as a preset that is not saved yet")
-    page.settle()
-    assert page.settings.preset.title == "Tour 1"
-    assert "NOT JUDGED" in page.tab.text()
-    assert "the path&#x27;s snap was not in Tour 1.txt" in page.tab.text()
-    assert page.settings.preset.world.gravity[2] < 0
-    _save_as(page, "Tour kept")
-    page.set("slower s", 0.05)  # another path: a design of the visitor's
-    assert "NOT JUDGED" not in page.tab.text()
-
-
-def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
-    before = page.settings
-    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,three\n")
-    page.tab.wait_for(lambda: any("line 2" in text for text in page.refusals()), "the line")
-    page.press("Read it as this format")
-    assert page.settings == before
-
-
-def test_a_guess_is_reported_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
-    page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
-    page.tab.wait_for(lambda: any("Non_sense 1.csv, line 2" in text for text in page.refusals()), "the file's own name")
-    assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
-    page.tab.upload("Upload a file", "mine.toml", preset.dumps(SHIPPED["soft"]).encode())
-    page.tab.wait_for(lambda: any("taken by “Upload a preset”" in text for text in page.refusals()), "the way")
-
-
-def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing, tmp_path: Path):
-    formats.export(SHIPPED["paper-slow"], "log", tmp_path / "flight.csv")
-    page.tab.upload("Upload a file", "flight.csv", (tmp_path / "flight.csv").read_bytes())
-    page.tab.wait_for_text("a recorded flight: judge it below")
-    before = page.settings
-    page.set("ranges ± (m)", 0.05)
-    page.press("Was it informative?")
-    page.tab.wait_for_text("rms by quarters")
-    assert "windows" in page.tab.text()
-    assert "as the file says" in page.tab.text()
-    page.set("from (s)", 12.0)
-    page.press("Was it informative?")
-    page.tab.wait_for(lambda: any(float(at) >= 12 for at in WORST.findall(page.tab.text())), "a later worst window")
-    page.set("to (s)", 12.0)
-    page.press("Was it informative?")
-    page.tab.wait_for(lambda: any("must begin before it ends" in text for text in page.refusals()), "a sentence")
-    page.set("to (s)", 20.0)
-    page.set("windows of (s)", 1e9)
-    page.press("Was it informative?")
-    page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")
-    assert page.settings == before
-
-
-def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
-    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
-    circle = page.settings
-    page.press("Make it observable")
-    page.tab.wait_for_text("before (A)")
-    assert page.settings == circle
-    page.press("Discard the motion")
-    assert "before (A)" not in page.tab.text()
-    page.press("Make it observable")
-    page.tab.wait_for_text("before (A)")
-    page.press("Accept the motion")
-    after = page.settings.preset
-    assert certificate.certify(preset.dumps(after).encode(), source="x").certified
-    assert after.path != circle.preset.path
-    assert page.session.dock.compare.pinned is not None
-    assert page.session.dock.compare.pinned.settings == circle
-    assert page.tab.value("title") == after.title
-    page.command("Undo")
-    assert page.settings == circle
-
-
-def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_is_not_replaced(page: Editing):
-    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
-    page.press("Make it observable")
-    page.tab.wait_for_text("before (A)")
-    page.set("q", 2.0)
-    gains = page.settings.preset.gains
-    page.press("Accept the motion")
-    assert page.settings.preset.path != SHIPPED["circle"].path
-    assert page.settings.preset.gains == gains
-    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
-    page.press("Make it observable")
-    page.tab.wait_for_text("before (A)")
-    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
-    page.press("Accept the motion")
-    assert any("the motion on the page is another one by now" in text for text in page.refusals())
-    assert page.settings.preset == SHIPPED["hover"]
-
-
-def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):
-    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
-    page.set("by changing", "its size")
-    page.press("Make it observable")
-    page.tab.wait_for(lambda: any("stays straight at any size" in text for text in page.refusals()), "the reason")

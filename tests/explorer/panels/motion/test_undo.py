@@ -1,0 +1,210 @@
+"""Undo, reset, complaints at the box that causes them, and work that comes back after a reload."""
+
+import time
+
+import msgspec
+import pytest
+
+from explorer.model.settings import Settings
+from explorer.server import SessionServer
+from explorer.shared import Compilation
+from explorer.web.security import open_server
+from explorer.widgets.form import Action
+from rangenav import preset
+from tests.support.shared_server import shared
+from tests.support.waiting_visitor import Editing, newest
+from tests.support.wire import Storage, Wire
+
+pytestmark = pytest.mark.slow
+
+
+NOT_SHOWN = "Not shown"
+
+
+def test_undo_and_redo_go_over_everything_and_a_drag_is_one_step(editing: Editing):
+    states = [editing.settings]
+    for step in range(6):  # as while a slider is dragged
+        editing.tab.set("A (m)", 1.0 + 0.01 * (step + 1))
+        time.sleep(0.05)
+    editing.settle()
+    states.append(editing.settings)
+    for label, value in (("q", 2.0), ("range (Hz)", 20.0), ("vehicle", "hand-held"), ("duration (s)", 15.0)):
+        time.sleep(0.8)  # longer than a moment
+        editing.set(label, value)
+        states.append(editing.settings)
+    for state in states[-2::-1]:
+        editing.command("Undo")
+        assert editing.settings == state
+    editing.command("Undo")
+    assert editing.settings == states[0]
+    editing.tab.wait_for(
+        lambda: any("Nothing to undo" in complaint for complaint in editing.tab.notifications), "a word"
+    )
+    for state in states[1:]:
+        editing.command("Redo")
+        assert editing.settings == state
+    editing.command("Redo")
+    editing.tab.wait_for(
+        lambda: any("Nothing to redo" in complaint for complaint in editing.tab.notifications), "a word"
+    )
+
+
+def test_another_preset_is_a_step_that_can_be_undone(editing: Editing):
+    editing.set("A (m)", 1.5)
+    before = editing.settings
+    editing.set("preset", f"{preset.load('hover').title} (hover)")
+    assert editing.settings.origin == "hover"
+    editing.command("Undo")
+    assert editing.settings == before
+    assert editing.tab.value("preset") == f"{preset.load('paper-slow').title} (paper-slow)"
+
+
+def test_what_differs_from_the_preset_is_marked_and_can_be_reset(editing: Editing):
+    editing.set("A (m)", 1.5)
+    editing.set("w (rad/s)", 3.0)
+    assert editing.tab.elements[editing.tab.find("A (m)")]["label"] == "A (m) •"
+    editing.press("reset", "A (m)")
+    assert editing.tab.elements[editing.tab.find("A (m)")]["label"] == "A (m)"
+    assert editing.settings.preset.path.tones[0].frequency == 3.0  # type: ignore[union-attr]
+    editing.command("Reset the last control")
+    assert editing.settings.preset == preset.load("paper-slow")
+    editing.set("q", 1.0)
+    editing.set("noise seed", 5.0)
+    editing.command("Reset all controls")
+    assert editing.settings.preset == preset.load("paper-slow")
+
+
+@pytest.mark.parametrize(
+    ("seconds", "sentence"), [(0.0, "between 0.5 and 600"), (1e6, "between 0.5 and 600"), (3.0, "")]
+)
+def test_durations_beyond_reason_get_a_sentence(editing: Editing, seconds: float, sentence: str):
+    editing.set("duration (s)", seconds)
+    complaint = " ".join(editing.refusals())
+    assert sentence in complaint if sentence else "requirement.window must be shorter than the duration" in complaint
+
+
+def _complaints_below_controls(editing: Editing, sentence: str) -> list[str]:
+    """The complaints with a sentence that are below controls, not in the verdict."""
+    return [complaint for complaint in editing.refusals() if sentence in complaint and NOT_SHOWN not in complaint]
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "sentence"),
+    [
+        ("duration (s)", 0.0, "duration must lie between"),
+        ("noise seed", 1.5, "seed must be a whole number"),
+        ("duration (s)", 3.0, "requirement.window must be shorter"),
+    ],
+)
+def test_a_refused_number_is_reported_at_its_box_and_no_longer_once_it_is_good(
+    editing: Editing, label: str, value: float, sentence: str
+):
+    good = editing.tab.value(label)
+    editing.set(label, value)
+    assert _complaints_below_controls(editing, sentence)
+    editing.settle()
+    assert _complaints_below_controls(editing, sentence)
+    editing.set(label, good)
+    editing.wait_until_accepted()
+
+
+def test_a_sentence_about_the_whole_goes_when_another_takes_its_place(editing: Editing):
+    editing.set("w (rad/s)", 1e4)
+    assert _complaints_below_controls(editing, "faster than the IMU")
+    editing.set("range (Hz)", 2000.0)
+    editing.set("IMU (Hz)", 0.0)
+    assert not _complaints_below_controls(editing, "faster than the IMU")
+    assert _complaints_below_controls(editing, "imu_rate must lie")
+
+
+def test_why_a_button_did_nothing_is_said_until_something_else_is_shown(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("ends", "open: at rest at both ends")
+    editing.set("points: t x y z", "0 0 0 0\n20 1 1 1")
+    before = editing.settings
+    editing.press("", "− delete it")
+    assert _complaints_below_controls(editing, "2 to 2000 waypoints")
+    assert editing.settings == before
+    editing.set("q", 1.0)
+    editing.tab.wait_for(lambda: not _complaints_below_controls(editing, "2 to 2000 waypoints"), "no complaint")
+
+
+def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
+    editing.set("A (m)", 1.5)
+    editing.press("", "− remove this tone")
+    before = editing.settings
+    editing.command("Reset the last control")
+    assert editing.settings == before
+    assert not [complaint for complaint in editing.tab.notifications if "Internal error" in complaint]
+
+
+def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alone(editing: Editing):
+    editing.set("q", 1.0)
+    before = editing.settings
+    time.sleep(0.8)  # longer than a moment
+    form, uuid = editing.session.form, editing.tab.find("range (Hz)")
+    run_actions, dial = form.run_actions, editing.session.dock.sensors.range_rate
+
+    def busy(before: Action) -> bool:
+        """A change and its undo arrive while the session is busy, so that it reads both at once."""
+        form.run_actions = run_actions  # type: ignore[method-assign]
+        stepped = run_actions(before)
+        editing.tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": 33.0}})
+        editing.tab.wait_for(lambda: dial.read() == 33.0, "the change")
+        editing.tab.command("Undo")
+        editing.tab.wait_for(lambda: form.waiting, "the undo")
+        return run_actions(before) or stepped
+
+    form.run_actions = busy  # type: ignore[method-assign]
+    editing.settle()
+    assert dial.read() == before.preset.sensors.range_rate
+    assert editing.settings == before
+
+
+def test_the_download_of_an_edited_path_is_read_back_exactly(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("plus a wiggle", True)
+    shown = editing.settings.preset
+    text = preset.dumps(shown)
+    assert preset.loads(text, source="test") == shown
+    assert msgspec.json.decode(msgspec.json.encode(editing.settings), type=Settings) == editing.settings
+
+
+def _until_shown(editing: Editing, expected: Settings) -> None:
+    editing.tab.wait_for(lambda: editing.settings == expected, "the work")
+
+
+def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessions: tuple[int, SessionServer]):
+    storage = Storage()
+    port, server = sessions
+    editing = Editing(tab := Wire(port, storage=storage), newest(server, tab))
+    editing.set("family", "formulas")
+    editing.set("x(t) =", "cos(3*t)")
+    editing.set("q", 2.0)
+    expected = editing.settings
+    tab.close()
+    back = Wire(port, storage=storage)
+    _until_shown(Editing(back, newest(server, back)), expected)
+    back.close()
+    server, compilation = open_server("127.0.0.1", 0), Compilation()
+    again = SessionServer(server, shared(server, compilation))
+    compilation.start()
+    later = Wire(server.get_port(), storage=storage)
+    _until_shown(Editing(later, newest(again, later)), expected)
+    assert later.value("x(t) =") == "cos(3*t)"
+    later.close()
+    server.stop()
+
+
+def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, SessionServer]):
+    port, server = sessions
+    browser = Storage()
+    first = Editing(one := Wire(port, storage=browser), newest(server, one))
+    second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), newest(server, two))
+    first.set("q", 1.0)
+    second.set("q", 3.0)
+    one.close()
+    two.close()
+    back = Wire(port, storage=browser)
+    assert Editing(back, newest(server, back)).settings.preset.gains.riccati.q == 10.0
+    back.close()

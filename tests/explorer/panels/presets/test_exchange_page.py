@@ -1,0 +1,167 @@
+"""The Presets tab through viser's messages: exporting, importing, judging a recorded flight, repairing."""
+
+import io
+import re
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from rangenav import certificate, formats, preset
+from rangenav.certificate import exports
+from tests.support.waiting_visitor import Editing, save_as
+
+pytestmark = pytest.mark.slow
+
+
+SHIPPED = preset.shipped()
+WORST = re.compile(r"from ([\d.]+) s: rank")
+"""The beginning of the worst window of a recorded flight (s)."""
+
+
+def _zip(page: Editing, name: str) -> zipfile.ZipFile:
+    page.tab.wait_for(lambda: name in dict(page.tab.downloads), name)
+    return zipfile.ZipFile(io.BytesIO(dict(page.tab.downloads)[name]))
+
+
+def test_an_export_is_one_zip_whose_certificate_is_of_its_very_bytes(page: Editing, tmp_path: Path):
+    page.press("formats", "all")
+    page.press("Export as a zip")
+    packed = _zip(page, "paper-slow.zip")
+    packed.extractall(tmp_path)
+    assert certificate.verify_file(tmp_path / "paper-slow.toml") == ()
+    assert certificate.verify_file(tmp_path / "paper-slow.mat", readers=exports.readers()) == ()
+    assert certificate.verify_file(tmp_path / "paper-slow.euroc", readers=exports.readers()) == ()
+    assert preset.load(tmp_path / "paper-slow.toml") == page.settings.preset
+    names = set(packed.namelist())
+    for name in ("paper-slow.mat", "paper-slow.tum.txt", "paper-slow.mcap", "paper-slow.reference.csv", "README.txt"):
+        assert name in names
+    read_back = formats.read(tmp_path / "paper-slow.reference.csv", "reference")
+    assert read_back.path is not None
+
+
+def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.set("polynomials", True)  # what is to be flown must be observable; a circle may be studied
+    page.press("Export as a zip")
+    page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
+    assert page.tab.downloads == []
+    assert "• the rank is 11 of 13" in page.tab.text()
+    assert "it would do to add a tone" in page.tab.text()
+    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
+    page.wait_until_accepted()  # the complaint was about another motion
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.set("even if uncertified", True)
+    page.press("Export as a zip")
+    packed = _zip(page, "circle.uncertified.zip")
+    assert "circle.polynomial.uncertified.csv" in packed.namelist()
+    assert "circle.polynomial.csv.certificate.json" not in packed.namelist()
+    assert b"UNCERTIFIED" in packed.read("README.txt")
+
+
+def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_path: Path):
+    formats.export(SHIPPED["paper-slow"], "tum", tmp_path / "tour.txt")
+    lines = (tmp_path / "tour.txt").read_text().splitlines()
+    before = page.settings
+    page.tab.upload("Upload a file", "Tour 1.txt", "\n".join(lines[1:]).encode())
+    page.tab.wait_for_text("which way does z point")
+    assert page.settings == before
+    assert page.tab.value("format") == "TUM trajectory"
+    page.press("Confirm the answers")
+    if any("not answered yet" in text for text in page.refusals()):
+        page.set("frame", "z-up")
+        page.press("Confirm the answers")
+    page.tab.wait_for_text("opened as a preset that is not saved yet")
+    page.settle()
+    assert page.settings.preset.title == "Tour 1"
+    assert "NOT JUDGED" in page.tab.text()
+    assert "the path&#x27;s snap was not in Tour 1.txt" in page.tab.text()
+    assert page.settings.preset.world.gravity[2] < 0
+    save_as(page, "Tour kept")
+    page.set("slower s", 0.05)  # another path: a design of the visitor's
+    assert "NOT JUDGED" not in page.tab.text()
+
+
+def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
+    before = page.settings
+    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,three\n")
+    page.tab.wait_for(lambda: any("line 2" in text for text in page.refusals()), "the line")
+    page.press("Read it as this format")
+    assert page.settings == before
+
+
+def test_a_guess_is_reported_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
+    page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
+    page.tab.wait_for(lambda: any("Non_sense 1.csv, line 2" in text for text in page.refusals()), "the file's own name")
+    assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
+    page.tab.upload("Upload a file", "mine.toml", preset.dumps(SHIPPED["soft"]).encode())
+    page.tab.wait_for(lambda: any("taken by “Upload a preset”" in text for text in page.refusals()), "the way")
+
+
+def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing, tmp_path: Path):
+    formats.export(SHIPPED["paper-slow"], "log", tmp_path / "flight.csv")
+    page.tab.upload("Upload a file", "flight.csv", (tmp_path / "flight.csv").read_bytes())
+    page.tab.wait_for_text("a recorded flight: judge it below")
+    before = page.settings
+    page.set("ranges ± (m)", 0.05)
+    page.press("Was it informative?")
+    page.tab.wait_for_text("rms by quarters")
+    assert "windows" in page.tab.text()
+    assert "as the file says" in page.tab.text()
+    page.set("from (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any(float(at) >= 12 for at in WORST.findall(page.tab.text())), "a later worst window")
+    page.set("to (s)", 12.0)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("must begin before it ends" in text for text in page.refusals()), "a sentence")
+    page.set("to (s)", 20.0)
+    page.set("windows of (s)", 1e9)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")
+    assert page.settings == before
+
+
+def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    circle = page.settings
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    assert page.settings == circle
+    page.press("Discard the motion")
+    assert "before (A)" not in page.tab.text()
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.press("Accept the motion")
+    after = page.settings.preset
+    assert certificate.certify(preset.dumps(after).encode(), source="x").certified
+    assert after.path != circle.preset.path
+    assert page.session.dock.compare.pinned is not None
+    assert page.session.dock.compare.pinned.settings == circle
+    assert page.tab.value("title") == after.title
+    page.command("Undo")
+    assert page.settings == circle
+
+
+def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_is_not_replaced(page: Editing):
+    page.set("preset", f"{SHIPPED['circle'].title} (circle)")
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.set("q", 2.0)
+    gains = page.settings.preset.gains
+    page.press("Accept the motion")
+    assert page.settings.preset.path != SHIPPED["circle"].path
+    assert page.settings.preset.gains == gains
+    page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
+    page.press("Make it observable")
+    page.tab.wait_for_text("before (A)")
+    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
+    page.press("Accept the motion")
+    assert any("the motion on the page is another one by now" in text for text in page.refusals())
+    assert page.settings.preset == SHIPPED["hover"]
+
+
+def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):
+    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
+    page.set("by changing", "its size")
+    page.press("Make it observable")
+    page.tab.wait_for(lambda: any("stays straight at any size" in text for text in page.refusals()), "the reason")
