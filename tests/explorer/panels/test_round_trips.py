@@ -23,7 +23,7 @@ from tests.support.signal_examples import keeps_its_family
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:Do not use the `random` module")]
 """The threads of the websocket use `random` while hypothesis draws."""
-FEW = tried(max_examples=60, deadline=None, suppress_health_check=SLOW_DRAWS)
+FEW = tried(max_examples=30, deadline=None, suppress_health_check=SLOW_DRAWS)
 
 
 @FEW

@@ -22,7 +22,7 @@ from tests.support.refreshed import refreshed
 
 pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:Do not use the `random` module")]
 """The threads of the websocket use `random` while hypothesis draws."""
-FEW = tried(max_examples=40, deadline=None, suppress_health_check=SLOW_DRAWS)
+FEW = tried(max_examples=12, deadline=None, suppress_health_check=SLOW_DRAWS)
 SLOW = Settings(origin="paper-slow", preset=SHIPPED["paper-slow"])
 TOUCHED = {
     "range_sigma": {"q"},

@@ -219,7 +219,7 @@ def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
     assert editing.session.jobs.running is None
 
 
-@pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", -3), ("place", 1e9), ("pick along", "nothing")])
+@pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", 1e9), ("pick along", "nothing")])
 def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str, value: object):
     before = panel(tuned).picked
     tuned.run(lambda: tuned.tab.set(label, value))
