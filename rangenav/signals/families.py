@@ -108,4 +108,4 @@ class Sum(SignalBase, frozen=True, kw_only=True, tag="sum", tag_field="kind", om
 
 
 Signal = Family | Sum
-"""Every family of signals in R³: a tagged union, told apart in a file by `kind`."""
+"""Every family of signals in R³: a tagged union, distinguished in a file by `kind`."""

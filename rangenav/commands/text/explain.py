@@ -51,7 +51,7 @@ def _lasting(what: str, lengths: Json) -> str:
 
 
 def _functions(functions: Json) -> list[str]:
-    """Which of the 13 functions of a window depend on each other, and what therefore cannot be told apart."""
+    """Which of the 13 functions of a window depend on each other, and what therefore cannot be distinguished."""
     at = quantity(functions["at"], "s")
     if not functions["relations"]:
         return [f"nothing: the 13 functions of the window from {at} are independent"]
