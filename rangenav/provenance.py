@@ -23,7 +23,7 @@ MAX_FILE, MAX_WORDS = 255, 400
 HASH = 64
 """Hexadecimal digits of a SHA-256."""
 CACHED = 32
-SourceFormat = Literal["reference", "polynomial", "tum", "euroc", "arrays"]
+SourceFormat = Literal["reference", "polynomial", "tum", "euroc", "csv", "arrays"]
 """Formats whose files hold a path, and paths made of arrays; a test compares the list with the table of formats."""
 """What a path was imported from: a file in one of these formats, or arrays in a program."""
 ADOPT = (

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from rangenav import motion, record
+from rangenav import continuity, motion, record
 from rangenav.analysis import Analysis, analyse
 from rangenav.model import STATES
 from rangenav.observability import excitation
@@ -52,8 +52,16 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             "nonlinear": {"start": _accuracy(analysis.nonlinear_start), "end": _accuracy(analysis.nonlinear_end)},
             **_ignored(preset),
         },
+        **_jumps(preset),
         **verdict(preset, analysis),
     }
+
+
+def _jumps(preset: Preset) -> Json:
+    """The derivatives that jump inside the flight, and what the excitation then counts; nothing for a smooth path."""
+    sentences = continuity.jump_sentences(preset.path, preset.duration)
+    alone = continuity.pieces_alone(preset.path, preset.duration)
+    return ({"jumps": list(sentences)} if sentences else {}) | ({} if alone is None else {"excitation_counts": alone})
 
 
 def verdict(preset: Preset, analysis: Analysis) -> Json:

@@ -114,7 +114,7 @@ def waypoints(signal: Signal, duration: float) -> Waypoints:
     if isinstance(signal, Waypoints):
         return signal
     if isinstance(signal, MinimumSnap):
-        return Waypoints(points=signal.points, period=signal.period)
+        return Waypoints(points=signal.points, period=signal.period, free_ends=signal.free_ends)
     return Waypoints(points=_points_on(signal, duration), period=signal.period or None)
 
 
@@ -123,7 +123,7 @@ def minimum_snap(signal: Signal, duration: float) -> MinimumSnap:
     if isinstance(signal, MinimumSnap):
         return signal
     if isinstance(signal, Waypoints):
-        return MinimumSnap(points=signal.points, period=signal.period)
+        return MinimumSnap(points=signal.points, period=signal.period, free_ends=signal.free_ends)
     return MinimumSnap(points=_points_on(signal, duration), period=signal.period or None)
 
 

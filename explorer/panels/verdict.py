@@ -8,7 +8,7 @@ import viser
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.complaint import Complaint
-from rangenav import sensors
+from rangenav import continuity, sensors
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
@@ -112,7 +112,8 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
         if analysis.mu >= analysis.mu_floor
         else "<b>0</b> (below the noise floor)"
     )
-    rows.append(("μ (PE)", f"{met} {mu} {where}; needs {needed.mu:g}"))
+    alone = continuity.pieces_alone(picture.preset.path, picture.preset.duration)
+    rows.append(("μ (PE)", f"{met} {mu} {where}; needs {needed.mu:g}{'' if alone is None else f'; {alone}'}"))
     rows.append(("least λ(W)", _least(float(analysis.gramian[0]), analysis.floor)))
     for name, start, end in (
         ("lifted", analysis.lifted_start, analysis.lifted_end),
@@ -164,6 +165,10 @@ def _flyable(picture: Picture) -> list[str]:
     """Whether the vehicle can fly the motion, and the limits that the motion exceeds; a free vehicle has no limits."""
     chosen = picture.preset.vehicle
     name = html.escape(chosen.name)
+    jump = continuity.discontinuity(picture.preset.path, picture.preset.duration)
+    if jump is not None:
+        head = f'<b style="color:{VERDICT_STYLES["blind"][1]}">✕ not flyable</b> by any vehicle'
+        return [head, f"✕ {html.escape(jump)}", *(f"✕ {html.escape(one.summary)}" for one in picture.breaks)]
     if chosen == FREE:
         return []
     if not picture.breaks:

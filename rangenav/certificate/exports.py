@@ -13,7 +13,6 @@ A file of a motion lasts one ramp longer than its path. It is steady from one ra
 before its end: the file's duration less the steady one is two ramps.
 """
 
-import math
 import re
 from collections.abc import Mapping
 from functools import lru_cache
@@ -32,12 +31,11 @@ from rangenav.certificate.encoding import dumps
 from rangenav.certificate.files import path_for, read_bytes
 from rangenav.certificate.schema import Certificate
 from rangenav.formats import Format, readback, text
+from rangenav.formats.sampled_rows import WHOLE
 from rangenav.inputs import require
 from rangenav.preset import Preset
-from rangenav.signals import Flown, Piece, Polynomials
-from rangenav.signals.polynomials import MIN_DURATION, Coefficients
+from rangenav.signals import Flown, Polynomials, polynomials
 
-DEGREE = 7
 ON_PATH = 1e-6
 """m; TUM has nine decimals, the others all digits, and stamps in nanoseconds cost 1e-9 of the speed."""
 AT_REST = 1e-6
@@ -103,25 +101,6 @@ def write_certificate(certificate: Certificate, path: Path) -> Path:
     return place
 
 
-def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
-    """The pieces from `begin` on, for a duration (s), each developed anew about where it starts."""
-    ends = np.cumsum([piece.duration for piece in path.pieces])
-    inside = ends[(ends > begin + MIN_DURATION) & (ends < begin + duration - MIN_DURATION)]
-    knots = np.concatenate([[begin], inside, [begin + duration]])
-    require(duration > MIN_DURATION and knots[-1] <= ends[-1] + MIN_DURATION, "the file ends before its path does")
-    order = np.array([math.factorial(j) for j in range(DEGREE + 1)])
-    middle = (knots[1:] + knots[:-1]) / 2  # where there is no doubt which piece is meant
-    tables = np.stack([path(middle, j) for j in range(DEGREE + 1)], axis=1) / order[:, None]  # (m, 8, 3)
-    pieces = []
-    for table, half in zip(tables, np.diff(knots) / 2, strict=True):
-        shifted = [np.polynomial.Polynomial(axis)(np.polynomial.Polynomial([-half, 1.0])) for axis in table.T]
-        x, y, z = (
-            cast(Coefficients, tuple(np.pad(one.coef, (0, DEGREE + 1 - len(one.coef))).tolist())) for one in shifted
-        )
-        pieces.append(Piece(duration=float(2 * half), x=x, y=y, z=z))
-    return Polynomials(pieces=tuple(pieces))
-
-
 def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
     """What the steady part of a file is judged by: its body is flown along the path, at the yaw that was asked for.
 
@@ -144,12 +123,12 @@ def _steady(row: Format) -> Reader:
         why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
         require(why is None, f"{source}: {why}")
         require(len(content) <= text.MAX_BYTES, f"{source}: larger than {text.MAX_BYTES} bytes")
-        imported = formats.parse(content, row.name, source=source, confirm={})
+        imported = formats.parse(content, row.name, source=source, confirm={}, part=WHOLE)
         require(imported.unjudged is None, f"{source}: {imported.unjudged}")
         path = cast(Polynomials, imported.path)
         ramp = max(0.0, (imported.duration - context.duration) / 2)
         try:
-            steady = msgspec.structs.replace(context, path=cut(path, ramp, context.duration))
+            steady = msgspec.structs.replace(context, path=polynomials.cut(path, ramp, context.duration))
         except ValueError as error:
             raise ValueError(f"{source}: {error}") from None
         covers = f"{ramp:.6g} s to {ramp + context.duration:.6g} s of the file, between its ramps, and no more"

@@ -18,7 +18,8 @@ def limits_section(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
     """The motion's extremes on the IMU's samples, and whether the preset's vehicle can fly it."""
     motion = record.simulated(record.truth_inputs(preset)).motion
     demands = vehicle.demands(motion, world=preset.world)
-    broken = vehicle.broken(motion, preset.vehicle, world=preset.world)
+    broken = tuple(one.summary for one in vehicle.broken(motion, preset.vehicle, world=preset.world))
+    jump = continuity.discontinuity(preset.path, preset.duration)
     limits = schema.Extremes(
         speed=_most(demands.speed),
         acceleration=_most(demands.acceleration),
@@ -34,9 +35,9 @@ def limits_section(preset: Preset) -> tuple[schema.Extremes, schema.Flyability]:
     )
     flying = schema.Flyability(
         name=preset.vehicle.name,
-        flyable=not broken,
+        flyable=not broken and jump is None,
         thrust_margin=THRUST_MARGIN,
-        broken=tuple(one.summary for one in broken),
+        broken=broken if jump is None else (jump, *broken),
     )
     return limits, flying
 

@@ -122,7 +122,7 @@ def _accuracy(accuracy: schema.Accuracy, window: float) -> Check:
 
 
 def _smooth(jumps: schema.Jumps) -> Check:
-    jump = continuity.unflyable_jump(jumps.position, jumps.velocity)
+    jump = continuity.unflyable_jump(jumps.position, jumps.velocity, jumps.acceleration)
     words = "neither position nor velocity jumps" if jump is None else jump
     return Check(name="smooth", met=jump is None, proven=True, words=words)
 

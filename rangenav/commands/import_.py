@@ -25,6 +25,10 @@ def import_(
     duration: float | None = None,
     frame: Literal["z-up", "z-down"] | None = None,
     lines: Literal["drop"] | None = None,
+    time_unit: Literal["s", "ms", "us", "ns"] | None = None,
+    gaps: Literal["longest", "bridge"] | None = None,
+    begin: float | None = None,
+    end: float | None = None,
     knots: float | None = None,
     anchor: Vec3 = (0.0, 0.0, 0.0),
     json: bool = False,
@@ -40,7 +44,11 @@ def import_(
         duration: Seconds of it to fly; all by default.
         frame: Which way z points, where the format does not say.
         lines: Drop lines whose stamps repeat or go back.
-        knots: Seconds between the knots through sampled poses; as wide as stays within a centimetre by default.
+        time_unit: Confirms the unit of the stamps.
+        gaps: Use the longest part without a gap, or draw the curve through the gaps.
+        begin: Read the path from here (s from the first row); the ramps of an own export are left out by default.
+        end: Read the path to here (s from the first row).
+        knots: Seconds between the knots through sampled poses; as wide as the samples allow by default.
         anchor: Where the anchor stands (m), which no path says.
         json: Print one JSON object.
     """
@@ -53,9 +61,10 @@ def import_(
     if from_ == "preset":
         presets.save(presets.load(path), output)
         return print_json({"preset": str(output)}) if json else layout.show(text.copied(path, output))
-    confirm = {key: value for key, value in (("frame", frame), ("lines", lines)) if value is not None}
+    given = {"frame": frame, "lines": lines, "time": time_unit, "gaps": gaps}
+    confirm = {key: value for key, value in given.items() if value is not None}
     with working(f"reading {path}"):
-        imported = formats.read(path, from_, confirm=confirm, knots=knots)
+        imported = formats.read(path, from_, confirm=confirm, knots=knots, part=(begin, end))
         preset = as_preset(imported, duration=duration, anchor=anchor)
         answer = _report(imported, preset, output)
     presets.save(preset, output)

@@ -13,6 +13,7 @@ from rangenav.formats.format import Format, ReadOptions
 from rangenav.formats.import_result import ImportResult, OpenQuestionsError, Question, settled
 from rangenav.formats.output_files import OutputFile, marked
 from rangenav.formats.recorded_flight import Flight
+from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.formats.table import holding, markdown, names, readable, row, rows, unsupported, writable
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -42,26 +43,40 @@ __all__ = [
 
 
 def read(
-    path: str | Path, format: str, *, confirm: Mapping[str, str] | None = None, knots: float | None = None
+    path: str | Path,
+    format: str,
+    *,
+    confirm: Mapping[str, str] | None = None,
+    knots: float | None = None,
+    part: Part = FLIGHT,
 ) -> ImportResult:
     """Understand a file. Open questions are in the result; `confirm` answers them (`{"gyro": "deg/s"}`).
+
+    knots: s between the knots of a curve that is fitted to positions; None: the reader chooses. part: begin and end (s,
+    from the first row) of what is read of a path; None: no limit.
 
     Raises ValueError with one sentence naming file and line for what cannot be read at all.
     """
     path, answers, chosen = Path(path), dict(confirm or {}), _readable(format)
     if chosen.folder_reader is not None and path.is_dir():
-        return chosen.folder_reader(path, ReadOptions(source=path.name, confirm=answers, knots=knots))
+        return chosen.folder_reader(path, ReadOptions(source=path.name, confirm=answers, knots=knots, part=part))
     data = text.contents(path, limit=chosen.max_bytes)
-    return parse(data, format, source=path.name, confirm=answers, knots=knots)
+    return parse(data, format, source=path.name, confirm=answers, knots=knots, part=part)
 
 
 def parse(
-    data: bytes, format: str, *, source: str, confirm: Mapping[str, str], knots: float | None = None
+    data: bytes,
+    format: str,
+    *,
+    source: str,
+    confirm: Mapping[str, str],
+    knots: float | None = None,
+    part: Part = FLIGHT,
 ) -> ImportResult:
     """Understand the bytes of a file, as `read` does. `source` names the file in messages."""
     reader = _readable(format).reader
     assert reader is not None
-    result = reader(data, ReadOptions(source=source, confirm=confirm, knots=knots))
+    result = reader(data, ReadOptions(source=source, confirm=confirm, knots=knots, part=part))
     return replace(result, sha256=hashlib.sha256(data).hexdigest())
 
 

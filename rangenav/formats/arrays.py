@@ -1,15 +1,22 @@
-"""Lossless arrays of a run, in the preset's own frame: NPZ, MATLAB .mat (v5, a struct), and plain CSV of t, p, v, a."""
+"""Lossless arrays of a run, in the preset's own frame: NPZ, MATLAB .mat (v5, a struct), and plain CSV of t, p, v, a.
+
+The plain CSV is read as well, as a path.
+"""
 
 import io
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rangenav import __version__, preset, record
+from rangenav.formats import reference, sampled_rows, text
 from rangenav.formats.exported_run import ExportedRun, quaternions, run_of
+from rangenav.formats.import_result import ImportResult, asked_frame
 from rangenav.formats.output_files import OutputFile, write_bytes, write_text
+from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.preset import Preset
 
 FIELDS = ("time", "position", "velocity", "acceleration", "jerk", "snap", "rotation", "angular_velocity")
@@ -17,6 +24,7 @@ MEASURED = ("gyro", "accel", "mag", "range_time", "range")
 UNITS = (
     "s, m, rad, m/s², unit magnetic vector; gyro, accel, mag, angular_velocity in body axes; rotation body to inertial"
 )
+UNJUDGED = "the columns hold no jerk and no snap: a path that is read from this file again is not judged"
 NAME = "rangenav"
 """Of the struct in a .mat file."""
 
@@ -62,7 +70,26 @@ def write_csv(chosen: Preset, path: Path) -> OutputFile:
     table = np.column_stack([run.time, run.position, run.velocity, run.acceleration])
     rows = [",".join(repr(value) for value in row) for row in table.tolist()]
     write_text(path, "\n".join([",".join(names), *rows, ""]))
-    return OutputFile(files=(path,), frame=_frame(run), figures={"rows": len(rows)})
+    return OutputFile(files=(path,), frame=_frame(run), notes=(UNJUDGED,), figures={"rows": len(rows)})
+
+
+def parse_csv(
+    data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None, part: Part = FLIGHT
+) -> ImportResult:
+    """The path of a plain CSV file: pieces of degree 5 through position, velocity and acceleration.
+
+    Which way z points is asked: a run is written in the frame of its preset. Raises ValueError naming line and column.
+    """
+    table = text.table(data, source=source)
+    stamps = text.columns(table, ("t",))[:, 0]
+    text.refuse_missing(np.column_stack([stamps, text.columns(table, reference.POSITION)]), table, "time or position")
+    findings = list(table.remarks)
+    rows = sampled_rows.sampled(
+        table, stamps, unit="s", confirm=confirm, part=part, least=reference.LEAST_ROWS, findings=findings
+    )
+    findings.insert(0, rows.summary("m"))
+    frame, questions = asked_frame(confirm, "the columns do not say, and a run is written in the frame of its preset")
+    return reference.imported(rows, format="csv", frame=frame, knots=knots, findings=findings, questions=questions)
 
 
 def _frame(run: ExportedRun) -> str:

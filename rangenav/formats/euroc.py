@@ -11,11 +11,12 @@ from pathlib import Path
 import numpy as np
 from numpy import ndarray as Array
 
-from rangenav.formats import flight_columns, log, spline_fit, text
+from rangenav.formats import flight_columns, log, sampled_positions, sampled_rows, text
 from rangenav.formats.exported_run import nanoseconds, quaternions, upright_run
 from rangenav.formats.flight_columns import FlightColumns
-from rangenav.formats.import_result import ImportResult, in_order, increasing, spacing
+from rangenav.formats.import_result import ImportResult, increasing
 from rangenav.formats.output_files import OutputFile, new_folder, write_text
+from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.formats.text import Table
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -46,10 +47,12 @@ LEAST_ROWS = 8
 LARGEST = 1e6
 
 
-def parse_file(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
+def parse_file(
+    data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None, part: Part = FLIGHT
+) -> ImportResult:
     """The path of one ground-truth file, or the flight of another CSV file. Raises ValueError naming the line."""
     if b"p_RS_R_x" in data[:HEAD]:
-        return parse_truth(data, source=source, confirm=confirm, knots=knots)
+        return parse_truth(data, source=source, confirm=confirm, knots=knots, part=part)
     return log.parse(data, source=source, confirm=confirm)
 
 
@@ -90,35 +93,25 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
     )
 
 
-def parse_truth(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None) -> ImportResult:
+def parse_truth(
+    data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None, part: Part = FLIGHT
+) -> ImportResult:
     """The path of a ground-truth file, as a curve through knots."""
     table = _table(data, source)
-    time, position = _seconds(table), _columns(table, POSITION)
-    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows are no path")
-    text.refuse_missing(np.column_stack([time, position]), table, "a stamp or position")
-    dropped: list[str] = []
-    table, questions = in_order(table, time, confirm, dropped)
-    time, position = _seconds(table), _columns(table, POSITION)
-    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} rows with increasing stamps are no path")
-    require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
-    findings = [f"{len(time)} rows, {time[-1] - time[0]:.4g} s; ns, m, z-up as the format has it", *dropped]
-    rate = spacing(time, table, findings)
-    curve = spline_fit.fit(time, position, spacing=knots, source=source)
-    findings.append(curve.summary)
-    return ImportResult(
-        source=source,
+    text.refuse_missing(np.column_stack([_stamps(table), _columns(table, POSITION)]), table, "a stamp or position")
+    findings = list(table.remarks)
+    rows = sampled_rows.sampled(
+        table, _stamps(table), unit="ns", confirm=confirm, part=part, least=LEAST_ROWS, findings=findings
+    )
+    findings.insert(0, rows.summary("m, z-up"))
+    return sampled_positions.imported(
+        rows,
+        _columns(rows.table, POSITION),
         format="euroc",
-        rows=len(time),
-        rate=rate,
-        duration=float(time[-1] - time[0]),
+        largest=LARGEST,
         frame="z-up",
-        findings=tuple(findings),
-        questions=questions,
-        path=curve.path,
-        derivatives="fit",
-        fitted=curve.summary,
-        fit_error=curve.largest,
-        unjudged=spline_fit.unjudged(time, position),
+        knots=knots,
+        findings=findings,
     )
 
 
@@ -157,22 +150,22 @@ def _table(data: bytes, source: str) -> Table:
     return text.table(data, source=source, marked=True)
 
 
+def _stamps(table: Table) -> Array:
+    rule = f"{table.source}: the first column must be #timestamp [ns]; {text.listed(table)}"
+    require(table.names[0].startswith("timestamp"), rule)
+    return table.values[:, 0]
+
+
 def _seconds(table: Table) -> Array:
     """Stamps in s; nanoseconds since 1970 keep a quarter of a microsecond in double precision."""
     return _stamps(table) * 1e-9
-
-
-def _stamps(table: Table) -> Array:
-    rule = f"{table.source}: the first column must be #timestamp [ns], got {table.names[0][:40]!r}"
-    require(table.names[0].startswith("timestamp"), rule)
-    return table.values[:, 0]
 
 
 def _columns(table: Table, names: tuple[str, ...]) -> Array:
     """Columns by their names without units."""
     plain = [name.split("[")[0].strip() for name in table.names]
     missing = [name for name in names if name not in plain]
-    require(not missing, f"{table.source}: no column named {', '.join(missing)}")
+    require(not missing, f"{table.source}: no column named {', '.join(missing)}; {text.listed(table)}")
     return table.values[:, [plain.index(name) for name in names]]
 
 

@@ -14,6 +14,7 @@ from numpy import ndarray as Array
 from rangenav.formats import text
 from rangenav.formats.import_result import ImportResult
 from rangenav.formats.output_files import OutputFile
+from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.preset import Preset
 
 Content = Literal["preset", "path", "flight"]
@@ -42,6 +43,8 @@ class ReadOptions:
     """Answers to questions, by the questions' keys."""
     knots: float | None = None
     """s between the knots of a curve that is fitted to sampled positions; None: the reader chooses."""
+    part: Part = FLIGHT
+    """Begin and end (s, from the first row) of the part of a path that is read."""
 
 
 Writer = Callable[[Preset, Path], OutputFile]

@@ -1,11 +1,14 @@
 """Pieces of degree 7 through position, velocity, acceleration and jerk at their knots: C³, with what that costs.
 
+Without jerk the pieces have degree 5 and are C².
+
 On the unit interval c_j = d_j/j! for j < 4, and the upper four solve Σ_j j!/(j − k)! c_j = what the right end still
 lacks of its k-th derivative. With knots h apart the position is off by h⁸ p⁽⁸⁾/(2⁸ 8!): a third of the fastest turn is
 good to a tenth of a millimetre on a one-metre path; rounding ε of the data becomes 840 ε/h⁴ in the snap.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float
@@ -14,27 +17,32 @@ from numpy import ndarray as Array
 from rangenav.signals import Piece, Polynomials
 from rangenav.signals.polynomials import ZERO, Coefficients
 
-GIVEN = 4
-"""Position to jerk."""
 DEGREE = 7
-ROWS = np.array([[math.perm(j, k) for j in range(GIVEN, DEGREE + 1)] for k in range(GIVEN)], dtype=float)
-BELOW = np.array([[math.perm(j, k) for j in range(GIVEN)] for k in range(GIVEN)], dtype=float)
-UPPER = np.linalg.inv(ROWS)
-FACTORIALS = np.array([math.factorial(j) for j in range(GIVEN)], dtype=float)
 
 
-def coefficients(knots: Float[Array, "k"], derivatives: Float[Array, "k 4 c"]) -> Float[Array, "m 8 c"]:
-    """Ascending coefficients of every piece in local time, from derivatives 0 to 3 at the knots (s)."""
+@lru_cache
+def _weights(given: int) -> tuple[Float[Array, "g"], Float[Array, "g g"], Float[Array, "g g"]]:
+    """Factorials, derivatives of the lower powers at 1, and the inverse of those of the upper powers."""
+    lower = np.array([[math.perm(j, k) for j in range(given)] for k in range(given)], dtype=float)
+    upper = np.array([[math.perm(j, k) for j in range(given, 2 * given)] for k in range(given)], dtype=float)
+    return np.array([math.factorial(j) for j in range(given)], dtype=float), lower, np.linalg.inv(upper)
+
+
+def coefficients(knots: Float[Array, "k"], derivatives: Float[Array, "k g c"]) -> Float[Array, "m 8 c"]:
+    """Ascending coefficients of every piece in local time, from derivatives 0 to g − 1 ≤ 3 at the knots (s)."""
+    given = derivatives.shape[1]
+    factorials, below, inverse = _weights(given)
     h = np.diff(knots)[:, None, None]
-    scale = h ** np.arange(GIVEN)[:, None]
+    scale = h ** np.arange(given)[:, None]
     left, right = derivatives[:-1] * scale, derivatives[1:] * scale
-    lower = left / FACTORIALS[:, None]
-    upper = UPPER @ (right - BELOW @ lower)
-    return np.concatenate([lower, upper], axis=1) / h ** np.arange(DEGREE + 1)[:, None]
+    lower = left / factorials[:, None]
+    upper = inverse @ (right - below @ lower)
+    table = np.concatenate([lower, upper], axis=1) / h ** np.arange(2 * given)[:, None]
+    return np.pad(table, ((0, 0), (0, DEGREE + 1 - 2 * given), (0, 0)))
 
 
 def polynomials(
-    knots: Float[Array, "k"], derivatives: Float[Array, "k 4 3"], *, yaw: Float[Array, "k 4"] | None = None
+    knots: Float[Array, "k"], derivatives: Float[Array, "k g 3"], *, yaw: Float[Array, "k 4"] | None = None
 ) -> Polynomials:
     """The pieces as a signal that begins at t = 0; yaw (rad) is kept for the file."""
     table = coefficients(knots, derivatives)

@@ -22,6 +22,15 @@ AT_REST = 1e-6
 """The path itself hovers at an end where velocity, acceleration and jerk are below this (SI)."""
 BLEND = np.polynomial.Polynomial([0, 0, 0, 0, 0, 7.0, -14.0, 10.0, -2.5])
 """σ/ramp over u; its value at 1 is ½."""
+LEFT_OUT = (
+    f"the first and last {RAMP:g} s are the ramps from hover and back of an export of rangenav, and are left out: "
+    "--begin 0 reads them too"
+)
+RESTING = 1e-3
+"""SI: the same of a path that was printed and read."""
+LIKE_A_RAMP, LIKE_SAMPLES, DEGREE, LIKE = (0.15, 0.4), 60, 7, 2e-4
+"""Share of the ramp, samples there, degree of the polynomial in σ fitted to the velocity, and what it may miss: the
+shipped presets' exports miss 6e-5 at most, minimum-snap curves through random points miss 1e-3 at least."""
 ORDERS = 5
 RAMP_STEP = 0.05
 """s: length of the pieces of degree 7 from which the attitude on a ramp is computed."""
@@ -78,6 +87,31 @@ def with_ramps(path: Signal, duration: float, *, window: float, ramp: float = RA
     rule = f"ramps of {ramp:g} s leave {left:.3g} s of the path, less than its window of {window:g} s: fly longer"
     require(left >= window, rule)
     return HoverRamps(path=path, duration=duration, ramp=ramp)
+
+
+def between(duration: float) -> tuple[float, float]:
+    """From when to when (s) a file with these ramps is steady."""
+    return RAMP, duration - RAMP
+
+
+def recognised(path: Signal, duration: float) -> bool:
+    """Whether a path that was read begins and ends with these ramps.
+
+    On a ramp ṗ(t)/σ'(t) is the velocity of the path proper at σ(t), and so a smooth function of σ. In other motions
+    that start from rest it is smooth in t and not in σ, whose fifth root t is.
+    """
+    ends = np.array([0.0, duration])
+    if duration <= 2 * RAMP or max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) > RESTING:
+        return False
+    u = np.linspace(*LIKE_A_RAMP, LIKE_SAMPLES)
+    own, speed = RAMP * BLEND(u), BLEND.deriv()(u)[:, None]
+    basis = np.polynomial.chebyshev.chebvander(2 * (own - own[0]) / (own[-1] - own[0]) - 1, DEGREE)
+    for moving in (path(RAMP * u, 1), -path(duration - RAMP * u, 1)):
+        velocity = moving / speed
+        missed = velocity - basis @ np.linalg.lstsq(basis, velocity, rcond=None)[0]
+        if not np.abs(missed).max() <= LIKE * np.abs(velocity).max() or not np.any(velocity):
+            return False
+    return True
 
 
 def chained(value: list[Array], own: Float[Array, "n 5"]) -> list[Array]:

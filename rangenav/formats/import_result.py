@@ -24,6 +24,7 @@ GAP = 1.75
 """A step longer than this many usual steps is a gap: at least one sample is missing."""
 DROP = ("drop",)
 """What may be done with broken lines."""
+FRAMES = ("z-up", "z-down")
 NAMED = 5
 """Most line numbers that a message lists; of more lines it gives the first ones and their count."""
 
@@ -106,6 +107,20 @@ def answer(confirm: Mapping[str, str], key: str, options: tuple[str, ...]) -> st
     rule = f"{key} must be one of {', '.join(options)}, got {answered!r}"
     require(answered is None or answered in options, rule)
     return answered
+
+
+def asked_frame(confirm: Mapping[str, str], evidence: str) -> tuple[Frame, tuple[Question, ...]]:
+    """Which way z points, where the format does not say, and the question if it is open."""
+    answered = answer(confirm, "frame", FRAMES)
+    asked = Question(
+        key="frame",
+        flag="--frame",
+        asks="which way does z point",
+        options=FRAMES,
+        suggestion="z-up",
+        evidence=evidence,
+    )
+    return "z-down" if answered == "z-down" else "z-up", () if answered else (asked,)
 
 
 def spacing(time: Float[Array, "n"], table: Table, findings: list[str]) -> float | None:

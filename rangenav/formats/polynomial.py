@@ -1,6 +1,6 @@
 """uav_trajectories polynomials (Crazyflie, Crazyswarm): `duration,x^0..x^7,y^0..,z^0..,yaw^0..7`, m, s, rad, z-up.
 
-Read: exactly, with every jump of position or velocity at a knot named. Written: pieces of degree 7 through position to
+Read: exactly, with the jumps at knots named, from position to snap. Written: pieces of degree 7 through position to
 jerk of the ramped path, at most 31 (the firmware's memory), cut short after one window if there are too few for all of
 it; the distance from the path and what the excitation has changed by are measured on the printed numbers.
 """
@@ -11,11 +11,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav import continuity
 from rangenav.axes import upright
 from rangenav.formats import hermite, hover_ramps, text
 from rangenav.formats.hover_ramps import HoverRamps
 from rangenav.formats.import_result import ImportResult
 from rangenav.formats.output_files import OutputFile, write_text
+from rangenav.formats.sampled_rows import FLIGHT, WHOLE, Part
 from rangenav.inputs import require
 from rangenav.observability import excitation
 from rangenav.preset import Preset
@@ -34,12 +36,14 @@ LEAST_LENGTH = 0.01
 """s: the shortest piece; the firmware's clock ticks in milliseconds."""
 WORST_FIT = 0.01
 """m: the largest distance of a file from its path."""
+MOST_COMPLAINTS = 10
+"""Knots at which a path cannot be flown that are named one by one."""
 SAMPLES = 2001
 WINDOWS = 101
 
 
-def parse(data: bytes, *, source: str) -> ImportResult:
-    """The path of a file. Raises ValueError naming line and column."""
+def parse(data: bytes, *, source: str, part: Part = FLIGHT) -> ImportResult:
+    """The path of a file, or of a part of it. Raises ValueError naming line and column."""
     table = text.table(data, source=source)
     names = tuple(name.lower() for name in table.names)
     wanted = "a polynomial file has the columns duration, x^0 to x^7, y^0, z^0 and yaw^0 to yaw^7"
@@ -51,14 +55,20 @@ def parse(data: bytes, *, source: str) -> ImportResult:
         path = Polynomials(pieces=tuple(_piece(row) for row in values))
     except ValueError as error:
         raise ValueError(f"{source}: {error}") from None
-    findings = [
-        *table.remarks,
-        f"{len(values)} pieces, {values[:, 0].sum():.4g} s, m, s and rad, z-up as the format has it",
-    ]
+    length = float(values[:, 0].sum())
+    findings = [f"{len(values)} pieces, {length:.4g} s, m, s and rad, z-up as the format has it", *table.remarks]
     if len(values) > MAX_SEGMENTS:
         findings.append(f"{len(values)} pieces are more than the {MAX_SEGMENTS} a Crazyflie holds")
+    if part == FLIGHT and hover_ramps.recognised(path, length):
+        part = hover_ramps.between(length)
+        findings.append(hover_ramps.LEFT_OUT)
+    path = _part(path, length, part, source, findings)
+    length = sum(piece.duration for piece in path.pieces)
     complaints = polynomials.complaints(path)
-    findings += complaints
+    findings += complaints[:MOST_COMPLAINTS]
+    findings += continuity.jump_sentences(path, length)
+    alone = continuity.pieces_alone(path, length)
+    findings += [] if alone is None else [alone]
     if np.any(values[:, 25:]):
         findings.append("yaw is not zero and is kept with the pieces, but the path does not use it")
     return ImportResult(
@@ -66,7 +76,7 @@ def parse(data: bytes, *, source: str) -> ImportResult:
         format="polynomial",
         rows=len(values),
         rate=None,
-        duration=float(values[:, 0].sum()),
+        duration=length,
         frame="z-up",
         findings=tuple(findings),
         path=path,
@@ -74,6 +84,17 @@ def parse(data: bytes, *, source: str) -> ImportResult:
         if complaints
         else None,
     )
+
+
+def _part(path: Polynomials, length: float, part: Part, source: str, findings: list[str]) -> Polynomials:
+    """The pieces between two times (s)."""
+    begin, end = max(part[0] or 0.0, 0.0), length if part[1] is None else min(part[1], length)
+    if (begin, end) == (0.0, length):
+        return path
+    rule = f"{source}: the part from {begin:g} s to {end:g} s is none of the {length:.6g} s of the file"
+    require(end - begin > polynomials.MIN_DURATION, rule)
+    findings.append(f"used: {begin:.6g} s to {end:.6g} s of the file's {length:.6g} s")
+    return polynomials.cut(path, begin, end - begin)
 
 
 @result
@@ -95,7 +116,7 @@ def write(preset: Preset, path: Path) -> OutputFile:
     table = np.array([[p.duration, *p.x, *p.y, *p.z, *p.yaw] for p in pieces.pieces])
     rows = [",".join(f"{value:.10g}" for value in row) for row in table]
     data = "\n".join([",".join(NAMES), *rows, ""])
-    read = parse(data.encode(), source=path.name).path
+    read = parse(data.encode(), source=path.name, part=WHOLE).path
     assert isinstance(read, Polynomials)
     fit = fitness(read, course, turned)
     rule = f"{MAX_SEGMENTS} pieces stray {fit.distance:.2g} m from this path: it turns too fast for the format"

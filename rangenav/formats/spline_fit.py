@@ -15,10 +15,16 @@ from rangenav.signals import Waypoint, Waypoints
 from rangenav.signals.waypoints import MAX_POINTS
 
 SPACINGS = (0.5, 0.25, 0.1, 0.05)
-"""s between knots, tried in this order if no spacing was chosen: wide spacings smooth more, narrow ones follow more."""
-CLOSE = 0.01
-"""m: the first spacing whose curve stays this near to every position is used; if there is none, the nearest curve."""
+"""s between knots, tried if no spacing was chosen: wide spacings smooth more, narrow ones follow more."""
+AS_GOOD, CLOSE = 1.5, 2e-4
+"""The widest spacing is used whose error is at most this multiple of the least error, or this many metres."""
+PER_KNOT = 2.0
+"""Least number of samples for each knot, where the spacing is not chosen; with fewer the curve follows their noise."""
+LEAST_STEPS = 1.5
+"""Usual steps of the samples to either side of a knot from which its value is taken, at the least."""
 MIN_SPACING, MAX_SPACING = 0.02, 60.0
+ROUNDING = 1e-9
+"""Share by which a record may be shorter than a whole number of spacings."""
 LEAST_KNOTS = 4
 SNAP_OF_NOISE = 16.0
 """The sum of (1, 4, 6, 4, 1), the weights of a fourth difference."""
@@ -44,46 +50,39 @@ class SplineFit:
 
 
 def fit(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: float | None, source: str) -> SplineFit:
-    """The spline with knots `spacing` apart (s); None chooses the widest of SPACINGS that stays within CLOSE.
+    """The spline with knots `spacing` apart (s), with free ends; None chooses the spacing.
 
-    Every such curve starts and ends at rest, so a record that begins or ends in flight is fitted less well there.
+    Of SPACINGS the widest is chosen whose error is near the least one. The error is the rms distance from n samples,
+    over 1 − knots/n: every knot brings a curve nearer to its samples, noise or not (generalised cross-validation).
     Raises ValueError if no spacing fits the samples.
     """
     if spacing is not None:
         return _fit_with(time, position, spacing, source)
     length = float(time[-1] - time[0])
-    tried = [wide for wide in SPACINGS if length / wide < MAX_POINTS - 1] or [length / (MAX_POINTS - 2)]
-    fits: list[SplineFit] = []
-    refusal = None
-    for wide in tried:
-        try:
-            fits.append(_fit_with(time, position, wide, source))
-        except ValueError as error:  # too few samples for knots as close as this, or too short for knots as wide
-            refusal = error
-            continue
-        if fits[-1].largest <= CLOSE:
-            break
-    if not fits and refusal is not None:
-        raise refusal
-    return min(fits, key=lambda one: one.largest)
+    most = min(MAX_POINTS - 1, len(time) / PER_KNOT)
+    possible = [wide for wide in SPACINGS if LEAST_KNOTS <= length / wide + 1 <= most]
+    widest = length / (max(LEAST_KNOTS, min(most, MAX_POINTS - 2)) - 1)  # short, long, and slow records
+    fits = [_fit_with(time, position, wide, source) for wide in possible or [widest]]
+    errors = [one.rms / max(1 - len(one.path.points) / len(time), 1 / len(time)) for one in fits]
+    allowed = max(AS_GOOD * min(errors), CLOSE)
+    return next(one for one, error in zip(fits, errors, strict=True) if error <= allowed)
 
 
 def _fit_with(time: Array, position: Array, spacing: float, source: str) -> SplineFit:
     require_within("spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
     length = float(time[-1] - time[0])
-    count = int(length / spacing) + 1
+    count = int(length / spacing * (1 + ROUNDING)) + 1
     rule = (
         f"{source}: {length:.3g} s make {count} knots {spacing:g} s apart, {LEAST_KNOTS} to {MAX_POINTS} are possible"
     )
     require(LEAST_KNOTS <= count <= MAX_POINTS, rule)
-    at = time[0] + np.linspace(0, length, count)
+    width = max(length / (count - 1), 2 * LEAST_STEPS * float(np.median(np.diff(time))))
     points = []
-    for k, moment in enumerate(at):
-        value = _local(time, position, moment, length / (count - 1))
-        require(value is not None, f"{source}: no samples around the knot at {moment:.3g} s: choose wider knots")
-        assert value is not None
-        points.append(Waypoint(time=float(at[k] - time[0]), value=value))
-    path = Waypoints(points=tuple(points))
+    for moment in time[0] + np.linspace(0, length, count):
+        value = _local(time, position, moment, width)
+        if value is not None:  # None in a gap, which the curve bridges
+            points.append(Waypoint(time=float(moment - time[0]), value=value))
+    path = Waypoints(points=tuple(points), free_ends=True)
     error = np.linalg.norm(path(time - time[0]) - position, axis=-1)
     return SplineFit(path=path, spacing=spacing, rms=float(np.sqrt(np.mean(error**2))), largest=float(error.max()))
 

@@ -13,6 +13,13 @@ from rangenav.inputs import require
 MAX_MAT = 128_000_000
 """Bytes of a .mat file that is read."""
 
+
+def _is_plain(head: str) -> bool:
+    """Whether the header is that of the plain CSV: position, velocity and acceleration, and nothing else."""
+    names = head.partition("\n")[0].strip().split(",")
+    return set(names) == {"t", *(f"{name}_{axis}" for name in "pva" for axis in "xyz")}
+
+
 FORMATS: tuple[Format, ...] = (
     Format(
         name="preset",
@@ -35,9 +42,11 @@ FORMATS: tuple[Format, ...] = (
         writer=reference.write,
         own_attitude_writer=partial(reference.write, attitude="preset"),
         reads=("path",),
-        reader=lambda data, asked: reference.parse(data, source=asked.source, confirm=asked.confirm, knots=asked.knots),
+        reader=lambda data, asked: reference.parse(
+            data, source=asked.source, confirm=asked.confirm, knots=asked.knots, part=asked.part
+        ),
         read_label="reference CSV (Agilicious, RPG)",
-        recognises=lambda head: "p_x" in head and "gyr" not in head and "acc" not in head,
+        recognises=lambda head: "p_x" in head and "gyr" not in head and "acc" not in head and not _is_plain(head),
         certified_as="motion",
     ),
     Format(
@@ -49,7 +58,7 @@ FORMATS: tuple[Format, ...] = (
         upright=True,
         writer=polynomial.write,
         reads=("path",),
-        reader=lambda data, asked: polynomial.parse(data, source=asked.source),
+        reader=lambda data, asked: polynomial.parse(data, source=asked.source, part=asked.part),
         read_label="polynomial CSV (Crazyflie)",
         recognises=lambda head: "x^0" in head,
         certified_as="motion",
@@ -88,7 +97,9 @@ FORMATS: tuple[Format, ...] = (
         upright=True,
         writer=tum.write,
         reads=("path",),
-        reader=lambda data, asked: tum.parse(data, source=asked.source, confirm=asked.confirm, knots=asked.knots),
+        reader=lambda data, asked: tum.parse(
+            data, source=asked.source, confirm=asked.confirm, knots=asked.knots, part=asked.part
+        ),
         read_label="TUM trajectory",
         read_suffixes=(".txt", ".tum"),
         certified_as="run",
@@ -106,7 +117,7 @@ FORMATS: tuple[Format, ...] = (
         writer=euroc.write,
         reads=("path", "flight"),
         reader=lambda data, asked: euroc.parse_file(
-            data, source=asked.source, confirm=asked.confirm, knots=asked.knots
+            data, source=asked.source, confirm=asked.confirm, knots=asked.knots, part=asked.part
         ),
         folder_reader=lambda path, asked: euroc.read_folder(path, confirm=asked.confirm),
         read_label="EuRoC ground truth CSV",
@@ -149,6 +160,12 @@ FORMATS: tuple[Format, ...] = (
         keeps="time and true position, velocity and acceleration, without loss",
         suffix=".csv",
         writer=arrays.write_csv,
+        reads=("path",),
+        reader=lambda data, asked: arrays.parse_csv(
+            data, source=asked.source, confirm=asked.confirm, knots=asked.knots, part=asked.part
+        ),
+        read_label="plain CSV (t, p, v, a)",
+        recognises=_is_plain,
         certified_as="run",
         gate="claim",
         positions=readback.columns("t", "p_x", "p_y", "p_z"),

@@ -9,61 +9,44 @@ from pathlib import Path
 
 import numpy as np
 
-from rangenav.formats import spline_fit, text
+from rangenav.formats import sampled_positions, sampled_rows, text
 from rangenav.formats.exported_run import quaternions, upright_run
-from rangenav.formats.import_result import ImportResult, Question, answer, in_order, spacing
+from rangenav.formats.import_result import ImportResult, asked_frame
 from rangenav.formats.output_files import OutputFile, write_text
-from rangenav.inputs import require
+from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.preset import Preset
 
 NAMES = ("t", "x", "y", "z", "qx", "qy", "qz", "qw")
-FRAMES = ("z-up", "z-down")
+UNJUDGED = "poses hold no snap: a path that is read from this file again is not judged"
 LEAST_ROWS = 8
 LARGEST = 1e5
 """m"""
 
 
-def parse(data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None) -> ImportResult:
+def parse(
+    data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None, part: Part = FLIGHT
+) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     table = text.table(data, source=source, separator=" ", names=NAMES)
     text.refuse_missing(table.values, table, "a number")
-    time, position = table.values[:, 0], table.values[:, 1:4]
-    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} poses are no path")
-    dropped: list[str] = []
-    table, broken = in_order(table, time, confirm, dropped)
-    time, position = table.values[:, 0], table.values[:, 1:4]
-    require(len(time) >= LEAST_ROWS, f"{source}: {len(time)} poses with increasing stamps are no path")
-    require(float(np.abs(position).max()) <= LARGEST, f"{source}: positions must lie within {LARGEST:g} m")
-    findings = [f"{len(time)} poses, {time[-1] - time[0]:.4g} s; m and s as the format has it", *dropped]
-    rate = spacing(time, table, findings)
-    off = np.abs(np.linalg.norm(table.values[:, 4:], axis=-1) - 1) > 1e-2
+    findings = list(table.remarks)
+    rows = sampled_rows.sampled(
+        table, table.values[:, 0], unit="s", confirm=confirm, part=part, least=LEAST_ROWS, findings=findings
+    )
+    findings.insert(0, rows.summary("m"))
+    off = np.abs(np.linalg.norm(rows.table.values[:, 4:], axis=-1) - 1) > 1e-2
     if off.any():
         findings.append(f"{int(off.sum())} quaternions are not of unit length; the path does not need them")
-    curve = spline_fit.fit(time, position, spacing=knots, source=source)
-    findings.append(curve.summary)
-    frame = answer(confirm, "frame", FRAMES)
-    question = Question(
-        key="frame",
-        flag="--frame",
-        asks="which way does z point",
-        options=FRAMES,
-        suggestion="z-up",
-        evidence="poses do not say, ROS and motion capture are z-up",
-    )
-    return ImportResult(
-        source=source,
+    frame, questions = asked_frame(confirm, "poses do not say, ROS and motion capture are z-up")
+    return sampled_positions.imported(
+        rows,
+        rows.table.values[:, 1:4],
         format="tum",
-        rows=len(time),
-        rate=rate,
-        duration=float(time[-1] - time[0]),
-        frame="z-down" if frame == "z-down" else "z-up",
-        findings=tuple(findings),
-        questions=(*broken, *(() if frame else (question,))),
-        path=curve.path,
-        derivatives="fit",
-        fitted=curve.summary,
-        fit_error=curve.largest,
-        unjudged=spline_fit.unjudged(time, position),
+        largest=LARGEST,
+        frame=frame,
+        knots=knots,
+        findings=findings,
+        questions=questions,
     )
 
 
@@ -74,4 +57,4 @@ def write(preset: Preset, path: Path) -> OutputFile:
     table = np.column_stack([run.time, run.position, q])
     rows = [" ".join(f"{value:.9f}" for value in row) for row in table]
     write_text(path, "\n".join(["# t x y z qx qy qz qw (s, m, z-up, body to world)", *rows, ""]))
-    return OutputFile(files=(path,), frame="z-up", figures={"rows": len(rows)})
+    return OutputFile(files=(path,), frame="z-up", notes=(UNJUDGED,), figures={"rows": len(rows)})

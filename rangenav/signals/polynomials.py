@@ -1,7 +1,7 @@
 """Polynomials: pieces of degree 7 with their durations, as uav_trajectories files and the Crazyflie hold them.
 
 Each piece has eight ascending coefficients in its own local time for x, y, z and yaw. Files need not be smooth: where a
-derivative jumps, `jumps` tells by how much, and `complaints` names the jumps that no vehicle could follow.
+derivative jumps, `jumps` says by how much, and `complaints` names the jumps that no vehicle could follow.
 """
 
 import math
@@ -20,14 +20,16 @@ from rangenav.signals.piecewise import Pieces
 from rangenav.signals.piecewise_family import PiecewiseFamily
 from rangenav.signals.waypoints import MinimumSnap
 
+DEGREE = 7
 MAX_PIECES = 2000
 MIN_DURATION, MAX_DURATION = 1e-3, 1e4
 MAX_COEFFICIENT = 1e15
 MAX_REACH = 1e7
 TURNS_PER_PIECE = 2.0
 """Half-waves of the fastest motion in a piece of degree 7, as assumed for quadrature."""
-COMPLAINTS = {0: ("position", 1e-3, "m"), 1: ("velocity", 1e-2, "m/s")}
-"""Jumps of this size and more are reported; files print six decimals, which is a thousand times finer."""
+COMPLAINTS = {0: ("position", 1e-3, "m"), 1: ("velocity", 1e-2, "m/s"), 2: ("acceleration", 0.1, "m/s²")}
+"""No vehicle follows jumps of this size and more: with the acceleration its attitude jumps, by 0.1/9.81 = 0.6° here.
+Files print six decimals, which is a thousand times finer."""
 CACHED = 16
 Coefficients = tuple[float, float, float, float, float, float, float, float]
 ZERO: Coefficients = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -113,11 +115,15 @@ def jumps(signal: Polynomials) -> Jumps:
 
 
 def complaints(signal: Polynomials, *, inside: tuple[float, float] = (-math.inf, math.inf)) -> tuple[str, ...]:
-    """A sentence for each knot (strictly inside some seconds) where position or velocity jumps: none can fly that."""
+    """A sentence for each knot (strictly inside some seconds) where position, velocity or acceleration jumps.
+
+    No vehicle can fly that. Pieces that do not repeat may begin and end in motion.
+    """
     jumped = jumps(signal)
     sentences = []
     for k, time in enumerate(jumped.time):
-        if not inside[0] < time < inside[1]:
+        free = signal.ends == "hold" and k in (0, len(jumped.time) - 1)
+        if free or not inside[0] < time < inside[1]:
             continue
         for order, (name, least, unit) in COMPLAINTS.items():
             steps = np.abs(jumped.step[k, order])
@@ -126,6 +132,25 @@ def complaints(signal: Polynomials, *, inside: tuple[float, float] = (-math.inf,
                 sentences.append(f"{name} jumps by {steps.max():.2g} {unit} along {axis} at t = {time:.2f} s")
                 break
     return tuple(sentences)
+
+
+def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
+    """The pieces from `begin` on, for a duration (s), each developed anew about where it starts."""
+    ends = np.cumsum([piece.duration for piece in path.pieces])
+    inside = ends[(ends > begin + MIN_DURATION) & (ends < begin + duration - MIN_DURATION)]
+    knots = np.concatenate([[begin], inside, [begin + duration]])
+    require(duration > MIN_DURATION and knots[-1] <= ends[-1] + MIN_DURATION, "the file ends before its path does")
+    order = np.array([math.factorial(j) for j in range(DEGREE + 1)])
+    middle = (knots[1:] + knots[:-1]) / 2  # where there is no doubt which piece is meant
+    tables = np.stack([path(middle, j) for j in range(DEGREE + 1)], axis=1) / order[:, None]  # (m, 8, 3)
+    pieces = []
+    for table, half in zip(tables, np.diff(knots) / 2, strict=True):
+        shifted = [np.polynomial.Polynomial(axis)(np.polynomial.Polynomial([-half, 1.0])) for axis in table.T]
+        x, y, z = (
+            cast(Coefficients, tuple(np.pad(one.coef, (0, DEGREE + 1 - len(one.coef))).tolist())) for one in shifted
+        )
+        pieces.append(Piece(duration=float(2 * half), x=x, y=y, z=z))
+    return Polynomials(pieces=tuple(pieces))
 
 
 def from_minimum_snap(curve: MinimumSnap) -> Polynomials:

@@ -3,13 +3,15 @@
 Among all curves through timed points the one of least ∫|p⁽ᵐ⁾|² is the spline of degree 2m − 1: one banded solve, exact.
 Waypoints (degree 9) start and end at rest with no snap, so they can hold still there and stay C⁴; minimum-snap curves
 (degree 7) are what flight planners make, start and end at rest, and their snap jumps there. With a period both close.
+With free ends ∫|p⁽ᵐ⁾|² is least among all curves through the points, whatever their motion at the ends: the derivatives
+m to 2m − 2 are zero there (the natural spline). A record that begins or ends in motion is such a curve.
 python-control's flatsys is not used: it plans between two complete states, snap included, and knows no points to pass
 at given times. Chained through 12 points whose derivatives were already known it took 45 ms, the spline 0.4 ms.
 """
 
 import math
 from functools import lru_cache
-from typing import ClassVar, TypeVar
+from typing import ClassVar, Literal, TypeVar
 
 import msgspec
 import numpy as np
@@ -61,6 +63,8 @@ class Timed(PiecewiseFamily, frozen=True, kw_only=True, omit_defaults=True):
     """At least two, at strictly increasing times."""
     period: float | None = None  # pyright: ignore[reportIncompatibleMethodOverride]
     """s from the first point until it is reached again; None for a path that ends, and holds still before and after."""
+    free_ends: bool = False
+    """Whether the curve may be in motion at its first and last point; without this it is at rest there."""
     degree: ClassVar[int]
 
     def __post_init__(self) -> None:
@@ -71,6 +75,7 @@ class Timed(PiecewiseFamily, frozen=True, kw_only=True, omit_defaults=True):
             before, time = self.points[k - 1].time, self.points[k].time
             rule = f"waypoint {k + 1} at {time:g} s must come at least {MIN_GAP:g} s after waypoint {k} at {before:g} s"
             require(time - before >= MIN_GAP, rule)
+        require(self.period is None or not self.free_ends, "a curve with a period has no free ends")
         if self.period is not None:
             length = self.points[-1].time - self.points[0].time
             require_within("period", self.period, 0.0, MAX_TIME, "s")
@@ -178,24 +183,31 @@ def _pieces(curve: Timed) -> Pieces:
     value = np.array([point.value for point in curve.points])
     if curve.period is not None:
         time, value = np.append(time, time[0] + curve.period), np.vstack([value, value[:1]])
-    return fitted(time, value, degree=curve.degree, closed=curve.period is not None)
+    ends = "closed" if curve.period is not None else "free" if curve.free_ends else "rest"
+    return fitted(time, value, degree=curve.degree, ends=ends)
 
 
-def fitted(time: Float[Array, "n"], value: Float[Array, "n 3"], *, degree: int, closed: bool) -> Pieces:
-    """The spline of odd degree through (time, value): closed, or at rest up to derivative (degree − 1)/2."""
+def fitted(
+    time: Float[Array, "n"], value: Float[Array, "n 3"], *, degree: int, ends: Literal["rest", "free", "closed"]
+) -> Pieces:
+    """The spline of odd degree through (time, value): closed, or with half its derivatives zero at either end.
+
+    At rest these are the lower ones, up to (degree − 1)/2. At free ends they are the others, below the degree.
+    """
     scale = (time[-1] - time[0]) / (len(time) - 1)
     s = (time - time[0]) / scale  # unit gaps: the same condition number whatever the seconds
-    rest = [(order, np.zeros(3)) for order in range(1, (degree + 1) // 2)]
+    half = (degree + 1) // 2
+    zero = [(order, np.zeros(3)) for order in (range(half, degree) if ends == "free" else range(1, half))]
     try:
-        if closed:
+        if ends == "closed":
             spline = _closed(s, value - value[0], degree)
         else:
-            spline = make_interp_spline(s, value - value[0], k=degree, bc_type=(rest, rest))
+            spline = make_interp_spline(s, value - value[0], k=degree, bc_type=(zero, zero))
     except (ValueError, np.linalg.LinAlgError):
         raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven") from None
     coefficients = np.stack([spline(s[:-1], nu=j) / (math.factorial(j) * scale**j) for j in range(degree + 1)])
     coefficients[0] += value[0]  # left out of the fit: a far-off place costs no digits, and standing still is exact
-    curve = piecewise.pieces(time, coefficients, repeats=closed)
+    curve = piecewise.pieces(time, coefficients, repeats=ends == "closed")
     spread = float(np.ptp(value, axis=0).max())
     miss = max(
         float(np.abs(spline(s) - (value - value[0])).max()), float(np.abs(piecewise.jumps(curve, range(1))).max())

@@ -1,5 +1,6 @@
 """`rangenav analyze` for a person."""
 
+from rangenav import continuity
 from rangenav.analysis import Analysis
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group, met
@@ -44,7 +45,9 @@ def excitation_lines(preset: Preset, analysis: Analysis) -> list[str]:
     needed, excited = preset.requirement.mu, analysis.mu > analysis.mu_floor
     least = f"{quantity(analysis.mu, MU)} from {quantity(analysis.mu_at, 's')}"
     mu = f"excitation μ {least}" if excited else "no excitation (μ 0)"
-    lines = [f"{mu}, required {significant(needed)}: {met(analysis.mu >= needed)}"]
+    alone = continuity.pieces_alone(preset.path, preset.duration)
+    reached = f"{mu}, required {significant(needed)}: {met(analysis.mu >= needed)}"
+    lines = [reached, *([] if alone is None else [alone])]
     if analysis.bound_for_all_t is None:
         return [*lines, "μ is not bounded at every time: the path does not repeat, or its snap has no bound"]
     return [*lines, f"μ is at least {quantity(analysis.bound_for_all_t, MU)} at every time"] if excited else lines

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from rangenav import motion, record, vehicle
+from rangenav import continuity, motion, record, vehicle
 from rangenav.analysis import Analysis
 from rangenav.commands.text.layout import SIGNS, Sign, met
 from rangenav.model import STATES
@@ -67,7 +67,10 @@ def flight_lines(preset: Preset) -> list[str]:
     broken = vehicle.broken(moved, preset.vehicle, world=preset.world)
     limits = motion.limits(moved, world=preset.world)
     name = preset.vehicle.name
-    if preset.vehicle == vehicle.FREE:
+    jump = continuity.discontinuity(preset.path, preset.duration)
+    if jump is not None:
+        answer = ["✗ by no vehicle", f"✗ {jump}", *(f"✗ {one.summary}" for one in broken)]
+    elif preset.vehicle == vehicle.FREE:
         answer = ["no vehicle is chosen, so no limit applies"]
     elif broken:
         answer = [f"✗ not by {name}", *(f"✗ {one.summary}" for one in broken)]

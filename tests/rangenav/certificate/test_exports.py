@@ -13,7 +13,7 @@ from rangenav.certificate import certified_export, exports, files
 from rangenav.certificate.schema import Certificate
 from rangenav.formats import readback
 from rangenav.preset import Preset
-from rangenav.signals import Polynomials
+from rangenav.signals import Polynomials, polynomials
 from rangenav.vehicle import CRAZYFLIE
 from tests.support.signal_examples import POLYNOMIALS
 
@@ -85,13 +85,13 @@ def test_a_certificate_put_beside_another_motion_fails(tmp_path: Path):
 
 def test_pieces_that_are_cut_out_are_the_same_curve():
     whole = POLYNOMIALS
-    part = exports.cut(whole, 1.3, 6.2)
+    part = polynomials.cut(whole, 1.3, 6.2)
     t = np.linspace(0, 6.2, 201)[1:-1]
     for order in range(6):
         np.testing.assert_allclose(part(t, order), whole(t + 1.3, order), rtol=1e-9, atol=1e-9)
     assert sum(piece.duration for piece in part.pieces) == pytest.approx(6.2, rel=1e-12)
     with pytest.raises(ValueError, match="the file ends before its path does"):
-        exports.cut(Polynomials(pieces=whole.pieces[:1]), 0.0, 100.0)
+        polynomials.cut(Polynomials(pieces=whole.pieces[:1]), 0.0, 100.0)
 
 
 def test_the_gate_lets_a_run_of_a_counterexample_pass_and_no_trajectory_of_it():

@@ -14,10 +14,12 @@ NAMES = ("t", "p_x", "p_y", "p_z")
 VALUES = np.array([[0.0, 1.5, -0.25, 1e-6], [0.02, 1.25, 3.0, -2.5], [0.04, 1.0, 7.125, np.nan], [0.06, 0.5, 2.0, 4.0]])
 
 
-def written(separator=",", decimal=".", quoting=csv.QUOTE_MINIMAL, names=NAMES, end="\n", before=""):
+def written(separator=",", decimal=".", quoted=False, names=NAMES, end="\n", before=""):
     """The table as Python's own writer of CSV files writes it."""
     out = io.StringIO()
-    writer = csv.writer(out, delimiter=separator, quoting=quoting, lineterminator=end)
+    writer = csv.writer(
+        out, delimiter=separator, quoting=csv.QUOTE_ALL if quoted else csv.QUOTE_MINIMAL, lineterminator=end
+    )
     writer.writerow(names)
     for row in VALUES.tolist():
         writer.writerow(["" if v != v else repr(v).replace(".", decimal) for v in row])
@@ -39,7 +41,7 @@ def read(data):
         (written(";", ","), ("the entries are separated by semicolons", "the numbers have decimal commas")),
         (written("\t", ","), ("the entries are separated by tabs", "the numbers have decimal commas")),
         (written(",", ","), ("the numbers have decimal commas", "entries stand in quotes")),
-        (written(quoting=csv.QUOTE_ALL), ("entries stand in quotes",)),
+        (written(quoted=True), ("entries stand in quotes",)),
         (b"\xef\xbb\xbf" + written(), ("a byte order mark in front",)),
         (
             written("\t").decode().encode("utf-16"),

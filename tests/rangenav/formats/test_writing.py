@@ -10,9 +10,11 @@ from rangenav import formats, motion, preset, record
 from rangenav.axes import upright
 from rangenav.formats import frames, hermite, hover_ramps, output_files
 from rangenav.formats.path_preset import as_preset
-from rangenav.formats.polynomial import MAX_SEGMENTS
+from rangenav.formats.polynomial import MAX_SEGMENTS, NAMES
+from rangenav.formats.sampled_rows import WHOLE
 from rangenav.observability import excitation
-from rangenav.signals import Flown, Polynomials
+from rangenav.signals import Flown, MinimumSnap, Polynomials, Waypoint
+from rangenav.signals.polynomials import from_minimum_snap
 from tests.support.present import present
 from tests.support.refusals import exactly
 from tests.support.signal_examples import EXAMPLES
@@ -109,7 +111,7 @@ def test_pieces_through_a_polynomial_of_degree_seven_are_that_polynomial():
 def test_a_polynomial_file_follows_its_path_and_keeps_its_excitation(name, tmp_path):
     p = preset.load(name)
     written = formats.export(p, "polynomial", tmp_path / "x.csv")
-    found = formats.read(tmp_path / "x.csv", "polynomial")
+    found = formats.read(tmp_path / "x.csv", "polynomial", part=WHOLE)
     assert found.rows <= MAX_SEGMENTS
     assert found.unjudged is None  # nothing jumps
     assert written.figures["fit_error"] < 3e-4
@@ -153,7 +155,7 @@ def test_polynomials_that_were_read_are_written_as_they_are(tmp_path):
 def test_a_reference_file_is_read_back_as_the_path_it_came_from(name, tmp_path):
     p, course = truth_inputs(name)
     formats.export(preset.load(name), "reference", tmp_path / "x.csv")
-    found = formats.read(tmp_path / "x.csv", "reference")
+    found = formats.read(tmp_path / "x.csv", "reference", part=WHOLE)
     assert found.unjudged is None
     assert found.duration == pytest.approx(course.end)
     t, path = np.linspace(2.5, 17.5, 200), present(found.path)
@@ -165,6 +167,32 @@ def test_a_reference_file_is_read_back_as_the_path_it_came_from(name, tmp_path):
         excitation.eigenvalues(one, s, p.requirement.window) for one, s in ((path, start), (p.path, start - 1))
     )
     np.testing.assert_allclose(got, wanted, rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("name", "format"),
+    [("paper", "reference"), ("wiggle", "reference"), ("paper-slow", "polynomial"), ("lissajous", "polynomial")],
+)
+def test_the_ramps_of_an_own_export_are_left_out_and_its_excitation_is_that_of_the_flight(name, format, tmp_path):
+    p, course = truth_inputs(name)
+    formats.export(preset.load(name), format, tmp_path / "x.csv")
+    found = formats.read(tmp_path / "x.csv", format)
+    assert any("are left out" in sentence for sentence in found.findings)
+    begin, end = course.steady
+    window = p.requirement.window
+    start = np.linspace(0, min(found.duration, end - begin) - window, 10)
+    got = excitation.eigenvalues(present(found.path), start, window)
+    np.testing.assert_allclose(got, excitation.eigenvalues(p.path, start + begin / 2, window), rtol=2e-3)
+
+
+def test_another_path_from_rest_to_rest_is_read_whole(tmp_path):
+    """A minimum-snap curve starts at rest as well, but not with the ramps of an export."""
+    rng = np.random.default_rng(5)
+    points = tuple(Waypoint(time=float(k), value=tuple(rng.standard_normal(3).tolist())) for k in range(10))
+    path = from_minimum_snap(MinimumSnap(points=points))
+    rows = [[piece.duration, *piece.x, *piece.y, *piece.z, *piece.yaw] for piece in path.pieces]
+    text = "\n".join([",".join(NAMES), *(",".join(map(repr, row)) for row in rows)])
+    assert formats.parse(text.encode(), "polynomial", source="x.csv", confirm={}).duration == pytest.approx(9.0)
 
 
 def test_the_presets_own_attitude_can_be_asked_for(tmp_path):

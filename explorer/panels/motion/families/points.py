@@ -1,6 +1,6 @@
 """Waypoints and minimum snap: timed points, dragged in the scene, typed as a table, or moved one at a time."""
 
-from typing import Generic, TypeVar
+from typing import Generic, Literal, TypeVar
 
 import msgspec
 
@@ -18,7 +18,12 @@ MAX_TEXT = 250_000
 """Characters of the table: more than 2000 points with all their digits."""
 MAX_LISTED = 200
 """Points that the dropdown lists; the table has all of them."""
-OPEN, CLOSED = "open: at rest at both ends", "closed: it comes back to the first"
+Ends = Literal["rest", "free", "closed"]
+ENDS: dict[Ends, str] = {
+    "rest": "open: at rest at both ends",
+    "free": "open: in motion at both ends",
+    "closed": "closed: it comes back to the first",
+}
 DEFAULT_GAP = 1.0
 """s from the last point back to the first where the curve has no other gap to go by."""
 
@@ -34,8 +39,8 @@ class PointsEditor(Generic[F]):
         """The text of the table, and the points for which it was written."""
         self._section = section = Section(form)
         with section:
-            hint = "Whether the curve ends at its last point, at rest, or closes smoothly and repeats."
-            self._ends = Choice(section, "ends", {False: OPEN, True: CLOSED}, hint=hint)
+            hint = "Whether the curve ends at its last point, at rest or in motion, or closes smoothly and repeats."
+            self._ends = Choice(section, "ends", ENDS, hint=hint)
             hint = "s from the first point until it is reached again; used by a closed curve."
             self._period = Number(section, "period (s)", step=0.01, hint=hint)
             hint = f"One point per line: t x y z, in s and {slot.unit}; times must increase. Paste a whole path here."
@@ -84,7 +89,7 @@ class PointsEditor(Generic[F]):
         """Show a curve."""
         self._set(signal)
         self._text.write(self._text_of_points, TABLE.format(base.points) if base else None)
-        self._ends.write(signal.period is not None, base and base.period is not None)
+        self._ends.write(_ends_of(signal), _ends_of(base) if base else None)
         self._period.write(signal.period or _suggested_period(signal), base.period if base else None)
 
     def move(self, index: int, value: Vec3) -> None:
@@ -117,13 +122,14 @@ class PointsEditor(Generic[F]):
 
     def _with_ends(self, points: tuple[Waypoint, ...]) -> F:
         """The curve through the points, open or closed as the controls say."""
-        closed, period = self._ends.read(), self._period.read()
+        ends, period = self._ends.read(), self._period.read()
+        closed, free = ends == "closed", ends == "free"
         if closed and self._signal.period is None and period <= points[-1].time - points[0].time:
             period = _suggested_period(self._signal)
         chosen = period if closed else None
-        if (points, chosen) == (self.points, self._signal.period):
+        if (points, chosen, free) == (self.points, self._signal.period, self._signal.free_ends):
             return self._signal
-        return msgspec.structs.replace(self._signal, points=points, period=chosen)
+        return msgspec.structs.replace(self._signal, points=points, period=chosen, free_ends=free)
 
     def _with_boxes(self, signal: F) -> F:
         """The curve with what the boxes say of the chosen point, if they were moved since they were shown."""
@@ -185,6 +191,10 @@ def _cells(point: Waypoint) -> list[float]:
 
 
 TABLE = Table(("t", "x", "y", "z"), _point, _cells)
+
+
+def _ends_of(signal: Waypoints | MinimumSnap) -> Ends:
+    return "closed" if signal.period is not None else "free" if signal.free_ends else "rest"
 
 
 def _suggested_period(signal: Waypoints | MinimumSnap) -> float:
