@@ -1,6 +1,7 @@
 """`rangenav-explorer`, or `python -m explorer`: serves the page on this machine and prints its address."""
 
 import logging
+import signal
 import sys
 import threading
 import urllib.request
@@ -13,6 +14,7 @@ import tyro
 from rangenav import preset
 
 DEFAULT_PRESET = "paper-slow"
+STOPPING_SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
 ANSWER_TIMEOUT = 10.0
 """s until the server must answer its first request."""
 
@@ -54,9 +56,10 @@ def serve(arguments: Arguments) -> None:
     from explorer.storage.work_files import WorkFiles
     from explorer.web.identity import Slots, connected
 
+    stopped = _stopping_signals()
     compilation, slots = Compilation(), Slots(lambda tab: connected(server, tab))
     requested = arguments.preset != DEFAULT_PRESET
-    SessionServer(
+    sessions = SessionServer(
         server,
         Shared(
             shipped=shipped,
@@ -74,9 +77,28 @@ def serve(arguments: Arguments) -> None:
     if arguments.browser:
         threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
     try:
-        threading.Event().wait()
+        stopped.wait()
     finally:
+        sessions.stop()
         close_server(server)
+
+
+def _stopping_signals() -> threading.Event:
+    """An event that Ctrl+C, SIGTERM and SIGHUP set: the work is saved before the program ends. A second one ends it at
+    once. A signal that is ignored, as by nohup, stays ignored."""
+    stopped = threading.Event()
+    numbers = [getattr(signal, name) for name in STOPPING_SIGNALS if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) for number in numbers}
+
+    def stop(number: int, frame: object) -> None:
+        stopped.set()
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+    for number, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(number, stop)
+    return stopped
 
 
 def _first_preset(shipped: dict[str, preset.Preset], name_or_path: str) -> str:

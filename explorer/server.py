@@ -1,10 +1,16 @@
-"""Which tabs are connected: each has a session from the moment it connects until it has left."""
+"""Which tabs are connected: each has a session from the moment it connects until it has left or the server stops."""
+
+import time
 
 import viser
 
 from explorer.scene.lights import light
 from explorer.session import Session
 from explorer.shared import Shared
+from explorer.web.security import receive_pending
+
+STOP_TIMEOUT = 10.0
+"""s for all sessions to end: one that is computing a picture ends after it."""
 
 
 class SessionServer:
@@ -13,6 +19,7 @@ class SessionServer:
     def __init__(self, server: viser.ViserServer, shared: Shared) -> None:
         self._server, self.shared = server, shared
         self._by_client: dict[int, Session] = {}
+        self._stopping = False
         light(server.scene)
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)
@@ -22,7 +29,19 @@ class SessionServer:
         """The sessions of the connected tabs, in the order in which they connected."""
         return tuple(self._by_client.values())
 
+    def stop(self) -> None:
+        """End all sessions, and wait until each has saved what was changed, also a moment ago."""
+        self._stopping = True
+        receive_pending(self._server)
+        stopped, deadline = self.sessions, time.monotonic() + STOP_TIMEOUT
+        for session in stopped:
+            session.stop(connected=True)
+        for session in stopped:
+            session.thread.join(max(0.0, deadline - time.monotonic()))
+
     def _join(self, client: viser.ClientHandle) -> None:
+        if self._stopping:
+            return
         session = self._by_client[client.client_id] = Session(client, self.shared)
         session.start()
         if client.client_id not in self._server.get_clients():  # the tab left before its session was created
@@ -31,4 +50,4 @@ class SessionServer:
     def _leave(self, client: viser.ClientHandle) -> None:
         session = self._by_client.pop(client.client_id, None)
         if session is not None:
-            session.stop()
+            session.stop(connected=False)

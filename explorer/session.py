@@ -55,7 +55,7 @@ class Session:
     def __init__(self, client: viser.ClientHandle, shared: Shared) -> None:
         self._client, self.shared = client, shared
         self.catalog = Catalog(shared.shipped, shared.library, shared.certifier)
-        self._wake, self._stopped = threading.Event(), False
+        self._wake, self._stopped, self._connected = threading.Event(), False, True
         self.form = Form(client.gui, self._wake.set)
         self.jobs = self.form.new_jobs()
         self._built = False
@@ -75,8 +75,9 @@ class Session:
         accept_values_only(self._client)
         self.thread.start()
 
-    def stop(self) -> None:
-        """Let the thread end; it saves the work and frees the slot of the tab."""
+    def stop(self, *, connected: bool) -> None:
+        """Let the thread end; it saves the work and frees the slot of the tab. `connected`: the tab has not left."""
+        self._connected = connected
         self._stopped = True
         self._wake.set()
 
@@ -103,10 +104,20 @@ class Session:
 
     def _leave(self) -> None:
         """Write the work that is not saved yet, and only then free the slot for the next tab."""
+        with self._reporting():
+            self._remember_last_changes()
         self.form.cancel_jobs()
         if self.shared.slots.has(self._client.client_id):
             self._autosave.write(time.monotonic(), at_once=True)
         self.shared.slots.free(self._client.client_id)
+
+    def _remember_last_changes(self) -> None:
+        """Take over what was changed after the last picture began to be computed; nothing is drawn any more."""
+        if self._built:
+            with contextlib.suppress(InvalidInputError):
+                if self._connected:  # else nothing may be written to the page
+                    self._take_actions()
+                self._autosave.remember(self.dock.read(), self.dock.gains.units)
 
     def _build(self) -> None:
         client = self._client
@@ -175,12 +186,7 @@ class Session:
         """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""
         began = time.monotonic()
         with contextlib.suppress(InvalidInputError), self.dock.catching():
-            pressed = self.form.run_actions(before=self._refresh_before_action)
-            self.form.deliver()
-            drag = self._interaction.apply(self.picture)
-            if self.dock.chosen_preset != self.dock.origin:
-                self._open(self.dock.chosen_preset)
-            self.dock.refresh()
+            pressed, drag = self._take_actions()
             settings = self.dock.read()
             self.dock.compare.refresh()
             shown = self.picture
@@ -195,6 +201,17 @@ class Session:
                 self._display.draw(picture)
             return True
         return False
+
+    def _take_actions(self) -> tuple[bool, int | None]:
+        """Do what the visitor has asked for by buttons, in the scene and in the menu of presets. Returns whether a
+        button was pressed, and the number of the drag while a handle is held."""
+        pressed = self.form.run_actions(before=self._refresh_before_action)
+        self.form.deliver()
+        drag = self._interaction.apply(self.picture)
+        if self.dock.chosen_preset != self.dock.origin:
+            self._open(self.dock.chosen_preset)
+        self.dock.refresh()
+        return pressed, drag
 
     def _refresh_before_action(self) -> None:
         """Read the controls, so that an action uses their values at the moment when it runs."""

@@ -1,4 +1,8 @@
-"""The work of one tab is saved while the visitor works, and restored after a reload or a server's restart."""
+"""The work of one tab is saved while the visitor works, and restored after a reload or a server's restart.
+
+A file that this version cannot read is kept under another name, and is written over only when the visitor changes
+something.
+"""
 
 from collections.abc import Callable
 from typing import Literal
@@ -9,6 +13,9 @@ from explorer.model.settings import GainUnits, Settings
 from explorer.storage.work_files import StorageError, WorkFiles
 from rangenav.inputs import Input
 
+VERSION = 1
+NEWER, BROKEN = ".newer", ".broken"
+"""Endings of the names under which files are kept that this version cannot read."""
 PERIOD = 1.0
 """s between two writes; of the changes in between only the last is written."""
 
@@ -16,12 +23,18 @@ PERIOD = 1.0
 class SavedWork(Input, frozen=True, kw_only=True):
     """The content of a tab's file. The names of the fields are part of the file format."""
 
-    version: Literal[1] = 1
+    version: Literal[1] = VERSION
     opened: str
     """The preset that the program was started with."""
     settings: Settings
     language: GainUnits = "paper"
     """In which units the gains are shown."""
+
+
+class _Numbered(msgspec.Struct):
+    """The version of a file of any version."""
+
+    version: int = VERSION
 
 
 class Autosave:
@@ -34,6 +47,8 @@ class Autosave:
         self._latest: tuple[Settings, GainUnits] | None = None
         self._unwritten: tuple[Settings, GainUnits] | None = None
         self._written_at = float("-inf")
+        self._kept = False
+        """Whether there is a file that was kept under another name, and that is not written over unasked."""
         self._failing = False
         """Whether the visitor has been notified. The next change is written all the same."""
 
@@ -45,17 +60,35 @@ class Autosave:
             return None
         try:
             content = self._work_files.load(session_key)
-            return None if content is None else msgspec.json.decode(content, type=SavedWork)
         except StorageError as reason:
-            self._notify(_sentence(reason))
+            return self._keep(session_key, BROKEN, _sentence(reason))
+        try:
+            return None if content is None else msgspec.json.decode(content, type=SavedWork)
         except (msgspec.DecodeError, ValueError, RecursionError) as error:
-            self._notify(f"Your earlier work is of no use to this version: {' '.join(str(error).split())}")
-        return None
+            if content is not None and _is_newer(content):
+                return self._keep(session_key, NEWER, "Your earlier work was saved by a newer version of the program.")
+            reason = " ".join(str(error).split())
+            return self._keep(session_key, BROKEN, f"Your earlier work is of no use to this version: {reason}.")
+
+    def _keep(self, session_key: str, ending: str, sentence: str) -> None:
+        """Keep the file under another name. Where that fails, nothing is saved, so the file stays as it is."""
+        try:
+            name = self._work_files.keep(session_key, ending)
+        except StorageError as reason:
+            self._session_key = None
+            self._notify(f"{sentence} It stays as it is, and nothing is saved: {reason}.")
+            return
+        self._kept = True
+        self._notify(f"{sentence} It is kept as {name} in {self._work_files.folder}, and the page begins anew.")
 
     def remember(self, settings: Settings, units: GainUnits = "paper") -> None:
         """Take the settings that `write` saves when the next write is due."""
-        if (settings, units) != self._latest:
-            self._latest = self._unwritten = settings, units
+        if (settings, units) == self._latest:
+            return
+        opened_only = self._kept and self._latest is None
+        self._latest = settings, units
+        if not opened_only:
+            self._unwritten = settings, units
 
     def wait(self, now: float) -> float | None:
         """How long (s) until a write is due; None if everything is written."""
@@ -77,6 +110,14 @@ class Autosave:
             self._failing = True
         else:
             self._failing = False
+
+
+def _is_newer(content: bytes) -> bool:
+    """Whether a file states a version that is not known yet."""
+    try:
+        return msgspec.json.decode(content, type=_Numbered).version > VERSION
+    except (msgspec.DecodeError, ValueError, RecursionError):
+        return False
 
 
 def _sentence(reason: StorageError) -> str:

@@ -1,15 +1,18 @@
 """The files in which the work of each browser tab is saved, for a reload, a lost connection or a server's restart.
 
     <state folder>/work/<session key>.json
+    <state folder>/work/<session key>.json.newer, .newer-2, .broken      copies of what a version could not read
 
 The state folder is the system's own ($XDG_STATE_HOME/rangenav, or its counterpart on macOS and Windows), or the one
 that RANGENAV_STATE names. `autosave` decides what is in a file. Every failure is a `StorageError` with one sentence:
 without a disk the page works on, and saves nothing.
 """
 
+import filecmp
 import os
 import re
 import secrets
+import shutil
 import threading
 import time
 from pathlib import Path
@@ -28,6 +31,8 @@ MAX_FILES, MAX_TOTAL = 200, 2**26
 """Files in the folder, and bytes of all of them; the oldest are removed first."""
 MAX_AGE = 90 * 86400.0
 """s; the largest age of a file."""
+MAX_KEPT = 50
+"""Copies of one tab's file that no version has written over."""
 ABANDONED = 3600.0
 """s after which an unfinished file belongs to a program that has ended."""
 SAVES_PER_PRUNE = 100
@@ -74,6 +79,25 @@ class WorkFiles:
         if len(work) > MAX_BYTES:
             raise StorageError(f"your earlier work cannot be read: {path} has more than {MAX_BYTES} bytes")
         return work
+
+    def keep(self, session_key: str, ending: str) -> str:
+        """Copy the saved work to a name with this ending, numbered if there is another file of that name. No copy is
+        ever written over or pruned. Returns the name. Raises StorageError."""
+        path = self._path(session_key)
+        for number in range(1, MAX_KEPT + 1):
+            copy = path.with_name(path.name + ending + (f"-{number}" if number > 1 else ""))
+            try:
+                if copy.exists() and filecmp.cmp(path, copy, shallow=False):
+                    return copy.name
+                with path.open("rb") as content, copy.open("xb") as kept:
+                    os.fchmod(kept.fileno(), 0o600)
+                    shutil.copyfileobj(content, kept)
+                return copy.name
+            except FileExistsError:
+                continue
+            except OSError as error:
+                raise StorageError(f"{path} cannot be copied ({error.strerror})") from error
+        raise StorageError(f"{path} has been kept {MAX_KEPT} times: remove some of the copies")
 
     def prune(self) -> None:
         """Remove files that are too old or too many, the oldest first. Files of other names are left alone."""

@@ -6,6 +6,7 @@ wraps `websockets.asyncio.server.serve`, which viser calls, and removes or repla
 All of this depends on viser's internals: check it again whenever the pinned version changes.
 """
 
+import asyncio
 import contextlib
 import io
 import logging
@@ -28,6 +29,8 @@ ADDRESS = "127.0.0.1"
 MAX_MESSAGE = 2**24
 """Bytes of one message from a browser; viser allows 50 MB. The page's own largest message is that of a text
 box: a visitor who pastes ten megabytes should see a complaint, and not lose the connection."""
+RECEIVE, RECEIVE_TIMEOUT = 0.05, 2.0
+"""s in which the event loop takes in the messages that have arrived, and s after which it is not waited for."""
 UNUSED_MESSAGES = (
     _messages.FileTransferStartUpload,
     _messages.FileTransferPart,
@@ -59,6 +62,14 @@ def open_server(host: str, port: int) -> viser.ViserServer:
         server._websock_server.unregister_handler(message)
     _drop_unused(server.gui)
     return server
+
+
+def receive_pending(server: viser.ViserServer) -> None:
+    """Wait until the messages that browsers have sent so far are taken in."""
+    loop = server._websock_server._background_event_loop
+    if loop is not None:
+        with contextlib.suppress(TimeoutError, RuntimeError):  # RuntimeError: the loop is closed
+            asyncio.run_coroutine_threadsafe(asyncio.sleep(RECEIVE), loop).result(RECEIVE_TIMEOUT)
 
 
 def close_server(server: viser.ViserServer) -> None:

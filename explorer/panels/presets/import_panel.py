@@ -8,8 +8,9 @@ from collections.abc import Callable
 from functools import partial
 
 from explorer.model.jobs import Jobs
+from explorer.storage import import_process
 from explorer.storage.catalog import Catalog
-from explorer.storage.import_file import ImportFile, Interpretation, guess, interpret, is_preset_or_zip
+from explorer.storage.import_file import ImportFile, Interpretation, guess, is_preset_or_zip
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form
@@ -86,7 +87,7 @@ class ImportPanel:
         file, answers = self._file, dict(self._answers)
         self._jobs.start(
             f"reading {file.name}",
-            lambda progress, cancelled: interpret(file, format_name, answers, ANCHOR),
+            lambda progress, cancelled: import_process.read(file, format_name, answers, ANCHOR, cancelled=cancelled),
             self._take_interpretation,
             partial(self._fail, format_name),
         )

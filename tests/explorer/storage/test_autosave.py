@@ -69,11 +69,62 @@ def test_a_failing_write_is_notified_once_and_later_work_is_saved_again(
     assert len(notices) == 1
 
 
-def test_a_file_that_this_version_cannot_read_is_notified_and_is_no_error(work_files: WorkFiles, notices: list[str]):
-    work_files.save(SESSION_KEY, b'{"opened": "paper", "settings": {"preset": 3}}')
-    assert Autosave(work_files, "paper-slow", notices.append).restore(SESSION_KEY) is None
+NEWER = b'{"version": 2, "opened": "paper", "settings": {"of": "another form"}}'
+UNREADABLE = {
+    ".newer": (NEWER, "Your earlier work was saved by a newer version of the program."),
+    ".broken": (b'{"opened": "paper", "settings": {"preset": 3}}', "Your earlier work is of no use to this version: "),
+}
+
+
+@pytest.mark.parametrize("ending", UNREADABLE)
+def test_a_file_that_this_version_cannot_read_is_kept_and_not_written_over_by_opening_the_page(
+    work_files: WorkFiles, notices: list[str], ending: str
+):
+    content, sentence = UNREADABLE[ending]
+    work_files.save(SESSION_KEY, content)
+    for _ in range(2):  # a second visit finds the same file, and no second copy is made
+        autosave = Autosave(work_files, "paper-slow", notices.append)
+        assert autosave.restore(SESSION_KEY) is None
+        autosave.remember(SLOW)  # what the page shows when it opens
+        autosave.write(0.0, at_once=True)
+        assert work_files.load(SESSION_KEY) == content
+    assert len(notices) == 2
+    assert notices[0] == notices[1]
+    assert notices[0].startswith(sentence)
+    assert f"kept as {SESSION_KEY}.json{ending} in {work_files.folder}" in notices[0]
+    autosave.remember(_at(2.0))
+    autosave.write(0.0, at_once=True)
+    assert _restored(work_files) == _at(2.0)
+    assert (work_files.folder / f"{SESSION_KEY}.json{ending}").read_bytes() == content
+    assert len(list(work_files.folder.iterdir())) == 2
+
+
+def test_every_file_of_a_newer_version_is_kept_under_a_number_of_its_own(work_files: WorkFiles, notices: list[str]):
+    for k in range(3):
+        work_files.save(SESSION_KEY, NEWER + b" " * k)
+        Autosave(work_files, "paper-slow", notices.append).restore(SESSION_KEY)
+    work_files.prune()
+    for k, name in enumerate(("newer", "newer-2", "newer-3")):
+        assert (work_files.folder / f"{SESSION_KEY}.json.{name}").read_bytes() == NEWER + b" " * k
+
+
+def test_where_a_file_cannot_be_kept_nothing_is_saved_over_it(
+    work_files: WorkFiles, notices: list[str], monkeypatch: pytest.MonkeyPatch
+):
+    work_files.save(SESSION_KEY, NEWER)
+
+    def full(session_key: str, ending: str) -> str:
+        raise StorageError("it cannot be copied (no space left)")
+
+    monkeypatch.setattr(work_files, "keep", full)
+    autosave = Autosave(work_files, "paper-slow", notices.append)
+    autosave.restore(SESSION_KEY)
+    for scale in (1.0, 2.0):
+        autosave.remember(_at(scale))
+        autosave.write(0.0, at_once=True)
+    assert work_files.load(SESSION_KEY) == NEWER
     (sentence,) = notices
-    assert sentence.startswith("Your earlier work is of no use to this version")
+    assert "It stays as it is, and nothing is saved: it cannot be copied (no space left)." in sentence
 
 
 def test_a_browser_without_storage_is_notified_and_nothing_is_written(work_files: WorkFiles, notices: list[str]):

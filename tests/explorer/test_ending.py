@@ -1,0 +1,45 @@
+"""The program ends when it is told to, and what was changed a moment before is saved."""
+
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.support.server_process import ServerProcess
+from tests.support.wire import Storage
+
+pytestmark = pytest.mark.slow
+MOMENT = 0.1
+"""s between a change and the signal."""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_what_was_changed_a_moment_before_a_signal_is_saved(tmp_path: Path, number: signal.Signals):
+    server = ServerProcess(tmp_path)
+    tab = server.connect(Storage())
+    for seed in (3.0, 7.0):  # the first is saved at once, the second would be due a second later
+        tab.set("noise seed", seed)
+        time.sleep(MOMENT)
+    assert server.end(number) == 0
+    assert server.saved().settings.preset.seed == 7
+    tab.close()
+
+
+def test_the_work_of_a_newer_version_outlives_a_visit_and_the_page_says_where_it_is(tmp_path: Path):
+    storage, server = Storage(), ServerProcess(tmp_path)
+    tab = server.connect(storage)
+    tab.set("noise seed", 3.0)
+    tab.wait_for(lambda: list(server.work.glob("*.json")), "saved work")
+    server.end(signal.SIGTERM)
+    tab.close()
+    (file,) = server.work.glob("*.json")
+    newer = file.read_bytes().replace(b'"version":1', b'"version":2', 1).replace(b'"settings":', b'"chosen":', 1)
+    file.write_bytes(newer)
+    server = ServerProcess(tmp_path)
+    tab = server.connect(storage)
+    assert any("newer version of the program" in text and f"{file.name}.newer" in text for text in tab.notifications)
+    server.end(signal.SIGTERM)
+    tab.close()
+    assert file.read_bytes() == newer
+    assert file.with_name(f"{file.name}.newer").read_bytes() == newer

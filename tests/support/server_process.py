@@ -1,0 +1,48 @@
+"""The page's program as a person starts it, in a process of its own, with its own folders; driven through `Wire`."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import msgspec
+
+from explorer.storage.autosave import SavedWork
+from tests.support.wire import Storage, Wire
+
+END_TIMEOUT = 30.0
+"""s in which the program must end after a signal."""
+
+
+class ServerProcess:
+    """`python -m explorer` on a free port."""
+
+    def __init__(self, folder: Path) -> None:
+        """`folder` holds the state and the data."""
+        self.work = folder / "state" / "work"
+        environment = os.environ | {"RANGENAV_STATE": str(folder / "state"), "RANGENAV_DATA": str(folder / "data")}
+        command = [sys.executable, "-m", "explorer", "--no-browser", "--port", "0"]
+        self._process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        assert self._process.stdout is not None
+        self.port = int(self._process.stdout.readline().rstrip("/\n").rpartition(":")[2])
+
+    def connect(self, storage: Storage) -> Wire:
+        """A visitor whose first picture has been drawn."""
+        tab = Wire(self.port, storage=storage)
+        tab.wait_for_text("of 13</b>, nonlinear")
+        return tab
+
+    def end(self, number: signal.Signals) -> int:
+        """Send a signal, and wait until the program has ended. Returns its exit code."""
+        self._process.send_signal(number)
+        try:
+            return self._process.wait(END_TIMEOUT)
+        finally:
+            self._process.kill()
+            self._process.communicate()
+
+    def saved(self) -> SavedWork:
+        """The saved work of the only tab that there was."""
+        (file,) = self.work.glob("*.json")
+        return msgspec.json.decode(file.read_bytes(), type=SavedWork)
