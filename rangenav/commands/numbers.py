@@ -16,10 +16,10 @@ registry = ConstructorRegistry()
 
 @registry.primitive_rule
 def number_rule(type_info: PrimitiveTypeInfo) -> PrimitiveConstructorSpec[Any] | None:
-    """How tyro reads floats and whole numbers; None for other types."""
-    if type_info.type is float:
+    """How tyro reads floats and whole numbers, of options that may be left out too; None for other types."""
+    if type_info.type in (float, float | None):
         return _spec(float, finite)
-    if type_info.type is int:
+    if type_info.type in (int, int | None):
         return _spec(int, whole)
     return None
 
@@ -50,7 +50,7 @@ def _spec(kind: type, read: Callable[[str], Any]) -> PrimitiveConstructorSpec[An
         nargs=1,
         metavar=kind.__name__.upper(),
         instance_from_str=lambda arguments: read(arguments[0]),
-        is_instance=lambda value: isinstance(value, int if kind is int else int | float),
+        is_instance=lambda value: value is None or isinstance(value, int if kind is int else int | float),
         str_from_instance=lambda value: [str(value)],
     )
 

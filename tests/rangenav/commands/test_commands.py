@@ -256,7 +256,7 @@ BAD = [
     (["simulate", "binary.toml"], "binary.toml: not UTF-8 text"),
     (["analyze", "paper", "--window"], "--window"),
     (["analyze", "paper", "--window", "wide"], "--window"),
-    (["analyze", "paper", "--window", "nan"], "window must be a finite number, got nan"),
+    (["analyze", "paper", "--window", "nan"], "--window: must be a finite number, got 'nan'"),
     (["analyze", "paper", "--window", "0"], "window must lie between 0.05 and 600 s, got 0"),
     (["analyze", "paper", "--window", "20"], "window must be shorter than the duration, got 20 s"),
     (["analyze", "paper", "--widow", "3"], "--widow"),

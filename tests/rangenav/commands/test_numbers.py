@@ -18,7 +18,8 @@ def test_what_is_no_number_is_named_with_its_option(complaint, command, typed):
     values = (typed, "0", "0") if command[-1] == "--anchor" else (typed,)
     line = complaint(*command, *values)
     assert command[-1] in line
-    assert "must be a" in line or "no type matching" in line  # tyro's sentence for an option that may be left out
+    rules = ("must be a finite number, got '", "must be a whole number of at most 18 digits, got '")
+    assert any(rule in line for rule in rules) or command[-1] == "--anchor"  # tyro's own sentence for three numbers
 
 
 def test_numbers_are_read_as_python_reads_them():
