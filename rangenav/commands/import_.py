@@ -46,7 +46,7 @@ def import_(
         lines: Drop lines whose stamps repeat or go back.
         time_unit: Confirms the unit of the stamps.
         gaps: Use the longest part without a gap, or draw the curve through the gaps.
-        begin: Read the path from here (s from the first row); the ramps of an own export are left out by default.
+        begin: Read the path from here (s from the first row); 0 reads the ramps of an own export, too.
         end: Read the path to here (s from the first row).
         knots: Seconds between the knots through sampled poses; as wide as the samples allow by default.
         anchor: Where the anchor stands (m), which no path says.

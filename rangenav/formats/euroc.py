@@ -3,6 +3,7 @@
     truth  #timestamp [ns], p (m), q wxyz, v (m/s), b_w, b_a: 17 columns, body to a z-up world
     imu0   #timestamp [ns], w (rad/s), a (m/s²)
 mag0 and uwb0 are no part of EuRoC: `ns, m_x, m_y, m_z` (unit vector) and `ns, range [m]`. Stamps begin at one second.
+Comments in uwb0 hold gravity, field and anchor.
 """
 
 from collections.abc import Mapping
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy import ndarray as Array
 
-from rangenav.formats import flight_columns, log, sampled_positions, sampled_rows, text
+from rangenav.formats import flight_columns, log, sampled_positions, sampled_rows, text, world_comments
 from rangenav.formats.exported_run import nanoseconds, quaternions, upright_run
 from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult, increasing
@@ -71,6 +72,7 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
     time = _stamps(imu)
     sides = {name: _table(files[name], f"{source}/{name}") for name in (TRUTH, MAG, UWB) if name in files}
     rotation = position = None
+    world = world_comments.vectors(sides[UWB]) if UWB in sides else {}
     if TRUTH in sides:
         position = _onto(time, sides[TRUTH], POSITION)
         rotation = log.attitude(_onto(time, sides[TRUTH], ATTITUDE), source)
@@ -88,6 +90,9 @@ def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]
             stated={"time": "ns", "gyro": "rad/s", "accel": "m/s2", "mag": "1"},
             of_format=("time",),
             frame="z-up",
+            gravity=world.get("gravity"),
+            magnetic=world.get("magnetic"),
+            anchor=world.get("anchor"),
         ),
         confirm,
     )
@@ -139,10 +144,12 @@ def write(preset: Preset, path: Path) -> OutputFile:
         folder.mkdir(parents=True)
         stamps = nanoseconds(time + FIRST)
         rows = [f"{stamp}," + ",".join(map(repr, row)) for stamp, row in zip(stamps, table.tolist(), strict=True)]
-        header = ",".join(["#timestamp [ns]", *HEADERS[name]])
-        write_text(folder / "data.csv", "\n".join([header, *rows, ""]))
+        header = [",".join(["#timestamp [ns]", *HEADERS[name]])]
+        if name == UWB:
+            header += world_comments.written(run)  # after the names of the columns, where readers of EuRoC look
+        write_text(folder / "data.csv", "\n".join([*header, *rows, ""]))
         files.append(folder / "data.csv")
-    notes = ("mag0 and uwb0 are no part of EuRoC", f"stamps begin at {FIRST:g} s")
+    notes = ("mag0, uwb0 and the world in its comments are no part of EuRoC", f"stamps begin at {FIRST:g} s")
     return OutputFile(files=tuple(files), frame="z-up", notes=notes, figures={"rows": len(run.time)})
 
 

@@ -23,8 +23,8 @@ AT_REST = 1e-6
 BLEND = np.polynomial.Polynomial([0, 0, 0, 0, 0, 7.0, -14.0, 10.0, -2.5])
 """σ/ramp over u; its value at 1 is ½."""
 LEFT_OUT = (
-    f"the first and last {RAMP:g} s are the ramps from hover and back of an export of rangenav, and are left out: "
-    "--begin 0 reads them too"
+    f"the first and last {RAMP:g} s are the ramps of an export of rangenav, from hover and back to it: they are left "
+    "out unless a part of the file is asked for"
 )
 RESTING = 1e-3
 """SI: the same of a path that was printed and read."""

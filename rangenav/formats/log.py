@@ -6,7 +6,6 @@ Written: a run's measurements and truth in its own frame, with gravity, field an
 asked when it is read again.
 """
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,19 +14,14 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.formats import flight_columns, frames, log_columns, text
+from rangenav.formats import flight_columns, frames, log_columns, text, world_comments
 from rangenav.formats.exported_run import quaternions, run_of
 from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult
 from rangenav.formats.output_files import OutputFile, write_text
-from rangenav.formats.recorded_flight import Frame
-from rangenav.formats.text import Table
-from rangenav.inputs import Vec3, require
+from rangenav.inputs import require
 from rangenav.preset import Preset
 
-WORLD = re.compile(r"(gravity|magnetic|anchor)\s*=\s*(\S+)\s+(\S+)\s+(\S+)")
-FRAME = re.compile(r"frame\s*=\s*(z-up|z-down)")
-LARGEST = 1e9
 NAMED, SHOWN = 10, 40
 """Most names that a finding lists, and most characters of each."""
 
@@ -48,7 +42,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
     assert gyro is not None
     assert accel is not None
     quaternion, distance = values["quaternion"], values["range"]
-    world = _world(table)
+    world = world_comments.vectors(table)
     raw = FlightColumns(
         table=table,
         format="log",
@@ -60,7 +54,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
         rotation=None if quaternion is None else attitude(quaternion, source),
         position=values["position"],
         stated=columns.stated,
-        frame=_stated_frame(table),
+        frame=world_comments.frame(table),
         gravity=world.get("gravity"),
         magnetic=world.get("magnetic"),
         anchor=world.get("anchor"),
@@ -83,11 +77,8 @@ def write(preset: Preset, path: Path) -> OutputFile:
     table[at, 11:18] = np.column_stack([run.position, quaternions(run)])
     names = ["t [s]", *(f"{name}_{a} [{unit}]" for name, unit in _MEASURED for a in "xyz"), "range [m]"]
     names += [*(f"p_{a} [m]" for a in "xyz"), *(f"q_{a} [1]" for a in "wxyz")]
-    comments = [f"# frame = {run.frame}"] if run.frame else []
-    for name in ("gravity", "magnetic", "anchor"):
-        comments.append(f"# {name} = " + " ".join(repr(value) for value in getattr(run, name)))
     rows = [",".join("" if value != value else repr(value) for value in row) for row in table.tolist()]
-    write_text(path, "\n".join([*comments, ",".join(names), *rows, ""]))
+    write_text(path, "\n".join([*world_comments.written(run), ",".join(names), *rows, ""]))
     notes = ("truth is in the columns p and q (wxyz, body to inertial)",)
     return OutputFile(files=(path,), frame=run.frame or "as gravity says", notes=notes, figures={"rows": len(rows)})
 
@@ -111,25 +102,3 @@ def _unused(names: tuple[str, ...]) -> list[str]:
         return []
     more = f" … ({len(names)} in all)" if len(names) > NAMED else ""
     return [f"columns not understood and not used: {', '.join(name[:SHOWN] for name in names[:NAMED])}{more}"]
-
-
-def _stated_frame(table: Table) -> Frame | None:
-    for comment in table.comments:
-        if match := FRAME.fullmatch(comment):
-            return "z-up" if match[1] == "z-up" else "z-down"
-    return None
-
-
-def _world(table: Table) -> dict[str, Vec3]:
-    """Gravity, field and anchor from the comments in front."""
-    world: dict[str, Vec3] = {}
-    for comment in table.comments:
-        if match := WORLD.fullmatch(comment):
-            try:
-                x, y, z = (float(part) for part in match.groups()[1:])
-            except ValueError:
-                raise ValueError(f"{table.source}: {match[1]} must be three numbers, got {comment[:60]!r}") from None
-            fine = all(abs(value) <= LARGEST for value in (x, y, z))
-            require(fine, f"{table.source}: {match[1]} must be three finite numbers, got {comment[:60]!r}")
-            world[match[1]] = (x, y, z)
-    return world

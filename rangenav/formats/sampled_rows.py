@@ -157,7 +157,9 @@ def _without_gaps(
         findings.append(f"{where}{more}: used {kept} of the file, as asked")
         index = np.arange(len(time))
         return np.asarray((index >= first) & (index <= last)), ()
-    evidence = f"{where}{more}; longest uses the part {kept}, bridge draws the curve through, --begin and --end cut"
+    evidence = (
+        f"{where}{more}; longest uses the part {kept}, bridge draws the curve through, begin and end cut anywhere"
+    )
     asks = "what to do with the gap" if len(gaps) == 1 else "what to do with the gaps"
     asked = Question(key="gaps", flag="--gaps", asks=asks, options=GAPS, suggestion="longest", evidence=evidence)
     return every, (asked,)

@@ -228,10 +228,17 @@ def test_a_euroc_folder_is_read_back_with_its_ranges_and_field(tmp_path):
     np.testing.assert_array_equal(flight.gyro, z.gyro * [1, -1, -1])
     np.testing.assert_array_equal(flight.range, z.range)
     np.testing.assert_allclose(flight.range_time, z.range_time, atol=1e-9)
+    world = upright(p).world
+    assert (flight.gravity, flight.magnetic, flight.anchor) == (world.gravity, world.magnetic, world.anchor)
     assert np.isfinite(present(flight.position)).all()
     truth = formats.read(tmp_path / "flight" / "mav0" / "state_groundtruth_estimate0" / "data.csv", "euroc")
-    assert present(truth.fit_error) < 0.1  # the flight begins at speed, and such a curve at rest
+    assert present(truth.fit_error) < 1e-3  # the flight begins at speed, and so does the curve
     assert truth.unjudged is not None
+
+
+@pytest.mark.parametrize("format", ["tum", "csv"])
+def test_a_file_that_cannot_be_judged_when_it_is_read_again_says_so(format, tmp_path):
+    assert any("not judged" in note for note in formats.export(preset.load("soft"), format, tmp_path / "x").notes)
 
 
 def test_npz_and_csv_hold_the_arrays_of_the_run(tmp_path):

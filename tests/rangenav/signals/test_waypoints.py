@@ -51,6 +51,24 @@ def test_an_open_curve_starts_and_ends_at_rest_and_holds(curve, order):
         np.testing.assert_array_equal(curve(outside, k), 0.0)
 
 
+@pytest.mark.parametrize(("family", "least"), [(Waypoints, 5), (MinimumSnap, 4)])
+def test_with_free_ends_the_curve_is_in_motion_at_its_ends_and_its_energy_is_less_still(family, least):
+    """The natural end conditions, and the energy of the curve that is at rest at its ends as the witness."""
+    points = WAYPOINTS.points
+    free, rest = family(points=points, free_ends=True), family(points=points)
+    for point in points:
+        np.testing.assert_allclose(free(np.array(point.time)), point.value, atol=1e-9)
+    ends = np.array([points[0].time, points[-1].time - 1e-9])
+    assert np.linalg.norm(free(ends, 1), axis=-1).min() > 0.1
+    t = np.linspace(points[0].time, points[-1].time, 20_001)
+    for order in range(least, 2 * least - 1):
+        assert np.abs(free(ends, order)).max() < 1e-6 * np.abs(free(t, order)).max()
+    energy = [float(np.sum(curve(t, least) ** 2)) for curve in (free, rest)]
+    assert energy[0] < energy[1]
+    with pytest.raises(ValueError, match="a curve with a period has no free ends"):
+        family(points=points, period=100.0, free_ends=True)
+
+
 @pytest.mark.parametrize(("curve", "order"), [(WAYPOINTS, 5), (MINIMUM_SNAP, 4)])
 def test_the_curve_has_the_least_energy_of_its_derivative_among_those_through_the_points(curve, order):
     """Any bump that keeps points and ends adds energy: the integral of the square, to second order and no first."""
