@@ -73,13 +73,25 @@ def counted(lines: Sequence[str], dialect: Dialect, width: int) -> bool:
     return [row[0] for row in rows] == [str(int(rows[0][0]) + k) for k in range(len(rows))]
 
 
-def _worth(dialect: Dialect, lines: Sequence[str]) -> tuple[int, bool, int]:
-    """Of a separator: its numbers less what is none; whether all rows are equally long; the entries of the first."""
+def texts(lines: Sequence[str], dialect: Dialect) -> dict[int, str]:
+    """The columns (from 0) without a number in these lines, each with one of the entries that are text."""
+    found: dict[int, str] = {}
+    for row in _split(dialect, lines):
+        for k, entry in enumerate(row):
+            if entry.strip():
+                found[k] = "" if is_number(entry) else found.get(k, entry.strip())
+    return {k: entry for k, entry in sorted(found.items()) if entry}
+
+
+def _worth(dialect: Dialect, lines: Sequence[str]) -> tuple[bool, int, bool, int]:
+    """Of a separator: whether it separates anything; its numbers less what is none; whether all rows are equally long;
+    the entries of the first."""
     rows = _split(dialect, lines)
     entries = [entry for row in rows[1:] for entry in row if entry.strip()]
     numbers = sum(map(is_number, entries))
     lengths = [len(row) for row in rows] or [0]
-    return numbers - WRONG * (len(entries) - numbers), min(lengths) == max(lengths), lengths[0]
+    worth = numbers - WRONG * (len(entries) - numbers)
+    return max(lengths) > 1, worth, min(lengths) == max(lengths), lengths[0]
 
 
 def _split(dialect: Dialect, lines: Sequence[str]) -> list[list[str]]:

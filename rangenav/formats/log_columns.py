@@ -43,7 +43,10 @@ TRUTH = re.compile(rf"{TRUE}.*|p|p_rs_r|q|q_rs")
 """Names of poses that say that they are the truth."""
 SUFFIXES = {
     "dps": "deg/s",
+    "deg_s": "deg/s",
     "rads": "rad/s",
+    "rad_s": "rad/s",
+    "m_s2": "m/s2",
     "ms2": "m/s2",
     "mps2": "m/s2",
     "ut": "uT",
@@ -51,8 +54,11 @@ SUFFIXES = {
     "us": "us",
     "ms": "ms",
     "s": "s",
+    "mm": "mm",
+    "cm": "cm",
+    "m": "m",
 }
-"""Units that some loggers append to a name: gyro_x_dps, t_ms."""
+"""Units that some loggers append to a name: gyro_x_dps, t_ms, range_m. Of two that fit, the first is meant."""
 SHOWN = 40
 """Most characters of a name."""
 
@@ -123,9 +129,9 @@ def _understood(name: str) -> tuple[str | None, str, str, str | None]:
     """Quantity, axis, label and unit of a column's name."""
     base, unit = units.split(name.lstrip("#"))
     simple = re.sub(r"[^a-z0-9]+", "_", base.lower()).strip("_")
-    head, _, tail = simple.rpartition("_")
-    if unit is None and tail in SUFFIXES:
-        simple, unit = head, SUFFIXES[tail]
+    ending = next((end for end in SUFFIXES if simple.endswith(f"_{end}")), None)
+    if unit is None and ending is not None:
+        simple, unit = simple.removesuffix(f"_{ending}"), SUFFIXES[ending]
     for kind, pattern in NAMES.items():
         if match := pattern.fullmatch(simple):
             if AXES[kind] == ("",):

@@ -6,12 +6,9 @@ entry that is no number is refused with its line and column. An empty field is a
 of a table decides about it.
 """
 
-import codecs
 import csv
-import io
 from array import array
 from collections.abc import Iterator, Sequence
-from functools import partial
 from itertools import chain, islice
 from pathlib import Path
 
@@ -21,36 +18,24 @@ from numpy import ndarray as Array
 
 from rangenav.formats import dialect
 from rangenav.formats.dialect import Dialect
+from rangenav.formats.lines import Lines, Row, begins_with_mark
 from rangenav.inputs import require
 from rangenav.results import result
 
 MAX_BYTES = 64_000_000
 """An hour of ten columns at 100 Hz; parsing takes some 0.1 s per million bytes."""
-MAX_LINE = 8_192
-"""Characters; the widest format has 33 columns."""
 MAX_ROWS = 1_000_000
-MAX_LINES = MAX_ROWS + 10_000
-"""Of every kind, also empty ones and comments."""
 MAX_NUMBERS = 8_000_000
 """In all rows together; a file of MAX_BYTES with twelve digits in each has five million."""
-MAX_ROW_LINES = 20
-"""Lines of one row, which goes on in the next line where an entry in quotes is still open."""
 MAX_COLUMNS = 200
-MAX_COMMENTS = 1_000
-"""Comments before the first row; later ones are not kept."""
 LARGEST = 1e20
 """Nanoseconds since 1970 are 2e18; no measured number is larger, and the square of this is finite."""
-PART = 2**20
-"""Bytes that are decoded at a time."""
 SHOWN = 24
 """Most characters of a wrong entry that a message repeats."""
-LISTED = 40
-"""Most names of columns that a message lists."""
-COMMENT_MARKS = ("#", "%", "//")
+LISTED, NAME_SHOWN = 40, 48
+"""Most names of columns that a message lists, and most characters of each."""
 MEASURED = 20
 """Lines from which the dialect is measured."""
-Row = tuple[int, list[str]]
-"""The number of the line at which a row begins, and its entries."""
 
 
 @result
@@ -68,6 +53,8 @@ class Table:
     """The line number at which each row begins in the file, from 1."""
     remarks: tuple[str, ...] = ()
     """How the file was understood, a clause for each thing that is unusual."""
+    texts: tuple[str, ...] = ()
+    """Names of columns that hold text and are not in the table, each with an entry."""
 
 
 def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
@@ -86,69 +73,6 @@ def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
     return data
 
 
-def _refuse_undecodable(data: bytes, source: str) -> None:
-    """Raise ValueError naming the first byte that is no text; a part is decoded at a time, for it may take four times
-    as much memory as its bytes."""
-    decoder = codecs.getincrementaldecoder(_encoding(data))()
-    for at in range(0, len(data), PART):
-        left_over = len(decoder.getstate()[0])
-        try:
-            decoder.decode(data[at : at + PART], final=at + PART >= len(data))
-        except UnicodeDecodeError as error:
-            raise ValueError(f"{source}: not UTF-8 text (byte {at - left_over + error.start})") from None
-
-
-def _encoding(data: bytes) -> str:
-    return "utf-16" if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
-
-
-class _Lines:
-    """The lines of a file that are neither empty nor comments, within limits, and their numbers."""
-
-    def __init__(self, data: bytes, source: str) -> None:
-        self.source = source
-        self.numbers = array("q")
-        """The line number of every line that was given out."""
-        self.comments: list[Row] = []
-        """Line number and text of those before the first line that was given out."""
-        self.underscored: set[int] = set()
-        """The numbers of the lines with an underscore: float("1_0") is 10 to Python and a misprint to everybody."""
-        self.in_row = 0
-        """How many lines were given out since the last row ended."""
-        self.rest = self._read(data)
-
-    def _read(self, data: bytes) -> Iterator[str]:
-        file, numbers = io.TextIOWrapper(io.BytesIO(data), encoding=_encoding(data)), self.numbers
-        try:
-            for number, line in enumerate(iter(partial(file.readline, MAX_LINE + 2), ""), 1):  # no more is decoded
-                if len(line) > MAX_LINE:
-                    raise ValueError(f"{self.source}, line {number}: longer than {MAX_LINE} characters")
-                if number > MAX_LINES:
-                    raise ValueError(f"{self.source}: more than {MAX_LINES} lines")
-                begin = line.lstrip()
-                if not begin:
-                    continue
-                if begin.startswith(COMMENT_MARKS):
-                    self._remember(number, begin)
-                    continue
-                numbers.append(number)
-                self.in_row += 1
-                if self.in_row > MAX_ROW_LINES:
-                    raise ValueError(f"{self.source}, line {number}: quotes that are open for {MAX_ROW_LINES} lines")
-                if "_" in line:
-                    self.underscored.add(number)
-                yield line
-        except UnicodeError:
-            _refuse_undecodable(data, self.source)
-
-    def _remember(self, number: int, comment: str) -> None:
-        if self.numbers:
-            return
-        rule = f"{self.source}: more than {MAX_COMMENTS} comments before the first row"
-        require(len(self.comments) < MAX_COMMENTS, rule)
-        self.comments.append((number, [comment.lstrip("#%/").strip()]))
-
-
 def table(
     data: bytes, *, source: str, separator: str = ",", names: tuple[str, ...] | None = None, marked: bool = False
 ) -> Table:
@@ -158,25 +82,28 @@ def table(
     the format has its header in a comment (`#timestamp [ns],...`), and `separator` which one it has; any other is read
     as well, and remarked.
     """
-    lines = _Lines(data, source)
+    lines = Lines(data, source)
     first: list[str] = []
     for line in islice(lines.rest, MEASURED):
         lines.in_row = 0
         first.append(line)
     require(bool(first), f"{source}: no rows of numbers")
     spoken = dialect.measured(first)
-    remarks = [*(("a byte order mark in front",) if _begins_with_mark(data) else ()), *spoken.remarks(separator)]
-    rows = _rows(first, lines, spoken)
+    remarks = [*(("a byte order mark in front",) if begins_with_mark(data) else ()), *spoken.remarks(separator)]
+    rows, texts = _rows(first, lines, spoken), {}
     if names is None:
         number, header = next(rows)
-        if all(dialect.is_number(entry) for entry in header if entry):
-            number, header = _comment_with_names(lines, spoken, header)
+        named_before = _comment_with_names(lines, spoken, header)
+        if named_before is not None:
+            number, header = named_before
             remarks += [] if marked else [f"the names of the columns are in the comment on line {number}"]
             rows = chain([next(_rows(first, lines, spoken))], rows)
-        names = _names(header, first[1:], spoken, f"{source}, line {number}")
-        unnamed = [k for k, name in enumerate(names, 1) if not name]
-        remarks += [f"column {k} has no name and is not used" for k in unnamed]
-    kept = [k for k, name in enumerate(names) if name]
+        samples = first if named_before is not None else first[1:]
+        names = _names(header, samples, spoken, f"{source}, line {number}")
+        texts = {k: entry for k, entry in dialect.texts(samples, spoken).items() if k < len(names) and names[k]}
+        remarks += [f"column {k} has no name and is not used" for k, name in enumerate(names, 1) if not name]
+        remarks += [f"column {names[k][:NAME_SHOWN]} holds text and is not used" for k in texts]
+    kept = [k for k, name in enumerate(names) if name and k not in texts]
     values, numbers = _parsed(rows, names, kept, spoken, lines)
     require(len(numbers) > 0, f"{source}: no rows of numbers")
     table_values, named = np.frombuffer(values).reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
@@ -188,14 +115,11 @@ def table(
         values=table_values,
         lines=np.array(numbers, dtype=int),
         remarks=tuple(remarks),
+        texts=tuple(f"{names[k][:NAME_SHOWN]} ({entry[:SHOWN]!r})" for k, entry in texts.items()),
     )
 
 
-def _begins_with_mark(data: bytes) -> bool:
-    return data.startswith((codecs.BOM_UTF8, codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
-
-
-def _rows(first: Sequence[str], lines: _Lines, spoken: Dialect) -> Iterator[Row]:
+def _rows(first: Sequence[str], lines: Lines, spoken: Dialect) -> Iterator[Row]:
     """The entries of each row, and the number of the line where it begins. `first` was already taken from `lines`."""
     reader, numbers, begin = spoken.rows(chain(first, lines.rest)), lines.numbers, 0
     try:
@@ -208,14 +132,21 @@ def _rows(first: Sequence[str], lines: _Lines, spoken: Dialect) -> Iterator[Row]
         raise ValueError(f"{lines.source}, line {numbers[begin]}: {message}") from None
 
 
-def _comment_with_names(lines: _Lines, spoken: Dialect, row: Sequence[str]) -> Row:
-    """The last comment with as many entries as the first row of numbers, and its line. Raises ValueError for none."""
+def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str]) -> Row | None:
+    """The last comment that names the columns, and its line, if the first row holds a number; else None.
+
+    The comment has as many entries as the row. Raises ValueError if there is none before a row of nothing but numbers.
+    """
+    filled = [entry for entry in row if entry.strip()]
+    numbers = sum(map(dialect.is_number, filled))
+    if numbers == 0:
+        return None
     width = len(_trimmed(row))
     split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in spoken.rows(text)]
     fitting = [(number, entries) for number, entries in split if len(entries) in (width, len(row)) and width > 1]
     rule = f"{lines.source}, line {lines.numbers[0]}: holds numbers, and no line before it names the columns"
-    require(bool(fitting), rule)
-    return fitting[-1]
+    require(bool(fitting) or numbers < len(filled), rule)
+    return fitting[-1] if fitting else None
 
 
 def _names(header: Sequence[str], samples: Sequence[str], spoken: Dialect, place: str) -> tuple[str, ...]:
@@ -238,7 +169,7 @@ def _trimmed(row: Sequence[str]) -> list[str]:
 
 
 def _parsed(
-    rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], spoken: Dialect, lines: _Lines
+    rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], spoken: Dialect, lines: Lines
 ) -> tuple["array[float]", "array[int]"]:
     """The numbers of the named columns, row after row, and the line number of each row."""
     values, numbers = array("d"), array("q")
@@ -304,7 +235,8 @@ def columns(table: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:
 def listed(table: Table) -> str:
     """The names of a table's columns, as a clause for a complaint."""
     more = f" … ({len(table.names)} in all)" if len(table.names) > LISTED else ""
-    return f"the file's columns are {', '.join(name[:SHOWN] for name in table.names[:LISTED])}{more}"
+    texts = f"; text and no numbers in {', '.join(table.texts[:LISTED])}" if table.texts else ""
+    return f"the file's columns are {', '.join(name[:NAME_SHOWN] for name in table.names[:LISTED])}{more}{texts}"
 
 
 def refuse_missing(values: Float[Array, "n c"], table: Table, what: str) -> None:

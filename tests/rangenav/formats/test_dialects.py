@@ -8,6 +8,7 @@ import pytest
 
 from rangenav import formats
 from rangenav.formats import text
+from tests.support.present import present
 from tests.support.refusals import exactly
 
 NAMES = ("t", "p_x", "p_y", "p_z")
@@ -67,6 +68,25 @@ def test_an_index_column_without_a_name_is_not_used_and_said(header):
     assert found.names == NAMES
     np.testing.assert_array_equal(found.values, VALUES[:2])
     assert found.remarks == ("column 1 has no name and is not used",)
+
+
+def test_columns_of_text_are_not_used_and_said_and_a_complaint_shows_one_of_their_entries():
+    data = b"%time,frame,x\n2020-11-09T06:41:34.0,imu,1\n2020-11-09T06:41:35.0,,2.5\n"
+    found = read(data)
+    assert (found.names, found.values.tolist()) == (("x",), [[1.0], [2.5]])
+    assert found.remarks[-2:] == ("column time holds text and is not used", "column frame holds text and is not used")
+    said = "x.csv: no column named t; the file's columns are x; text and no numbers in "
+    with pytest.raises(ValueError, match=exactly(said + "time ('2020-11-09T06:41:34.0'), frame ('imu')")):
+        text.columns(found, ("t",))
+
+
+def test_units_behind_the_names_are_understood():
+    header = ",".join(["t_s", *(f"gyro_{a}_deg_s" for a in "xyz"), *(f"acc_{a}_m_s2" for a in "xyz"), "range_mm"])
+    rows = [f"{k / 100},0,0,0,0,0,9.81,1500" for k in range(20)]
+    confirm = {"frame": "z-up", "gyro": "deg/s", "range": "mm"}
+    found = formats.parse("\n".join([header, *rows]).encode(), "log", source="x.csv", confirm=confirm)
+    assert found.questions == ()
+    assert present(found.flight).range[0] == 1.5
 
 
 def test_lines_are_counted_with_comments_empty_lines_and_line_breaks_inside_quotes():

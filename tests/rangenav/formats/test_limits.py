@@ -13,7 +13,7 @@ import pytest
 from scipy.io import savemat
 
 from rangenav import formats
-from rangenav.formats import archives, mat5, readback, text
+from rangenav.formats import archives, lines, mat5, readback, text
 
 MOST = 40_000_000
 """Bytes that Python may allocate for any refusal here."""
@@ -165,8 +165,8 @@ def test_the_fields_of_a_struct_are_read_as_scipy_wrote_them(compressed):
     ],
 )
 def test_lines_are_counted_and_measured_before_they_are_split(data, match, monkeypatch):
-    monkeypatch.setattr(text, "MAX_LINES", 300)
-    monkeypatch.setattr(text, "MAX_COMMENTS", 100)
+    monkeypatch.setattr(lines, "MAX_LINES", 300)
+    monkeypatch.setattr(lines, "MAX_COMMENTS", 100)
     refused(lambda: text.table(data, source="x.csv"), match)
 
 
