@@ -21,6 +21,8 @@ import numpy as np
 
 from rangenav.arguments import described, number
 
+MAX_SENTENCE = 300
+"""Characters of a parser's message."""
 Vec3 = tuple[float, float, float]
 Check = Callable[[str, Any], Any]
 """(name of the field, value) -> the value in the field's type, the same object where it has that type already."""
@@ -59,6 +61,13 @@ def require_within(name: str, value: float, low: float, high: float, unit: str =
     """Raise ValueError unless low ≤ value ≤ high."""
     unit = f" {unit}" if unit else ""
     require(low <= value <= high, f"{name} must lie between {low:g} and {high:g}{unit}, got {value:g}")
+
+
+def shortened(sentence: str) -> str:
+    """One line of a readable length, for the message of a parser: it repeats a wrong value whole, then says where it
+    stands."""
+    line = " ".join(sentence.split())
+    return line if len(line) <= MAX_SENTENCE else f"{line[: MAX_SENTENCE // 2]} … {line[-MAX_SENTENCE // 2 :]}"
 
 
 @cache

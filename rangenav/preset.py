@@ -14,7 +14,7 @@ import msgspec
 
 from rangenav import toml_limits
 from rangenav.gains import Gains, Guess
-from rangenav.inputs import Input, Vec3, require, require_within
+from rangenav.inputs import Input, Vec3, require, require_within, shortened
 from rangenav.motion import World
 from rangenav.observability import quadrature
 from rangenav.provenance import Source
@@ -36,8 +36,6 @@ MAX_BYTES = toml_limits.MAX_BYTES
 MAX_TITLE, MAX_STORY = 80, 400
 BLANK = "Zs"
 """Unicode's category of blanks, of which Python calls only one printable."""
-MAX_SENTENCE = 300
-"""Characters of an error of the parser."""
 NUMBER_ARRAY = re.compile(r"\[\n((?:    [-+.\deE]+,\n)+)\]")
 """An array that the TOML writer has spread over lines. No string matches, because its line ends are escaped."""
 FOLDERS = (Path(__file__).parent / "presets", Path(__file__).parent.parent / "presets")
@@ -150,15 +148,9 @@ def loads(text: str, *, source: str) -> Preset:
         toml_limits.refuse_large(text)
         return msgspec.toml.decode(text, type=Preset)
     except (msgspec.DecodeError, ValueError) as error:  # ValueError: an integer of thousands of digits
-        raise ValueError(f"{source}: {_shortened(str(error))}") from None
+        raise ValueError(f"{source}: {shortened(str(error))}") from None
     except RecursionError:
         raise ValueError(f"{source}: nested too deeply") from None
-
-
-def _shortened(sentence: str) -> str:
-    """One line of a readable length: the parser repeats a wrong value whole, then says where it stands."""
-    line = " ".join(sentence.split())
-    return line if len(line) <= MAX_SENTENCE else f"{line[: MAX_SENTENCE // 2]} … {line[-MAX_SENTENCE // 2 :]}"
 
 
 def dumps(preset: Preset) -> str:

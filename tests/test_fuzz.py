@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.fuzz import TARGETS
+from tests.fuzz.targets import TARGETS
 
 pytestmark = pytest.mark.slow
 

@@ -11,7 +11,7 @@ import msgspec
 
 from explorer.model.settings import GainUnits, Settings
 from explorer.storage.work_files import StorageError, WorkFiles
-from rangenav.inputs import Input
+from rangenav.inputs import Input, shortened
 
 VERSION = 1
 NEWER, BROKEN = ".newer", ".broken"
@@ -67,8 +67,8 @@ class Autosave:
         except (msgspec.DecodeError, ValueError, RecursionError) as error:
             if content is not None and _is_newer(content):
                 return self._keep(session_key, NEWER, "Your earlier work was saved by a newer version of the program.")
-            reason = " ".join(str(error).split())
-            return self._keep(session_key, BROKEN, f"Your earlier work is of no use to this version: {reason}.")
+            sentence = f"Your earlier work is of no use to this version: {shortened(str(error))}."
+            return self._keep(session_key, BROKEN, sentence)
 
     def _keep(self, session_key: str, ending: str, sentence: str) -> None:
         """Keep the file under another name. Where that fails, nothing is saved, so the file stays as it is."""

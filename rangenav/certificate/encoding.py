@@ -6,6 +6,7 @@ from typing import Any
 import msgspec
 
 from rangenav.certificate.schema import Certificate
+from rangenav.inputs import shortened
 
 MAX_BYTES = 200_000
 """Larger files are no certificates."""
@@ -31,7 +32,7 @@ def loads(content: bytes, *, source: str) -> Certificate:
         certificate = msgspec.json.decode(content, type=Certificate)
         _refuse_nonfinite(msgspec.to_builtins(certificate), "$")
     except (msgspec.DecodeError, ValueError) as error:
-        raise ValueError(f"{source}: no certificate: {' '.join(str(error).split())}") from None
+        raise ValueError(f"{source}: no certificate: {shortened(str(error))}") from None
     except RecursionError:
         raise ValueError(f"{source}: no certificate: nested too deeply") from None
     return certificate

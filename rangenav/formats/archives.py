@@ -9,7 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Callable
 
-from rangenav.inputs import require
+from rangenav.inputs import require, shortened
 
 MAX_MEMBERS = 1000
 MAX_NAME = 255
@@ -33,7 +33,7 @@ def members(content: bytes, *, source: str, wanted: Callable[[str], bool], limit
                     unpacked[entry.filename] = data = _unpacked(archive, entry, source, limit)
                     limit -= len(data)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError) as error:
-        raise ValueError(f"{source}: this zip cannot be read ({error})") from None
+        raise ValueError(f"{source}: this zip cannot be read ({shortened(str(error))})") from None
     return unpacked
 
 

@@ -69,7 +69,7 @@ def fit(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: floa
 
 
 def _fit_with(time: Array, position: Array, spacing: float, source: str) -> SplineFit:
-    require_within("spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
+    require_within(f"{source}: spacing of knots", spacing, MIN_SPACING, MAX_SPACING, "s")
     length = float(time[-1] - time[0])
     count = int(length / spacing * (1 + ROUNDING)) + 1
     rule = (

@@ -82,6 +82,7 @@ def test_a_file_that_this_version_cannot_read_is_kept_and_not_written_over_by_op
 ):
     content, sentence = UNREADABLE[ending]
     work_files.save(SESSION_KEY, content)
+    autosave = Autosave(work_files, "paper-slow", notices.append)
     for _ in range(2):  # a second visit finds the same file, and no second copy is made
         autosave = Autosave(work_files, "paper-slow", notices.append)
         assert autosave.restore(SESSION_KEY) is None
