@@ -119,6 +119,19 @@ def test_coincident_points_and_repeated_places_are_a_path(editing: Editing):
     assert [point.time for point in path.points] == [0, 5, 10, 15, 20]
 
 
+def test_an_open_curve_may_be_in_motion_at_its_ends(editing: Editing):
+    editing.set("family", "waypoints")
+    editing.set("ends", "open: in motion at both ends")
+    editing.wait_until_accepted()
+    path = editing.settings.preset.path
+    assert isinstance(path, Waypoints)
+    assert (path.free_ends, path.period) == (True, None)
+    assert abs(path(np.zeros(1) + path.points[0].time, 1)).max() > 0.01
+    editing.set("ends", "open: at rest at both ends")
+    editing.wait_until_accepted()
+    assert not editing.settings.preset.path.free_ends  # type: ignore[union-attr]
+
+
 def test_a_waypoint_is_moved_retimed_inserted_and_deleted_by_numbers(editing: Editing):
     editing.set("family", "waypoints")
     before = editing.settings.preset.path
