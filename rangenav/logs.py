@@ -1,13 +1,12 @@
 """A recorded flight: the rank and the predicted error of its windows, and the observers' estimates on its ranges.
 
 Position is never differentiated: ∫|p⁗|² of a measured path changes 400-fold with the smoothing. The Gramian needs the
-IMU alone: in axes turned by the gyro D(s, t) = ∫_t^s (s − r) a_I(r) dr = X(s) − X(t) − (s − t) Ẋ(t), Ẍ = a_I; its rows
-are those of `observability.rows`. Noise makes every matrix full rank, so a singular value counts only if little of it
-is noise. To estimate the noise's part, noise some times stronger than the record's is added to the record; the part is
-the increase of the squared singular values, scaled back.
+IMU alone, whose motion and rows are those of `imu_motion`. Noise makes every matrix full rank, so a singular value
+counts only if little of it is noise. To estimate the noise's part, noise some times stronger than the record's is added
+to the record; the part is the increase of the squared singular values, scaled back.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -15,12 +14,13 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 from scipy.interpolate import CubicHermiteSpline
 
-from rangenav import cascade, model, motion, so3, verdict
+from rangenav import cascade, model, so3, verdict
 from rangenav.attitude import AttitudeGains
 from rangenav.cascade import Estimate, ObserverConfig, Start
 from rangenav.formats import recorded_flight
 from rangenav.formats.recorded_flight import Flight
 from rangenav.gains import Gains
+from rangenav.imu_motion import lifted_rows, twice_integrated
 from rangenav.inputs import require
 from rangenav.motion import World
 from rangenav.observability import quadrature, spectrum
@@ -44,15 +44,17 @@ data set (three anchors) is 0.75 m rms with them, and 5 m with the noise at rest
 K1 = 1.0
 """1/s. With 4, the default of simulations, the attitude follows the errors of the gravity estimate: on the same trial
 5.8° rms instead of 4.3°."""
-WindowVerdict = verdict.Word | Literal["rank 13"]
-"""The verdict on one window of a record; "rank 13" where there are no ranges from which to predict an accuracy."""
+WindowVerdict = verdict.Word | Literal["too few ranges"]
+"""The verdict on one window of a record. Fewer ranges than unknowns determine nothing, whatever the motion."""
 RecordVerdict = WindowVerdict | Literal["partly"]
-"""The verdict on a whole record; "partly" where its windows differ."""
+"""The verdict on the windows of a record; "partly" where they differ."""
+FEW: WindowVerdict = "too few ranges"
+WORDS: tuple[WindowVerdict, ...] = ("observable", "weak", FEW, "blind", "not judged")
 
 
 @result
 class Informative:
-    """Observability of a record's windows from one range. Only `sigma` needs ranges; the rest needs the IMU alone."""
+    """Observability of a record's windows from one range."""
 
     start: Float[Array, "w"]
     """s"""
@@ -61,32 +63,43 @@ class Informative:
     """Eigenvalues of the Gramian (1/δ)∫, ascending, SI."""
     scaled: Float[Array, "w 13"]
     """Singular values in units of 1 m and δ, descending."""
+    motion_rank: Int[Array, "w"]
+    """Of the Gramian, by the IMU alone: the rank that ranges at every time would have."""
+    ranges: Int[Array, "w"]
+    """How many ranges each window has."""
     rank: Int[Array, "w"]
+    """Of the ranges that each window has, never more than their number, nor than the motion's rank."""
     noise: Float[Array, "w 13"]
     """The part of each scaled singular value that is due to noise and bias of the IMU, in the same units."""
     sigma: Float[Array, "w"]
-    """m, predicted 1-σ position at the end of each window from its ranges; NaN where blind or without ranges."""
+    """m, predicted 1-σ position at the end of each window from its ranges; NaN where its rank is below 13."""
     worst: int
     """Index of the worst window."""
     each: tuple[WindowVerdict, ...]
     """The verdict on each window."""
+    restriction: str | None = None
+    """Why the record is not judged; None if it is."""
 
     @property
     def verdict(self) -> RecordVerdict:
-        """The verdict on the whole record: that of every window, or "partly"."""
+        """The verdict on all windows: that of every window, or "partly"."""
         return self.each[0] if len(set(self.each)) == 1 else "partly"
 
     @property
     def summary(self) -> str:
         """In how many windows the record was informative, and the times around which it was blind."""
+        if self.restriction is not None:
+            return f"not judged: {self.restriction}"
         blind = np.array([one == "blind" for one in self.each])
         if blind.all():
             return f"nowhere informative: no window of {self.window:g} s reaches rank {model.STATES}"
         middle = self.start + self.window / 2
-        counts = " and ".join(
-            f"{count} {word}" for word in ("observable", "weak", "rank 13", "blind") if (count := self.each.count(word))
-        )
+        counts = " and ".join(f"{count} {word}" for word in WORDS if (count := self.each.count(word)))
         parts = [f"{counts} of {len(self.each)} windows of {self.window:g} s"]
+        if FEW in self.each:
+            number = self.ranges[np.array([one == FEW for one in self.each])]
+            span = f"{number.min()}" if np.ptp(number) == 0 else f"{number.min()} to {number.max()}"
+            parts.append(f"{span} of the {model.STATES} ranges that a window needs")
         if blind.any():
             places = ", ".join(f"{a:.4g} to {b:.4g} s" for a, b in _stretches(middle, blind))
             parts.append(f"blind around {places}")
@@ -108,42 +121,86 @@ class Observed:
 
 
 def informative(
-    flight: Flight, *, window: float, range_sigma: float, requirement: float, noise: tuple[float, float, float] | None
+    flight: Flight,
+    *,
+    window: float,
+    range_sigma: float,
+    requirement: float,
+    noise: tuple[float, float, float] | None,
+    restriction: str | None = None,
 ) -> Informative:
     """Spectra, predicted errors and verdicts over sliding windows of `window` seconds.
 
     range_sigma: m. requirement: the predicted position error (m) above which a window of full rank is weak.
     noise: gyro (rad/s) and accelerometer (m/s²) per sample, gyro bias (rad/s), at rest; None if unknown.
+    restriction: why the record is not judged, if it is not; see `record_checks`.
     Raises ValueError for a window that is not shorter than the record.
     """
     length = float(flight.time[-1] - flight.time[0])
     require(0 < window < length, f"the window must be shorter than the record's {length:.4g} s, got {window:g} s")
     start = flight.time[0] + np.linspace(0, length - window, WINDOWS)
-    curve, (tau, weight) = _twice_integrated(flight), _nodes(window)
+    asked = Asked(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
+    return judged(curves(flight, noise), start, window, asked)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What the windows of a record are judged by."""
+
+    range_sigma: float
+    """m"""
+    requirement: float
+    """m, the predicted position error above which a window of full rank is weak."""
+    restriction: str | None
+    """Why the record is not judged; None if it is."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Curves:
+    """A record, twice integrated, as it is and with noise added."""
+
+    flight: Flight
+    curve: CubicHermiteSpline
+    disturbed: tuple[CubicHermiteSpline, ...]
+
+
+def curves(flight: Flight, noise: tuple[float, float, float] | None) -> Curves:
+    """The record, twice integrated. noise: as for `informative`."""
+    known = noise or (*USUAL_NOISE, 0.0)
+    disturbed = tuple(twice_integrated(_disturbed(flight, known, seed)) for seed in range(DRAWS))
+    return Curves(flight=flight, curve=twice_integrated(flight), disturbed=disturbed)
+
+
+def judged(record: Curves, start: Float[Array, "w"], window: float, asked: Asked) -> Informative:
+    """The windows of `window` seconds that begin at the times `start`."""
+    tau, weight = _nodes(window)
 
     def spectra(curve: CubicHermiteSpline) -> spectrum.Spectrum:
-        matrix = _rows(curve, start, tau)
+        matrix = lifted_rows(curve, start, tau)
         return spectrum.spectra(matrix, weight, window, time_powers=spectrum.LIFTED_TIME_POWERS, rounding=0.0)
 
-    undisturbed, noise_part = spectra(curve), np.zeros((WINDOWS, model.STATES))
-    for seed in range(DRAWS):
-        disturbed = spectra(_twice_integrated(_disturbed(flight, noise or (*USUAL_NOISE, 0.0), seed))).scaled
-        noise_part += np.maximum(disturbed**2 - undisturbed.scaled**2, 0.0) / (DRAWS * STRONGER**2)
+    undisturbed, noise_part = spectra(record.curve), np.zeros((len(start), model.STATES))
+    for curve in record.disturbed:
+        noise_part += np.maximum(spectra(curve).scaled ** 2 - undisturbed.scaled**2, 0.0) / (DRAWS * STRONGER**2)
     counted = (undisturbed.scaled > undisturbed.tolerance[:, None]) & (noise_part < NOISE_SHARE * undisturbed.scaled**2)
-    rank = np.sum(np.logical_and.accumulate(counted, axis=-1), axis=-1)
-    sigma = np.array([_sigma(flight, curve, t, window, range_sigma) for t in start])
+    motion_rank = np.sum(np.logical_and.accumulate(counted, axis=-1), axis=-1)
+    ranged = [_ranged(record, float(t), window, asked.range_sigma) for t in start]
+    ranges, of_ranges, sigma = (np.array(values) for values in zip(*ranged, strict=True))
+    rank = np.minimum(motion_rank, of_ranges)
     sigma[rank < model.STATES] = np.nan
-    worst = _worst(rank, undisturbed.scaled, sigma)
     return Informative(
         start=start,
         window=window,
         eigenvalues=undisturbed.eigenvalues,
         scaled=undisturbed.scaled,
+        motion_rank=motion_rank,
+        ranges=ranges,
         rank=rank,
         noise=np.sqrt(noise_part),
         sigma=sigma,
-        worst=worst,
-        each=tuple(_verdict(int(r), float(s), requirement) for r, s in zip(rank, sigma, strict=True)),
+        worst=_worst(rank, undisturbed.scaled, sigma),
+        each=tuple(_verdict(*one, asked) for one in zip(motion_rank, ranges, rank, sigma, strict=True)),
+        restriction=asked.restriction,
     )
 
 
@@ -176,29 +233,9 @@ def sensors_of(flight: Flight, *, range_sigma: float) -> Sensors:
     return Sensors(imu_rate=rate, mag_rate=rate, range_rate=min(max(ranges, 1.0), 1e4), noise=noise)
 
 
-def _twice_integrated(flight: Flight) -> CubicHermiteSpline:
-    """X with Ẍ = a_I in axes turned by the gyro alone, by the trapezoidal rule; stamps may be uneven."""
-    h = np.diff(flight.time)[:, None]
-    turns = so3.exp(h * (flight.gyro[1:] + flight.gyro[:-1]) / 2)
-    rotation = motion.cumulative_product(np.concatenate([np.eye(3)[None], turns]))
-    force = motion.to_inertial(rotation, flight.accel)
-    velocity = np.concatenate([np.zeros((1, 3)), np.cumsum(h * (force[1:] + force[:-1]) / 2, axis=0)])
-    steps = h * velocity[:-1] + h**2 * (2 * force[:-1] + force[1:]) / 6
-    position = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-    return CubicHermiteSpline(flight.time, position, velocity)
-
-
 def _nodes(window: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
     panels = min(MOST_PANELS, max(1, round(window * PANELS_PER_SECOND)))
     return quadrature.composite(window, panels)
-
-
-def _rows(curve: CubicHermiteSpline, reference: Float[Array, "w"], tau: Float[Array, "k"]) -> Float[Array, "w k 13"]:
-    """𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ] at each reference time; τ may be negative."""
-    s = tau[:, None]
-    D = curve(reference[:, None] + tau) - curve(reference)[:, None] - s * curve(reference, 1)[:, None]
-    powers = np.broadcast_to(np.stack([tau**0, tau, tau**2 / 2, tau**3 / 6], axis=-1), (len(reference), len(tau), 4))
-    return np.concatenate([powers, D, s * D, s**2 / 2 * D], axis=-1)
 
 
 def _disturbed(flight: Flight, noise: tuple[float, float, float], seed: int) -> Flight:
@@ -217,20 +254,25 @@ def _worst(rank: Int[Array, "w"], scaled: Float[Array, "w 13"], sigma: Float[Arr
     return int(np.lexsort((-error, rank))[0])
 
 
-def _sigma(flight: Flight, curve: CubicHermiteSpline, start: float, window: float, range_sigma: float) -> float:
-    """1-σ position (m) at the window's end. Each measured range d has the weight 1/(d²σ² + ½σ⁴)."""
-    first, last = np.searchsorted(flight.range_time, [start, start + window])
+def _ranged(record: Curves, start: float, window: float, range_sigma: float) -> tuple[int, int, float]:
+    """Number and rank of a window's ranges, and the 1-σ position (m) at its end, NaN where they determine none.
+
+    Each measured range d has the weight 1/(d²σ² + ½σ⁴).
+    """
+    flight, end = record.flight, start + window
+    first, last = (int(k) for k in np.searchsorted(flight.range_time, [start, end]))
     if last - first < model.STATES:
-        return np.nan
+        return last - first, last - first, np.nan
     stamps, distance = flight.range_time[first:last], flight.range[first:last]
-    end = start + window
     variance = distance**2 * range_sigma**2 + range_sigma**4 / 2
     scale = window ** -spectrum.LIFTED_TIME_POWERS.astype(float)
-    weighted = _rows(curve, np.array([end]), stamps - end)[0] * scale / np.sqrt(variance)[:, None]
+    rows = lifted_rows(record.curve, np.array([end]), stamps - end)[0]
+    weighted = rows * scale / np.sqrt(variance)[:, None]
     _, singular, right = np.linalg.svd(np.linalg.qr(weighted, mode="r"))
-    if not singular[-1] > spectrum.RANK_TOLERANCE * singular[0]:
-        return np.nan
-    return float(np.linalg.norm(right[:, model.POSITION] / singular[:, None]))
+    rank = int(np.sum(singular > spectrum.RANK_TOLERANCE * singular[0]))
+    if rank < model.STATES:
+        return last - first, rank, np.nan
+    return last - first, rank, float(np.linalg.norm(right[:, model.POSITION] / singular[:, None]))
 
 
 def _stretches(time: Float[Array, "w"], where: Bool[Array, "w"]) -> list[tuple[float, float]]:
@@ -239,11 +281,11 @@ def _stretches(time: Float[Array, "w"], where: Bool[Array, "w"]) -> list[tuple[f
     return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _verdict(rank: int, sigma: float, requirement: float) -> WindowVerdict:
-    """The verdict on one window; sigma (m) is NaN where none is predicted. A recorded path is never restricted."""
-    if rank == model.STATES and np.isnan(sigma):
-        return "rank 13"
-    return verdict.judge(rank, sigma, requirement).word
+def _verdict(motion_rank: int, ranges: int, rank: int, sigma: float, asked: Asked) -> WindowVerdict:
+    """The verdict on one window; sigma (m) is NaN where none is predicted."""
+    if asked.restriction is None and motion_rank == model.STATES > ranges:
+        return FEW
+    return verdict.judge(int(rank), float(sigma), asked.requirement, restriction=asked.restriction).word
 
 
 def _angle_between(truth: Float[Array, "n 3 3"], estimate: Float[Array, "n 3 3"]) -> Float[Array, "n"]:

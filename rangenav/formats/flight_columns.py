@@ -79,15 +79,15 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     kept = rows.imu
     require(int(kept.sum()) >= LEAST_ROWS, f"{table.source}: {int(kept.sum())} usable rows are no record")
     raw = _with_own_rows(raw, rows)
-    factors = _factors(raw, kept, confirm, questions, findings)
+    chosen = _units(raw, kept, confirm, questions, findings)
     frame = _frame(raw, kept, confirm, questions)
     if raw.mag is None:
         findings.append("no magnetometer: the attitude about the vertical cannot be observed")
     elif np.isnan(raw.mag).all():
         findings.append("the magnetometer's columns are empty")
-    time = (raw.time[kept] - raw.time[kept][0]) * factors["time"]
+    time = (raw.time[kept] - raw.time[kept][0]) * units.UNITS["time"][chosen["time"]]
     rate = spacing(time, kept_rows(table, kept), findings)
-    recorded = None if questions else _flight(raw, rows, time, factors, frame, findings)
+    recorded = None if questions else _flight(raw, rows, time, chosen, frame, findings)
     return ImportResult(
         source=table.source,
         format=raw.format,
@@ -134,11 +134,11 @@ def _with_own_rows(raw: FlightColumns, rows: FlightRows) -> FlightColumns:
     return replace(raw, **filled)
 
 
-def _factors(
+def _units(
     raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
-) -> dict[str, float]:
-    """Factors from the file's units to SI. A stated SI unit is used; every other unit must be confirmed."""
-    factors, time = {}, raw.time[kept]
+) -> dict[str, str]:
+    """The unit of each quantity. A stated SI unit is used; every other unit must be confirmed."""
+    used, time, seconds = {}, raw.time[kept], raw.time[kept]
     turning = raw.mag if raw.mag is not None and np.isfinite(raw.mag).any() else raw.accel
     turning_name = "the field" if turning is raw.mag else "gravity"
     for kind, known in units.UNITS.items():
@@ -147,17 +147,18 @@ def _factors(
             continue
         stated, answered = raw.stated.get(kind), answer(confirm, kind, tuple(known))
         columns = values[kept] if values.ndim == 2 else values[kept][:, None]
-        seconds = time if kind == "time" else time * factors["time"]
         guess = units.guess(kind, columns, time=seconds, turning=turning[kept], turning_name=turning_name)
         chosen = answered or stated
         usual = kind in raw.of_format or stated == units.SI[kind]
         if answered is None and (not usual or _doubtful(kind, stated, guess)):
             questions.append(_unit_question(kind, stated, guess))
             chosen = stated or guess.unit
-        factors[kind] = known.get(chosen or units.SI[kind], 1.0)
+        used[kind] = chosen if chosen in known else units.SI[kind]
+        if kind == "time":
+            seconds = time * known[used[kind]]
         how = "as confirmed" if answered else f'the file says "{stated}"' if stated else "not stated"
         findings.append(f"{units.WORDS[kind]}: {chosen or 'unit unknown'}, {how}")
-    return factors
+    return used
 
 
 def _doubtful(kind: str, stated: str | None, guess: units.Guess) -> bool:
@@ -215,11 +216,12 @@ def _flight(
     raw: FlightColumns,
     rows: FlightRows,
     time: Array,
-    factors: dict[str, float],
+    chosen: Mapping[str, str],
     frame: Frame,
     findings: list[str],
 ) -> Flight:
     kept, ranged = rows.imu, rows.ranged
+    factors = {kind: units.UNITS[kind][unit] for kind, unit in chosen.items()}
     range_time, distance, range_lines = np.empty(0), np.empty(0), None
     first = raw.time[kept][0]
     if raw.range is not None:
@@ -252,6 +254,7 @@ def _flight(
         magnetic=raw.magnetic,
         anchor=raw.anchor,
         unconfirmed=raw.unconfirmed,
+        units=chosen,
         field_length=strength,
         lines=raw.table.lines[kept],
         range_lines=None if range_lines is None else range_lines[order],

@@ -44,8 +44,9 @@ class Question:
     @property
     def text(self) -> str:
         """The question as one clause, with the evidence and the flag that answers it."""
-        answer = f"{self.flag} {self.suggestion or '|'.join(self.options)}"
-        return f"{self.asks}? {self.evidence}: {answer}"
+        answer = self.suggestion or "|".join(self.options)
+        sign = "=" if answer.startswith("-") else " "  # -y+x+z would be taken for a flag
+        return f"{self.asks}? {self.evidence}: {self.flag}{sign}{answer}"
 
 
 @result

@@ -1,6 +1,7 @@
 """A recorded flight in SI units, its part between two times, and synthetic ranges for it."""
 
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import field, replace
 from typing import Literal
 
 import numpy as np
@@ -45,6 +46,8 @@ class Flight:
     anchor: Vec3 | None = None
     unconfirmed: tuple[str, ...] = ()
     """Columns of `rotation` and `position` whose names do not say that they are the truth, before it is confirmed."""
+    units: Mapping[str, str] = field(default_factory=dict)
+    """The units of the file from which the quantities were converted; SI where there is none."""
     field_length: float = 1.0
     """The median length of the magnetometer's readings in the unit of the file, by which `mag` was divided."""
     lines: Int[Array, "n"] | None = None

@@ -1,0 +1,116 @@
+"""A record is checked before it is judged: every sensor against the others, gravity, the field, and the truth.
+
+    read = formats.read("flight.csv", "log")
+    checked = record_checks.checked(read, confirm={"accel-scale": "2"})     questions are in the result
+    formats.settled(checked)                                                raises until they are answered
+Each check is a row of `CHECKS`. Evidence against the record becomes a question, with the flag that answers it. An
+answer that does not agree with the evidence is obeyed, and the record is then used and not judged. Ranges that are no
+distances and poses that are lost are not used without an answer, and this is said.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from rangenav.formats.import_result import ImportResult, Question
+from rangenav.formats.recorded_flight import Flight
+from rangenav.inputs import Vec3
+from rangenav.record_checks.check import Check, Evidence
+from rangenav.record_checks.table import CHECKS, markdown
+from rangenav.results import result
+
+NAMED = 2
+"""Most doubts that a reason lists."""
+
+
+@result
+class Checked:
+    """A record with the answers applied, and what is left to ask and to doubt."""
+
+    flight: Flight
+    findings: tuple[str, ...]
+    """What was corrected as confirmed, and what is not used."""
+    questions: tuple[Question, ...]
+    doubts: tuple[str, ...]
+    """Evidence against the record that its answers leave."""
+
+    @property
+    def restriction(self) -> str | None:
+        """Why the record is not judged, as one clause; None if nothing speaks against it."""
+        return "; ".join(self.doubts[:NAMED]) or None
+
+
+def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
+    """Check a record. `confirm` holds answers by the keys of the questions. Raises ValueError for what is no answer."""
+    flight, findings = _corrected(flight, confirm)
+    questions: dict[str, Question] = {}
+    doubts: list[str] = []
+    uncertain: set[str] = set()
+    for row in CHECKS:
+        if row.key in questions or uncertain.intersection((row.about, *row.uses)):
+            continue
+        evidence = row.find(flight)
+        if evidence is None:
+            continue
+        answered = confirm.get(row.key)
+        if answered is None and row.unasked:
+            flight = row.correct(flight, row.unasked)
+            findings.append(f"{evidence.text}: {UNASKED[row.unasked]} ({row.flag} {row.options[-1]} uses them)")
+        elif answered is None and evidence.suggestion is not None:
+            questions[row.key] = row.question(evidence)
+            flight = row.correct(flight, evidence.suggestion)  # what follows is checked as if it were confirmed
+        else:
+            uncertain.add(row.about)
+            if answered is None:
+                questions[row.key] = row.question(evidence)
+            else:
+                doubts.append(evidence.text)
+    return Checked(flight=flight, findings=tuple(findings), questions=tuple(questions.values()), doubts=tuple(doubts))
+
+
+UNASKED = {"drop": "not used", "once": "counted once"}
+"""What is said of an answer that is applied without a question."""
+
+
+def _corrected(flight: Flight, confirm: Mapping[str, str]) -> tuple[Flight, list[str]]:
+    findings = []
+    for row in {row.key: row for row in CHECKS}.values():
+        answered = confirm.get(row.key)
+        if answered is None or row.at_reading:
+            continue
+        flight = row.correct(flight, answered)
+        findings.append(f"{row.name} {answered}, as confirmed")
+    return flight, findings
+
+
+def checked(imported: ImportResult, confirm: Mapping[str, str], *, anchor: Vec3 | None = None) -> ImportResult:
+    """The result of a reader with its flight checked: the flight corrected, findings and questions added.
+
+    anchor: where the anchor stands (m, inertial), if a person says so. `unjudged` says why the flight is not judged.
+    A path, or a flight with questions of its reader open, is returned as it is.
+    """
+    if imported.flight is None:
+        return imported
+    flight = imported.flight if anchor is None else replace(imported.flight, anchor=anchor)
+    answers = dict(confirm) if anchor is None else {**confirm, "anchor": " ".join(repr(value) for value in anchor)}
+    found = check(flight, answers)
+    return replace(
+        imported,
+        flight=found.flight,
+        findings=(*imported.findings, *found.findings),
+        questions=(*imported.questions, *found.questions),
+        unjudged=found.restriction,
+    )
+
+
+def restriction(flight: Flight) -> str | None:
+    """The evidence against a record as it stands, as one clause; None if nothing speaks against it."""
+    doubts, uncertain = [], set()
+    for row in CHECKS:
+        evidence = None if uncertain.intersection((row.about, *row.uses)) else row.find(flight)
+        if evidence is not None:
+            doubts.append(evidence.text)
+            uncertain.add(row.about)
+    return "; ".join(doubts[:NAMED]) or None
+
+
+__all__ = ["CHECKS", "Check", "Checked", "Evidence", "check", "checked", "markdown", "restriction"]

@@ -1,0 +1,78 @@
+"""One check of a recorded flight: a pure function of the record, its question, and the flag that answers it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from rangenav.formats import units
+from rangenav.formats.import_result import Question
+from rangenav.formats.recorded_flight import Flight
+
+Quantity = Literal["gyro", "accel", "mag", "attitude", "position", "range"]
+"""What a check is about, and what it relies on."""
+NEAR = 0.2
+"""Relative: a factor this near to that of a unit suggests the unit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """What contradicts a record, with figures, and the answer that would explain it."""
+
+    text: str
+    suggestion: str | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """One row of the table of checks."""
+
+    name: str
+    """What is checked."""
+    compares: str
+    """How it is checked, for the documentation, a sentence without a full stop."""
+    about: Quantity
+    """What is in doubt where there is evidence."""
+    uses: tuple[Quantity, ...] = ()
+    """What else must be free of doubt for the check to mean anything."""
+    find: Callable[[Flight], Evidence | None]
+    """The evidence against the record; None if there is none, or the record cannot tell."""
+    key: str
+    """Of the question, in `confirm`."""
+    flag: str
+    asks: str
+    options: tuple[str, ...]
+    """Answers that are always possible. The last one takes the record as it is."""
+    correct: Callable[[Flight, str], Flight]
+    """The record with an answer applied. Raises ValueError for a text that is no answer."""
+    at_reading: bool = False
+    """Whether the reader of the file applies the answer, as it does for units."""
+    unasked: str = ""
+    """The answer that is applied and said without a question; empty where there is a question."""
+
+    def question(self, evidence: Evidence) -> Question:
+        """The question with its evidence; the suggestion is one of the options."""
+        suggested = evidence.suggestion
+        own = () if suggested is None or suggested in self.options else (suggested,)
+        return Question(
+            key=self.key,
+            flag=self.flag,
+            asks=self.asks,
+            options=(*own, *self.options),
+            suggestion=suggested,
+            evidence=evidence.text,
+        )
+
+
+def unit_for(flight: Flight, kind: str, factor: float) -> str | None:
+    """The unit that multiplies the values of a quantity by this factor, near enough; None if there is none."""
+    known = units.UNITS[kind]
+    current = known[flight.units.get(kind, units.SI[kind])]
+    near = {unit: abs(known[unit] / (current * factor) - 1) for unit in known} if factor > 0 else {}
+    unit = min(near, key=lambda one: near[one], default=None)
+    return unit if unit is not None and near[unit] < NEAR and known[unit] != current else None
+
+
+def unit_factor(flight: Flight, kind: str, unit: str) -> float:
+    """The factor by which the values of a quantity change if its unit is another one."""
+    known = units.UNITS[kind]
+    return known[unit] / known[flight.units.get(kind, units.SI[kind])]

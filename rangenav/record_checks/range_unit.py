@@ -1,0 +1,91 @@
+"""The unit of the ranges: against true positions, or against what the IMU can reach.
+
+|d(s) − d(t)| ≤ |p(s) − p(t)|       whatever the anchor
+"""
+
+import numpy as np
+from numpy import ndarray as Array
+
+from rangenav.formats.recorded_flight import Flight
+from rangenav.imu_motion import twice_integrated
+from rangenav.number_format import significant
+from rangenav.record_checks.check import Evidence, unit_factor, unit_for
+from rangenav.record_checks.distances import LEAST, delay_by_imu, known_positions
+
+FAST, FASTER = 100.0, 20.0
+"""m/s of change of a range over half a second, and times the change of velocity by the IMU, that nothing reaches."""
+SCATTER, CLOSE = 10.0, 0.5
+"""m rms about every motion that the IMU allows, of ranges in a finer unit; and m rms in their own."""
+NEAREST = 0.3
+"""m, the least median of ranges in their own unit."""
+WIDER, MARGIN = 5.0, 5.0
+"""Times the extent of the true positions, and m, that the ranges' extent exceeds if their unit is finer."""
+TWICE = 2.0
+"""Factor between ranges and true distances that no bias explains."""
+
+
+def unit(flight: Flight) -> Evidence | None:
+    """Ranges in another unit: against true positions, or against what the IMU can reach."""
+    if len(flight.range) < LEAST:
+        return None
+    known = known_positions(flight)
+    if known is not None:
+        return _unit_by_truth(flight, *known)
+    return _unit_by_speed(flight) or _unit_by_scatter(flight)
+
+
+def _unit_by_truth(flight: Flight, time: Array, position: Array) -> Evidence | None:
+    if flight.anchor is not None:
+        there = np.stack([np.interp(flight.range_time, time, axis) for axis in position.T], axis=-1)
+        ratio = float(np.median(flight.range / np.linalg.norm(there - np.asarray(flight.anchor), axis=-1)))
+        chosen = unit_for(flight, "range", 1 / ratio) if not 1 / TWICE < ratio < TWICE and ratio > 0 else None
+        if chosen is not None:
+            text = f"the ranges are {significant(ratio)} times the distance from the true positions to the anchor"
+            return Evidence(text=text, suggestion=chosen)
+    low, high = np.quantile(flight.range, [0.05, 0.95])
+    extent = float(np.linalg.norm(np.ptp(position, axis=0)))
+    if high - low <= WIDER * extent + MARGIN:
+        return None
+    text = f"the ranges change by {significant(high - low)} m, and the true positions by {significant(extent)} m"
+    fits = [u for u in ("cm", "mm") if (high - low) * unit_factor(flight, "range", u) <= 1.5 * extent + 0.5]
+    return Evidence(text=text, suggestion=fits[0] if fits else None)
+
+
+def _unit_by_speed(flight: Flight) -> Evidence | None:
+    """Ranges that change faster than anything moves."""
+    edges = np.arange(flight.range_time[0], flight.range_time[-1] + 0.5, 0.5)
+    place = np.digitize(flight.range_time, edges)
+    number = np.unique(place)
+    middle = np.array([np.median(flight.range[place == k]) for k in number])
+    if len(middle) < 4:
+        return None
+    speed = float(np.quantile(np.abs(np.diff(middle) / (0.5 * np.diff(number))), 0.75))
+    velocity = twice_integrated(flight)(flight.time, 1)
+    velocity -= np.linspace(velocity[0], velocity[-1], len(velocity))
+    gained = float(np.linalg.norm(velocity, axis=-1).max())
+    if speed < max(FAST, FASTER * gained):
+        return None
+    text = (
+        f"the ranges change by {significant(speed)} m/s, and the velocity by {significant(gained)} m/s according to "
+        "the accelerometer"
+    )
+    return Evidence(text=text, suggestion=_finer(flight, 0.0))
+
+
+def _unit_by_scatter(flight: Flight) -> Evidence | None:
+    """Ranges that scatter too much about every motion that the IMU allows."""
+    found = delay_by_imu(flight)
+    suggested = None if found is None or found.now < SCATTER else _finer(flight, found.now)
+    if found is None or suggested is None:
+        return None
+    text = f"the ranges scatter by {significant(found.now)} m about every motion that the IMU allows"
+    return Evidence(text=text, suggestion=suggested)
+
+
+def _finer(flight: Flight, scatter: float) -> str | None:
+    """The first unit in which distances and their scatter (m) are usual."""
+    for unit in ("cm", "mm"):
+        factor = unit_factor(flight, "range", unit)
+        if factor < 1 and factor * scatter <= CLOSE and NEAREST <= factor * float(np.median(flight.range)) <= 100:
+            return unit
+    return None

@@ -1,0 +1,140 @@
+"""The truth in a file against what its sensors read: gravity and field, and the acceleration of its positions.
+
+R a ≈ −g on the average,  R m ∥ field,  p̈ = R a + g      R, p: attitude and positions in the file
+"""
+
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Bool, Float
+from numpy import ndarray as Array
+
+from rangenav import motion
+from rangenav.formats.recorded_flight import Flight
+from rangenav.number_format import significant
+from rangenav.record_checks import axes
+from rangenav.record_checks.blocks import KEPT, blocks, means
+from rangenav.record_checks.check import Evidence
+from rangenav.record_checks.turning import follows
+
+TILTED, REVERSED, BESIDE = 20.0, 160.0, 20.0
+"""Degrees of the mean specific force from the vertical, and of the field from the file's, that are asked about."""
+LEAST = 2.0
+"""s of known attitudes."""
+LEVEL = 2.0
+"""s, windows over which the specific force is averaged before it is compared with gravity."""
+SAME, DIFFERS = 0.9, 0.1
+"""The least correlation of turns that are the same, and by how much it is larger than that of other axes."""
+
+
+def upwards(flight: Flight) -> Float[Array, "3"]:
+    """−g (m/s²), of the file or of the earth in its frame."""
+    if flight.gravity is not None:
+        return -np.asarray(flight.gravity, dtype=float)
+    return np.array([0.0, 0.0, 9.81 if flight.frame == "z-up" else -9.81])
+
+
+def known_attitudes(flight: Flight) -> tuple[Float[Array, "b 3 3"], Bool[Array, "b"]] | None:
+    """The file's attitude at each block, and where it is known; None where too little is."""
+    if flight.rotation is None:
+        return None
+    b = blocks(flight)
+    rotation = flight.rotation[b.start]
+    known = np.asarray(np.isfinite(rotation).all(axis=(1, 2)))
+    step = float(np.median(np.diff(b.time)))
+    return (rotation, known) if known.sum() * step >= LEAST else None
+
+
+def _angle(first: Array, second: Array) -> float:
+    """Degrees between two vectors."""
+    cosine = float(first @ second / (np.linalg.norm(first) * np.linalg.norm(second)))
+    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def tilt(flight: Flight) -> float | None:
+    """Degrees between the vertical and the mean specific force, turned by the file's attitude."""
+    attitudes = known_attitudes(flight)
+    if attitudes is None:
+        return None
+    rotation, known = attitudes
+    force = motion.to_inertial(rotation[known], blocks(flight).accel[known]).mean(axis=0)
+    return _angle(force, upwards(flight)) if np.linalg.norm(force) > 0 else None
+
+
+def turned_from_field(flight: Flight) -> float | None:
+    """Degrees between the file's field and the mean reading of the magnetometer, turned by the file's attitude."""
+    attitudes, mag = known_attitudes(flight), blocks(flight).mag
+    if attitudes is None or mag is None or flight.magnetic is None:
+        return None
+    rotation, known = attitudes
+    known = known & np.isfinite(mag).all(axis=-1)
+    return _angle(motion.to_inertial(rotation[known], mag[known]).mean(axis=0), np.asarray(flight.magnetic))
+
+
+def frame(flight: Flight) -> Evidence | None:
+    """An attitude that points gravity the wrong way."""
+    found = tilt(flight)
+    if found is None or found < REVERSED or flight.gravity is not None:
+        return None
+    text = f"turned by the file's attitude, the mean specific force points {found:.0f}° from up"
+    return Evidence(text=text, suggestion="z-down" if flight.frame == "z-up" else "z-up")
+
+
+def attitude(flight: Flight) -> Evidence | None:
+    """An attitude that turns gravity, or the field, away from where it is."""
+    gravity, field = tilt(flight), turned_from_field(flight)
+    if gravity is not None and gravity > TILTED:
+        text = f"turned by the file's attitude, the mean specific force points {gravity:.0f}° from up"
+    elif field is not None and field > BESIDE:
+        text = (
+            f"turned by the file's attitude, the magnetometer points {field:.0f}° from the field that the file states"
+        )
+    else:
+        return None
+    return Evidence(text=text, suggestion="ignore")
+
+
+def unconfirmed(flight: Flight) -> Evidence | None:
+    """Poses whose names do not say that they are the truth."""
+    if not flight.unconfirmed:
+        return None
+    gravity, field = tilt(flight), turned_from_field(flight)
+    named = ", ".join(flight.unconfirmed)
+    against = (gravity or 0.0) > TILTED or (field or 0.0) > BESIDE
+    angles = [] if gravity is None else [f"gravity {gravity:.0f}° from the vertical"]
+    angles += [] if field is None else [f"the field {field:.0f}° from the one that the file states"]
+    turned = f"; turned by it, the sensors read {' and '.join(angles)}" if angles else ""
+    text = f"the columns {named} may be the truth or an estimate{turned}"
+    return Evidence(text=text, suggestion="no" if against else None)
+
+
+@lru_cache(maxsize=KEPT)
+def level(flight: Flight) -> Float[Array, "48"] | None:
+    """For each axes of the accelerometer, m/s² rms of its windows' mean about −g, turned by the file's attitude."""
+    attitudes = known_attitudes(flight)
+    if attitudes is None:
+        return None
+    rotation, known = attitudes
+    b = blocks(flight)
+    window, count = b.windows(LEVEL)
+    there = np.unique(window[known])
+    # the mean of R e_i a_j, for every i and j at once
+    outer = np.einsum("nki,nj->nkij", rotation[known], b.accel[known])
+    mean = means(outer, window[known], count)[there]
+    force = np.einsum("wkij,aij->awk", mean, axes.MATRICES)
+    return np.sqrt(np.mean(np.sum((force - upwards(flight)) ** 2, axis=-1), axis=-1))
+
+
+def body_axes(flight: Flight) -> Evidence | None:
+    """Axes in which gyro and accelerometer both agree with the file's attitude, where neither does in its own."""
+    fit, levels = follows(flight), level(flight)
+    if fit is None or levels is None or fit.axes == axes.AS_IT_IS or fit.own > fit.correlation - DIFFERS:
+        return None
+    as_it_is, chosen = float(levels[0]), float(levels[axes.EVERY.index(fit.axes)])
+    if fit.correlation < SAME or chosen > as_it_is / 2:
+        return None
+    text = (
+        f"gyro and accelerometer agree with the file's attitude in the axes {fit.axes}: the mean specific force is "
+        f"then {significant(chosen)} m/s² from −g, and {significant(as_it_is)} m/s² in their own axes"
+    )
+    return Evidence(text=text + axes.handedness(fit.axes), suggestion=fit.axes)
