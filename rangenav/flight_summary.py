@@ -7,12 +7,14 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.logs import Informative, Observed
+from rangenav import consistency
+from rangenav.logs import WORDS, Informative, Observed
+from rangenav.record import DIVERGED_STD
 
 QUARTERS = 4
 """Errors are summed up over each quarter of a record; the last one tells the steady errors."""
-VERDICTS = ("observable", "weak", "rank 13", "blind")
-"""Of a window."""
+DIVERGED_NIS = 10.0
+"""Mean square of the innovations over their own variance, in the second half, beyond which an observer has diverged."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +28,11 @@ class WindowSummary:
     worst_start: float
     """s, by the record's own stamps."""
     worst_rank: int
-    """Of 13."""
+    """Of 13, of the ranges of the worst window."""
+    worst_ranges: int
+    """How many ranges the worst window has."""
+    motion_rank: int
+    """Of 13, that ranges at every time of the worst window would have."""
     worst_eigenvalues: tuple[float, ...]
     """Of the worst window's Gramian (1/δ)∫, ascending, SI."""
     worst_position: float | None
@@ -57,6 +63,8 @@ class ObserverSummary:
     """m, inertial."""
     innovation_rms: float | None
     """m², of y = ½d²."""
+    diverged: str | None
+    """Why the observer counts as diverged, one clause; None if it does not."""
     position: ErrorSummary | None
     """m; None without a true position."""
     attitude: ErrorSummary | None
@@ -74,9 +82,11 @@ def summarise_windows(windows: Informative) -> WindowSummary:
     known = windows.sigma[np.isfinite(windows.sigma)]
     return WindowSummary(
         window=windows.window,
-        counts={verdict: sum(one == verdict for one in windows.each) for verdict in VERDICTS},
+        counts={verdict: windows.each.count(verdict) for verdict in WORDS},
         worst_start=float(windows.start[worst]),
         worst_rank=int(windows.rank[worst]),
+        worst_ranges=int(windows.ranges[worst]),
+        motion_rank=int(windows.motion_rank[worst]),
         worst_eigenvalues=tuple(windows.eigenvalues[worst].tolist()),
         worst_position=_finite(float(windows.sigma[worst])),
         median_position=float(np.median(known)) if len(known) else None,
@@ -89,9 +99,25 @@ def summarise_observer(observed: Observed) -> ObserverSummary:
     return ObserverSummary(
         final_position=tuple(_finite(float(value)) for value in observed.position[-1]),
         innovation_rms=_rms(observed.estimate.innovation[:, 0]),
+        diverged=_diverged(observed),
         position=None if observed.position_error is None else _errors(observed.position_error),
         attitude=None if degrees is None else _errors(degrees),
     )
+
+
+def _diverged(observed: Observed) -> str | None:
+    """The observer's own account of its position, and whether its innovations are as large as it expects."""
+    variances = np.diagonal(observed.estimate.covariance[-1, 0])
+    if not np.all((variances >= 0) & (variances < DIVERGED_STD**2)):
+        finite = np.all(np.isfinite(variances)) and np.all(variances >= 0)
+        size = f"{math.sqrt(float(variances.max())):.3g} m" if finite else "no number"
+        return f"its own 1-σ of the position is {size} at the end"
+    squares = consistency.innovations(observed.estimate.innovation)
+    later = squares[len(squares) // 2 :]
+    later = later[np.isfinite(later)]
+    if len(later) and float(np.mean(later)) > DIVERGED_NIS:
+        return f"its innovations are {math.sqrt(float(np.mean(later))):.3g} times as large as it expects"
+    return None
 
 
 def _errors(error: Float[Array, "n"]) -> ErrorSummary:

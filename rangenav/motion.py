@@ -6,8 +6,10 @@ The apparent acceleration (specific force) is what an accelerometer feels: a = R
 """
 
 import math
+import warnings
 from functools import lru_cache
 
+import msgspec
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -20,11 +22,16 @@ from rangenav.signals.multirotor import Attitude
 
 COLLINEAR_SINE = 1e-3
 """m and g count as collinear below this sine of their angle (0.06°): the attitude about them is then not observable."""
-UNIT_TOLERANCE = 1e-6
+UNIT_TOLERANCE, NEARLY_UNIT = 1e-6, 1e-3
+"""Of a length from one: a unit vector, and one as people write it (0.70711), which is divided by its length."""
 SNAP = 4
 """The highest derivative of the path that a motion holds."""
 GAUSS_OFFSET = np.sqrt(3) / 6
 """Gauss points of a step lie at (½ ± √3/6) h."""
+
+
+class DirectionWarning(UserWarning):
+    """A direction was nearly of unit length, and was divided by its length."""
 
 
 class World(Input, frozen=True, kw_only=True):
@@ -40,7 +47,12 @@ class World(Input, frozen=True, kw_only=True):
     def __post_init__(self) -> None:
         super().__post_init__()
         length = math.hypot(*self.magnetic)  # unlike numpy's norm it does not overflow
-        require(abs(length - 1) < UNIT_TOLERANCE, f"magnetic must be a unit vector, got length {length:g}")
+        require(abs(length - 1) < NEARLY_UNIT, f"magnetic must be a unit vector, got length {length:g}")
+        if abs(length - 1) >= UNIT_TOLERANCE:
+            x, y, z = (value / length for value in self.magnetic)
+            msgspec.structs.force_setattr(self, "magnetic", (x, y, z))
+            text = f"magnetic has the length {length:.7g}: it is used as a unit vector"
+            warnings.warn(text, DirectionWarning, stacklevel=2)
         gravity = math.hypot(*self.gravity)
         require(0 < gravity < 1e3, f"gravity must have a length between 0 and 1000 m/s², got {gravity:g}")
         sine = float(np.linalg.norm(np.cross(self.magnetic, self.gravity))) / gravity

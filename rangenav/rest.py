@@ -105,16 +105,15 @@ def rest_of(flight: Flight, seconds: float) -> Rest:
 def noise_at_rest(flight: Flight) -> tuple[float, float, float] | None:
     """Noise of gyro (rad/s) and accelerometer (m/s²) per sample and the size of the gyro's bias (rad/s), at rest.
 
-    None if the record does not start at rest, or has no magnetometer.
+    None if the record does not start at rest. No magnetometer is needed.
     """
     seconds = rest_seconds(flight)
-    if seconds == 0 or flight.mag is None:
+    rest = flight.time - flight.time[0] <= seconds
+    if seconds == 0 or int(rest.sum()) < 2:
         return None
-    try:
-        rest = rest_of(flight, seconds)
-    except ValueError:
-        return None
-    return rest.gyro_noise, rest.accel_noise, float(np.linalg.norm(rest.gyro_bias))
+    gyro, accel = flight.gyro[rest], flight.accel[rest]
+    bias = float(np.linalg.norm(gyro.mean(axis=0)))
+    return float(gyro.std(axis=0).mean()), float(accel.std(axis=0).mean()), bias
 
 
 def world_of(

@@ -32,7 +32,7 @@ UNBROKEN = "\N{NO-BREAK SPACE}"
 PRINTED_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+(?:e[+-]?\d+)?|e[+-]?\d+)(?![\w.]\d)")
 """A number with a decimal point or an exponent; a whole number stays as it is."""
 COLORS = {"✓": "green", "✗": "red", "!": "yellow", "?": "cyan"}
-SIGNS = {"observable": "✓", "weak": "!", "blind": "✗", "not judged": "?", "rank 13": "?", "partly": "!"}
+SIGNS = {"observable": "✓", "weak": "!", "blind": "✗", "not judged": "?", "too few ranges": "?"}
 """The sign of each verdict."""
 
 

@@ -1,21 +1,15 @@
 """`rangenav log` for a person."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import SIGNS, Report, Sign, group, met
 from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.commands.text.verdict import Json, plus_minus
+from rangenav.logs import WholeRecord
 from rangenav.number_format import CLOSE_UNITS, quantity, significant, vector
-
-ANSWERS = {
-    "observable": "observable in every window",
-    "weak": "weak in every window: the predicted error exceeds the requirement",
-    "blind": "blind in every window",
-    "rank 13": "rank 13 in every window; without ranges no error is predicted",
-    "partly": "informative in parts only",
-}
 
 STATED, CONFIRMED = "the file says", ", as confirmed"
 """How a finding about a unit, or about gravity and field, tells where it comes from."""
@@ -29,32 +23,72 @@ NO_RANGES = {
 
 
 def report(
-    answer: Json, *, file: str, options: Mapping[str, str], has_truth: bool, required: float, sensed: int
+    answer: Json, *, whole: WholeRecord, file: str, options: Mapping[str, str], has_truth: bool, required: float
 ) -> Report:
     """What a recorded flight could tell, and what the observers make of it.
 
-    answer: the command's JSON object. options: those typed with `file`, each flag with its values. has_truth: whether
-    the file has true positions. required: m, above which a window is weak. sensed: eigenvalues of the worst window
-    that noise does not make.
+    answer: the command's JSON object. whole: the verdict on the whole record. options: those typed with `file`, each
+    flag with its values. has_truth: whether the file has true positions. required: m, above which a window is weak.
     """
     windows, observer = answer["informative"], answer["observer"]
-    sign: Sign = SIGNS[answer["verdict"]]  # pyright: ignore[reportAssignmentType]
-    shown = windows["eigenvalues"]
+    sign: Sign = SIGNS[whole.verdict]  # pyright: ignore[reportAssignmentType]
+    shown, sensed = windows["eigenvalues"], windows["motion_rank"]
     noise = shown[len(shown) - sensed - 1] if sensed < len(shown) else 0.0
     return Report(
         subject=answer["file"],
         sign=sign,
-        answer=ANSWERS[answer["verdict"]],
+        answer=_answer(whole, required),
         groups=(
             *group("the file", _file(answer), _findings(answer["findings"])),
-            *group("what can be seen", _counts(windows), _worst(windows)),
+            *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows)),
             *group("how well", _accuracy(windows, required)),
             *group("the observer", NO_RANGES[has_truth] if observer is None else _observer(answer)),
             *group("the world", _world(answer)),
             *group("spectrum", spectrum_bar(shown, noise), "of the worst window"),
-            *layout.next_commands(*(_command(file, {**options, **one}) for one in _next(answer, options, has_truth))),
+            *layout.next_commands(
+                *(_command(file, {**options, **one}) for one in _next(answer, whole, options, has_truth))
+            ),
         ),
     )
+
+
+def columns(uses: Iterable[tuple[str, str]], file: Path) -> Report:
+    """Every column of a file, and what it is used for."""
+    named = [(name, use or "not used") for name, use in uses]
+    width = max((len(use) for _, use in named), default=0)
+    lines = [f"{use:<{width}}  {name}" for name, use in named]
+    return Report(
+        subject=layout.subject(file),
+        sign="✓",
+        answer=f"{len(lines)} columns",
+        groups=group("columns", *lines) or group("columns", "the format has no named columns"),
+    )
+
+
+def _answer(whole: WholeRecord, required: float) -> str:
+    """The verdict on the whole record, as the first line."""
+    part = "the whole record" if whole.all_of_it else f"from {whole.begin:.4g} to {whole.end:.4g} s, this record"
+    match whole.verdict:
+        case "observable":
+            return f"observable: {part} determines the position within {quantity(whole.position, 'm')}"
+        case "weak":
+            size = quantity(whole.position, "m")
+            return f"weak: {part} determines the position within {size}, and {quantity(required, 'm')} are required"
+        case "blind":
+            return f"blind: {part} reaches rank {whole.rank} of 13"
+        case "too few ranges":
+            return f"too few ranges: {whole.ranges} of the 13 that the whole record needs at least"
+        case "not judged":
+            return f"not judged: {whole.restriction}"
+
+
+def _lengths(whole: WholeRecord) -> str:
+    """Which length of window suffices."""
+    if whole.suffices is not None:
+        return f"windows of {quantity(whole.suffices, 's')} are observable wherever they lie"
+    if whole.shortest is not None:
+        return f"windows of {quantity(whole.shortest, 's')} are observable in parts, those of no length everywhere"
+    return "" if whole.restriction is not None else "no shorter window is observable"
 
 
 def _file(answer: Json) -> str:
@@ -83,18 +117,21 @@ def _counts(windows: Json) -> str:
     kinds = ", ".join(f"{count} {word}" for word, count in counts.items())
     stretches = SINGLE.sub(r"\1 s", windows["words"].partition("; ")[2])
     said = f"{sum(counts.values())} windows of {quantity(windows['window'], 's')}"
-    return f"{said}: {kinds}; {stretches}" if len(counts) > 1 else said
+    return f"{said}: {kinds}{'; ' if stretches else ''}{stretches}"
 
 
 def _worst(windows: Json) -> str:
-    return f"worst from {quantity(windows['at'], 's')}: rank {windows['rank']} of 13"
+    worst = f"worst from {quantity(windows['at'], 's')}: rank {windows['rank']} of 13"
+    if windows["rank"] < windows["motion_rank"]:
+        return f"{worst} by {windows['ranges']} ranges; of its motion {windows['motion_rank']}"
+    return worst
 
 
 def _accuracy(windows: Json, required: float) -> list[str]:
     """The predicted position error of the windows that have one."""
     median, worst = windows["position_median"], windows["position"]
     if median is None:
-        return [] if windows["windows"]["rank 13"] else ["no window predicts a position error"]
+        return ["no window predicts a position error"]
     at_worst = "" if worst is None else f", {plus_minus(worst)} after the worst"
     return [
         f"position {plus_minus(median)} (median of the windows of rank 13){at_worst}",
@@ -112,6 +149,8 @@ def _observer(answer: Json) -> list[str]:
     lines = [*lines, "(in the four quarters of the flight)"] if lines else ["no errors: the file has no truth"]
     if None not in observer["final_position"]:
         lines.append(f"ends at {vector(observer['final_position'])} m")
+    if observer["diverged"]:
+        lines.append(f"the observer has diverged: {observer['diverged_reason']}")
     if observer["innovation_rms"] is not None:
         lines.append(f"innovation of ½d²: {quantity(observer['innovation_rms'], 'm²')} rms")
     return [*lines, *([observer["reason"].removeprefix("null: ")] if "reason" in observer else [])]
@@ -131,15 +170,15 @@ def _world(answer: Json) -> list[str]:
     ]
 
 
-def _next(answer: Json, options: Mapping[str, str], has_truth: bool) -> list[dict[str, str]]:
-    """Options worth adding: ranges where the observers had none, else another window or part of the record."""
+def _next(answer: Json, whole: WholeRecord, options: Mapping[str, str], has_truth: bool) -> list[dict[str, str]]:
+    """Options worth adding: ranges where the observers had none, the window that suffices, or part of the record."""
     if answer["observer"] is None and has_truth:
         return [{"--anchor": options.get("--anchor", "X Y Z"), "--synthetic-ranges": "0.1"}]
-    if answer["verdict"] in ("observable", "rank 13"):
+    if answer["informative"]["verdict"] == "observable" or whole.restriction is not None:
         return []
-    window = 2 * answer["informative"]["window"]
-    longer = [{"--window": f"{window:g}"}] if window < answer["duration"] else []
-    return [*longer, {"--begin": "SECONDS", "--end": "SECONDS"}]
+    window = whole.suffices or whole.shortest or 2 * answer["informative"]["window"]
+    other = window != answer["informative"]["window"] and window < answer["duration"]
+    return [*([{"--window": f"{window:g}"}] if other else []), {"--begin": "SECONDS", "--end": "SECONDS"}]
 
 
 def _command(file: str, options: Mapping[str, str]) -> str:

@@ -1,4 +1,4 @@
-"""A recorded flight: the rank and the predicted error of its windows, and the observers' estimates on its ranges.
+"""The rank and the predicted error of the windows of a recorded flight.
 
 Position is never differentiated: ∫|p⁗|² of a measured path changes 400-fold with the smoothing. The Gramian needs the
 IMU alone, whose motion and rows are those of `imu_motion`. Noise makes every matrix full rank, so a singular value
@@ -14,18 +14,12 @@ from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 from scipy.interpolate import CubicHermiteSpline
 
-from rangenav import cascade, model, so3, verdict
-from rangenav.attitude import AttitudeGains
-from rangenav.cascade import Estimate, ObserverConfig, Start
-from rangenav.formats import recorded_flight
+from rangenav import model, verdict
 from rangenav.formats.recorded_flight import Flight
-from rangenav.gains import Gains
 from rangenav.imu_motion import lifted_rows, twice_integrated
 from rangenav.inputs import require
-from rangenav.motion import World
 from rangenav.observability import quadrature, spectrum
 from rangenav.results import result
-from rangenav.sensors import Noise, Sensors
 
 WINDOWS = 51
 PANELS_PER_SECOND = 1.0
@@ -37,13 +31,6 @@ NOISE_SHARE = 0.25
 """A singular value does not count if noise makes more than this share of its square."""
 USUAL_NOISE = (0.01, 0.1)
 """rad/s and m/s² per sample, for a record without a rest from which they follow."""
-GYRO_DENSITY, ACCEL_DENSITY = 3e-4, 9e-2
-"""(rad/s)²/Hz and (m/s²)²/Hz that the observer assumes for a real IMU. They stand for the errors of scale, misalignment
-and lever arm in fast motion; the noise itself is a thousand times smaller. The position error on trial 21 of the BROAD
-data set (three anchors) is 0.75 m rms with them, and 5 m with the noise at rest."""
-K1 = 1.0
-"""1/s. With 4, the default of simulations, the attitude follows the errors of the gravity estimate: on the same trial
-5.8° rms instead of 4.3°."""
 WindowVerdict = verdict.Word | Literal["too few ranges"]
 """The verdict on one window of a record. Fewer ranges than unknowns determine nothing, whatever the motion."""
 RecordVerdict = WindowVerdict | Literal["partly"]
@@ -104,20 +91,6 @@ class Informative:
             places = ", ".join(f"{a:.4g} to {b:.4g} s" for a, b in _stretches(middle, blind))
             parts.append(f"blind around {places}")
         return "; ".join(parts)
-
-
-@result
-class Observed:
-    """The observers' estimates on a record, with their errors where the file has the true motion."""
-
-    estimate: Estimate
-    world: World
-    position: Float[Array, "n 3"]
-    """m, inertial: the anchor plus R̂ p̂_B."""
-    position_error: Float[Array, "n"] | None
-    """m; NaN at samples without a true position, None if the file has none."""
-    attitude_error: Float[Array, "n"] | None
-    """rad, likewise."""
 
 
 def informative(
@@ -204,35 +177,6 @@ def judged(record: Curves, start: Float[Array, "w"], window: float, asked: Asked
     )
 
 
-def observe(flight: Flight, world: World, *, sensors: Sensors, gains: Gains | None = None) -> Observed:
-    """Run the cascade from x̂ = 0, R̂ = I. Raises ValueError without ranges."""
-    require(len(flight.range) > 0, "no ranges: the observers need them (synthetic ones need a true position)")
-    start = Start(state=np.zeros(model.STATES), rotation=np.eye(3))
-    chosen = gains or Gains(mode="noise-matched", attitude=AttitudeGains(k1=K1))
-    estimate = cascade.observe(
-        recorded_flight.measurements(flight), start, ObserverConfig(world=world, sensors=sensors, gains=chosen)
-    )
-    position = estimate.position(world)
-    return Observed(
-        estimate=estimate,
-        world=world,
-        position=position,
-        position_error=None if flight.position is None else np.linalg.norm(position - flight.position, axis=-1),
-        attitude_error=None if flight.rotation is None else _angle_between(flight.rotation, estimate.rotation),
-    )
-
-
-def sensors_of(flight: Flight, *, range_sigma: float) -> Sensors:
-    """The record's rates, and the noise that the observer assumes (GYRO_DENSITY, ACCEL_DENSITY; range_sigma in m)."""
-    rate = float(1 / np.median(np.diff(flight.time)))
-    ranges = float(1 / np.median(np.diff(flight.range_time))) if len(flight.range_time) > 1 else rate
-    noise = Noise(
-        gyro=float(np.sqrt(GYRO_DENSITY * rate)), accel=float(np.sqrt(ACCEL_DENSITY * rate)), range=range_sigma
-    )
-    rate = min(max(rate, 1.0), 1e4)
-    return Sensors(imu_rate=rate, mag_rate=rate, range_rate=min(max(ranges, 1.0), 1e4), noise=noise)
-
-
 def _nodes(window: float) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
     panels = min(MOST_PANELS, max(1, round(window * PANELS_PER_SECOND)))
     return quadrature.composite(window, panels)
@@ -286,11 +230,3 @@ def _verdict(motion_rank: int, ranges: int, rank: int, sigma: float, asked: Aske
     if asked.restriction is None and motion_rank == model.STATES > ranges:
         return FEW
     return verdict.judge(int(rank), float(sigma), asked.requirement, restriction=asked.restriction).word
-
-
-def _angle_between(truth: Float[Array, "n 3 3"], estimate: Float[Array, "n 3 3"]) -> Float[Array, "n"]:
-    """The angle (rad) of R R̂ᵀ; NaN at samples without a true attitude."""
-    known = ~np.isnan(truth).any(axis=(1, 2))
-    angle = np.full(len(truth), np.nan)
-    angle[known] = so3.angle(truth[known] @ np.swapaxes(estimate[known], -1, -2))
-    return angle

@@ -1,0 +1,114 @@
+"""The whole of a recorded flight: whether it determines the position at all, and how long a window must be for that.
+
+Windows that are too short are blind although the flight is not. So the whole record is judged first; if the noise of
+the IMU, integrated over all of it, hides what it tells, then by the window that predicts the smallest error.
+"""
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import model
+from rangenav.formats.recorded_flight import Flight
+from rangenav.logs.windows import FEW, WINDOWS, Asked, Curves, Informative, WindowVerdict, curves, judged
+from rangenav.results import result
+
+LENGTHS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)
+"""s, the windows that are tried."""
+LOOKS = 13
+"""Windows of each length; a length that suffices in all of them is confirmed by as many as `informative` has."""
+
+
+@result
+class WholeRecord:
+    """The verdict on a record as a whole."""
+
+    verdict: WindowVerdict
+    begin: float
+    """s, of the part that the verdict is on: the whole record, or the window that determines most."""
+    end: float
+    all_of_it: bool
+    """Whether that part is the whole record."""
+    rank: int
+    """Of 13, of the ranges of that part."""
+    ranges: int
+    """Of that part."""
+    position: float | None
+    """m, predicted 1-σ position at its end; None where it is not determined."""
+    suffices: float | None
+    """s, the shortest of the windows tried that is observable wherever it lies; None if there is none."""
+    shortest: float | None
+    """s, the shortest of the windows tried that is observable somewhere."""
+    restriction: str | None = None
+    """Why the record is not judged; None if it is."""
+
+    @property
+    def summary(self) -> str:
+        """The verdict, and the length of window that suffices, as a sentence."""
+        if self.restriction is not None:
+            return f"not judged: {self.restriction}"
+        part = "the whole record" if self.all_of_it else f"its part from {self.begin:.4g} to {self.end:.4g} s"
+        if self.position is not None:
+            first = f"{part} determines the position within {self.position:.3g} m"
+        elif self.verdict == FEW:
+            first = f"{part} has {self.ranges} of the {model.STATES} ranges that are needed"
+        else:
+            first = f"{part} reaches rank {self.rank} of {model.STATES}"
+        if self.suffices is not None:
+            return f"{first}; windows of {self.suffices:g} s suffice wherever they lie"
+        if self.shortest is not None:
+            return f"{first}; windows of {self.shortest:g} s suffice in parts of it, and no length everywhere"
+        return f"{first}; no window that is shorter suffices"
+
+
+def whole(
+    flight: Flight,
+    *,
+    range_sigma: float,
+    requirement: float,
+    noise: tuple[float, float, float] | None,
+    restriction: str | None = None,
+) -> WholeRecord:
+    """Judge a record as a whole. The arguments are those of `informative`."""
+    asked = Asked(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
+    record = curves(flight, noise)
+    begin, length = float(flight.time[0]), float(flight.time[-1] - flight.time[0])
+    best = every = judged(record, np.array([begin]), length, asked)
+    at, suffices, shortest = 0, None, None
+    for window in LENGTHS if restriction is None else ():
+        if window >= length or (suffices is not None and best.each[at] == "observable"):
+            break
+        found = judged(record, _starts(flight, window, LOOKS), window, asked)
+        if shortest is None and "observable" in found.each:
+            shortest = window
+        if suffices is None and found.verdict == "observable" and _confirmed(record, flight, window, asked):
+            suffices = window
+        k = _least(found)
+        if k is not None and every.each[0] != "observable" and not found.sigma[k] >= best.sigma[at]:
+            best, at = found, k
+    position = float(best.sigma[at])
+    return WholeRecord(
+        verdict=best.each[at],
+        begin=float(best.start[at]),
+        end=float(best.start[at] + best.window),
+        all_of_it=best is every,
+        rank=int(best.rank[at]),
+        ranges=int(best.ranges[at]),
+        position=position if np.isfinite(position) else None,
+        suffices=suffices,
+        shortest=shortest,
+        restriction=restriction,
+    )
+
+
+def _starts(flight: Flight, window: float, count: int) -> Float[Array, "w"]:
+    return flight.time[0] + np.linspace(0, float(flight.time[-1] - flight.time[0]) - window, count)
+
+
+def _confirmed(record: Curves, flight: Flight, window: float, asked: Asked) -> bool:
+    return judged(record, _starts(flight, window, WINDOWS), window, asked).verdict == "observable"
+
+
+def _least(found: Informative) -> int | None:
+    """The window of the least predicted error; None where no error is predicted."""
+    return None if np.isnan(found.sigma).all() else int(np.nanargmin(found.sigma))
