@@ -8,7 +8,9 @@ import contextlib
 import io
 import os
 import sys
-from typing import NoReturn
+import warnings
+from collections.abc import Iterator
+from typing import Any, NoReturn
 
 import tyro
 
@@ -16,6 +18,7 @@ import rangenav
 from rangenav.commands import numbers, overview
 from rangenav.commands.text.layout import COLUMNS, CONTINUED, wrapped
 from rangenav.formats import OpenQuestionsError
+from rangenav.motion import DirectionWarning
 
 PROGRAM = "rangenav"
 HELP = (["-h"], ["--help"])
@@ -55,7 +58,7 @@ def run_command() -> None:
     """Run the command that was typed; whatever goes wrong is one line on stderr and an exit code."""
     messages = io.StringIO()
     try:
-        with contextlib.redirect_stderr(messages), numbers.registry:
+        with said_on_stderr(), contextlib.redirect_stderr(messages), numbers.registry:
             app.cli(prog=PROGRAM)
             sys.stdout.flush()
     except OpenQuestionsError as error:
@@ -71,6 +74,28 @@ def run_command() -> None:
             fail(usage_error(messages.getvalue()))
         print(messages.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
         raise
+
+
+@contextlib.contextmanager
+def said_on_stderr() -> Iterator[None]:
+    """Say once, as a line on stderr, what the library has rounded."""
+    said: dict[str, None] = {}
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
+            if issubclass(category, DirectionWarning):
+                said[str(message)] = None
+            else:
+                usual(message, category, *place)
+
+        warnings.simplefilter("always", DirectionWarning)
+        warnings.showwarning = show
+        try:
+            yield
+        finally:
+            for sentence in said:
+                print(sentence, file=sys.stderr)
 
 
 def usage_error(box: str) -> str:

@@ -76,7 +76,10 @@ def test_page_command_line_and_library_agree_on_a_recorded_flight(answer, tmp_pa
         library = logs.informative(flight, window=window, range_sigma=0.1, requirement=0.5, noise=None)
         said = answer("log", tmp_path / "demo.csv", "--window", window)
         page = flight_report.judge(flight, FlightOptions(anchor=(0.0, 0.0, 0.0), window=window))
-        assert library.verdict == said["verdict"] == page.verdict
+        assert library.verdict == said["informative"]["verdict"]
+        whole = logs.whole(flight, range_sigma=0.1, requirement=0.5, noise=None)
+        assert whole.verdict == said["verdict"] == page.whole.verdict
+        assert whole.summary == said["whole"]["words"] == page.whole.summary
         assert said["informative"]["words"] == page.summary == library.summary
 
 

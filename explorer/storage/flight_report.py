@@ -1,16 +1,18 @@
 """The report on a recorded flight: was it informative, and how large are the errors of the observers?
 
-The functions are those of `rangenav log`: rest.world_of → logs.informative → logs.observe.
+The functions are those of `rangenav log`: record_checks.restriction → rest.world_of → logs.whole → logs.informative →
+logs.observe.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from rangenav import flight_summary, logs, rest
+from rangenav import flight_summary, logs, record_checks, rest
 from rangenav.flight_summary import ObserverSummary, WindowSummary
 from rangenav.formats import Flight, recorded_flight
 from rangenav.inputs import Input, Vec3, require, require_within
+from rangenav.logs import WholeRecord
 from rangenav.preset import MAX_DURATION
 
 Ranges = Literal["measured", "synthetic"]
@@ -55,9 +57,10 @@ class FlightOptions(Input, frozen=True, kw_only=True):
 class FlightReport:
     """Windows and observers of one flight."""
 
+    whole: WholeRecord
+    """The verdict on the whole record, or why it is not judged."""
     summary: str
     """Where the record was informative."""
-    verdict: str
     windows: WindowSummary
     observer: ObserverSummary | None
     """None without ranges."""
@@ -76,16 +79,29 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     world, questions, source = rest.world_of(flight, anchor=options.anchor, vectors=chosen, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
+    restriction = record_checks.restriction(replace(flight, anchor=options.anchor))
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
     flight = recorded_flight.between(flight, options.begin, math.inf if options.end is None else options.end)
     windows = logs.informative(
-        flight, window=options.window, range_sigma=options.range_sigma, requirement=options.position_sigma, noise=noise
+        flight,
+        window=options.window,
+        range_sigma=options.range_sigma,
+        requirement=options.position_sigma,
+        noise=noise,
+        restriction=restriction,
+    )
+    whole = logs.whole(
+        flight,
+        range_sigma=options.range_sigma,
+        requirement=options.position_sigma,
+        noise=noise,
+        restriction=restriction,
     )
     observed = None
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
-    return FlightReport(windows.summary, windows.verdict, flight_summary.summarise_windows(windows), observed, source)
+    return FlightReport(whole, windows.summary, flight_summary.summarise_windows(windows), observed, source)
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:

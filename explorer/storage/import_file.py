@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 import msgspec
 
 from explorer.storage.library import slug
-from rangenav import formats, preset
+from rangenav import formats, preset, record_checks
 from rangenav.formats import ImportResult, archives
 from rangenav.formats.path_preset import as_preset
 from rangenav.inputs import Vec3, require
@@ -56,7 +56,7 @@ def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], an
             result = formats.read(copy, format_name, confirm=confirm)
         except ValueError as error:
             raise ValueError(str(error).replace(copy.name, file.name)) from None  # the name that the visitor knows
-    result = replace(result, source=file.name)
+    result = record_checks.checked(replace(result, source=file.name), confirm)
     if result.questions or result.path is None:
         return Interpretation(result, None)
     imported = as_preset(result, anchor=anchor)

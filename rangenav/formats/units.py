@@ -42,6 +42,8 @@ FIELD_STRENGTH = {"uT": (15.0, 90.0), "G": (0.15, 0.9), "T": (1.5e-5, 9e-5), "mT
 """The strength of the earth's field in each unit, with a margin for iron nearby."""
 NEAR = 0.35
 """Relative: the median length of a shaken accelerometer's reading is this near to gravity."""
+STEADY, REMOVED = 25, 0.2
+"""Samples of a steady stretch, and the share of the median length below which its mean length is no gravity."""
 LAG = 0.05
 """s between the two magnetic vectors that are compared."""
 PAIRS = 4000
@@ -85,7 +87,7 @@ def guess(
         case "gyro":
             return _gyro(values, time, turning, turning_name)
         case "accel":
-            return _accel(size)
+            return _accel(size, steadiest(values))
         case "mag":
             return _mag(size)
         case "time":
@@ -94,7 +96,20 @@ def guess(
             return Guess(unit=None, evidence=f"their median is {size:.3g}")
 
 
-def _accel(size: float) -> Guess:
+def steadiest(values: Float[Array, "n 3"]) -> float:
+    """The length of the mean reading over the stretch of samples that varies least: at rest, gravity."""
+    count = min(STEADY, len(values))
+    total = np.concatenate([np.zeros((1, 3)), np.cumsum(np.nan_to_num(values), axis=0)])
+    squares = np.concatenate([[0.0], np.cumsum(np.sum(np.nan_to_num(values) ** 2, axis=-1))])
+    mean = (total[count:] - total[:-count]) / count
+    spread = (squares[count:] - squares[:-count]) / count - np.sum(mean**2, axis=-1)
+    return float(np.linalg.norm(mean[int(np.argmin(spread))]))
+
+
+def _accel(size: float, steady: float) -> Guess:
+    if steady < REMOVED * size:
+        evidence = f"its median length is {size:.3g}, and {steady:.3g} where it varies least: gravity was removed"
+        return Guess(unit=None, evidence=evidence)
     for unit, factor in UNITS["accel"].items():
         if abs(size * factor / 9.81 - 1) < NEAR:
             return Guess(unit=unit, evidence=f"its median length is {size:.3g}, which is gravity in {unit}")

@@ -77,8 +77,9 @@ def _corrected(flight: Flight, confirm: Mapping[str, str]) -> tuple[Flight, list
         answered = confirm.get(row.key)
         if answered is None or row.at_reading:
             continue
-        flight = row.correct(flight, answered)
-        findings.append(f"{row.name} {answered}, as confirmed")
+        before, flight = flight, row.correct(flight, answered)
+        if row.key != "anchor" or before.anchor != flight.anchor:  # it may come from a person who was not asked
+            findings.append(f"{row.name} {answered}, as confirmed")
     return flight, findings
 
 

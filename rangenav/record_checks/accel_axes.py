@@ -101,7 +101,7 @@ def _by_acceleration(flight: Flight, candidates: Array) -> Evidence | None:
     acceleration = CubicSpline(flight.time[known], flight.position[known])(flight.time[known], 2)
     wanted = motion.to_body(flight.rotation[known], acceleration + upwards(flight))[2:-2]
     accel = flight.accel[known][2:-2]
-    left = [_errors(motion.to_inertial(axes.MATRICES[k], accel) - wanted) for k in candidates]
+    left = [_errors(accel @ axes.MATRICES[k].T - wanted) for k in candidates]
     squares = np.array([np.sum(error**2) for error in left])
     best = int(np.argmin(squares))
     error = left[best]

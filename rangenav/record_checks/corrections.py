@@ -8,7 +8,6 @@ import numpy as np
 
 from rangenav.formats.recorded_flight import Flight, with_some_ranges
 from rangenav.inputs import Vec3, require
-from rangenav.motion import to_inertial
 from rangenav.record_checks import axes, poses, ranges
 from rangenav.record_checks.check import unit_factor
 
@@ -37,7 +36,7 @@ def sensor_axes(*sensors: str) -> Correction:
     def corrected(flight: Flight, answer: str) -> Flight:
         matrix = axes.matrix(answer)
         there = {name: getattr(flight, name) for name in sensors}
-        return replace(flight, **{name: v if v is None else to_inertial(matrix, v) for name, v in there.items()})
+        return replace(flight, **{name: v if v is None else v @ matrix.T for name, v in there.items()})
 
     return corrected
 

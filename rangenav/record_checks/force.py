@@ -21,10 +21,8 @@ LEAST = 2.0
 """s: in a shorter record the change of velocity hides gravity."""
 ALLOWED, GAINED = 1.0, 10.0
 """m/s² by which the mean may differ from gravity, and m/s that a body may gain or lose within a window."""
-NOTHING = 0.15
+NOTHING = 0.35
 """Of gravity: a smaller mean is no gravity at all."""
-NORMAL = 0.35
-"""Relative: a reading whose median length is this near to gravity is no accelerometer without gravity."""
 NEARER = 0.3
 """Largest share of the mean's difference from gravity that another unit of the gyro leaves."""
 SCALES = (0.25, 0.5, 2.0, 4.0, 8.0)
@@ -51,8 +49,8 @@ def expected(flight: Flight) -> float:
 def gyro_unit_by_gravity(flight: Flight) -> Evidence | None:
     """A unit of the gyro in whose axes gravity appears, where it does not in the unit that was taken."""
     mean, tolerance = mean_force(flight)
-    wanted, median = expected(flight), float(np.median(np.linalg.norm(flight.accel, axis=-1)))
-    if not abs(mean - wanted) > tolerance or abs(median / wanted - 1) > NORMAL:
+    wanted = expected(flight)
+    if not abs(mean - wanted) > tolerance:
         return None
     for factor in (DEGREE, 1 / DEGREE):
         unit, other = unit_for(flight, "gyro", factor), mean_force(flight, factor)[0]

@@ -16,8 +16,8 @@ FAST, FASTER = 100.0, 20.0
 """m/s of change of a range over half a second, and times the change of velocity by the IMU, that nothing reaches."""
 SCATTER, CLOSE = 10.0, 0.5
 """m rms about every motion that the IMU allows, of ranges in a finer unit; and m rms in their own."""
-NEAREST = 0.3
-"""m, the least median of ranges in their own unit."""
+NEAREST, FARTHEST, USUAL = 0.3, 100.0, 20.0
+"""m, between which the median of ranges lies in their own unit, and m/s that they change by at most."""
 WIDER, MARGIN = 5.0, 5.0
 """Times the extent of the true positions, and m, that the ranges' extent exceeds if their unit is finer."""
 TWICE = 2.0
@@ -69,7 +69,8 @@ def _unit_by_speed(flight: Flight) -> Evidence | None:
         f"the ranges change by {significant(speed)} m/s, and the velocity by {significant(gained)} m/s according to "
         "the accelerometer"
     )
-    return Evidence(text=text, suggestion=_finer(flight, 0.0))
+    found = delay_by_imu(flight)
+    return Evidence(text=text, suggestion=_finer(flight, 0.0 if found is None else found.now, speed))
 
 
 def _unit_by_scatter(flight: Flight) -> Evidence | None:
@@ -82,10 +83,12 @@ def _unit_by_scatter(flight: Flight) -> Evidence | None:
     return Evidence(text=text, suggestion=suggested)
 
 
-def _finer(flight: Flight, scatter: float) -> str | None:
-    """The first unit in which distances and their scatter (m) are usual."""
+def _finer(flight: Flight, scatter: float, speed: float = 0.0) -> str | None:
+    """The first unit in which distances, their scatter (m) and their change (m/s) are usual."""
+    middle = float(np.median(flight.range))
     for unit in ("cm", "mm"):
         factor = unit_factor(flight, "range", unit)
-        if factor < 1 and factor * scatter <= CLOSE and NEAREST <= factor * float(np.median(flight.range)) <= 100:
+        usual = factor * scatter <= CLOSE and factor * speed <= USUAL and NEAREST <= factor * middle <= FARTHEST
+        if factor < 1 and usual:
             return unit
     return None

@@ -27,6 +27,8 @@ LARGEST_TURN = 2.5
 PAIRS, LEAST_PAIRS = 4000, 20
 FOLLOWS, DIFFERS = 0.9, 0.1
 """The least correlation of turns that are the same, and by how much it is larger than that of other axes."""
+LESS = 0.02
+"""By how much less the attitude correlates with the gyro than its inverse does, if it is the inverse that was meant."""
 SCALE = 0.2
 """Relative: a gyro whose scale is off by less is not asked about."""
 
@@ -93,11 +95,17 @@ def _fits(truth: Array, sensed: Array) -> tuple[Float[Array, "48"], Float[Array,
 def attitude_reversed(flight: Flight) -> Evidence | None:
     """An attitude that does not follow the gyro in any axes: from inertial to body axes, or not this body's."""
     fit = follows(flight)
-    if fit is None or fit.correlation >= FOLLOWS:
+    if fit is None or fit.own >= FOLLOWS:
+        return None
+    if fit.reversed >= max(FOLLOWS, fit.correlation + LESS):
+        text = (
+            f"the inverse of the attitude in the file follows the gyro (correlation {fit.reversed:.2f}), and the "
+            f"attitude in no axes as well ({fit.correlation:.2f})"
+        )
+        return Evidence(text=text, suggestion="inverse")
+    if fit.correlation >= FOLLOWS:
         return None
     text = f"the attitude in the file follows the gyro in no axes (correlation {fit.correlation:.2f})"
-    if fit.reversed >= FOLLOWS:
-        return Evidence(text=f"{text}, and its inverse does ({fit.reversed:.2f})", suggestion="inverse")
     return Evidence(text=text, suggestion=None)
 
 

@@ -47,6 +47,8 @@ def test_windows_are_counted_by_verdict_and_a_blind_worst_window_has_no_position
         window=6.0,
         eigenvalues=np.arange(39.0).reshape(3, 13),
         scaled=np.ones((3, 13)),
+        motion_rank=np.array([13, 10, 13]),
+        ranges=np.array([50, 50, 50]),
         rank=np.array([13, 10, 13]),
         noise=np.zeros((3, 13)),
         sigma=np.array([0.2, np.nan, 0.4]),
@@ -54,6 +56,6 @@ def test_windows_are_counted_by_verdict_and_a_blind_worst_window_has_no_position
         each=("observable", "blind", "observable"),
     )
     summary = summarise_windows(found)
-    assert summary.counts == {"observable": 2, "weak": 0, "rank 13": 0, "blind": 1}
+    assert summary.counts == {"observable": 2, "weak": 0, "too few ranges": 0, "blind": 1, "not judged": 0}
     assert (summary.worst_start, summary.worst_rank, summary.worst_position) == (1.0, 10, None)
     assert summary.median_position == pytest.approx(0.3)

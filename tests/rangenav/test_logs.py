@@ -100,10 +100,42 @@ def test_gaps_and_uneven_stamps_do_not_change_what_a_record_tells():
     np.testing.assert_allclose(np.nanmedian(part.sigma), np.nanmedian(whole.sigma), rtol=0.05)
 
 
-def test_a_record_without_ranges_has_a_rank_and_no_accuracy():
+def test_fewer_than_13_ranges_determine_nothing_whatever_the_motion():
     p, flight = flown("soft")
-    found = seen(recorded_flight.replace(flight, range_time=np.empty(0), range=np.empty(0)), p.requirement.window)
-    assert (found.verdict, bool(np.isnan(found.sigma).all())) == ("rank 13", True)
+    window = p.requirement.window
+    every = recorded_flight.replace(flight, range_time=np.empty(0), range=np.empty(0))
+    found = seen(every, window)
+    assert (found.verdict, bool(np.isnan(found.sigma).all())) == ("too few ranges", True)
+    assert (set(found.motion_rank.tolist()), set(found.rank.tolist())) == ({13}, {0})
+    step = window / 6
+    times = np.arange(0.0, 20.0, step)
+    sparse = recorded_flight.replace(flight, range_time=times, range=np.interp(times, flight.range_time, flight.range))
+    found = seen(sparse, window)
+    assert found.verdict == "too few ranges"
+    assert found.rank.max() <= found.ranges.max() <= 7
+    assert "of the 13 ranges that a window needs" in found.summary
+
+
+def test_the_whole_record_is_judged_first_and_the_window_that_suffices_is_named():
+    """In windows of 6 s this flight is blind, and the whole of it determines the position."""
+    _, flight = flown("barrel", duration=16.0)
+    asked = {"range_sigma": 0.1, "requirement": 0.5, "noise": (0.01, 0.1, 0.0)}
+    whole = logs.whole(flight, **asked)
+    assert (whole.verdict, whole.all_of_it, whole.rank) == ("observable", True, 13)
+    assert seen(flight, 6.0).each.count("blind") > 40
+    suffices = present(whole.suffices)
+    assert seen(flight, suffices).verdict == "observable"
+    assert f"windows of {suffices:g} s suffice" in whole.summary
+    doubted = logs.whole(flight, restriction="gravity was removed", **asked)
+    assert (doubted.verdict, doubted.summary) == ("not judged", "not judged: gravity was removed")
+    windows = seen(flight, suffices, restriction="gravity was removed")
+    assert (set(windows.each), windows.verdict) == ({"not judged"}, "not judged")
+
+
+def test_noise_at_rest_needs_no_magnetometer():
+    _, flight = flown("hover")
+    bare = recorded_flight.replace(flight, mag=None)
+    assert rest.noise_at_rest(bare) == rest.noise_at_rest(flight)
 
 
 def test_where_a_record_is_blind_is_told_in_its_own_time():
@@ -307,5 +339,5 @@ def test_before_broads_motion_begins_no_window_is_informative():
     still = rest.rest_of(broad(), rest.rest_seconds(broad()))
     noise = (still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias)))
     found = seen(recorded_flight.between(broad(), 0.0, 35.0), 6.0, noise=noise)
-    assert (found.verdict, int(found.rank.max())) == ("blind", 5)
+    assert (found.verdict, int(found.motion_rank.max())) == ("blind", 5)
     assert found.summary == "nowhere informative: no window of 6 s reaches rank 13"

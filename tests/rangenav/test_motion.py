@@ -209,7 +209,7 @@ def test_a_vehicle_in_free_fall_feels_nothing_and_one_at_rest_feels_its_weight()
         ({"gravity": (-6.0, 0.0, -6.0)}, "magnetic and gravity must not be collinear"),
         ({"magnetic": (1.0, 0.0, 1.0)}, "magnetic must be a unit vector, got length 1.41421"),
         ({"magnetic": (0.0, 0.0, 0.0)}, "magnetic must be a unit vector, got length 0"),
-        ({"magnetic": (1.0 + 2e-6, 0.0, 0.0)}, "magnetic must be a unit vector, got length 1"),
+        ({"magnetic": (1.0 + 2e-3, 0.0, 0.0)}, "magnetic must be a unit vector, got length 1.002"),
         ({"gravity": (0.0, 0.0, 0.0)}, "gravity must have a length between 0 and 1000 m/s², got 0"),
         ({"gravity": (0.0, 0.0, 1e4)}, "gravity must have a length between 0 and 1000 m/s², got 10000"),
         ({"gravity": (0.0, 1e300, 1e300)}, "gravity must have a length between 0 and 1000 m/s², got 1.41421e"),
@@ -223,6 +223,15 @@ def test_a_vehicle_in_free_fall_feels_nothing_and_one_at_rest_feels_its_weight()
 def test_a_world_that_cannot_be_is_refused_in_one_sentence(fields, sentence):
     with pytest.raises(ValueError, match="^" + sentence.replace("(", r"\(")):
         World(**fields)
+
+
+def test_a_direction_in_five_digits_is_made_a_unit_vector_with_a_word_and_one_in_full_is_left_as_it_is():
+    with pytest.warns(motion.DirectionWarning, match=r"magnetic has the length 1\.000005: it is used as a unit vector"):
+        world = World(magnetic=(0.70711, 0.0, 0.70711))
+    assert math.hypot(*world.magnetic) == pytest.approx(1.0, abs=1e-15)
+    full = (0.7071067811865476, 0.0, 0.7071067811865476)
+    assert world.magnetic == pytest.approx(full, abs=1e-15)
+    assert World(magnetic=(0.7071068, 0.0, 0.7071068)).magnetic == (0.7071068, 0.0, 0.7071068)
 
 
 def test_a_world_barely_tilted_from_collinear_is_allowed():

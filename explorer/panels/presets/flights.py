@@ -12,7 +12,7 @@ from rangenav.flight_summary import ObserverSummary
 from rangenav.formats import Flight, ImportResult
 from rangenav.number_format import NOT_DETERMINED, quantity, significant
 
-SIGNS = {"observable": "●", "weak": "▲", "rank 13": "◆", "partly": "◐", "blind": "✕"}
+SIGNS = {"observable": "●", "weak": "▲", "too few ranges": "◆", "blind": "✕", "not judged": "?"}
 WORLD_SOURCES: dict[WorldSource, str] = {
     "": "as the file says",
     "still": "as its still start says",
@@ -28,7 +28,9 @@ PART_HINT = (
     "and an observer that has nothing to go by drifts away. Gravity, field and noise are taken from the whole."
 )
 WEAK_HINT = "Predicted position error (m) above which a window of full rank counts as weak."
-JUDGE_HINT = "Rank and predicted error on sliding windows, from the IMU alone; then the observers, if there are ranges."
+JUDGE_HINT = (
+    "The whole record, then sliding windows: rank and predicted error; then the observers, if there are ranges."
+)
 
 
 class FlightPanel:
@@ -103,18 +105,26 @@ class FlightPanel:
 
 def report(flight_report: FlightReport) -> str:
     """The report as HTML: verdict, windows by verdict, the worst window, and the errors of the observers."""
-    windows = flight_report.windows
-    head = f"{SIGNS.get(flight_report.verdict, '')} {flight_report.verdict}: {flight_report.summary}"
+    windows, whole = flight_report.windows, flight_report.whole
+    summary = whole.summary.removeprefix(f"{whole.verdict}: ")
+    head = f"{SIGNS[whole.verdict]} {whole.verdict}: {summary}"
+    worst = f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"
+    if windows.worst_rank < windows.motion_rank:
+        worst += f" by {windows.worst_ranges} ranges, of its motion {windows.motion_rank}"
     rows = [
-        ("windows", ", ".join(f"{count} {name}" for name, count in windows.counts.items() if count)),
-        ("worst window", f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"),
-        ("σ there", _number(windows.worst_position, "m", "blind there, or without ranges")),
+        (f"windows of {significant(windows.window)} s", _counts(windows.counts)),
+        ("worst window", worst),
+        ("σ there", _number(windows.worst_position, "m", "blind there, or with too few ranges")),
         ("σ, median", _number(windows.median_position, "m")),
     ]
     text = bullets((head, *([flight_report.world_source] if flight_report.world_source else []))) + table((), rows)
     if flight_report.observer is None:
         return text + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
     return text + _observers(flight_report.observer)
+
+
+def _counts(counts: dict[str, int]) -> str:
+    return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
 def _observers(observer: ObserverSummary) -> str:
@@ -124,6 +134,8 @@ def _observers(observer: ObserverSummary) -> str:
         if errors is not None:
             rows.append((label, *(_number(value) for value in (*errors.quarters, errors.median))))
     text = bullets((f"ends at {position} m; innovations {_number(observer.innovation_rms, 'm²')} rms",))
+    if observer.diverged is not None:
+        text += bullets((f"the observer has diverged: {observer.diverged}",))
     if not rows:
         return text + bullets(("no truth in the file to hold the estimate against",))
     return text + table(("rms by quarters", "1st", "2nd", "3rd", "4th", "median"), rows)

@@ -161,5 +161,6 @@ def report(result: ImportResult) -> tuple[str, ...]:
     if result.fit_error is not None:
         sentences.append(f"the path passes the file's positions within {significant(1e3 * result.fit_error)} mm")
     if result.unjudged is not None:
-        sentences.append(f"excitation is not judged: {result.unjudged}")
+        what = "excitation" if result.flight is None else "the record"
+        sentences.append(f"{what} is not judged: {result.unjudged}")
     return (*sentences, *result.findings)

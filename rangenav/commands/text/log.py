@@ -40,7 +40,7 @@ def report(
         answer=_answer(whole, required),
         groups=(
             *group("the file", _file(answer), _findings(answer["findings"])),
-            *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows)),
+            *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows), _few(windows)),
             *group("how well", _accuracy(windows, required)),
             *group("the observer", NO_RANGES[has_truth] if observer is None else _observer(answer)),
             *group("the world", _world(answer)),
@@ -67,7 +67,7 @@ def columns(uses: Iterable[tuple[str, str]], file: Path) -> Report:
 
 def _answer(whole: WholeRecord, required: float) -> str:
     """The verdict on the whole record, as the first line."""
-    part = "the whole record" if whole.all_of_it else f"from {whole.begin:.4g} to {whole.end:.4g} s, this record"
+    part = "the whole record" if whole.all_of_it else f"its part from {whole.begin:.4g} to {whole.end:.4g} s"
     match whole.verdict:
         case "observable":
             return f"observable: {part} determines the position within {quantity(whole.position, 'm')}"
@@ -125,6 +125,12 @@ def _worst(windows: Json) -> str:
     if windows["rank"] < windows["motion_rank"]:
         return f"{worst} by {windows['ranges']} ranges; of its motion {windows['motion_rank']}"
     return worst
+
+
+def _few(windows: Json) -> str:
+    """What windows with too few ranges would tell with more of them."""
+    few = windows["windows"]["too few ranges"]
+    return f"13 ranges or more would determine {few} of the windows: their motion has rank 13" if few else ""
 
 
 def _accuracy(windows: Json, required: float) -> list[str]:

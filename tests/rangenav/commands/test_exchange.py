@@ -181,17 +181,26 @@ def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
     ("arguments", "said"),
     [
         (("--synthetic-ranges", "0.05"), "--synthetic-ranges needs --anchor X Y Z"),
-        (("--synthetic-ranges", "-1", "--anchor", "0", "0", "0"), "must lie between 0.001 m and 100 m, got -1"),
-        (("--range-sigma", "0"), "--range-sigma must be positive, got 0"),
+        (("--synthetic-ranges", "-1", "--anchor", "0", "0", "0"), "must lie between 0.001 and 100 m, got -1"),
+        (("--range-sigma", "0"), "--range-sigma must lie between 0.001 and 100 m, got 0"),
         (("--window", "99"), "the window must be shorter than the record's 20 s"),
-        (("--window", "nan"), "the window must be shorter"),
+        (("--window", "nan"), "--window: must be a finite number"),
         (("--begin", "50"), "no samples between 50 s and inf s"),
-        (("--anchor", "nan", "0", "0"), "anchor must be a finite number"),
+        (("--anchor", "nan", "0", "0"), "Error parsing --anchor"),
     ],
 )
 def test_nonsense_is_refused_in_one_sentence(complaint, tmp_path, arguments, said):
     formats.export(preset.load("soft"), "log", tmp_path / "x.csv")
     assert said in complaint("log", tmp_path / "x.csv", *arguments)
+
+
+def test_a_magnetic_direction_in_five_digits_is_used_and_said(run, tmp_path):
+    text = preset.dumps(preset.load("barrel")).replace("0.7071067811865476", "0.70711")
+    assert "0.70711" in text
+    (tmp_path / "mine.toml").write_text(text)
+    code, out, err = run("analyze", tmp_path / "mine.toml", "--json")
+    assert (code, err) == (0, "magnetic has the length 1.000005: it is used as a unit vector\n")
+    assert out.startswith("{")
 
 
 def test_the_unit_trap_stops_the_command_with_every_question_and_its_flag(complaint, answer):

@@ -168,11 +168,11 @@ def test_log_suggests_ranges_only_where_the_file_has_positions_and_repeats_the_o
     kept = [k for k, name in enumerate(names) if name[0] in "tga" or (has_truth and name[:2] in ("p_", "q_"))]
     file = tmp_path / "flight.csv"
     file.write_text("\n".join(",".join(row[k] for k in kept) for row in rows))
-    code, out, err = run("log", file, "--frame", "z-up", "--gyro-unit", "rad/s", "--window", 2)
+    code, out, err = run("log", file, "--frame", "z-down", "--gyro-unit", "rad/s", "--window", 2)
     assert (code, err) == (0, "")
     last = " ".join(out.split("next  ")[1].replace("\\", "").split())
     assert ("--anchor X Y Z --synthetic-ranges 0.1" in last) == has_truth
-    assert "--synthetic-ranges" not in last or "--frame z-up" in last
+    assert "--synthetic-ranges" not in last or "--frame z-down" in last
     assert "the gyro rad/s" in out
     assert out.count("the file") <= 2
 
