@@ -1,4 +1,4 @@
-"""Fill the generated parts of the pages: the table of formats so far.
+"""Fill the generated parts of the pages: the table of formats and the table of checks.
 
     python docs/generate.py
 A part stands between `<!-- NAME: begin -->` and `<!-- NAME: end -->` and is replaced as a whole; a test sees that it is
@@ -8,7 +8,7 @@ up to date. Nothing outside the marks is touched.
 from collections.abc import Callable
 from pathlib import Path
 
-from rangenav import formats
+from rangenav import formats, record_checks
 
 HERE = Path(__file__).parent
 
@@ -18,8 +18,14 @@ def table_of_formats() -> str:
     return formats.markdown().rstrip()
 
 
+def table_of_checks() -> str:
+    """One row for each check of a recorded flight, from the table in `rangenav.record_checks`."""
+    return record_checks.markdown().rstrip()
+
+
 PARTS: dict[str, dict[str, Callable[[], str]]] = {
     "formats.md": {"table of formats": table_of_formats},
+    "how-to/judge-my-flight.md": {"table of checks": table_of_checks},
 }
 """Page → name of the part → what makes it."""
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rangenav import formats, logs, preset
+from rangenav import formats, logs, preset, record_checks
 
 log = Path(tempfile.mkdtemp(prefix="rangenav-")) / "flight.csv"
 chosen = preset.load("barrel")
@@ -23,7 +23,10 @@ formats.export(chosen, "log", log)
 # %%
 # The library never guesses a unit. If the file does not state a unit, ``settled`` raises ``ValueError`` with the
 # question. Answer the question with ``formats.read(log, "log", confirm={"gyro": "deg/s"})``.
-read = formats.settled(formats.read(log, "log"))
+#
+# The record is checked as well: each sensor against the others, gravity, the field, and the truth. What contradicts the
+# record is one more question; ``unjudged`` says why a record is not judged that was taken against the evidence.
+read = formats.settled(record_checks.checked(formats.read(log, "log"), confirm={}))
 for finding in read.findings:
     print(finding)
 flight = read.flight
@@ -31,9 +34,13 @@ if flight is None:
     raise SystemExit("the file holds a path and no recorded flight")
 
 # %%
-# Judge windows of 12 s and of 6 s: this motion needs the longer windows.
+# Judge the whole record first, then windows of 12 s and of 6 s: this motion needs the longer windows.
+whole = logs.whole(flight, range_sigma=0.1, requirement=0.15, noise=None, restriction=read.unjudged)
+print(f"{whole.verdict}: {whole.summary}")
 for window in (12.0, 6.0):
-    judged = logs.informative(flight, window=window, range_sigma=0.1, requirement=0.15, noise=None)
+    judged = logs.informative(
+        flight, window=window, range_sigma=0.1, requirement=0.15, noise=None, restriction=read.unjudged
+    )
     print(f"{judged.verdict}: {judged.summary}")
 
 # %%

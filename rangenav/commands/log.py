@@ -92,13 +92,9 @@ def log(
     require_within("--range-sigma", range_sigma, *RANGE_SIGMA, "m")
     require_within("--window", window, *WINDOW, "s")
     require(position_sigma > 0, f"--position-sigma must be positive, got {position_sigma:g}")
-    imported = formats.read(file, from_ or _format(file), confirm=confirm)
     if list_columns:
-        return (
-            print_json({"columns": dict(imported.columns)})
-            if json
-            else layout.show(text.columns(imported.columns, file))
-        )
+        return _list_columns(file, from_ or _format(file), confirm, json=json)
+    imported = formats.read(file, from_ or _format(file), confirm=confirm)
     if imported.flight is None and not imported.questions:
         raise ValueError(f"{imported.source}: holds a path and no recorded flight: see `rangenav import`")
     if synthetic_ranges is not None:
@@ -155,6 +151,19 @@ def log(
             required=position_sigma,
         )
     )
+
+
+def _list_columns(file: Path, format_name: str, confirm: Mapping[str, str], *, json: bool) -> None:
+    """Print what every column of a file is used for; also of a table in which columns of a flight are missing."""
+    from rangenav.commands.text import layout
+    from rangenav.commands.text import log as text
+    from rangenav.formats import log as tables
+
+    if format_name == "log" and file.is_file():
+        uses = tables.uses(formats.text.contents(file), source=file.name, confirm=confirm)
+    else:
+        uses = formats.read(file, format_name, confirm=confirm).columns
+    return print_json({"columns": dict(uses)}) if json else layout.show(text.columns(uses, file))
 
 
 def _noise(

@@ -65,6 +65,11 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
     return replace(flight_columns.flight(raw, confirm), columns=columns.uses)
 
 
+def uses(data: bytes, *, source: str, confirm: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
+    """Every column of a table, and the quantity that it is used for; empty if it is not used."""
+    return log_columns.columns(text.table(data, source=source), confirm).uses
+
+
 def write(preset: Preset, path: Path) -> OutputFile:
     """Write the measurements of the preset's run, and the truth."""
     run = run_of(preset)
