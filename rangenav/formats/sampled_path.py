@@ -7,8 +7,8 @@
 
 Samples of the position do not hold its fourth derivative: a curve near them has a snap of its own, which is the fit's
 and not the motion's. So excitation, rank and accuracy of a fitted path are computed but not judged; `unjudged` says
-why. With velocity, acceleration and jerk the path is made of pieces of degree 7 through them. It is judged if its snap
-agrees with the snap that was given. Whoever wants to fly the curve as it is has a design, which is judged:
+why. With velocity, acceleration and jerk the path is made of pieces of degree 7 through them, without jerk of degree 5.
+It is judged if its snap agrees with the snap that was given. Whoever wants to fly the curve as it is has a design, which is judged:
 `msgspec.structs.replace(preset, source=None)`, or `signals.Waypoints` through a few timed points.
 """
 
@@ -43,8 +43,8 @@ def from_arrays(
 
     time: n stamps in s, increasing; they need not be even.
     position: n × 3 in m, inertial axes.
-    velocity, acceleration, jerk: n × 3 in m/s, m/s² and m/s³, all three or none.
-    snap: n × 3 in m/s⁴, if it is known; needs the other three.
+    velocity, acceleration: n × 3 in m/s and m/s², both or none.
+    jerk, snap: n × 3 in m/s³ and m/s⁴, if they are known; each needs the derivatives below it.
     frame: which way z points.
     knots: seconds between the knots of the curve, where only the position is given; chosen if it is None.
     name: what messages and the preset's source call these samples.
@@ -87,8 +87,8 @@ def _samples(rows: int, values: tuple[Any, ...]) -> tuple[Any, ...]:
         for name, value in zip(DERIVATIVES, values[1:], strict=True)
     ]
     absent = [name for name, value in zip(DERIVATIVES, checked[1:], strict=True) if value is None]
-    complete = absent in ([], ["snap"], list(DERIVATIVES))
-    require(complete, f"velocity, acceleration and jerk are needed together, got no {' and no '.join(absent)}")
+    complete = absent in ([], ["snap"], ["jerk", "snap"], list(DERIVATIVES))
+    require(complete, f"velocity and acceleration are needed together, got no {' and no '.join(absent)}")
     largest = max(float(np.abs(value).max()) for value in checked if value is not None)
     require(largest <= reference.LARGEST, f"position or a derivative exceeds {reference.LARGEST:g} (SI)")
     return tuple(checked)

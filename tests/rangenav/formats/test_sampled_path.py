@@ -52,6 +52,13 @@ def test_with_every_derivative_to_the_snap_the_path_is_the_motion_and_is_judged(
     )
 
 
+def test_velocity_and_acceleration_alone_make_pieces_of_degree_5_that_are_not_judged():
+    found = sampled_path.from_arrays(TIME[::20], KNOWN.path(TIME[::20]), velocity=KNOWN.path(TIME[::20], 1),
+                                     acceleration=KNOWN.path(TIME[::20], 2))  # fmt: skip
+    np.testing.assert_allclose(path_of(found)(TIME), KNOWN.path(TIME), atol=1e-4)
+    assert "no jerk" in (found.unjudged or "")
+
+
 def test_without_the_snap_the_pieces_have_one_of_their_own_and_are_not_judged():
     found = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **samples(3))
     assert found.derivatives == "fit"
@@ -106,7 +113,7 @@ def test_gaps_are_said():
         ((TIME[:2], KNOWN.path(TIME[:2]), {}), "2 samples are no path: at least 3"),
         (
             (TIME, KNOWN.path(TIME), {"velocity": KNOWN.path(TIME, 1)}),
-            "velocity, acceleration and jerk are needed together, got no acceleration and no jerk and no snap",
+            "velocity and acceleration are needed together, got no acceleration and no jerk and no snap",
         ),
         ((TIME, np.where(TIME[:, None] == 2.0, np.nan, 1.0), {}), None),
     ],

@@ -171,6 +171,7 @@ def test_polynomials_are_typed_as_in_their_files_and_jumps_are_named(editing: Ed
     assert isinstance(path, Polynomials)
     assert len(path.pieces) == 2
     assert "position jumps by 5 m along x at t = 5.00 s" in editing.tab.text()
+    assert "not flyable</b> by any vehicle" in editing.tab.text()
     editing.set("pieces", f"{row}\n1,2,3")
     assert any("line 2: expected 33 numbers" in complaint for complaint in editing.refusals())
 
