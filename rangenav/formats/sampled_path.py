@@ -8,8 +8,8 @@
 Samples of the position do not hold its fourth derivative: a curve near them has a snap of its own, which is the fit's
 and not the motion's. So excitation, rank and accuracy of a fitted path are computed but not judged; `unjudged` says
 why. With velocity, acceleration and jerk the path is made of pieces of degree 7 through them, without jerk of degree 5.
-It is judged if its snap agrees with the snap that was given. Whoever wants to fly the curve as it is has a design, which is judged:
-`msgspec.structs.replace(preset, source=None)`, or `signals.Waypoints` through a few timed points.
+It is judged if its snap agrees with the snap that was given. Whoever wants to fly the curve as it is has a design,
+which is judged: `msgspec.structs.replace(preset, source=None)`, or `signals.Waypoints` through a few timed points.
 """
 
 import hashlib
