@@ -82,6 +82,7 @@ def euroc_truth(content: Mapping[str, bytes], source: str) -> Samples:
 
 def ros_poses(content: Mapping[str, bytes], source: str) -> Samples:
     """The true poses of a bag or of an MCAP file."""
+    ros.refuse_compressed(content, source)
     with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
         folder = Path(temporary) / "bag"
         folder.mkdir()

@@ -6,8 +6,9 @@ Stamps are nanoseconds and begin at one second, because ROS takes zero for "not 
 Python), which is the extra `ros`.
 """
 
+import struct
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -25,6 +26,12 @@ FIELD = 50e-6
 """T: an ordinary strength of the earth's field, because a preset holds the direction only."""
 VERSION = 9
 TRUTH = "/ground_truth"
+METADATA, MAX_METADATA = "metadata.yaml", 65_536
+MAX_POSES = 2_000_000
+MCAP_MAGIC, CHUNK = b"\x89MCAP0\r\n", 6
+RECORD = struct.Struct("<BQ")
+COMPRESSION, LONGEST_NAME = 28, 20
+"""Bytes of a chunk before the name of its compression (two stamps, a size, a checksum), and of that name."""
 WORLD, BODY, ANCHOR = "map", "base_link", "anchor"
 TOPICS = {
     "/imu/data": "sensor_msgs/msg/Imu",
@@ -70,6 +77,33 @@ def _write(run: ExportedRun, preset: Preset, path: Path, *, mcap: bool) -> int:
     return len(stamped)
 
 
+def refuse_compressed(content: Mapping[str, bytes], source: str) -> None:
+    """Raise ValueError for a bag or MCAP file with compressed parts: what they unpack to is not bounded.
+
+    The files that are written here have none. `content` holds the files of a bag by name, or one MCAP file as "".
+    """
+    rule = f"{source}: has compressed parts, or other files than a bag that rangenav writes"
+    if "" in content:
+        require(all(not compression for compression in _compressions(content[""])), rule)
+        return
+    metadata = content.get(METADATA, b"")
+    require(len(metadata) <= MAX_METADATA and all(name == METADATA or name.endswith(".db3") for name in content), rule)
+    plain = all(metadata.count(b"compression_%s: ''" % key) == 1 for key in (b"format", b"mode"))
+    require(plain and metadata.count(b"compression") == 2 and b"\\" not in metadata, rule)
+
+
+def _compressions(mcap: bytes) -> Iterator[bytes]:
+    """The name of the compression of each chunk of an MCAP file, empty for none. A record: opcode, size, content."""
+    at = len(MCAP_MAGIC)
+    while at + RECORD.size <= len(mcap):
+        opcode, size = RECORD.unpack_from(mcap, at)
+        at += RECORD.size
+        if opcode == CHUNK:
+            name = mcap[at + COMPRESSION : at + min(size, COMPRESSION + LONGEST_NAME)]
+            yield name[4 : 4 + int.from_bytes(name[:4], "little")]
+        at += size
+
+
 def poses(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Stamps (s) and positions (m) of the true poses in a bag or MCAP file. Raises ValueError without the extra."""
     ros = _ros()
@@ -77,6 +111,7 @@ def poses(path: Path) -> tuple[np.ndarray, np.ndarray]:
     with ros.Reader(path) as reader:
         wanted = [connection for connection in reader.connections if connection.topic == TRUTH]
         for connection, stamp, data in reader.messages(connections=wanted):
+            require(len(time) < MAX_POSES, f"{path.name}: more than {MAX_POSES} poses")
             place = store.deserialize_cdr(data, connection.msgtype).pose.position
             time.append(stamp * 1e-9)
             places.append((place.x, place.y, place.z))

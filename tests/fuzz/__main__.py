@@ -11,6 +11,7 @@ import time
 import warnings
 from random import Random
 
+from rangenav.motion import DirectionWarning
 from tests.fuzz.targets import LEAST_CASES, READERS, TARGETS, prepare
 
 ALL, EACH = "all", "each"
@@ -30,6 +31,7 @@ def run(target: str, *, seconds: float, cases: int | None = None, seed: int = 0)
     began, count = time.perf_counter(), 0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", DirectionWarning)  # a direction that is nearly a unit vector is used as one
         while time.perf_counter() - began < seconds and count != cases:
             random = Random(seed + count)
             name = random.choice(names)

@@ -149,6 +149,40 @@ def test_the_fields_of_a_struct_are_read_as_scipy_wrote_them(compressed):
         mat5.fields(written.getvalue(), "walk", source="x.mat")
 
 
+# --- ROS
+
+
+def mcap_chunk(compression: bytes) -> bytes:
+    """An MCAP file of one chunk: stamps, sizes, the name of its compression, its records."""
+    name = struct.pack("<I", len(compression)) + compression
+    body = struct.pack("<QQQI", 0, 0, 2**40, 0) + name + struct.pack("<Q", 0)
+    return b"\x89MCAP0\r\n" + b"".join(struct.pack("<BQ", op, len(part)) + part for op, part in ((1, b"xx"), (6, body)))
+
+
+METADATA = b"compression_format: ''\ncompression_mode: ''\nstorage_identifier: sqlite3\n"
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        {"": mcap_chunk(b"zstd")},
+        {"": mcap_chunk(b"lz4")},
+        {"metadata.yaml": METADATA.replace(b"format: ''", b"format: zstd"), "x.db3": b""},
+        {"metadata.yaml": METADATA.replace(b"mode: ''", b'mode: "\\x66ile"'), "x.db3": b""},
+        {"metadata.yaml": METADATA + b"? compression_mode\n: file\n", "x.db3": b""},
+        {"metadata.yaml": METADATA + b"#" * 70_000, "x.db3": b""},
+        {"metadata.yaml": METADATA, "x.mcap": b""},
+    ],
+)
+def test_a_bag_with_compressed_parts_is_refused_before_any_is_unpacked(content):
+    refused(lambda: readback.positions(content, formats.row("bag"), "x"), "^x: has compressed parts")
+
+
+def test_a_bag_without_compressed_parts_passes():
+    ros.refuse_compressed({"metadata.yaml": METADATA, "x.db3": b""}, "x")
+    ros.refuse_compressed({"": mcap_chunk(b"")}, "x")
+
+
 # --- text
 
 
