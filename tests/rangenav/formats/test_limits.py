@@ -13,7 +13,7 @@ import pytest
 from scipy.io import savemat
 
 from rangenav import formats
-from rangenav.formats import archives, lines, mat5, readback, text
+from rangenav.formats import archives, lines, mat5, readback, ros, text
 
 MOST = 40_000_000
 """Bytes that Python may allocate for any refusal here."""
