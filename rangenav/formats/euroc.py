@@ -58,11 +58,16 @@ def parse_file(
 
 
 def read_folder(path: Path, *, confirm: Mapping[str, str]) -> ImportResult:
-    """The flight of a folder. Raises ValueError naming file, line and column."""
+    """The flight of a folder, whose files together are bounded as one file is. Raises ValueError naming file, line and
+    column."""
     root = path / "mav0" if (path / "mav0").is_dir() else path
     names = {name: root / name / "data.csv" for name in (IMU, TRUTH, MAG, UWB)}
     require(names[IMU].is_file(), f"{path}: no {IMU}/data.csv in it")
-    contents = {name: text.contents(file) for name, file in names.items() if file.is_file()}
+    contents, left = {}, text.MAX_BYTES
+    for name, file in names.items():
+        if file.is_file():
+            contents[name] = text.contents(file, limit=left)
+            left -= len(contents[name])
     return parse(contents, source=path.name, confirm=confirm)
 
 
