@@ -46,8 +46,11 @@ def read_bytes(path: Path) -> bytes:
     try:
         if path.is_dir():
             return _packed(path)
-        require(path.stat().st_size <= MAX_FILE, f"{path.name}: larger than {MAX_FILE} bytes")
-        return path.read_bytes()
+        require(not path.exists() or path.is_file(), f"{path.name}: not a file")
+        with path.open("rb") as file:
+            content = file.read(MAX_FILE + 1)  # no more, also of a file that states no size
+        require(len(content) <= MAX_FILE, f"{path.name}: larger than {MAX_FILE} bytes")
+        return content
     except OSError as error:
         raise ValueError(f"{path}: cannot be read: {error.strerror}") from None
 

@@ -25,7 +25,7 @@ READERS: dict[str, Reader] = {
 }
 TARGETS: dict[str, tuple[str, ...]] = {
     "formula": ("formula",),
-    "preset": ("preset", "preset", "preset", "preset", "toml"),
+    "preset": (*("preset",) * 9, "toml"),
     "importers": tuple(IMPORTERS),
     "records": tuple(RECORDS),
     "documents": tuple(DOCUMENTS),

@@ -1,6 +1,7 @@
 """A small file cannot take much memory: what is unpacked, allocated or split is bounded by what really comes out."""
 
 import io
+import os
 import struct
 import tracemalloc
 import zipfile
@@ -12,7 +13,8 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from rangenav import formats
+from rangenav import formats, preset
+from rangenav.certificate import files
 from rangenav.formats import archives, lines, mat5, readback, ros, text
 
 MOST = 40_000_000
@@ -210,3 +212,9 @@ def test_lines_end_as_any_system_ends_them(end):
     assert table.names == ("t", "x")
     np.testing.assert_array_equal(table.values, [[1, 2], [3, 4]])
     np.testing.assert_array_equal(table.lines, [2, 4])
+
+
+@pytest.mark.parametrize("read", [files.read_bytes, preset.load, text.contents], ids=lambda read: read.__qualname__)
+def test_what_is_no_file_is_not_read_for_it_may_never_end(read, tmp_path):
+    os.mkfifo(tmp_path / "x.toml")
+    refused(lambda: read(tmp_path / "x.toml"), "not a file")
