@@ -89,8 +89,7 @@ class WorkFiles:
             try:
                 if copy.exists() and filecmp.cmp(path, copy, shallow=False):
                     return copy.name
-                with path.open("rb") as content, copy.open("xb") as kept:
-                    os.fchmod(kept.fileno(), 0o600)
+                with path.open("rb") as content, open(copy, "xb", opener=_owners_alone) as kept:
                     shutil.copyfileobj(content, kept)
                 return copy.name
             except FileExistsError:
@@ -133,6 +132,11 @@ class WorkFiles:
         if not SESSION_KEY.fullmatch(session_key):
             raise ValueError(f"a session key must be 32 hexadecimal digits and a slot, got {session_key[:40]!r}")
         return self.folder / (session_key + SUFFIX)
+
+
+def _owners_alone(path: str, flags: int) -> int:
+    """Open a new file that only its owner may read."""
+    return os.open(path, flags, 0o600)
 
 
 def new_browser_id() -> str:

@@ -1,5 +1,7 @@
 """Work is written when it is due; a failure is notified once, and writing is tried again at every change."""
 
+import stat
+
 import msgspec
 import pytest
 
@@ -106,7 +108,9 @@ def test_every_file_of_a_newer_version_is_kept_under_a_number_of_its_own(work_fi
         Autosave(work_files, "paper-slow", notices.append).restore(SESSION_KEY)
     work_files.prune()
     for k, name in enumerate(("newer", "newer-2", "newer-3")):
-        assert (work_files.folder / f"{SESSION_KEY}.json.{name}").read_bytes() == NEWER + b" " * k
+        kept = work_files.folder / f"{SESSION_KEY}.json.{name}"
+        assert kept.read_bytes() == NEWER + b" " * k
+        assert stat.S_IMODE(kept.stat().st_mode) == 0o600
 
 
 def test_where_a_file_cannot_be_kept_nothing_is_saved_over_it(
