@@ -30,7 +30,7 @@ TARGETS: dict[str, tuple[str, ...]] = {
     "records": tuple(RECORDS),
     "documents": tuple(DOCUMENTS),
 }
-LEAST_CASES = {"formula": 100_000, "preset": 10_000, "importers": 8_000, "records": 3_000, "documents": 8_000}
+LEAST_CASES = {"formula": 100_000, "preset": 8_000, "importers": 4_000, "records": 2_000, "documents": 5_000}
 """What a run of a minute or more must reach: fewer cases prove nothing."""
 
 

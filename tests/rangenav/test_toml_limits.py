@@ -1,6 +1,8 @@
 """What a hostile TOML text costs is bounded before it is parsed, and whatever a person may write passes."""
 
+import re
 import tracemalloc
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -9,6 +11,7 @@ from rangenav import preset, toml_limits
 from rangenav.signals.waypoints import MAX_POINTS
 
 DOTS = ".".join("a" * 20_000)
+SOURCE, WORD = Path(__file__).parent.parent.parent, re.compile(r"toml\.decode|tomllib")
 MANY = 600
 """Keys, twice as many as are allowed here: the true limit takes a second to reach where every call is checked."""
 HOSTILE = {
@@ -74,3 +77,9 @@ def test_a_preset_that_states_no_size_is_bounded_as_well(tmp_path):
     (tmp_path / "x.toml").write_bytes(b"#" * (toml_limits.MAX_BYTES + 1))
     with pytest.raises(ValueError, match="larger than 1000000 bytes, which no preset is"):
         preset.load(tmp_path / "x.toml")
+
+
+def test_toml_is_parsed_in_one_place_behind_the_limits():
+    sources = [file for folder in ("rangenav", "explorer") for file in (SOURCE / folder).rglob("*.py")]
+    parsing = [file.name for file in sources if {"toml.decode", "tomllib"} & set(WORD.findall(file.read_text()))]
+    assert parsing == ["preset.py"]
