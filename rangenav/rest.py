@@ -26,6 +26,9 @@ LEAST = 0.5
 USUAL_GRAVITY = (9.7, 9.9)
 """m/s²: gravity anywhere on earth, with 0.1 for the error of the accelerometer's scale."""
 
+SLACK = 1.1
+"""Factor from usual gravity within which a rest is suggested as the source of gravity."""
+
 
 @result
 class Rest:
@@ -137,7 +140,9 @@ def world_of(
     except ValueError as error:
         return None, (_question(None, str(error)),), ""
     if not confirmed:
-        return None, (_question("still", rest.summary),), ""
+        size = float(np.linalg.norm(rest.gravity))
+        earthly = USUAL_GRAVITY[0] / SLACK < size < USUAL_GRAVITY[1] * SLACK  # else it is no gravity to go by
+        return None, (_question("still" if earthly else None, rest.summary),), ""
     return World(gravity=rest.gravity, magnetic=rest.magnetic, anchor=anchor), (), rest.summary
 
 

@@ -12,6 +12,11 @@ def bullets(sentences: Iterable[str]) -> str:
     return "".join(f"<div>• {html.escape(sentence)}</div>" for sentence in sentences)
 
 
+def folded(summary: str, sentences: Iterable[str]) -> str:
+    """Sentences that open with a click on their summary."""
+    return f"<details><summary>{html.escape(summary)}</summary>{bullets(sentences)}</details>"
+
+
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table with a row of column names."""
     lines = [_row("th", head) if head else "", *(_row("td", row) for row in rows)]

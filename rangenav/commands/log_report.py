@@ -36,6 +36,7 @@ def whole_report(whole: "WholeRecord") -> dict[str, Any]:
         "begin": whole.begin,
         "end": whole.end,
         "rank": whole.rank,
+        "motion_rank": whole.motion_rank,
         "ranges": whole.ranges,
         "position": whole.position,
         "window_suffices": whole.suffices,

@@ -40,13 +40,20 @@ class Question:
     options: tuple[str, ...]
     suggestion: str | None
     evidence: str
+    as_it_is: str = ""
+    """The answer that takes a record as it is, against the evidence, so that it is not judged; empty if none does."""
 
     @property
     def text(self) -> str:
         """The question as one clause, with the evidence and the flag that answers it."""
         answer = self.suggestion or "|".join(self.options)
         sign = "=" if answer.startswith("-") else " "  # -y+x+z would be taken for a flag
-        return f"{self.asks}? {self.evidence}: {self.flag}{sign}{answer}"
+        asked = f"{self.asks}? {self.evidence}: {self.flag}{sign}{answer}"
+        if not self.as_it_is:
+            return asked
+        if answer == self.as_it_is:
+            return f"{asked} takes the record as it is, and it is then not judged"
+        return f"{asked} ({self.as_it_is} takes the record as it is, and it is then not judged)"
 
 
 @result

@@ -31,6 +31,8 @@ class WholeRecord:
     """Whether that part is the whole record."""
     rank: int
     """Of 13, of the ranges of that part."""
+    motion_rank: int
+    """Of 13, that ranges at every time of that part would have."""
     ranges: int
     """Of that part."""
     position: float | None
@@ -52,8 +54,10 @@ class WholeRecord:
             first = f"{part} determines the position within {self.position:.3g} m"
         elif self.verdict == FEW:
             first = f"{part} has {self.ranges} of the {model.STATES} ranges that are needed"
+        elif self.motion_rank < model.STATES:
+            first = f"the motion of {part} has rank {self.motion_rank} of {model.STATES}"
         else:
-            first = f"{part} reaches rank {self.rank} of {model.STATES}"
+            first = f"the ranges of {part} have rank {self.rank} of {model.STATES}"
         if self.suffices is not None:
             return f"{first}; windows of {self.suffices:g} s suffice wherever they lie"
         if self.shortest is not None:
@@ -93,6 +97,7 @@ def whole(
         end=float(best.start[at] + best.window),
         all_of_it=best is every,
         rank=int(best.rank[at]),
+        motion_rank=int(best.motion_rank[at]),
         ranges=int(best.ranges[at]),
         position=position if np.isfinite(position) else None,
         suffices=suffices,

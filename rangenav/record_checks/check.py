@@ -46,6 +46,8 @@ class Check:
     """The record with an answer applied. Raises ValueError for a text that is no answer."""
     at_reading: bool = False
     """Whether the reader of the file applies the answer, as it does for units."""
+    confirmable: bool = False
+    """Whether a record that is taken as it is may be judged: a person knows more than the file."""
     unasked: str = ""
     """The answer that is applied and said without a question; empty where there is a question."""
 
@@ -60,6 +62,7 @@ class Check:
             options=(*own, *self.options),
             suggestion=suggested,
             evidence=evidence.text,
+            as_it_is="" if self.at_reading or self.confirmable or not self.options else self.options[-1],
         )
 
 

@@ -47,6 +47,7 @@ CHECKS: tuple[Check, ...] = (
         asks="are the poses in the file the truth",
         options=("no", "yes"),
         correct=corrections.truth,
+        confirmable=True,
     ),
     Check(
         name="direction of the attitude",

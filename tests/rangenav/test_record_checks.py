@@ -299,3 +299,47 @@ def test_axes_are_48_signed_permutations_and_anything_else_is_refused():
     for wrong in ("xyz", "+x+y", "+x+x+z", "+x +y +z", "+a+b+c"):
         with pytest.raises(ValueError, match="axes must name x, y and z with their signs"):
             axes.matrix(wrong)
+
+
+STATED = {"mag": "uT", "frame": "z-up"}
+JUDGED_WRONGLY: dict[str, tuple[dict[str, str], dict[str, str | None]]] = {
+    "log_good.csv": ({}, {}),
+    "log_body_frd.csv": ({}, {"body-axes": "+x-y-z"}),
+    "log_accel_axes_swapped.csv": ({}, {"accel-axes": "+y+x+z"}),
+    "log_gravity_removed.csv": ({}, {"accel-scale": None}),
+    "log_accel_half.csv": ({}, {"accel-scale": "2"}),
+    "log_ms_called_s.csv": ({}, {"time": "ms"}),
+    "log_range_mm_called_m.csv": ({}, {"range": "mm"}),
+    "log_range_sentinels.csv": ({}, {}),
+    "log_ranges_in_rows_of_their_own.csv": ({"lines": "drop"}, {}),
+    "log_orientation_is_an_estimate.csv": ({}, {"truth": "no"}),
+    "public/range_all_zero.csv": (STATED, {}),
+    "public/range_true_control.csv": (STATED, {}),
+    "public/range_held_five_times.csv": (STATED, {}),
+    "public/gyro_deg_labelled_rad_ms_stamps.csv": ({**STATED, "time": "ms"}, {"gyro": "deg/s"}),
+    "public/gyro_deg_labelled_rad_s_stamps_control.csv": (STATED, {"gyro": "deg/s"}),
+    "public/mag_axes_control.csv": (STATED, {}),
+    "public/mag_hard_iron.csv": (STATED, {"mag-offset": "120 -160 250"}),
+    "public/linear_acceleration_small.csv": (STATED, {"accel": None}),
+    "public/linear_acceleration_stated.csv": (STATED, {"accel-scale": None}),
+    "public/micros_wrap.csv": ({**STATED, "time": "us"}, {"stamps": "unwrap"}),
+}
+"""Files that version 0.1.0 judged wrongly: the answers given, and what is asked with which suggestion."""
+
+
+@pytest.mark.parametrize("name", list(JUDGED_WRONGLY))
+def test_what_was_judged_wrongly_is_asked_about(name: str):
+    confirm, wanted = JUDGED_WRONGLY[name]
+    read = formats.read(shared(f"failing/{name}"), "log", confirm=confirm)
+    found = record_checks.checked(read, confirm)
+    assert {question.key: question.suggestion for question in found.questions} == wanted
+    if not wanted:
+        assert found.unjudged is None
+
+
+def test_a_delay_of_the_ranges_is_estimated_from_the_truth():
+    read = formats.read(shared("failing/log_ranges_late_by_0.4s.csv"), "log", confirm={})
+    (question,) = record_checks.checked(read, {}).questions
+    assert (question.key, float(question.suggestion or "nan")) == ("range-delay", pytest.approx(0.4, abs=0.015))
+    corrected = record_checks.checked(read, {"range-delay": "0.4"})
+    assert (corrected.questions, corrected.unjudged) == ((), None)

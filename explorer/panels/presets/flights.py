@@ -110,7 +110,8 @@ def report(flight_report: FlightReport) -> str:
     head = f"{SIGNS[whole.verdict]} {whole.verdict}: {summary}"
     worst = f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"
     if windows.worst_rank < windows.motion_rank:
-        worst += f" by {windows.worst_ranges} ranges, of its motion {windows.motion_rank}"
+        ranges = "1 range" if windows.worst_ranges == 1 else f"{windows.worst_ranges} ranges"
+        worst += f" from {ranges}; its motion has rank {windows.motion_rank}"
     rows = [
         (f"windows of {significant(windows.window)} s", _counts(windows.counts)),
         ("worst window", worst),

@@ -14,7 +14,7 @@ from explorer.storage.import_file import ImportFile, Interpretation, guess, is_p
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form
-from explorer.widgets.html import NOTE, bullets
+from explorer.widgets.html import NOTE, bullets, folded
 from explorer.widgets.page import Page
 from explorer.widgets.section import Section
 from rangenav import formats
@@ -100,7 +100,7 @@ class ImportPanel:
 
     def _take_interpretation(self, interpretation: Interpretation) -> None:
         result = interpretation.result
-        self._show_message(*report(result))
+        self._show_message(*report(result), more=every_column(result))
         if result.questions:
             self._show_questions(result.questions)
         elif interpretation.preset is not None:
@@ -110,7 +110,7 @@ class ImportPanel:
             )
         elif result.flight is not None:
             self._judge(result)
-            self._show_message(*report(result), "a recorded flight: judge it below")
+            self._show_message(*report(result), "a recorded flight: judge it below", more=every_column(result))
 
     def _show_questions(self, questions: tuple[Question, ...]) -> None:
         """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed."""
@@ -124,6 +124,8 @@ class ImportPanel:
                 sentences = f"{question.asks}? {question.evidence}"
                 if question.suggestion is not None:
                     sentences += f"; suggested: {question.suggestion}"
+                if question.as_it_is:
+                    sentences += f"; {question.as_it_is} takes the record as it is, and it is then not judged"
                 self._form.gui.add_html(NOTE.format(bullets((sentences,))))
                 choice = self._answer_choices[question.key] = Choice(
                     questions_section, question.key, labels, hint=question.asks
@@ -148,9 +150,15 @@ class ImportPanel:
             self._questions_section.remove()
             self._questions_section = None
 
-    def _show_message(self, *sentences: str) -> None:
-        self._message.content = NOTE.format(bullets(sentences))
+    def _show_message(self, *sentences: str, more: str = "") -> None:
+        self._message.content = NOTE.format(bullets(sentences) + more)
         self._message.visible = True
+
+
+def every_column(result: ImportResult) -> str:
+    """All columns of a table and what they are used for, to be opened by a click; empty without named columns."""
+    uses = [f"{name}: {use or 'not used'}" for name, use in result.columns]
+    return folded(f"all {len(uses)} columns", uses) if uses else ""
 
 
 def report(result: ImportResult) -> tuple[str, ...]:

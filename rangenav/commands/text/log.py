@@ -8,7 +8,8 @@ from rangenav.commands.text import layout
 from rangenav.commands.text.layout import SIGNS, Report, Sign, group, met
 from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.commands.text.verdict import Json, plus_minus
-from rangenav.logs import WholeRecord
+from rangenav.logs import FEW, WholeRecord
+from rangenav.model import STATES
 from rangenav.number_format import CLOSE_UNITS, quantity, significant, vector
 
 STATED, CONFIRMED = "the file says", ", as confirmed"
@@ -75,7 +76,9 @@ def _answer(whole: WholeRecord, required: float) -> str:
             size = quantity(whole.position, "m")
             return f"weak: {part} determines the position within {size}, and {quantity(required, 'm')} are required"
         case "blind":
-            return f"blind: {part} reaches rank {whole.rank} of 13"
+            motion = whole.motion_rank < STATES
+            what, rank = ("motion", whole.motion_rank) if motion else ("ranges", whole.rank)
+            return f"blind: the {what} of {part} reach{'es' if motion else ''} rank {rank} of 13"
         case "too few ranges":
             return f"too few ranges: {whole.ranges} of the 13 that the whole record needs at least"
         case "not judged":
@@ -115,7 +118,8 @@ def _counts(windows: Json) -> str:
     """How many windows there are of each kind, if there are several kinds, and where they are blind."""
     counts = {word: count for word, count in windows["windows"].items() if count}
     kinds = ", ".join(f"{count} {word}" for word, count in counts.items())
-    stretches = SINGLE.sub(r"\1 s", windows["words"].partition("; ")[2])
+    judged = windows["verdict"] != "not judged"
+    stretches = SINGLE.sub(r"\1 s", windows["words"].partition("; ")[2]) if judged else ""
     said = f"{sum(counts.values())} windows of {quantity(windows['window'], 's')}"
     return f"{said}: {kinds}{'; ' if stretches else ''}{stretches}"
 
@@ -123,7 +127,8 @@ def _counts(windows: Json) -> str:
 def _worst(windows: Json) -> str:
     worst = f"worst from {quantity(windows['at'], 's')}: rank {windows['rank']} of 13"
     if windows["rank"] < windows["motion_rank"]:
-        return f"{worst} by {windows['ranges']} ranges; of its motion {windows['motion_rank']}"
+        ranges = "1 range" if windows["ranges"] == 1 else f"{windows['ranges']} ranges"
+        return f"{worst} from {ranges}; its motion has rank {windows['motion_rank']}"
     return worst
 
 
@@ -136,6 +141,8 @@ def _few(windows: Json) -> str:
 def _accuracy(windows: Json, required: float) -> list[str]:
     """The predicted position error of the windows that have one."""
     median, worst = windows["position_median"], windows["position"]
+    if windows["verdict"] == "not judged":
+        return []
     if median is None:
         return ["no window predicts a position error"]
     at_worst = "" if worst is None else f", {plus_minus(worst)} after the worst"
@@ -180,7 +187,8 @@ def _next(answer: Json, whole: WholeRecord, options: Mapping[str, str], has_trut
     """Options worth adding: ranges where the observers had none, the window that suffices, or part of the record."""
     if answer["observer"] is None and has_truth:
         return [{"--anchor": options.get("--anchor", "X Y Z"), "--synthetic-ranges": "0.1"}]
-    if answer["informative"]["verdict"] == "observable" or whole.restriction is not None:
+    few = whole.verdict == FEW and whole.ranges > 0
+    if answer["informative"]["verdict"] == "observable" or whole.restriction is not None or few:
         return []
     window = whole.suffices or whole.shortest or 2 * answer["informative"]["window"]
     other = window != answer["informative"]["window"] and window < answer["duration"]

@@ -84,15 +84,15 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
 
 def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
     before = page.settings
-    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,three\n")
-    page.tab.wait_for(lambda: any("line 2" in text for text in page.refusals()), "the line")
+    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,3\n1,2,three,4\n")
+    page.tab.wait_for(lambda: any("line 3" in text for text in page.refusals()), "the line")
     page.press("Read it as this format")
     assert page.settings == before
 
 
 def test_a_guess_is_reported_with_the_name_the_person_knows_and_a_preset_is_sent_to_its_button(page: Editing):
     page.tab.upload("Upload a file", "Non_sense 1.csv", b"lorem, ipsum\n" * 240_000)
-    page.tab.wait_for(lambda: any("Non_sense 1.csv, line 2" in text for text in page.refusals()), "the file's own name")
+    page.tab.wait_for(lambda: any("Non_sense 1.csv: " in text for text in page.refusals()), "the file's own name")
     assert any("read as flight log CSV: if it is none, choose another" in text for text in page.refusals())
     page.tab.upload("Upload a file", "mine.toml", preset.dumps(SHIPPED["soft"]).encode())
     page.tab.wait_for(lambda: any("taken by “Upload a preset”" in text for text in page.refusals()), "the way")

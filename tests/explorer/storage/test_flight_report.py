@@ -1,0 +1,57 @@
+"""The page asks what the command line asks about a recorded flight, and judges nothing against the evidence."""
+
+from pathlib import Path
+
+import pytest
+
+from explorer.panels.presets import flights, import_panel
+from explorer.storage import flight_report, import_file
+from explorer.storage.flight_report import FlightOptions
+from explorer.storage.import_file import ImportFile
+from rangenav import formats, preset
+
+pytestmark = pytest.mark.slow
+
+ORIGIN = (0.0, 0.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def halved(tmp_path_factory: pytest.TempPathFactory) -> ImportFile:
+    """A log of our own whose accelerometer has half its scale."""
+    file: Path = tmp_path_factory.mktemp("log") / "flight.csv"
+    formats.export(preset.load("barrel"), "log", file)
+    lines = file.read_text().splitlines()
+    head = next(k for k, line in enumerate(lines) if line.startswith("t [s]"))
+    rows = [line.split(",") for line in lines[head + 1 :]]
+    halves = [[*row[:4], *(repr(float(cell) / 2) if cell else "" for cell in row[4:7]), *row[7:]] for row in rows]
+    return ImportFile("flight.csv", "\n".join([*lines[: head + 1], *map(",".join, halves)]).encode())
+
+
+def test_the_page_asks_with_the_evidence_and_uses_the_corrected_record(halved: ImportFile):
+    asked = import_file.interpret(halved, "log", {}, ORIGIN).result
+    (question,) = asked.questions
+    assert (question.key, question.suggestion) == ("accel-scale", "2")
+    result = import_file.interpret(halved, "log", {"accel-scale": "2"}, ORIGIN).result
+    assert (result.questions, result.unjudged) == ((), None)
+    assert result.flight is not None
+    report = flight_report.judge(result.flight, FlightOptions(anchor=result.flight.anchor or ORIGIN))
+    assert report.whole.verdict == "observable"
+    assert "observable: the whole record determines the position" in flights.report(report)
+
+
+def test_the_page_does_not_judge_a_record_that_is_taken_against_the_evidence(halved: ImportFile):
+    result = import_file.interpret(halved, "log", {"accel-scale": "1"}, ORIGIN).result
+    assert result.flight is not None
+    assert any("the record is not judged: the mean specific force" in one for one in import_panel.report(result))
+    report = flight_report.judge(result.flight, FlightOptions(anchor=result.flight.anchor or ORIGIN))
+    assert report.whole.verdict == "not judged"
+    assert report.windows.counts["not judged"] == sum(report.windows.counts.values())
+    assert "not judged: the mean specific force" in flights.report(report)
+
+
+def test_an_anchor_that_does_not_fit_the_ranges_is_named_when_the_flight_is_judged(halved: ImportFile):
+    result = import_file.interpret(halved, "log", {"accel-scale": "2"}, ORIGIN).result
+    assert result.flight is not None
+    report = flight_report.judge(result.flight, FlightOptions(anchor=(5.0, 5.0, 5.0)))
+    assert report.whole.verdict == "not judged"
+    assert "for the anchor at (5, 5, 5)" in (report.whole.restriction or "")
