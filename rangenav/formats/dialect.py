@@ -54,7 +54,7 @@ def measured(lines: Sequence[str]) -> Dialect:
     tried = [(_worth(dialect, lines), dialect) for dialect in candidates]
     best = max(worth for worth, _ in tried)
     chosen = next(dialect for worth, dialect in tried if worth == best)
-    entries = [entry for row in _split(chosen, lines) for entry in row]
+    entries = [entry for row in split(chosen, lines) for entry in row]
     with_comma = any(COMMA.fullmatch(entry) for entry in entries)
     with_point = any("." in entry and POINT.fullmatch(entry) for entry in entries)
     return Dialect(separator=chosen.separator, quoted=quoted, decimal_comma=with_comma and not with_point)
@@ -67,7 +67,7 @@ def is_number(entry: str) -> bool:
 
 def counted(lines: Sequence[str], dialect: Dialect, width: int) -> bool:
     """Whether every line has `width` entries, of which the first counts the lines: an index that the header omits."""
-    rows = _split(dialect, lines)
+    rows = split(dialect, lines)
     if not rows or any(len(row) != width or not row[-1].strip() for row in rows) or not INDEX.fullmatch(rows[0][0]):
         return False
     return [row[0] for row in rows] == [str(int(rows[0][0]) + k) for k in range(len(rows))]
@@ -76,7 +76,7 @@ def counted(lines: Sequence[str], dialect: Dialect, width: int) -> bool:
 def texts(lines: Sequence[str], dialect: Dialect) -> dict[int, str]:
     """The columns (from 0) without a number in these lines, each with one of the entries that are text."""
     found: dict[int, str] = {}
-    for row in _split(dialect, lines):
+    for row in split(dialect, lines):
         for k, entry in enumerate(row):
             if entry.strip():
                 found[k] = "" if is_number(entry) else found.get(k, entry.strip())
@@ -86,7 +86,7 @@ def texts(lines: Sequence[str], dialect: Dialect) -> dict[int, str]:
 def _worth(dialect: Dialect, lines: Sequence[str]) -> tuple[bool, int, bool, int]:
     """Of a separator: whether it separates anything; its numbers less what is none; whether all rows are equally long;
     the entries of the first."""
-    rows = _split(dialect, lines)
+    rows = split(dialect, lines)
     entries = [entry for row in rows[1:] for entry in row if entry.strip()]
     numbers = sum(map(is_number, entries))
     lengths = [len(row) for row in rows] or [0]
@@ -94,7 +94,8 @@ def _worth(dialect: Dialect, lines: Sequence[str]) -> tuple[bool, int, bool, int
     return max(lengths) > 1, worth, min(lengths) == max(lengths), lengths[0]
 
 
-def _split(dialect: Dialect, lines: Sequence[str]) -> list[list[str]]:
+def split(dialect: Dialect, lines: Sequence[str]) -> list[list[str]]:
+    """The rows of a few lines, as far as their quotes can be read."""
     rows = []
     with suppress(csv.Error):  # the reader of the whole file names the line
         rows.extend(dialect.rows(lines))

@@ -142,7 +142,7 @@ def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str]) -> Ro
     if numbers == 0:
         return None
     width = len(_trimmed(row))
-    split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in spoken.rows(text)]
+    split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in dialect.split(spoken, text)]
     fitting = [(number, entries) for number, entries in split if len(entries) in (width, len(row)) and width > 1]
     rule = f"{lines.source}, line {lines.numbers[0]}: holds numbers, and no line before it names the columns"
     require(bool(fitting) or numbers < len(filled), rule)

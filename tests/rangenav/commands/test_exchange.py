@@ -131,6 +131,24 @@ def test_an_import_that_leaves_something_open_asks_and_writes_nothing(answer, co
     assert preset.load(tmp_path / "y.toml").world.anchor == (1.0, 2.0, 3.0)
 
 
+def test_the_stamps_and_the_gap_of_a_sampled_path_are_asked_and_answered_by_flags(answer, complaint, tmp_path):
+    time = np.concatenate([np.arange(0, 3, 0.02), np.arange(4, 8, 0.02)])
+    rows = [f"{1e3 * t:.0f} {np.cos(t):.6f} {np.sin(t):.6f} {np.sin(2 * t):.6f} 0 0 0 1" for t in time]
+    (tmp_path / "x.tum").write_text("\n".join(rows))
+    asked = ("import", tmp_path / "x.tum", "--from", "tum", "--frame", "z-up", "-o", tmp_path / "x.toml")
+    said = complaint(*asked)
+    assert "in which unit are the stamps?" in said
+    assert said.endswith("--time-unit ms; what to do with the gap? no rows for 1.02 s between line 150 at 2.98 s and "
+                         "line 151 at 4 s; longest uses the part from 4 s to 7.98 s, bridge draws the curve through, "
+                         "begin and end cut anywhere: --gaps longest\n")  # fmt: skip
+    given = (*asked, "--time-unit", "ms")
+    lengths = [
+        answer(*given, *flags)["duration"]
+        for flags in (("--gaps", "longest"), ("--gaps", "bridge"), ("--begin", "1", "--end", "2.98"))
+    ]
+    assert lengths == pytest.approx([3.98, 7.98, 1.98])
+
+
 def test_a_path_is_no_flight_and_a_flight_no_path(answer, complaint, tmp_path):
     answer("export", "soft", "--to", "log", "-o", tmp_path / "x.csv")
     said = complaint("import", tmp_path / "x.csv", "--from", "log", "-o", tmp_path / "y.toml")

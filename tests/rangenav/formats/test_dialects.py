@@ -49,6 +49,7 @@ def read(data):
             ("a byte order mark in front", "the entries are separated by tabs"),
         ),
         (b"# a run\n# " + written(), ("the names of the columns are in the comment on line 2",)),
+        (b'# 5" screen\n# ' + written(), ("the names of the columns are in the comment on line 2",)),
         (b"// of a tracker\n%" + written(), ("the names of the columns are in the comment on line 2",)),
         (written().replace(b"\n", b",\n"), ()),
     ],
