@@ -139,5 +139,6 @@ def _vehicle(flyability: schema.Flyability) -> Check:
     elif flyability.flyable:
         words = f"within the limits of {flyability.name}"
     else:
-        words = f"{flyability.name} cannot fly it: {'; '.join(flyability.broken)}"
+        who = "no vehicle can" if flyability.name == FREE.name else f"{flyability.name} cannot"
+        words = f"{who} fly it: {'; '.join(flyability.broken)}"
     return Check(name="vehicle", met=flyability.flyable, proven=False, words=words)
