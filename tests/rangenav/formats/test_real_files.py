@@ -123,3 +123,63 @@ def test_a_file_taken_for_another_format_is_refused_in_one_sentence(name, wrong,
     with pytest.raises(ValueError, match=said) as caught:
         formats.settled(formats.read(shared(name), wrong))
     assert "\n" not in str(caught.value)
+
+
+GOOD = "log_quoted.csv"
+
+
+@pytest.mark.parametrize(
+    ("name", "remark"),
+    [
+        ("log_quoted.csv", "entries stand in quotes"),
+        ("log_semicolon_decimal_comma.csv", "the numbers have decimal commas"),
+        ("log_tab.csv", "the entries are separated by tabs"),
+        ("log_index_column.csv", "column 1 has no name and is not used"),
+        ("public/hash_blank_header.csv", "the names of the columns are in the comment on line 2"),
+    ],
+)
+def test_the_dialects_of_spreadsheets_are_one_flight_and_said(name, remark):
+    confirm = {"frame": "z-up", "time": "us", "gyro": "rad/s", "accel": "m/s2"} if "public" in name else {}
+    found = formats.settled(formats.read(shared(f"failing/{name}"), "log", confirm=confirm))
+    assert remark in found.findings
+    if not confirm:
+        same = present(formats.settled(formats.read(shared(f"failing/{GOOD}"), "log")).flight)
+        np.testing.assert_array_equal(present(found.flight).accel, same.accel)
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        ("path_in_motion_at_both_ends.tum", set()),
+        ("path_stamps_in_ms.tum", {"time"}),
+        ("path_gap_of_1.5s.tum", {"gaps"}),
+        ("public/tum_ns_stamps.tum", {"time"}),
+        ("public/tum_starts_in_motion.tum", set()),
+    ],
+)
+def test_poses_in_motion_are_followed_to_a_fraction_of_a_millimetre_after_their_questions(name, keys):
+    confirm = {"frame": "z-up"}
+    asked = formats.read(shared(f"failing/{name}"), "tum", confirm=confirm).questions
+    assert {question.key for question in asked} == keys
+    answers = confirm | {question.key: present(question.suggestion) for question in asked}
+    found = formats.settled(formats.read(shared(f"failing/{name}"), "tum", confirm=answers))
+    assert present(found.fit_error) < 5e-4
+    t = np.linspace(0, found.duration, 2001)
+    path = present(found.path)
+    assert np.linalg.norm(path(t, 1), axis=-1).max() < 3.0
+    assert np.linalg.norm(path(t, 2), axis=-1).max() < 4.0
+
+
+def test_jumps_of_the_acceleration_are_named_and_why_mu_is_0():
+    found = formats.read(shared("failing/path_acceleration_jumps.csv"), "polynomial")
+    assert "acceleration jumps at 11 knots, at most by 15 m/s² at t = 2 s" in found.findings
+    assert any("so μ is 0" in sentence for sentence in found.findings)
+    assert "acceleration jumps by 8.3 m/s²" in str(found.unjudged)
+
+
+def test_577_steps_are_fitted_as_well_as_600():
+    errors = [
+        present(formats.read(shared(f"failing/path_reference_{rows}_rows.csv"), "reference").fit_error)
+        for rows in (578, 601)
+    ]
+    assert max(errors) < 1e-6
