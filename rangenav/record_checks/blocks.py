@@ -18,6 +18,8 @@ RATE = 100.0
 """Hz, of the blocks; a slower record has a block for each sample."""
 WINDOW = 5.0
 """s. A gyro bias of 0.01 rad/s turns the axes by 3° in it."""
+LEAST = 4
+"""Blocks of a window on the average."""
 KEPT = 4
 
 
@@ -47,7 +49,7 @@ class Blocks:
     def windows(self, length: float = WINDOW) -> tuple[Int[Array, "b"], int]:
         """The window of each block, of about `length` seconds, and the number of windows."""
         span = self.time[-1] - self.time[0]
-        count = max(1, int(span // length))
+        count = max(1, min(int(span // length), len(self.time) // LEAST))
         number = np.floor((self.time - self.time[0]) / (span / count or 1.0)).astype(int)
         return np.minimum(number, count - 1), count
 
@@ -56,7 +58,7 @@ class Blocks:
 def blocks(flight: Flight) -> Blocks:
     """The record in blocks."""
     step = float(np.median(np.diff(flight.time)))
-    stride = max(1, round(1 / (RATE * step)))
+    stride = max(1, min(round(1 / (RATE * step)), len(flight.time) // LEAST))
     start = np.arange(0, len(flight.time), stride)
     count = np.diff(np.append(start, len(flight.time)))
     h = np.diff(flight.time)[:, None]

@@ -14,7 +14,7 @@ from rangenav.record_checks.check import unit_factor
 Correction = Callable[[Flight, str], Flight]
 LARGEST_DELAY = 100.0
 """s"""
-LARGEST = 1e6
+LARGEST = 1e9
 
 
 def unit(kind: str) -> Correction:

@@ -31,6 +31,8 @@ CLEARLY, LIKELIER = 1.2, 40.0
 """How many times larger what is left is without the delay, and by how much its chi-square is."""
 LEAST_DELAY = 0.05
 """s. A shorter delay is usual and harmless."""
+FARTHEST = 1e5
+"""m: no anchor is farther from the origin."""
 ANCHOR, ANCHOR_MARGIN = 3.0, 0.3
 """Times what is left with another anchor, and m, that is left with the one that was given."""
 
@@ -123,7 +125,7 @@ def delay_by_imu(flight: Flight) -> Delay | None:
     if len(flight.range) < LEAST or span < WINDOW / 2:
         return None
     begin, end = flight.time[0] + min(1.0, span / 8), flight.time[-1] - min(1.0, span / 8)
-    count = max(1, int((end - begin) // WINDOW))
+    count = max(1, min(int((end - begin) // WINDOW), len(flight.range) // LEAST))
     edges = np.linspace(begin, end, count + 1)
     curve = twice_integrated(flight)
     left, freedom = np.zeros(len(DELAYS)), 0
@@ -180,7 +182,7 @@ def anchor(flight: Flight) -> Evidence | None:
     position = np.stack([np.interp(stamps, known[0], axis) for axis in known[1].T], axis=-1)
     fitted, left = _to_anchor(position, distance)
     off = float(np.sqrt(np.mean((distance - np.linalg.norm(position - np.asarray(flight.anchor), axis=-1)) ** 2)))
-    if off < ANCHOR * left + ANCHOR_MARGIN:
+    if off < ANCHOR * left + ANCHOR_MARGIN or not np.all(np.abs(fitted) < FARTHEST):
         return None
     text = (
         f"the ranges fit the true positions within {significant(off)} m for the anchor at {vector(flight.anchor)}, and "

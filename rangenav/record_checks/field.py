@@ -29,6 +29,8 @@ ALONE = 1.2
 """Axes that spread at most this many times as much explain it as well."""
 IRON, IRON_SIGMA = 0.25, 0.2
 """Least iron that is asked about, as a share of the field, and its largest uncertainty as a share of itself."""
+NO_FIELD = 0.02
+"""Of the iron: a smaller field is none."""
 DEGREE = math.pi / 180
 
 
@@ -64,6 +66,9 @@ def field_spread(flight: Flight) -> FieldSpread | None:
         return None
     mag, window = b.mag[known], window[known]
     size = float(np.median(np.linalg.norm(mag, axis=-1)))
+
+    if size == 0:
+        return None
 
     def spread(rotation: Array, readings: Array) -> float:
         return rms(centred(motion.to_inertial(rotation, readings), window, count)) / size
@@ -144,6 +149,9 @@ def hard_iron(flight: Flight) -> Evidence | None:
     large = size > IRON * found.field and found.iron_sigma < IRON_SIGMA * size
     if not large or not _explains(found, found.without_iron):
         return None
+    if found.field < NO_FIELD * size:
+        text = "the magnetometer reads the same in body axes however the body turns: it reads no field"
+        return Evidence(text=text, suggestion=None)
     offset = flight.field_length * found.iron
     text = (
         f"the magnetometer reads a constant of {vector(offset)} in body axes, in the unit of the file, on a field of "

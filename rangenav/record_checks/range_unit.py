@@ -37,8 +37,9 @@ def unit(flight: Flight) -> Evidence | None:
 def _unit_by_truth(flight: Flight, time: Array, position: Array) -> Evidence | None:
     if flight.anchor is not None:
         there = np.stack([np.interp(flight.range_time, time, axis) for axis in position.T], axis=-1)
-        ratio = float(np.median(flight.range / np.linalg.norm(there - np.asarray(flight.anchor), axis=-1)))
-        chosen = unit_for(flight, "range", 1 / ratio) if not 1 / TWICE < ratio < TWICE and ratio > 0 else None
+        far = float(np.median(np.linalg.norm(there - np.asarray(flight.anchor), axis=-1)))
+        ratio = float(np.median(flight.range)) / far if far > 0 else 1.0
+        chosen = unit_for(flight, "range", 1 / ratio) if ratio > 0 and not 1 / TWICE < ratio < TWICE else None
         if chosen is not None:
             text = f"the ranges are {significant(ratio)} times the distance from the true positions to the anchor"
             return Evidence(text=text, suggestion=chosen)
@@ -53,10 +54,9 @@ def _unit_by_truth(flight: Flight, time: Array, position: Array) -> Evidence | N
 
 def _unit_by_speed(flight: Flight) -> Evidence | None:
     """Ranges that change faster than anything moves."""
-    edges = np.arange(flight.range_time[0], flight.range_time[-1] + 0.5, 0.5)
-    place = np.digitize(flight.range_time, edges)
-    number = np.unique(place)
-    middle = np.array([np.median(flight.range[place == k]) for k in number])
+    place = np.floor((flight.range_time - flight.range_time[0]) / 0.5)
+    number, first = np.unique(place, return_index=True)
+    middle = np.array([np.median(part) for part in np.split(flight.range, first[1:])])
     if len(middle) < 4:
         return None
     speed = float(np.quantile(np.abs(np.diff(middle) / (0.5 * np.diff(number))), 0.75))

@@ -46,9 +46,9 @@ def known_attitudes(flight: Flight) -> tuple[Float[Array, "b 3 3"], Bool[Array, 
 
 
 def _angle(first: Array, second: Array) -> float:
-    """Degrees between two vectors."""
-    cosine = float(first @ second / (np.linalg.norm(first) * np.linalg.norm(second)))
-    return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+    """Degrees between two vectors; 0 where one has no direction."""
+    sine, cosine = float(np.linalg.norm(np.cross(first, second))), float(first @ second)
+    return float(np.degrees(np.arctan2(sine, cosine)))
 
 
 def tilt(flight: Flight) -> float | None:
@@ -68,6 +68,8 @@ def turned_from_field(flight: Flight) -> float | None:
         return None
     rotation, known = attitudes
     known = known & np.isfinite(mag).all(axis=-1)
+    if not known.any():
+        return None
     return _angle(motion.to_inertial(rotation[known], mag[known]).mean(axis=0), np.asarray(flight.magnetic))
 
 
