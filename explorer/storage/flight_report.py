@@ -79,7 +79,8 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     world, questions, source = rest.world_of(flight, anchor=options.anchor, vectors=chosen, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
-    restriction = record_checks.restriction(replace(flight, anchor=options.anchor))
+    given = {} if chosen is None else {"gravity": chosen[0], "magnetic": chosen[1]}
+    restriction = record_checks.restriction(replace(flight, anchor=options.anchor, **given))
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
     flight = recorded_flight.between(flight, options.begin, math.inf if options.end is None else options.end)
     windows = logs.informative(

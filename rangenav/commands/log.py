@@ -95,20 +95,16 @@ def log(
     if list_columns:
         return _list_columns(file, from_ or _format(file), confirm, json=json)
     imported = formats.read(file, from_ or _format(file), confirm=confirm)
-    if imported.flight is None and not imported.questions:
-        raise ValueError(f"{imported.source}: holds a path and no recorded flight: see `rangenav import`")
-    if synthetic_ranges is not None:
-        imported = _without_ranges(imported)
+    imported = _as_given(imported, vectors, measured=synthetic_ranges is None)
     with working(f"checking {imported.source}"):
         imported = record_checks.checked(imported, confirm, anchor=anchor)
-    flight, anchor_position = imported.flight, None if imported.flight is None else imported.flight.anchor
-    asked = () if flight is None or anchor_position or not len(flight.range) else (_anchor_question(),)
+    asked = _open_anchor(imported)
     flight = formats.settled(imported, also=asked if imported.questions else ()).flight
     assert flight is not None
     if synthetic_ranges is not None:
         flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
     world_model, questions, world_source = rest.world_of(
-        flight, anchor=anchor_position or (0.0, 0.0, 0.0), vectors=vectors, confirmed=world == "still"
+        flight, anchor=flight.anchor or (0.0, 0.0, 0.0), vectors=vectors, confirmed=world == "still"
     )
     if len(flight.range):
         formats.settled(imported, also=(*questions, *asked))
@@ -212,13 +208,30 @@ def _format(file: Path) -> str:
     return [*by_suffix, *by_folder, "log"][0]
 
 
-def _without_ranges(imported: formats.ImportResult) -> formats.ImportResult:
-    """The file without its own ranges, where synthetic ones are asked for."""
+def _as_given(
+    imported: formats.ImportResult, vectors: tuple[Vec3, Vec3] | None, *, measured: bool
+) -> formats.ImportResult:
+    """The file with gravity and field as a person gives them, and without its ranges where synthetic ones are wanted.
+
+    Raises ValueError for a file that holds no flight.
+    """
     flight = imported.flight
     if flight is None:
+        rule = f"{imported.source}: holds a path and no recorded flight: see `rangenav import`"
+        require(bool(imported.questions), rule)
         return imported
-    empty = dataclasses.replace(flight, range_time=flight.range_time[:0], range=flight.range[:0], range_lines=None)
-    return dataclasses.replace(imported, flight=empty)
+    if vectors is not None:
+        flight = dataclasses.replace(flight, gravity=vectors[0], magnetic=vectors[1])
+    if not measured:
+        flight = dataclasses.replace(flight, range_time=flight.range_time[:0], range=flight.range[:0], range_lines=None)
+    return dataclasses.replace(imported, flight=flight)
+
+
+def _open_anchor(imported: formats.ImportResult) -> tuple[formats.Question, ...]:
+    """The question where the anchor stands, if there are ranges and nothing says it."""
+    flight = imported.flight
+    known = flight is None or flight.anchor is not None or not len(flight.range)
+    return () if known else (_anchor_question(),)
 
 
 def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> Any:

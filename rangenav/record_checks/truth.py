@@ -88,9 +88,7 @@ def attitude(flight: Flight) -> Evidence | None:
     if gravity is not None and gravity > TILTED:
         text = f"turned by the file's attitude, the mean specific force points {gravity:.0f}° from up"
     elif field is not None and field > BESIDE:
-        text = (
-            f"turned by the file's attitude, the magnetometer points {field:.0f}° from the field that the file states"
-        )
+        text = f"turned by the file's attitude, the magnetometer points {field:.0f}° from the field that is stated"
     else:
         return None
     return Evidence(text=text, suggestion="ignore")
@@ -104,7 +102,7 @@ def unconfirmed(flight: Flight) -> Evidence | None:
     named = ", ".join(flight.unconfirmed)
     against = (gravity or 0.0) > TILTED or (field or 0.0) > BESIDE
     angles = [] if gravity is None else [f"gravity {gravity:.0f}° from the vertical"]
-    angles += [] if field is None else [f"the field {field:.0f}° from the one that the file states"]
+    angles += [] if field is None else [f"the field {field:.0f}° from the one that is stated"]
     turned = f"; turned by it, the sensors read {' and '.join(angles)}" if angles else ""
     text = f"the columns {named} may be the truth or an estimate{turned}"
     return Evidence(text=text, suggestion="no" if against else None)
