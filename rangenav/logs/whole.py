@@ -10,7 +10,7 @@ from numpy import ndarray as Array
 
 from rangenav import model
 from rangenav.formats.recorded_flight import Flight
-from rangenav.logs.windows import FEW, WINDOWS, Asked, Curves, Informative, WindowVerdict, curves, judged
+from rangenav.logs.windows import FEW, WINDOWS, Criteria, Curves, Informative, WindowVerdict, curves, judged
 from rangenav.results import result
 
 LENGTHS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)
@@ -74,18 +74,18 @@ def whole(
     restriction: str | None = None,
 ) -> WholeRecord:
     """Judge a record as a whole. The arguments are those of `informative`."""
-    asked = Asked(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
+    criteria = Criteria(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
     record = curves(flight, noise)
     begin, length = float(flight.time[0]), float(flight.time[-1] - flight.time[0])
-    best = every = judged(record, np.array([begin]), length, asked)
+    best = every = judged(record, np.array([begin]), length, criteria)
     at, suffices, shortest = 0, None, None
     for window in LENGTHS if restriction is None else ():
         if window >= length or (suffices is not None and best.each[at] == "observable"):
             break
-        found = judged(record, _starts(flight, window, LOOKS), window, asked)
+        found = judged(record, _starts(flight, window, LOOKS), window, criteria)
         if shortest is None and "observable" in found.each:
             shortest = window
-        if suffices is None and found.verdict == "observable" and _confirmed(record, flight, window, asked):
+        if suffices is None and found.verdict == "observable" and _confirmed(record, flight, window, criteria):
             suffices = window
         k = _least(found)
         if k is not None and every.each[0] != "observable" and not found.sigma[k] >= best.sigma[at]:
@@ -110,8 +110,8 @@ def _starts(flight: Flight, window: float, count: int) -> Float[Array, "w"]:
     return flight.time[0] + np.linspace(0, float(flight.time[-1] - flight.time[0]) - window, count)
 
 
-def _confirmed(record: Curves, flight: Flight, window: float, asked: Asked) -> bool:
-    return judged(record, _starts(flight, window, WINDOWS), window, asked).verdict == "observable"
+def _confirmed(record: Curves, flight: Flight, window: float, criteria: Criteria) -> bool:
+    return judged(record, _starts(flight, window, WINDOWS), window, criteria).verdict == "observable"
 
 
 def _least(found: Informative) -> int | None:

@@ -112,12 +112,12 @@ def informative(
     length = float(flight.time[-1] - flight.time[0])
     require(0 < window < length, f"the window must be shorter than the record's {length:.4g} s, got {window:g} s")
     start = flight.time[0] + np.linspace(0, length - window, WINDOWS)
-    asked = Asked(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
-    return judged(curves(flight, noise), start, window, asked)
+    criteria = Criteria(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
+    return judged(curves(flight, noise), start, window, criteria)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class Criteria:
     """What the windows of a record are judged by."""
 
     range_sigma: float
@@ -144,7 +144,7 @@ def curves(flight: Flight, noise: tuple[float, float, float] | None) -> Curves:
     return Curves(flight=flight, curve=twice_integrated(flight), disturbed=disturbed)
 
 
-def judged(record: Curves, start: Float[Array, "w"], window: float, asked: Asked) -> Informative:
+def judged(record: Curves, start: Float[Array, "w"], window: float, criteria: Criteria) -> Informative:
     """The windows of `window` seconds that begin at the times `start`."""
     tau, weight = _nodes(window)
 
@@ -157,7 +157,7 @@ def judged(record: Curves, start: Float[Array, "w"], window: float, asked: Asked
         noise_part += np.maximum(spectra(curve).scaled ** 2 - undisturbed.scaled**2, 0.0) / (DRAWS * STRONGER**2)
     counted = (undisturbed.scaled > undisturbed.tolerance[:, None]) & (noise_part < NOISE_SHARE * undisturbed.scaled**2)
     motion_rank = np.sum(np.logical_and.accumulate(counted, axis=-1), axis=-1)
-    ranged = [_ranged(record, float(t), window, asked.range_sigma) for t in start]
+    ranged = [_ranged(record, float(t), window, criteria.range_sigma) for t in start]
     ranges, of_ranges, sigma = (np.array(values) for values in zip(*ranged, strict=True))
     rank = np.minimum(motion_rank, of_ranges)
     sigma[rank < model.STATES] = np.nan
@@ -172,8 +172,8 @@ def judged(record: Curves, start: Float[Array, "w"], window: float, asked: Asked
         noise=np.sqrt(noise_part),
         sigma=sigma,
         worst=_worst(rank, undisturbed.scaled, sigma),
-        each=tuple(_verdict(*one, asked) for one in zip(motion_rank, ranges, rank, sigma, strict=True)),
-        restriction=asked.restriction,
+        each=tuple(_verdict(*one, criteria) for one in zip(motion_rank, ranges, rank, sigma, strict=True)),
+        restriction=criteria.restriction,
     )
 
 
@@ -225,8 +225,8 @@ def _stretches(time: Float[Array, "w"], where: Bool[Array, "w"]) -> list[tuple[f
     return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _verdict(motion_rank: int, ranges: int, rank: int, sigma: float, asked: Asked) -> WindowVerdict:
+def _verdict(motion_rank: int, ranges: int, rank: int, sigma: float, criteria: Criteria) -> WindowVerdict:
     """The verdict on one window; sigma (m) is NaN where none is predicted."""
-    if asked.restriction is None and motion_rank == model.STATES > ranges:
+    if criteria.restriction is None and motion_rank == model.STATES > ranges:
         return FEW
-    return verdict.judge(int(rank), float(sigma), asked.requirement, restriction=asked.restriction).word
+    return verdict.judge(int(rank), float(sigma), criteria.requirement, restriction=criteria.restriction).word

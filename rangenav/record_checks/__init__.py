@@ -52,9 +52,9 @@ def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
         if evidence is None:
             continue
         answered = confirm.get(row.key)
-        if answered is None and row.unasked:
-            flight = row.correct(flight, row.unasked)
-            findings.append(f"{evidence.text}: {UNASKED[row.unasked]} ({row.flag} {row.options[-1]} uses them)")
+        if answered is None and row.default:
+            flight = row.correct(flight, row.default)
+            findings.append(f"{evidence.text}: {DEFAULTS[row.default]} ({row.flag} {row.options[-1]} uses them)")
         elif answered is None and evidence.suggestion is not None:
             questions[row.key] = row.question(evidence)
             flight = row.correct(flight, evidence.suggestion)  # what follows is checked as if it were confirmed
@@ -67,7 +67,7 @@ def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
     return Checked(flight=flight, findings=tuple(findings), questions=tuple(questions.values()), doubts=tuple(doubts))
 
 
-UNASKED = {"drop": "not used", "once": "counted once"}
+DEFAULTS = {"drop": "not used", "once": "counted once"}
 """What is said of an answer that is applied without a question."""
 
 

@@ -45,7 +45,7 @@ def accel_axes(flight: Flight) -> Evidence | None:
         return _by_gravity(flight)
     good = np.flatnonzero(found >= found.max() - AS_GOOD)
     if 0 not in good:
-        chosen = axes.plainest(good)
+        chosen = axes.simplest(good)
         text = (
             f"the file's positions follow the accelerometer in the axes {chosen} (correlation {found.max():.2f}) and "
             f"not in its own ({found[0]:.2f}){axes.handedness(chosen)}"
@@ -131,7 +131,7 @@ def _by_gravity(flight: Flight) -> Evidence | None:
     own, least = float(found[0]), float(found.min())
     if own < OFF or least > BETTER * own:
         return None
-    chosen = axes.plainest(np.flatnonzero(found <= ALONE * least))
+    chosen = axes.simplest(np.flatnonzero(found <= ALONE * least))
     text = (
         f"turned by the file's attitude, the mean specific force is {significant(own)} m/s² from −g, and "
         f"{significant(least)} m/s² in the axes {chosen}{axes.handedness(chosen)}"

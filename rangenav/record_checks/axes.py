@@ -39,7 +39,7 @@ REFLECTIONS = tuple(k for k, found in enumerate(MATRICES) if np.linalg.det(found
 """Places in EVERY of the 24 rotations, the first of which is the identity, and of the 24 others."""
 
 
-def plainest(places: Iterable[int]) -> str:
+def simplest(places: Iterable[int]) -> str:
     """Of axes that explain a record equally well, a rotation that leaves as many axes as they are as it can."""
     return EVERY[max(places, key=lambda k: (k in ROTATIONS, float(np.trace(MATRICES[k])), -k))]
 

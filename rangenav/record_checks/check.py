@@ -48,7 +48,7 @@ class Check:
     """Whether the reader of the file applies the answer, as it does for units."""
     confirmable: bool = False
     """Whether a record that is taken as it is may be judged: a person knows more than the file."""
-    unasked: str = ""
+    default: str = ""
     """The answer that is applied and said without a question; empty where there is a question."""
 
     def question(self, evidence: Evidence) -> Question:

@@ -132,7 +132,7 @@ def _axes(found: FieldSpread, spreads: Array, places: tuple[int, ...], sensor: s
     least = float(spreads.min())
     if not _explains(found, least):
         return None
-    chosen = axes.plainest(places[k] for k in np.flatnonzero(spreads <= ALONE * least))
+    chosen = axes.simplest(places[k] for k in np.flatnonzero(spreads <= ALONE * least))
     text = (
         f"in axes turned by the gyro the magnetic field spreads by {found.own:.0%} of its length, and by {least:.0%} "
         f"if the {sensor}'s axes are {chosen}{axes.handedness(chosen)}"

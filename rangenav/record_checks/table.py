@@ -35,7 +35,7 @@ CHECKS: tuple[Check, ...] = (
         asks="what to do with positions of 0 0 0",
         options=("drop", "keep"),
         correct=corrections.lost_poses,
-        unasked="drop",
+        default="drop",
     ),
     Check(
         name="truth",
@@ -244,7 +244,7 @@ CHECKS: tuple[Check, ...] = (
         asks="what to do with ranges that are no distances",
         options=("drop", "keep"),
         correct=corrections.range_values,
-        unasked="drop",
+        default="drop",
     ),
     Check(
         name="held ranges",
@@ -256,7 +256,7 @@ CHECKS: tuple[Check, ...] = (
         asks="how often does a range count that stands on several rows",
         options=("once", "each"),
         correct=corrections.held_ranges,
-        unasked="once",
+        default="once",
     ),
     Check(
         name="unit of the ranges",
@@ -304,7 +304,9 @@ def markdown() -> str:
     head = ("check", "what is compared", "flag", "answers")
     rows = [head, ("---",) * len(head)]
     for row in CHECKS:
-        answers = ", ".join(f"`{one}`" for one in row.options) or "`X Y Z`"
-        taken = f"{answers}; without a question `{row.unasked}`" if row.unasked else answers
+        answers = ", ".join(f"`{one}`" for one in row.options) or "where it stands"
+        if len(row.options) == 1:
+            answers = f"a value; {answers}: as it is"
+        taken = f"{answers}; without a question `{row.default}`" if row.default else answers
         rows.append((row.name, row.compares, f"`{row.flag}`", taken))
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)

@@ -277,7 +277,7 @@ def test_every_check_has_a_flag_of_the_command_line_with_all_its_answers():
             continue
         assert row.flag in flags, row.flag
         assert row.key in keys, row.key
-        assert not row.unasked or row.unasked == row.options[0]
+        assert not row.default or row.default == row.options[0]
     for first in record_checks.CHECKS:
         for second in record_checks.CHECKS:
             if first.key == second.key:
