@@ -5,13 +5,19 @@ is in body axes, and the input matrices of the noise are written out; the kernel
 never turns P.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import attitude, riccati, so3
+from rangenav import acquisition, attitude, riccati, so3
+from rangenav.acquisition import Collection, Watch
 from rangenav.cascade import Estimate, ObserverConfig, Start, checked_start, ranges_at_imu_rate
+from rangenav.kernels import layout
+from rangenav.kernels.layout import MATCHED_V
 from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY, XI, ModelForm
+from rangenav.results import result
 from rangenav.sensors import Measurements, check
 
 
@@ -19,42 +25,55 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     """Run both observers over a record; same arguments, result and errors as `cascade.observe`."""
     z, start = check(measurements), checked_start(start)
     observer = _Observer(setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
-    x, P, R = start.state.copy(), np.diag(setting.gains.riccati.p0.diagonal()), start.rotation.copy()
+    R, now = start.rotation.copy(), observer.begin(start.state.copy())
     mag = np.where(np.isnan(z.mag[0]), R.T @ np.asarray(setting.world.magnetic), z.mag[0])
-    pending = _due_at_start(z, x, observer)
+    pending = _due_at_start(z, observer)
     j = int(np.searchsorted(z.range_time, z.time[0], side="right"))
     s, chosen = attitude.MISALIGNED, setting.gains.attitude
-    rows, innovation = [(x, P, R, attitude.gain(chosen, s))], np.full((len(z.range), 2), np.nan)
+    rows, innovation = [(now.x, now.P, R, attitude.gain(chosen, s), now.phase)], np.full((len(z.range), 2), np.nan)
     for k in range(1, len(z.time)):
-        gravity = x[GRAVITY]
+        gravity = now.x[GRAVITY]
         if pending is not None:
-            x, P = riccati.correct(x, P, *pending)
+            now = observer.corrected(now, *pending)
             pending = None
         t0, t1, reached, turned = z.time[k - 1], z.time[k], 0.0, np.eye(3)
         gyro, accel = (z.gyro[k - 1], z.gyro[k]), (z.accel[k - 1], z.accel[k])
         while j < len(z.range_time) and z.range_time[j] <= t1:
             fraction = 1.0 if z.range_time[j] == t1 else (z.range_time[j] - t0) / (t1 - t0)
             if fraction > reached:
-                x, P, turned = observer.propagate(x, P, turned, gyro, accel, reached, fraction, t1 - t0)
+                now, turned = observer.propagate(now, turned, gyro, accel, reached, fraction, t1 - t0)
                 reached = fraction
-            y, variance = observer.output(z.range[j]), observer.variance(x)
+            y, variance = observer.output(z.range[j]), observer.variance(now)
+            innovation[j] = y - now.x[0], now.P[0, 0] + variance
             if observer.symmetric and fraction == 1.0:
                 variance *= 2
                 pending = (y, variance)
-            innovation[j] = y - x[0], P[0, 0] + observer.variance(x)
-            x, P = riccati.correct(x, P, y, variance)
+            now = observer.corrected(now, y, variance)
             j += 1
         if reached < 1.0:
-            x, P, turned = observer.propagate(x, P, turned, gyro, accel, reached, 1.0, t1 - t0)
-        if observer.matched:
-            x, P = riccati.remind(x, P, t1 - t0)
+            now, turned = observer.propagate(now, turned, gyro, accel, reached, 1.0, t1 - t0)
+        now = observer.ended(now, t1 - t0)
         new_mag = turned.T @ mag if np.isnan(z.mag[k]).any() else z.mag[k]
         R, s = attitude.step(
-            R, s, gyro, (mag, new_mag), (gravity, x[GRAVITY]), t1 - t0, gains=chosen, world=setting.world
+            R, s, gyro, (mag, new_mag), (gravity, now.x[GRAVITY]), t1 - t0, gains=chosen, world=setting.world
         )
         mag = new_mag
-        rows.append((x, P, R, attitude.gain(chosen, s)))
+        rows.append((now.x, now.P, R, attitude.gain(chosen, s), now.phase))
     return _estimate(z, rows, innovation)
+
+
+@result
+class _Now:
+    """The Riccati observer between two corrections, body axes."""
+
+    x: Float[Array, "13"]
+    P: Float[Array, "13 13"]
+    phase: int
+    """As in `Estimate.phase`."""
+    collection: Collection
+    watch: Watch
+    reopened: int
+    """Alarms that have begun a collection."""
 
 
 class _Observer:
@@ -62,62 +81,122 @@ class _Observer:
 
     def __init__(self, setting: ObserverConfig, *, symmetric: bool) -> None:
         gains, sensors = setting.gains, setting.sensors
-        self.matched = gains.mode == "noise-matched"
-        self.symmetric = symmetric and not self.matched
+        self.noise_matched = gains.mode == "noise-matched"
+        self.symmetric = symmetric and not self.noise_matched
         self.gravity_norm = float(np.linalg.norm(setting.world.gravity))
         self.form: ModelForm = setting.form
-        self.v = np.full(STATES, riccati.V_RANGE[0]) if self.matched else gains.riccati.v.diagonal()
+        self.v, self.p0 = gains.riccati.v.diagonal(), np.diag(gains.riccati.p0.diagonal())
         self.constant_variance = sensors.range_rate / gains.riccati.q
-        self.sigma = sensors.sigma.range
-        self.accel_density = sensors.sigma.accel**2 / sensors.imu_rate
-        self.gyro_density = sensors.sigma.gyro**2 / sensors.imu_rate
+        self.sensed = acquisition.Noise(
+            range=sensors.sigma.range,
+            accel_density=sensors.sigma.accel**2 / sensors.imu_rate,
+            gyro_density=sensors.sigma.gyro**2 / sensors.imu_rate,
+        )
+
+    def begin(self, x: Float[Array, "13"]) -> _Now:
+        """The observer at the first sample."""
+        phase = acquisition.COLLECTING if self.noise_matched else acquisition.CONSTANT
+        begun, watch = acquisition.collection(), acquisition.watch(1.0)
+        return _Now(x=x, P=self.p0, phase=phase, collection=begun, watch=watch, reopened=0)
 
     def output(self, distance: float) -> float:
         """y = ½d², less the bias ½σ² when noise-matched."""
-        return (distance**2 - (self.sigma**2 if self.matched else 0.0)) / 2
+        return (distance**2 - (self.sensed.range**2 if self.noise_matched else 0.0)) / 2
 
-    def variance(self, x: Float[Array, "13"]) -> float:
+    def variance(self, now: _Now) -> float:
         """Variance of one y (m⁴)."""
-        if not self.matched:
+        if now.phase != acquisition.MATCHED:
             return self.constant_variance
-        return max(2 * x[0], 0.0) * self.sigma**2 + self.sigma**4 / 2
+        return max(2 * now.x[0], 0.0) * self.sensed.range**2 + self.sensed.range**4 / 2
 
-    def noise(self, x: Float[Array, "13"]) -> Float[Array, "13 13"]:
+    def corrected(self, now: _Now, y: float, variance: float) -> _Now:
+        """The observer after a measurement of y, which outliers leave as it is."""
+        if now.phase == acquisition.COLLECTING:
+            now = replace(now, collection=acquisition.collected(now.collection, y, self.sensed))
+        if now.phase == acquisition.MATCHED:
+            watch, outlier = acquisition.watched(now.watch, y - now.x[0], now.P[0, 0] + variance)
+            now = replace(now, watch=watch)
+            if outlier:
+                return now
+        x, P = riccati.correct(now.x, now.P, y, variance)
+        return replace(now, x=x, P=P)
+
+    def noise(self, x: Float[Array, "13"], phase: int) -> Float[Array, "13 13"]:
         """Process-noise density V."""
-        V = np.diag(self.v)
-        if self.matched:
-            accel, gyro = np.zeros((STATES, 3)), np.zeros((STATES, 3))
-            accel[1], accel[2], accel[3] = x[POSITION], 2 * x[VELOCITY], 3 * x[GRAVITY]
-            accel[VELOCITY] = np.eye(3)
-            for block in (POSITION, VELOCITY, GRAVITY):
-                gyro[block] = so3.hat(x[block])
-            V = V + self.accel_density * accel @ accel.T + self.gyro_density * gyro @ gyro.T
-        return V
+        if phase != acquisition.MATCHED:
+            return np.diag(self.v)
+        return np.diag(np.repeat(MATCHED_V, [4, 3, 3, 3])) + self.imu_noise(x)
+
+    def imu_noise(self, x: Float[Array, "13"]) -> Float[Array, "13 13"]:
+        """The part of V that the noise of accelerometer and gyro makes at x̂."""
+        accel, gyro = np.zeros((STATES, 3)), np.zeros((STATES, 3))
+        accel[1], accel[2], accel[3] = x[POSITION], 2 * x[VELOCITY], 3 * x[GRAVITY]
+        accel[VELOCITY] = np.eye(3)
+        for block in (POSITION, VELOCITY, GRAVITY):
+            gyro[block] = so3.hat(x[block])
+        return self.sensed.accel_density * accel @ accel.T + self.sensed.gyro_density * gyro @ gyro.T
 
     def propagate(
-        self, x: Array, P: Array, turned: Array, gyro: tuple, accel: tuple, begin: float, end: float, interval: float
-    ) -> tuple[Array, Array, Array]:
-        """x̂ and P from one fraction of the interval to another, and the turn since the interval's start."""
+        self, now: _Now, turned: Array, gyro: tuple, accel: tuple, begin: float, end: float, interval: float
+    ) -> tuple[_Now, Array]:
+        """The observer from one fraction of the interval to another, and the turn since the interval's start."""
         h, middle = (end - begin) * interval, (begin + end) / 2
         rate = gyro[0] + middle * (gyro[1] - gyro[0])
         turn = so3.exp(h * rate)
         first, last = (accel[0] + fraction * (accel[1] - accel[0]) for fraction in (begin, end))
-        mean = (first + turn @ last) / 2
-        P = P + self.noise(x) * (h / 2)
-        x, P = riccati.predict(x, P, rate, mean, h, gravity_norm=self.gravity_norm, form=self.form)
-        P = P + self.noise(x) * (h / 2)
-        return x, P, turned @ turn
+        mean, known = (first + turn @ last) / 2, {"gravity_norm": self.gravity_norm, "form": self.form}
+        P = now.P + self.noise(now.x, now.phase) * (h / 2)
+        x, P = riccati.predict(now.x, P, rate, mean, h, **known)
+        P = P + self.noise(x, now.phase) * (h / 2)
+        now = replace(now, x=x, P=P)
+        if now.phase == acquisition.COLLECTING:
+            now = replace(now, collection=acquisition.moved(now.collection, turn, mean, h, **known))
+        return now, turned @ turn
+
+    def ended(self, now: _Now, interval: float) -> _Now:
+        """The observer at the end of an interval: matched gains start, are reminded of ξ1 = ½|p|², or are given up."""
+        if now.phase == acquisition.COLLECTING:
+            return self._started(now)
+        if now.phase != acquisition.MATCHED:
+            return now
+        x, P = riccati.remind(now.x, now.P, interval)
+        now = replace(now, x=x, P=P)
+        if now.watch.count < layout.ALARM_RANGES:
+            return now
+        if not now.watch.total > layout.ALARM:
+            return replace(now, watch=replace(now.watch, count=0, total=0.0))
+        if now.reopened == layout.REOPENINGS:
+            return replace(now, P=self.p0, phase=acquisition.LOST)
+        again = {"phase": acquisition.COLLECTING, "collection": acquisition.collection()}
+        return replace(now, P=self.p0, reopened=now.reopened + 1, **again)
+
+    def _started(self, now: _Now) -> _Now:
+        of = now.collection
+        if len(of.rows) <= STATES or of.elapsed < of.next_check:
+            return now
+        if of.weight > layout.IMU_SHARE * len(of.rows):
+            return replace(now, collection=acquisition.collection())
+        solution = acquisition.solved(of)
+        if solution is None:
+            return replace(now, collection=replace(of, next_check=of.elapsed * layout.CHECK_GROWTH))
+        x, P, misfit = solution
+        turn = np.eye(STATES)
+        for block in (POSITION, VELOCITY, GRAVITY):
+            turn[block, block] = of.turned.T
+        x, P = turn @ x, turn @ P @ turn.T
+        P = P + 2 * of.elapsed * self.imu_noise(x)
+        return replace(now, x=x, P=P, phase=acquisition.MATCHED, watch=acquisition.watch(misfit))
 
 
-def _due_at_start(z: Measurements, x: Array, observer: _Observer) -> tuple[float, float] | None:
+def _due_at_start(z: Measurements, observer: _Observer) -> tuple[float, float] | None:
     at_start = z.range_time == z.time[0]
     if not at_start.any():
         return None
-    return observer.output(z.range[at_start][-1]), observer.variance(x) * (2 if observer.symmetric else 1)
+    return observer.output(z.range[at_start][-1]), observer.constant_variance * (2 if observer.symmetric else 1)
 
 
 def _estimate(z: Measurements, rows: list, innovation: Array) -> Estimate:
-    states, covariances, rotations, k1 = (np.array(part) for part in zip(*rows, strict=True))
+    states, covariances, rotations, k1, phase = (np.array(part) for part in zip(*rows, strict=True))
     blocks = [covariances[:, block, block] for block in (POSITION, VELOCITY, GRAVITY)]
     return Estimate(
         time=z.time,
@@ -127,4 +206,5 @@ def _estimate(z: Measurements, rows: list, innovation: Array) -> Estimate:
         rotation=rotations,
         k1=k1,
         innovation=innovation,
+        phase=phase.astype(np.int8),
     )

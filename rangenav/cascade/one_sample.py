@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import model, riccati, so3
+from rangenav import model, so3
 from rangenav.arguments import DOUBLE, array, described, finite_array, increasing_array, instance, number
 from rangenav.attitude import MISALIGNED, Schedule
 from rangenav.cascade.values import ObserverConfig, Sample, Start, State, kernel
@@ -14,9 +14,13 @@ from rangenav.gains import Guess
 from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import (
     ACCEL_FAULT,
+    ACQUISITION,
+    COLLECTING,
+    CONSTANT,
     GYRO_FAULT,
     MAG_FAULT,
     NO_FAULT,
+    PHASE,
     RANGE_FAULT,
     RANGE_TIME_FAULT,
     TIME_FAULT,
@@ -62,14 +66,13 @@ def parameters(setting: ObserverConfig, *, symmetric: bool) -> Parameters:
     gains, sensors, world = setting.gains, setting.sensors, setting.world
     plan = gains.attitude.schedule or Schedule()  # without a schedule the kernel does not use these numbers
     matched = gains.mode == "noise-matched"
-    v = gains.riccati.v
-    floor = riccati.V_RANGE[0]
     return Parameters(
         gravity=_floats(world.gravity),
         magnetic=_floats(world.magnetic),
         b4=model.input_4(float(np.linalg.norm(world.gravity)), setting.form),
         variance=sensors.range_rate / gains.riccati.q,
-        v=(floor, floor, floor, floor) if matched else _densities(v),
+        v=_of_blocks(gains.riccati.v),
+        p0=_of_blocks(gains.riccati.p0),
         k1=float(gains.attitude.k1),
         rho1=float(gains.attitude.rho1),
         rho2=float(gains.attitude.rho2),
@@ -109,7 +112,9 @@ def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bo
         mag=expected if np.isnan(mag).any() else mag.copy(),
         misaligned=np.array([MISALIGNED]),
         pending=np.array(NO_PENDING),
+        acquisition=np.zeros(ACQUISITION),
     )
+    arrays.acquisition[PHASE] = COLLECTING if p.matched else CONSTANT
     at_start = range_time == time
     if at_start.any():
         kernel().begin(arrays, float(distance[at_start][-1]), p)
@@ -172,5 +177,5 @@ def _floats(vector: Vec3) -> Vec3:
     return float(vector[0]), float(vector[1]), float(vector[2])
 
 
-def _densities(v: Blocks) -> tuple[float, float, float, float]:
+def _of_blocks(v: Blocks) -> tuple[float, float, float, float]:
     return float(v.xi), float(v.position), float(v.velocity), float(v.gravity)

@@ -3,15 +3,16 @@
 from collections.abc import Sequence
 from functools import cache
 from types import ModuleType
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav import model
+from rangenav.acquisition import PHASES
 from rangenav.gains import Gains
-from rangenav.kernels.layout import Arrays, Parameters
+from rangenav.kernels.layout import PHASE, Arrays, Parameters
 from rangenav.motion import World, to_inertial
 from rangenav.results import result
 from rangenav.sensors import Sensors
@@ -55,6 +56,8 @@ class Estimate:
     """y − ŷ (m²) and its variance P₁₁ + R (m⁴), one row for each range; NaN for a range before the first step."""
     k1: Float[Array, "n"] | None = None
     """1/s, the attitude gain in force, constant without a schedule; None for an estimator without this gain."""
+    phase: Int[Array, "n"] | None = None
+    """Which gains are in force, a place in `acquisition.PHASES`; None for an estimator without phases."""
 
     @property
     def std(self) -> Float[Array, "n 13"]:
@@ -116,6 +119,11 @@ class State:
     def k1(self) -> float:
         """1/s, the attitude gain in force."""
         return kernel().k1(self.arrays, self.parameters)
+
+    @property
+    def phase(self) -> Literal["constant", "collecting", "matched", "lost"]:
+        """Which gains are in force; see `acquisition.PHASES`."""
+        return PHASES[int(self.arrays.acquisition[PHASE])]
 
     def _read(self) -> tuple[Array, Array]:
         state, covariance = np.empty(model.STATES), np.empty((3, 3, 3))

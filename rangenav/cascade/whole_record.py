@@ -21,7 +21,7 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     z = check(measurements)
     count, ranges = len(z.time), len(z.range_time)
     state = begin(_first_sample(z), start, setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
-    k1 = np.empty(count)
+    k1, phase = np.empty(count), np.empty(count, dtype=np.int8)
     estimate = Estimate(
         time=z.time,
         state=np.empty((count, model.STATES)),
@@ -30,10 +30,11 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
         rotation=np.empty((count, 3, 3)),
         innovation=np.full((ranges, 2), np.nan),
         k1=k1,
+        phase=phase,
     )
     kernel().run(
         state.arrays, z.time, z.gyro, z.accel, z.mag, z.range_time, z.range, estimate.state, estimate.xi_variance,
-        estimate.covariance, estimate.rotation, k1, estimate.innovation, _skipped(z), state.parameters,
+        estimate.covariance, estimate.rotation, k1, phase, estimate.innovation, _skipped(z), state.parameters,
     )  # fmt: skip
     return estimate
 

@@ -6,14 +6,18 @@ symmetric (Strang) scheme, half before the estimate is read and half after, whic
 
 import numpy as np
 
-from rangenav.kernels import attitude, riccati
+from rangenav.kernels import acquisition, attitude, riccati
 from rangenav.kernels import rotation as rot
 from rangenav.kernels.jit import kernel
 from rangenav.kernels.layout import (
     ACCEL_FAULT,
+    COLLECTING,
     GYRO_FAULT,
     MAG_FAULT,
+    MATCHED,
+    MATCHED_V,
     NO_FAULT,
+    PHASE,
     RANGE_FAULT,
     RANGE_TIME_FAULT,
     TIME_FAULT,
@@ -21,9 +25,9 @@ from rangenav.kernels.layout import (
 
 
 @kernel
-def range_variance(x, p):
+def range_variance(x, matched, p):
     """Variance (m⁴) of one y: constant, or d̂²σ² + ½σ⁴ with the predicted d̂² (the measured d² would bias the gain)."""
-    if not p.matched:
+    if not matched:
         return p.variance
     square, s2 = max(2 * x[0], 0.0), p.range_sigma * p.range_sigma
     return square * s2 + s2 * s2 / 2
@@ -37,7 +41,7 @@ def measured_y(distance, p):
 
 
 @kernel
-def propagate(x, P, turned, gyro0, gyro1, accel0, accel1, begin, end, interval, p):
+def propagate(x, P, a, turned, gyro0, gyro1, accel0, accel1, begin, end, interval, p):
     """Predict from begin to end (fractions of the interval) and return the new turn.
 
     The acceleration is the mean of both ends, in the axes of the start: with the rate at the middle, order 2.
@@ -49,10 +53,13 @@ def propagate(x, P, turned, gyro0, gyro1, accel0, accel1, begin, end, interval, 
     ax1, ay1, az1 = _between(accel0, accel1, end)
     bx, by, bz = rot.apply(increment, ax1, ay1, az1)
     ax, ay, az = rot.apply(turned, (ax0 + bx) / 2, (ay0 + by) / 2, (az0 + bz) / 2)
-    _add_noise(x, P, h / 2, p)
+    matched = a[PHASE] == MATCHED
+    _add_noise(x, P, h / 2, matched, p)
     riccati.predict_state(x, ax, ay, az, h, p.b4)
     riccati.predict_covariance(P, ax, ay, az, h)
-    _add_noise(x, P, h / 2, p)
+    _add_noise(x, P, h / 2, matched, p)
+    if a[PHASE] == COLLECTING:
+        acquisition.propagate(a, ax, ay, az, h, p.b4)
     return rot.multiply(turned, increment)
 
 
@@ -66,17 +73,21 @@ def _between(start, end, fraction):
 
 
 @kernel
-def _add_noise(x, P, h, p):
-    riccati.add_block_noise(P, p.v, h)
-    if p.matched:
+def _add_noise(x, P, h, matched, p):
+    if matched:
+        riccati.add_block_noise(P, MATCHED_V, h)
         riccati.add_imu_noise(P, x, p.accel_density, p.gyro_density, h)
+    else:
+        riccati.add_block_noise(P, p.v, h)
 
 
 @kernel
 def begin(s, distance, p):
     """Keep the correction by a range at the very first IMU sample: it is applied when the first interval starts."""
     s.pending[0] = measured_y(distance, p)
-    s.pending[1] = range_variance(s.x, p) * (2 if p.symmetric else 1)
+    s.pending[1] = range_variance(s.x, False, p) * (2 if p.symmetric else 1)
+    if s.acquisition[PHASE] == COLLECTING:
+        acquisition.collect(s.acquisition, s.pending[0], p)
 
 
 @kernel
@@ -85,29 +96,38 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
 
     innovation[j] ← (y − ŷ, its variance) for each of them.
     """
-    x, P, interval, reached = s.x, s.P, t1 - t0, 0.0
+    x, P, a, interval, reached = s.x, s.P, s.acquisition, t1 - t0, 0.0
+    collecting, matched = a[PHASE] == COLLECTING, a[PHASE] == MATCHED
     old = rot.load(s.turned)
     gravity0 = rot.apply_inverse(old, x[10], x[11], x[12])
     if not np.isnan(s.pending[0]):
         riccati.correct(x, P, s.pending[0], s.pending[1])
         s.pending[0] = np.nan
     turned = old
-    for j in range(first, last):
-        at_sample = range_time[j] == t1
-        fraction = 1.0 if at_sample else (range_time[j] - t0) / interval
+    for j in range(first, last + 1):  # up to each range, then up to the end: one call compiles in half the time of two
+        at_end = j == last or range_time[j] == t1
+        fraction = 1.0 if at_end else (range_time[j] - t0) / interval
         if fraction > reached:
-            turned = propagate(x, P, turned, s.gyro, gyro1, s.accel, accel1, reached, fraction, interval, p)
+            turned = propagate(x, P, a, turned, s.gyro, gyro1, s.accel, accel1, reached, fraction, interval, p)
             reached = fraction
-        y, variance = measured_y(distance[j], p), range_variance(x, p)
-        if p.symmetric and at_sample:
+        if j == last:
+            break
+        y, variance = measured_y(distance[j], p), range_variance(x, matched, p)
+        if collecting:
+            acquisition.collect(a, y, p)
+        if matched and acquisition.outlier(a, y - x[0], P[0] + variance):
+            innovation[j, 0], innovation[j, 1] = y - x[0], P[0] + variance
+            continue
+        if p.symmetric and at_end:
             variance *= 2
             s.pending[0], s.pending[1] = y, variance
         innovation[j, 0], total = riccati.correct(x, P, y, variance)
-        innovation[j, 1] = total - variance / 2 if p.symmetric and at_sample else total  # of the whole correction
-    if reached < 1.0:
-        turned = propagate(x, P, turned, s.gyro, gyro1, s.accel, accel1, reached, 1.0, interval, p)
-    if p.matched:
+        innovation[j, 1] = total - variance / 2 if p.symmetric and at_end else total  # of the whole correction
+    if matched:
         riccati.remind(x, P, interval)
+        acquisition.watch(a, P, p)
+    elif collecting:
+        acquisition.start(a, x, P, p)
     turned = rot.orthonormal(turned)
     rot.store(turned, s.turned)
     mag0, new_mag = (s.mag[0], s.mag[1], s.mag[2]), (mag1[0], mag1[1], mag1[2])
@@ -175,8 +195,8 @@ def read(s, state, covariance):
 
 @kernel
 def run(
-    s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, gains, innovation,
-    first, p
+    s, time, gyro, accel, mag, range_time, distance, states, xi_variance, covariances, rotations, gains, phases,
+    innovation, first, p
 ):  # fmt: skip
     """Run a whole record from its range number `first` on, writing the estimate at every IMU sample."""
     for k in range(len(time)):
@@ -190,7 +210,7 @@ def run(
         for i in range(4):
             xi_variance[k, i] = s.P[14 * i]
         rot.store(rot.load(s.rotation), rotations[k])
-        gains[k] = attitude.gain(s.misaligned[0], p)
+        gains[k], phases[k] = attitude.gain(s.misaligned[0], p), s.acquisition[PHASE]
 
 
 @kernel

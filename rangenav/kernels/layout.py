@@ -16,6 +16,51 @@ Steady position error on paper, paper-slow and soft, ranges at 200 Hz, median (w
 without the correction .043 (.072), .073 (.117), .21 (.40); with 100 s .038 (.066), .068 (.108), .20 (.34);
 with 10 s .035 (.054), .056 (.075), .16 (.23); with 1 s .036 (.051), .048 (.59), .13 (.29)."""
 
+SMOOTHING = 0.1
+"""The share of each new d² in the mean that gives the variance of the ranges after it. The mean never holds the noise
+of the range that it weighs, which would bias y by −2σ²."""
+LEAST_VARIANCE = 1e-8
+"""m²: ranges count as no better than 0.1 mm, so that those without noise have a finite weight."""
+RANK_TOLERANCE = 1e-13
+"""The collected ranges have rank 13 if every diagonal entry of their triangle exceeds this share of the largest one."""
+KNOWN_SHARE = 1.0
+"""The matched gains start once the 1-σ position of the collected ranges is below this share of the distance. With .5, 1
+and 2 all of 60 starts up to 10 km on each of five motions end within e_BᵀP⁻¹e_B = 36; paper-slow starts after 6.1, 5.8
+and 5.6 s."""
+IMU_SHARE = 0.75
+"""A collection begins anew when the IMU's noise is more than this share of the variance of its ranges on average: older
+ranges then no longer help. It also keeps blind motions blind: on ten of them, 300 s each, the 1-σ position never falls
+below the distance, although noise alone makes every triangle one of rank 13."""
+CHECK_GROWTH = 1.02
+"""A collection is solved again when it has become this much longer: .1 µs a step on average."""
+GATE = 36.0
+"""An innovation of more than 6 σ belongs to an outlier, and its range corrects nothing: 2e-9 of all innovations."""
+OUTLIER = 4.0
+"""What an outlier counts in the window's sum. One adds 3 to its mean of 64, so that it makes no alarm; 23 make one."""
+ALARM_RANGES = 64
+"""Innovations in a window."""
+ALARM = 132.79
+"""χ² with 64 degrees of freedom exceeds this with probability 1e-6: the false-alarm rate of a window."""
+LOOSEST_SCALE = 9.0
+"""Gate and alarm grow with the misfit χ²/(m − 13) of the collection, at most to this: noise of up to three times the
+stated one is overconfidence, which the innovations show, and no false solution."""
+REOPENINGS = 3
+"""Collections that alarms may begin; the next alarm means lost."""
+MATCHED_V = (1e-6, 1e-6, 1e-6, 1e-6)
+"""The floor of the process noise of matched gains, in the four blocks: the least v that is allowed."""
+
+CONSTANT, COLLECTING, MATCHED, LOST = range(4)
+"""The phase of an observer: constant gains by choice; constant gains while ranges are collected; noise-matched gains;
+constant gains because matched ones were alarmed once too often."""
+RESPONSE, MOMENTS = 13 * 14, 13 * 14 + 13
+"""Places in `Arrays.acquisition`. Before RESPONSE stands the triangle of the collected rows, 13 × 14, its last column
+the right-hand side. RESPONSE: 13, the state that the inputs alone have made of zero. MOMENTS: the integrals over r of
+|D|², D·W, |W|², D and W, where W(s, r) is the rate of D(s, r)."""
+(
+    PHASE, ELAPSED, COUNT, FIT, WEIGHT, MEAN_SQUARE, NEXT_CHECK, SCALE, WINDOW_COUNT, WINDOW_SUM, REOPENED, ACQUISITION,
+) = range(MOMENTS + 9, MOMENTS + 21)  # fmt: skip
+"""More places. ELAPSED: s since the collection began; COUNT: of its ranges; FIT: their χ²; WEIGHT: the sum of the IMU's
+shares of their variances; MEAN_SQUARE: m², the smoothed d². SCALE: of gate and alarm. ACQUISITION: the length."""
 
 NO_FAULT, TIME_FAULT, GYRO_FAULT, ACCEL_FAULT, MAG_FAULT, RANGE_FAULT, RANGE_TIME_FAULT = range(7)
 """What the kernel `cascade.step` returns: the first thing that is wrong with a sample."""
@@ -32,6 +77,8 @@ class Parameters(NamedTuple):
     """Of one correction with y (m⁴), used unless matched."""
     v: tuple[float, float, float, float]
     """Process-noise density of the four blocks ξ, position, velocity, gravity."""
+    p0: tuple[float, float, float, float]
+    """Initial variance of the four blocks."""
     k1: float
     rho1: float
     rho2: float
@@ -69,6 +116,8 @@ class Arrays(NamedTuple):
     """1 number: the low-passed misalignment s that the schedule of k1 depends on."""
     pending: np.ndarray
     """(y, variance) of a correction due at the start of the next interval; NaN if none."""
+    acquisition: np.ndarray
+    """What the start of noise-matched gains collects and watches, in the places that `PHASE` and the others name."""
 
 
 class Strapdown(NamedTuple):

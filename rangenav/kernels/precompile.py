@@ -28,17 +28,19 @@ def _compile(named: Callable[[], list[tuple[str, Stage]]], progress: Callable[[f
 
 def _stages() -> list[tuple[str, Stage]]:
     from rangenav.kernels import attitude, cascade, errors, riccati, rotation
-    from rangenav.kernels.layout import Arrays, Parameters
+    from rangenav.kernels.layout import ACQUISITION, Arrays, Parameters
 
     vector, matrix, state = np.zeros(3), np.eye(3), np.zeros(13)
     p = Parameters(
-        gravity=(0.0, 0.0, 9.81), magnetic=(1.0, 0.0, 0.0), b4=1.0, variance=1.0, v=(1.0, 1.0, 1.0, 1.0), k1=1.0,
+        gravity=(0.0, 0.0, 9.81), magnetic=(1.0, 0.0, 0.0), b4=1.0, variance=1.0, v=(1.0, 1.0, 1.0, 1.0),
+        p0=(1.0, 1.0, 1.0, 1.0), k1=1.0,
         rho1=1.0, rho2=1.0, scheduled=True, k1_steady=1.0, halfway=1.0, memory=1.0, symmetric=True, matched=False,
         range_sigma=0.1, accel_density=0.1, gyro_density=0.1,
     )  # fmt: skip
     s = Arrays(
         x=state, P=np.eye(13).ravel(), turned=matrix.copy(), rotation=matrix.copy(), gyro=vector.copy(),
         accel=vector.copy(), mag=vector.copy(), misaligned=np.ones(1), pending=np.full(2, np.nan),
+        acquisition=np.zeros(ACQUISITION),
     )  # fmt: skip
     time, rows, ranges = np.array([0.0, 1e-3]), np.zeros((2, 3)), np.ones(2)
     r, pairs = rotation.load(matrix), np.empty((2, 2))
@@ -55,7 +57,7 @@ def _stages() -> list[tuple[str, Stage]]:
             "whole record",
             lambda: cascade.run(
                 s, time, rows, rows, rows, time, ranges, np.empty((2, 13)), np.empty((2, 4)), np.empty((2, 3, 3, 3)),
-                np.empty((2, 3, 3)), np.empty(2), np.empty((2, 2)), 1, p,
+                np.empty((2, 3, 3)), np.empty(2), np.empty(2, dtype=np.int8), np.empty((2, 2)), 1, p,
             ),
         ),
         (

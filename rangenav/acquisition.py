@@ -1,0 +1,179 @@
+"""Acquisition: how noise-matched gains start without a prior, and how a false solution is noticed.
+
+The noise-matched gains depend on the estimate, so that from a far start they can lock into a false solution. They do
+not use x̂(0) and P(0). Constant gains, which converge from anywhere, run while ranges are collected, from t0 on. With
+the transition Φ(s, t0), the response r(s) to the inputs alone, τ = s − t0, and D(s, t0) of the row
+𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ], the twice integrated specific force,
+
+    ½d_k² − ½σ² = 𝒞Φ(s_k, t0) x(t0) + 𝒞r(s_k) + η_k
+    var η_k = d²σ² + ½σ⁴ + d²c(s_k),   c(s) = q_a τ³/3 + q_ω ∫|D(s, r)|² dr,   d² smoothed over the ranges before
+    x̂ = Φ x̂(t0) + r,   P = 2 (1 + Σ_k d²c(s_k)/var η_k) max(1, χ²/(m − 13)) ΦΛ⁻¹Φᵀ + 2τ V(x̂)
+
+c(s) is what the noise of accelerometer and gyro has added to a range since t0. x̂(t0) is the weighted least squares
+of the m ranges, Λ = HᵀH its information, χ² its misfit. The factor in brackets holds for any correlation of the IMU's
+part: where C is the covariance of that part in units of √var η, the covariance of x̂(t0) is at most
+Λ⁻¹Hᵀ(I + C)HΛ⁻¹, and no eigenvalue of C exceeds its trace. The factor 2 is for the noise between t0 and now, which is
+correlated with x̂(t0): cov(a + b) ≤ 2 cov a + 2 cov b. The matched gains start from this x̂ and P as soon as the rank
+is 13 and √tr P_pp, without the first two factors and V, is below the distance. A collection whose IMU noise
+outweighs its ranges begins anew. From then on the innovations are watched:
+
+    NIS = (y − ŷ)²/(P₁₁ + R);   above 36 the range is an outlier and corrects nothing;   Σ over 64 ranges > 132.79: alarm
+
+An alarm has probability 1e-6 in each window of a consistent observer. It begins another collection, at most three
+times; the fourth alarm means lost, and constant gains stay. The numbers and their reasons stand in `kernels.layout`.
+The functions below are the reference implementation, which is meant to be read and tests the compiled one.
+"""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import model
+from rangenav.kernels import layout
+from rangenav.results import result
+
+PHASES: tuple[Literal["constant", "collecting", "matched", "lost"], ...] = ("constant", "collecting", "matched", "lost")
+"""What the numbers in `Estimate.phase` mean: constant gains by choice; constant gains while ranges are collected;
+noise-matched gains; constant gains because the matched ones were alarmed once too often."""
+CONSTANT, COLLECTING, MATCHED, LOST = range(len(PHASES))
+
+
+@result
+class Noise:
+    """What the observer knows of the noise."""
+
+    range: float
+    """m, 1 σ."""
+    accel_density: float
+    """(m/s²)²/Hz, q_a."""
+    gyro_density: float
+    """(rad/s)²/Hz, q_ω."""
+
+
+@result
+class Collection:
+    """Ranges since t0, in axes that the gyro has turned since then."""
+
+    turned: Float[Array, "3 3"]
+    """From body axes to those at t0."""
+    elapsed: float
+    """s, τ."""
+    transition: Float[Array, "13 13"]
+    """Φ(now, t0)."""
+    response: Float[Array, "13"]
+    """r(now)."""
+    squares: Float[Array, "3"]
+    """∫|D|² dr, ∫D·W dr, ∫|W|² dr."""
+    vectors: Float[Array, "2 3"]
+    """∫D dr, ∫W dr."""
+    rows: Float[Array, "m 14"]
+    """[𝒞Φ, ½d² − ½σ² − 𝒞r] of each range, divided by √var η."""
+    weight: float
+    """Σ d²c/var η."""
+    mean_square: float
+    """m², the smoothed d²; NaN before the first range."""
+    next_check: float
+    """s, the least τ at which it is solved again."""
+
+
+@result
+class Watch:
+    """A window of innovations."""
+
+    count: int
+    total: float
+    scale: float
+    """By which gate and alarm are larger than for noise as stated."""
+
+
+def collection() -> Collection:
+    """A collection that begins now."""
+    return Collection(
+        turned=np.eye(3),
+        elapsed=0.0,
+        transition=np.eye(model.STATES),
+        response=np.zeros(model.STATES),
+        squares=np.zeros(3),
+        vectors=np.zeros((2, 3)),
+        rows=np.empty((0, model.STATES + 1)),
+        weight=0.0,
+        mean_square=np.nan,
+        next_check=0.0,
+    )
+
+
+def moved(
+    of: Collection,
+    turn: Float[Array, "3 3"],
+    accel: Float[Array, "3"],
+    h: float,
+    *,
+    gravity_norm: float,
+    form: model.ModelForm,
+) -> Collection:
+    """The collection h seconds later. turn: by the gyro. accel: the mean over h, m/s², body axes at its start."""
+    a = of.turned @ accel
+    phi, integral = model.transition(a, h, gravity_norm=gravity_norm, form=form)
+    (dd, dw, ww), (d, w), aa, t = of.squares, of.vectors, a @ a, of.elapsed
+    squares = (
+        dd + 2 * h * dw + h**2 * (ww + a @ d) + h**3 * (a @ w) + h**4 * aa * t / 4,
+        dw + h * (ww + a @ d) + 1.5 * h**2 * (a @ w) + h**3 * aa * t / 2,
+        ww + 2 * h * (a @ w) + h**2 * aa * t,
+    )
+    return replace(
+        of,
+        turned=of.turned @ turn,
+        elapsed=t + h,
+        transition=phi @ of.transition,
+        response=phi @ of.response + integral,
+        squares=np.array(squares),
+        vectors=np.array([d + h * w + h**2 * t * a / 2, w + h * t * a]),
+    )
+
+
+def collected(of: Collection, y: float, noise: Noise) -> Collection:
+    """The collection with one more y = ½d² − ½σ²."""
+    square, s2 = max(2 * y, 0.0), max(noise.range**2, layout.LEAST_VARIANCE)
+    mean = square if np.isnan(of.mean_square) else of.mean_square
+    imu = mean * (noise.accel_density * of.elapsed**3 / 3 + noise.gyro_density * of.squares[0])
+    variance = mean * s2 + s2**2 / 2 + imu
+    row = np.append(of.transition[0], y - of.response[0]) / np.sqrt(variance)
+    return replace(
+        of,
+        rows=np.vstack([of.rows, row]),
+        weight=of.weight + imu / variance,
+        mean_square=mean + layout.SMOOTHING * (square - mean),
+    )
+
+
+def solved(of: Collection) -> tuple[Array, Array, float] | None:
+    """x̂ (axes at t0), P without its last term, and the misfit; None if the ranges do not tell the position."""
+    count = len(of.rows)
+    triangle = np.asarray(np.linalg.qr(of.rows, mode="r"))
+    diagonal = np.abs(np.diag(triangle)[: model.STATES])
+    if not (diagonal > layout.RANK_TOLERANCE * diagonal.max()).all():
+        return None
+    inverse = np.linalg.inv(triangle[: model.STATES, : model.STATES])
+    left_over = triangle[-1, -1] ** 2 if count > model.STATES else 0.0
+    misfit = max(1.0, left_over / (count - model.STATES))
+    root = of.transition @ inverse
+    spread = misfit * np.sum(root[model.POSITION] ** 2)
+    if not spread < layout.KNOWN_SHARE**2 * of.mean_square:
+        return None
+    x = root @ triangle[: model.STATES, -1] + of.response
+    return x, 2 * (1 + of.weight) * misfit * (root @ root.T), misfit
+
+
+def watch(misfit: float) -> Watch:
+    """A window that begins; misfit: of the collection that the gains started from."""
+    return Watch(count=0, total=0.0, scale=min(misfit, layout.LOOSEST_SCALE))
+
+
+def watched(of: Watch, innovation: float, variance: float) -> tuple[Watch, bool]:
+    """The window with one more innovation, and whether that is an outlier's."""
+    square = innovation**2 / (variance * of.scale)
+    outlier = not square <= layout.GATE
+    return replace(of, count=of.count + 1, total=of.total + (layout.OUTLIER if outlier else square)), outlier

@@ -1,0 +1,203 @@
+"""The start of noise-matched gains from ranges alone, and the alarm; `rangenav.acquisition` states the formulas.
+
+All that it keeps lies in one flat array `a`, in the places that `layout` names: a step then copies one array more.
+"""
+
+import numpy as np
+
+from rangenav.kernels import riccati
+from rangenav.kernels.jit import kernel
+from rangenav.kernels.layout import (
+    ALARM,
+    ALARM_RANGES,
+    CHECK_GROWTH,
+    COLLECTING,
+    COUNT,
+    ELAPSED,
+    FIT,
+    GATE,
+    IMU_SHARE,
+    KNOWN_SHARE,
+    LEAST_VARIANCE,
+    LOOSEST_SCALE,
+    LOST,
+    MATCHED,
+    MEAN_SQUARE,
+    MOMENTS,
+    NEXT_CHECK,
+    OUTLIER,
+    PHASE,
+    RANK_TOLERANCE,
+    REOPENED,
+    REOPENINGS,
+    RESPONSE,
+    SCALE,
+    SMOOTHING,
+    WEIGHT,
+    WINDOW_COUNT,
+    WINDOW_SUM,
+)
+
+N = 13
+WIDTH = N + 1
+VELOCITY_RESPONSE = RESPONSE + 7
+
+
+@kernel
+def collect_anew(a):
+    """Forget the collected ranges: a collection begins now. What remains is the number of alarms."""
+    reopened = a[REOPENED]
+    a[:] = 0.0
+    a[PHASE], a[REOPENED] = COLLECTING, reopened
+
+
+@kernel
+def propagate(a, ax, ay, az, h, b4):
+    """Move the response to the inputs and the moments of D on by h seconds of constant apparent acceleration."""
+    m, t = MOMENTS, a[ELAPSED]
+    wx, wy, wz = a[m + 6], a[m + 7], a[m + 8]
+    aa, a_d = ax * ax + ay * ay + az * az, ax * a[m + 3] + ay * a[m + 4] + az * a[m + 5]
+    a_w, h2 = ax * wx + ay * wy + az * wz, h * h
+    a[m] += 2 * h * a[m + 1] + h2 * (a[m + 2] + a_d) + h2 * h * a_w + aa * t * h2 * h2 / 4
+    a[m + 1] += h * (a[m + 2] + a_d) + 1.5 * h2 * a_w + aa * t * h2 * h / 2
+    a[m + 2] += 2 * h * a_w + aa * t * h2
+    a[m + 3] += h * wx + ax * t * h2 / 2
+    a[m + 4] += h * wy + ay * t * h2 / 2
+    a[m + 5] += h * wz + az * t * h2 / 2
+    a[m + 6] += ax * t * h
+    a[m + 7] += ay * t * h
+    a[m + 8] += az * t * h
+    a[ELAPSED] = t + h
+    riccati.predict_state(a[RESPONSE : RESPONSE + N], ax, ay, az, h, b4)
+
+
+@kernel
+def collect(a, y, p):
+    """Rotate the weighted row of one y = ½d² into the triangle; the square of what is left adds to the misfit."""
+    s2, t = max(p.range_sigma * p.range_sigma, LEAST_VARIANCE), a[ELAPSED]
+    square = max(2 * y, 0.0)
+    mean = square if a[COUNT] == 0 else a[MEAN_SQUARE]
+    a[MEAN_SQUARE] = mean + SMOOTHING * (square - mean)
+    imu = mean * (p.accel_density * t * t * t / 3 + p.gyro_density * a[MOMENTS])
+    variance = mean * s2 + s2 * s2 / 2 + imu
+    weight = 1 / np.sqrt(variance)
+    row = np.empty(WIDTH)
+    row[0], row[1], row[2], row[3] = weight, t * weight, t * t / 2 * weight, t * t * t / 6 * weight
+    for i in range(3):
+        d = a[RESPONSE + 4 + i] * weight
+        row[4 + i], row[7 + i], row[10 + i] = d, t * d, t * t / 2 * d
+    row[N] = (y - a[RESPONSE]) * weight
+    for i in range(N):
+        if row[i] != 0.0:
+            o = WIDTH * i
+            length = np.sqrt(a[o + i] * a[o + i] + row[i] * row[i])
+            c, s = a[o + i] / length, row[i] / length
+            a[o + i] = length
+            for j in range(i + 1, WIDTH):
+                kept = a[o + j]
+                a[o + j] = c * kept + s * row[j]
+                row[j] = c * row[j] - s * kept
+    a[FIT] += row[N] * row[N]
+    a[COUNT] += 1
+    a[WEIGHT] += imu / variance
+
+
+@kernel
+def start(a, x, P, p):
+    """At the end of an interval: x̂, P and the matched gains from the collected ranges, if these tell the position."""
+    if a[COUNT] <= N or a[ELAPSED] < a[NEXT_CHECK]:
+        return
+    a[NEXT_CHECK] = a[ELAPSED] * CHECK_GROWTH
+    if a[WEIGHT] > IMU_SHARE * a[COUNT]:
+        collect_anew(a)
+        return
+    n, t = len(x), a[ELAPSED]  # not the constant 13: loops that stay loops compile in half the time
+    root = np.empty((n, n))
+    if not _inverse(a, root):
+        return
+    misfit, spread = max(1.0, a[FIT] / (a[COUNT] - N)), 0.0
+    for j in range(n):
+        _carry(root[:, j], t, a)
+        for i in range(4, 7):
+            spread += misfit * root[i, j] * root[i, j]
+    if not spread < KNOWN_SHARE * KNOWN_SHARE * a[MEAN_SQUARE]:
+        return
+    scale = 2 * (1 + a[WEIGHT]) * misfit
+    for i in range(n):
+        x[i] = a[RESPONSE + i]
+        for k in range(n):
+            x[i] += root[i, k] * a[WIDTH * k + N]
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(n):
+                total += root[i, k] * root[j, k]
+            P[N * i + j] = P[N * j + i] = scale * total
+    riccati.add_imu_noise(P, x, p.accel_density, p.gyro_density, 2 * t)
+    a[PHASE], a[SCALE] = MATCHED, min(misfit, LOOSEST_SCALE)
+
+
+@kernel
+def _inverse(a, out):
+    """out ← the inverse of the triangle; False, and nothing of use in it, where the rank is below 13."""
+    n, largest = len(out), 0.0
+    for i in range(n):
+        largest = max(largest, a[WIDTH * i + i])
+    for i in range(n):
+        if not a[WIDTH * i + i] > RANK_TOLERANCE * largest:
+            return False
+    out[:] = 0.0
+    for j in range(n):
+        out[j, j] = 1 / a[WIDTH * j + j]
+        for i in range(j - 1, -1, -1):
+            total = 0.0
+            for k in range(i + 1, j + 1):
+                total += a[WIDTH * i + k] * out[k, j]
+            out[i, j] = -total / a[WIDTH * i + i]
+    return True
+
+
+@kernel
+def _carry(c, t, a):
+    """c ← Φ c for a column c, in closed form over the whole span t; D = ∬a and V = ∫a are part of the response."""
+    dp = dv = dg = vp = vv = vg = 0.0
+    for i in range(3):
+        D, V = a[RESPONSE + 4 + i], a[VELOCITY_RESPONSE + i]
+        dp, dv, dg = dp + D * c[4 + i], dv + D * c[7 + i], dg + D * c[10 + i]
+        vp, vv, vg = vp + V * c[4 + i], vv + V * c[7 + i], vg + V * c[10 + i]
+    t2 = t * t / 2
+    c[0] += t * c[1] + t2 * c[2] + t * t2 / 3 * c[3] + dp + t * dv + t2 * dg
+    c[1] += t * c[2] + t2 * c[3] + vp + dv + t * vv + t * dg + t2 * vg
+    c[2] += t * c[3] + 2 * vv + dg + 2 * t * vg
+    c[3] += 3 * vg
+    for i in range(3):
+        c[4 + i] += t * c[7 + i] + t2 * c[10 + i]
+        c[7 + i] += t * c[10 + i]
+
+
+@kernel
+def outlier(a, innovation, variance):
+    """Count one innovation in the window; whether it is so large that its range corrects nothing."""
+    square = innovation * innovation / (variance * a[SCALE])
+    large = not square <= GATE
+    a[WINDOW_COUNT] += 1
+    a[WINDOW_SUM] += OUTLIER if large else square
+    return large
+
+
+@kernel
+def watch(a, P, p):
+    """At the end of a window of innovations without an alarm: go on. With one: collect anew, or be lost."""
+    if a[WINDOW_COUNT] < ALARM_RANGES:
+        return
+    alarm = a[WINDOW_SUM] > ALARM
+    a[WINDOW_COUNT] = a[WINDOW_SUM] = 0.0
+    if not alarm:
+        return
+    P[:] = 0.0
+    for i in range(N):
+        P[(N + 1) * i] = p.p0[0 if i < 4 else (i - 1) // 3]
+    if a[REOPENED] < REOPENINGS:
+        a[REOPENED] += 1
+        collect_anew(a)
+    else:
+        a[PHASE] = LOST
