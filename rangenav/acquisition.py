@@ -15,9 +15,10 @@ part: where C is the covariance of that part in units of √var η, the covarian
 Λ⁻¹Hᵀ(I + C)HΛ⁻¹, and no eigenvalue of C exceeds its trace. The factor 2 is for the noise between t0 and now, which is
 correlated with x̂(t0): cov(a + b) ≤ 2 cov a + 2 cov b. The matched gains start from this x̂ and P as soon as the rank
 is 13 and √tr P_pp, without the first two factors and V, is below the distance. A collection whose IMU noise
-outweighs its ranges begins anew. From then on the innovations are watched:
+outweighs its ranges begins anew; a range that the collected ones exclude at 6 σ is left out. From then on the
+innovations are watched:
 
-    NIS = (y − ŷ)²/(P₁₁ + R);   above 36 the range is an outlier and corrects nothing;   Σ over 64 ranges > 132.79: alarm
+    NIS = (y − ŷ)²/(P₁₁ + R);   NIS > 36: an outlier, corrects nothing;   Σ NIS > 132.79 over 64 ranges: an alarm
 
 An alarm has probability 1e-6 in each window of a consistent observer. It begins another collection, at most three
 times; the fourth alarm means lost, and constant gains stay. The numbers and their reasons stand in `kernels.layout`.
@@ -69,8 +70,12 @@ class Collection:
     """∫|D|² dr, ∫D·W dr, ∫|W|² dr."""
     vectors: Float[Array, "2 3"]
     """∫D dr, ∫W dr."""
-    rows: Float[Array, "m 14"]
-    """[𝒞Φ, ½d² − ½σ² − 𝒞r] of each range, divided by √var η."""
+    triangle: Float[Array, "14 14"]
+    """Of the rows [𝒞Φ, ½d² − ½σ² − 𝒞r]/√var η; its last entry is χ, the root of the misfit."""
+    count: int
+    """m, ranges in it."""
+    refused: int
+    """Outliers."""
     weight: float
     """Σ d²c/var η."""
     mean_square: float
@@ -98,7 +103,9 @@ def collection() -> Collection:
         response=np.zeros(model.STATES),
         squares=np.zeros(3),
         vectors=np.zeros((2, 3)),
-        rows=np.empty((0, model.STATES + 1)),
+        triangle=np.zeros((model.STATES + 1, model.STATES + 1)),
+        count=0,
+        refused=0,
         weight=0.0,
         mean_square=np.nan,
         next_check=0.0,
@@ -141,30 +148,48 @@ def collected(of: Collection, y: float, noise: Noise) -> Collection:
     imu = mean * (noise.accel_density * of.elapsed**3 / 3 + noise.gyro_density * of.squares[0])
     variance = mean * s2 + s2**2 / 2 + imu
     row = np.append(of.transition[0], y - of.response[0]) / np.sqrt(variance)
+    if _is_outlier(of, row):
+        return replace(of, refused=of.refused + 1)
+    triangle = np.asarray(np.linalg.qr(np.vstack([of.triangle, row]), mode="r"))
     return replace(
         of,
-        rows=np.vstack([of.rows, row]),
+        triangle=triangle,
+        count=of.count + 1,
         weight=of.weight + imu / variance,
         mean_square=mean + layout.SMOOTHING * (square - mean),
     )
 
 
+def _is_outlier(of: Collection, row: Float[Array, "14"]) -> bool:
+    """Whether the innovation of a row, divided by its variance 1 + hΛ⁻¹hᵀ and by the misfit, is above the gate."""
+    R = of.triangle[: model.STATES, : model.STATES]
+    if of.count <= model.STATES or not np.diag(R).all():
+        return False
+    u = np.linalg.solve(R.T, row[: model.STATES])
+    innovation = row[-1] - u @ of.triangle[: model.STATES, -1]
+    return bool(innovation**2 > layout.GATE * _misfit(of) * (1 + u @ u))
+
+
+def _misfit(of: Collection) -> float:
+    return max(1.0, of.triangle[-1, -1] ** 2 / (of.count - model.STATES))
+
+
+def exhausted(of: Collection) -> bool:
+    """Whether another collection should begin: the IMU's noise outweighs the ranges, or too many are outliers."""
+    return of.weight > layout.IMU_SHARE * of.count or of.refused > layout.MOST_REFUSED + of.count / 2
+
+
 def solved(of: Collection) -> tuple[Array, Array, float] | None:
     """x̂ (axes at t0), P without its last term, and the misfit; None if the ranges do not tell the position."""
-    count = len(of.rows)
-    triangle = np.asarray(np.linalg.qr(of.rows, mode="r"))
-    diagonal = np.abs(np.diag(triangle)[: model.STATES])
+    R, right = of.triangle[: model.STATES, : model.STATES], of.triangle[: model.STATES, -1]
+    diagonal = np.abs(np.diag(R))
     if not (diagonal > layout.RANK_TOLERANCE * diagonal.max()).all():
         return None
-    inverse = np.linalg.inv(triangle[: model.STATES, : model.STATES])
-    left_over = triangle[-1, -1] ** 2 if count > model.STATES else 0.0
-    misfit = max(1.0, left_over / (count - model.STATES))
-    root = of.transition @ inverse
+    root, misfit = of.transition @ np.linalg.inv(R), _misfit(of)
     spread = misfit * np.sum(root[model.POSITION] ** 2)
     if not spread < layout.KNOWN_SHARE**2 * of.mean_square:
         return None
-    x = root @ triangle[: model.STATES, -1] + of.response
-    return x, 2 * (1 + of.weight) * misfit * (root @ root.T), misfit
+    return root @ right + of.response, 2 * (1 + of.weight) * misfit * (root @ root.T), misfit
 
 
 def watch(misfit: float) -> Watch:

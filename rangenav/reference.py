@@ -172,10 +172,10 @@ class _Observer:
 
     def _started(self, now: _Now) -> _Now:
         of = now.collection
-        if len(of.rows) <= STATES or of.elapsed < of.next_check:
-            return now
-        if of.weight > layout.IMU_SHARE * len(of.rows):
+        if acquisition.exhausted(of):
             return replace(now, collection=acquisition.collection())
+        if of.count <= STATES or of.elapsed < of.next_check:
+            return now
         solution = acquisition.solved(of)
         if solution is None:
             return replace(now, collection=replace(of, next_check=of.elapsed * layout.CHECK_GROWTH))

@@ -24,10 +24,12 @@ from rangenav.kernels.layout import (
     MATCHED,
     MEAN_SQUARE,
     MOMENTS,
+    MOST_REFUSED,
     NEXT_CHECK,
     OUTLIER,
     PHASE,
     RANK_TOLERANCE,
+    REFUSED,
     REOPENED,
     REOPENINGS,
     RESPONSE,
@@ -77,7 +79,6 @@ def collect(a, y, p):
     s2, t = max(p.range_sigma * p.range_sigma, LEAST_VARIANCE), a[ELAPSED]
     square = max(2 * y, 0.0)
     mean = square if a[COUNT] == 0 else a[MEAN_SQUARE]
-    a[MEAN_SQUARE] = mean + SMOOTHING * (square - mean)
     imu = mean * (p.accel_density * t * t * t / 3 + p.gyro_density * a[MOMENTS])
     variance = mean * s2 + s2 * s2 / 2 + imu
     weight = 1 / np.sqrt(variance)
@@ -87,6 +88,10 @@ def collect(a, y, p):
         d = a[RESPONSE + 4 + i] * weight
         row[4 + i], row[7 + i], row[10 + i] = d, t * d, t * t / 2 * d
     row[N] = (y - a[RESPONSE]) * weight
+    if _misfits(a, row):
+        a[REFUSED] += 1
+        return
+    a[MEAN_SQUARE] = mean + SMOOTHING * (square - mean)
     for i in range(N):
         if row[i] != 0.0:
             o = WIDTH * i
@@ -103,14 +108,31 @@ def collect(a, y, p):
 
 
 @kernel
+def _misfits(a, row):
+    """Whether a row is an outlier: ν²/(1 + |u|²) > 36 misfits, u = R⁻ᵀh, ν what the least squares leave of it."""
+    if a[COUNT] <= N:
+        return False
+    u, left, size = np.empty(N), row[N], 1.0
+    for i in range(N):
+        u[i] = row[i]
+        for k in range(i):
+            u[i] -= a[WIDTH * k + i] * u[k]
+        u[i] /= a[WIDTH * i + i]
+        left -= u[i] * a[WIDTH * i + N]
+        size += u[i] * u[i]
+    misfit = max(1.0, a[FIT] / (a[COUNT] - N))
+    return left * left > GATE * misfit * size  # False for NaN, before the rank is 13
+
+
+@kernel
 def start(a, x, P, p):
     """At the end of an interval: x̂, P and the matched gains from the collected ranges, if these tell the position."""
+    if a[WEIGHT] > IMU_SHARE * a[COUNT] or a[REFUSED] > MOST_REFUSED + a[COUNT] / 2:
+        collect_anew(a)
+        return
     if a[COUNT] <= N or a[ELAPSED] < a[NEXT_CHECK]:
         return
     a[NEXT_CHECK] = a[ELAPSED] * CHECK_GROWTH
-    if a[WEIGHT] > IMU_SHARE * a[COUNT]:
-        collect_anew(a)
-        return
     n, t = len(x), a[ELAPSED]  # not the constant 13: loops that stay loops compile in half the time
     root = np.empty((n, n))
     if not _inverse(a, root):

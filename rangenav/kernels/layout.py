@@ -31,6 +31,8 @@ IMU_SHARE = 0.75
 """A collection begins anew when the IMU's noise is more than this share of the variance of its ranges on average: older
 ranges then no longer help. It also keeps blind motions blind: on ten of them, 300 s each, the 1-σ position never falls
 below the distance, although noise alone makes every triangle one of rank 13."""
+MOST_REFUSED = 16
+"""A collection begins anew when more ranges than these and half of the others are outliers: it began with one."""
 CHECK_GROWTH = 1.02
 """A collection is solved again when it has become this much longer: .1 µs a step on average."""
 GATE = 36.0
@@ -57,10 +59,12 @@ RESPONSE, MOMENTS = 13 * 14, 13 * 14 + 13
 the right-hand side. RESPONSE: 13, the state that the inputs alone have made of zero. MOMENTS: the integrals over r of
 |D|², D·W, |W|², D and W, where W(s, r) is the rate of D(s, r)."""
 (
-    PHASE, ELAPSED, COUNT, FIT, WEIGHT, MEAN_SQUARE, NEXT_CHECK, SCALE, WINDOW_COUNT, WINDOW_SUM, REOPENED, ACQUISITION,
-) = range(MOMENTS + 9, MOMENTS + 21)  # fmt: skip
-"""More places. ELAPSED: s since the collection began; COUNT: of its ranges; FIT: their χ²; WEIGHT: the sum of the IMU's
-shares of their variances; MEAN_SQUARE: m², the smoothed d². SCALE: of gate and alarm. ACQUISITION: the length."""
+    PHASE, ELAPSED, COUNT, REFUSED, FIT, WEIGHT, MEAN_SQUARE, NEXT_CHECK, SCALE, WINDOW_COUNT, WINDOW_SUM, REOPENED,
+    ACQUISITION,
+) = range(MOMENTS + 9, MOMENTS + 22)  # fmt: skip
+"""More places. ELAPSED: s since the collection began; COUNT and REFUSED: of its ranges and outliers; FIT: its χ²;
+WEIGHT: the sum of the IMU's shares of the variances; MEAN_SQUARE: m², the smoothed d². SCALE: of gate and alarm.
+ACQUISITION: the length."""
 
 NO_FAULT, TIME_FAULT, GYRO_FAULT, ACCEL_FAULT, MAG_FAULT, RANGE_FAULT, RANGE_TIME_FAULT = range(7)
 """What the kernel `cascade.step` returns: the first thing that is wrong with a sample."""
