@@ -1,7 +1,9 @@
 """The whole of a recorded flight: whether it determines the position at all, and how long a window must be for that.
 
-Windows that are too short are blind although the flight is not. So the whole record is judged first; if the noise of
-the IMU, integrated over all of it, hides what it tells, then by the window that predicts the smallest error.
+Windows that are too short are blind although the flight is not. So the whole record is judged first. The noise of the
+IMU, integrated over all of it, may hide what a part of it determines. Then the record is judged by the window that
+predicts the smallest error, or, where the ranges of no window determine the position, by the one whose motion has the
+highest rank.
 """
 
 import numpy as np
@@ -53,7 +55,8 @@ class WholeRecord:
         if self.position is not None:
             first = f"{part} determines the position within {self.position:.3g} m"
         elif self.verdict == FEW:
-            first = f"{part} has {self.ranges} of the {model.STATES} ranges that are needed"
+            count = "no range" if self.ranges == 0 else f"{self.ranges} of the {model.STATES} ranges that are needed"
+            return f"{part} has {count}; its motion has rank {model.STATES}"
         elif self.motion_rank < model.STATES:
             first = f"the motion of {part} has rank {self.motion_rank} of {model.STATES}"
         else:
@@ -61,8 +64,8 @@ class WholeRecord:
         if self.suffices is not None:
             return f"{first}; windows of {self.suffices:g} s suffice wherever they lie"
         if self.shortest is not None:
-            return f"{first}; windows of {self.shortest:g} s suffice in parts of it, and no length everywhere"
-        return f"{first}; no window that is shorter suffices"
+            return f"{first}; some windows of {self.shortest:g} s suffice, and no length suffices everywhere"
+        return f"{first}; no shorter window suffices"
 
 
 def whole(
@@ -87,8 +90,8 @@ def whole(
             shortest = window
         if suffices is None and found.verdict == "observable" and _confirmed(record, flight, window, criteria):
             suffices = window
-        k = _least(found)
-        if k is not None and every.each[0] != "observable" and not found.sigma[k] >= best.sigma[at]:
+        k = min(range(len(found.each)), key=lambda k: _order(found, k))
+        if every.each[0] != "observable" and _order(found, k) < _order(best, at):
             best, at = found, k
     position = float(best.sigma[at])
     return WholeRecord(
@@ -114,6 +117,9 @@ def _confirmed(record: Curves, flight: Flight, window: float, criteria: Criteria
     return judged(record, _starts(flight, window, WINDOWS), window, criteria).verdict == "observable"
 
 
-def _least(found: Informative) -> int | None:
-    """The window of the least predicted error; None where no error is predicted."""
-    return None if np.isnan(found.sigma).all() else int(np.nanargmin(found.sigma))
+def _order(found: Informative, k: int) -> tuple[float, ...]:
+    """Smaller for a window that determines more: by its predicted error, else by rank, ranges, length and motion."""
+    sigma = float(found.sigma[k])
+    ranks = (-float(found.motion_rank[k]), -float(found.rank[k]), -float(found.ranges[k]))
+    least = float(found.scaled[k, -1])
+    return (sigma if np.isfinite(sigma) else np.inf, *ranks, -found.window, -least)

@@ -132,6 +132,32 @@ def test_the_whole_record_is_judged_first_and_the_window_that_suffices_is_named(
     assert (set(windows.each), windows.verdict) == ({"not judged"}, "not judged")
 
 
+def test_a_rest_before_a_flight_without_ranges_does_not_make_its_motion_blind():
+    """More data cannot tell less: the part whose motion has rank 13 is found without ranges, too."""
+    _, flight = flown("soft", duration=16.0)
+    step, rest = float(np.median(np.diff(flight.time))), 120.0
+    before = np.arange(0.0, rest, step)
+    held = {name: np.broadcast_to(getattr(flight, name)[0], (len(before), 3)) for name in ("accel", "mag")}
+    longer = recorded_flight.replace(
+        flight,
+        time=np.concatenate([before, rest + flight.time]),
+        gyro=np.concatenate([np.zeros((len(before), 3)), flight.gyro]),
+        **{name: np.concatenate([held[name], getattr(flight, name)]) for name in held},
+        range_time=np.empty(0),
+        range=np.empty(0),
+        rotation=None,
+        position=None,
+    )
+    asked = {"range_sigma": 0.1, "requirement": 0.5, "noise": (0.01, 0.1, 0.01)}
+    whole = logs.whole(longer, **asked)
+    assert (whole.verdict, whole.ranges, whole.motion_rank) == ("too few ranges", 0, 13)
+    assert (whole.all_of_it, whole.end > rest) == (False, True)
+    assert whole.summary.endswith("has no range; its motion has rank 13")
+    resting = recorded_flight.between(longer, 0.0, rest - 1.0)
+    still = logs.whole(resting, **asked)
+    assert (still.verdict, still.motion_rank < 13) == ("blind", True)
+
+
 def test_noise_at_rest_needs_no_magnetometer():
     _, flight = flown("hover")
     bare = recorded_flight.replace(flight, mag=None)

@@ -80,7 +80,9 @@ def _answer(whole: WholeRecord, required: float) -> str:
             what, rank = ("motion", whole.motion_rank) if motion else ("ranges", whole.rank)
             return f"blind: the {what} of {part} reach{'es' if motion else ''} rank {rank} of 13"
         case "too few ranges":
-            return f"too few ranges: {whole.ranges} of the 13 that the whole record needs at least"
+            count = "none" if whole.ranges == 0 else f"{whole.ranges} of them in {part}"
+            moved = "its motion" if whole.all_of_it else f"its motion from {whole.begin:.4g} to {whole.end:.4g} s"
+            return f"too few ranges: {count}, and 13 are needed at least; {moved} has rank 13"
         case "not judged":
             return f"not judged: {whole.restriction}"
 
@@ -90,8 +92,9 @@ def _lengths(whole: WholeRecord) -> str:
     if whole.suffices is not None:
         return f"windows of {quantity(whole.suffices, 's')} are observable wherever they lie"
     if whole.shortest is not None:
-        return f"windows of {quantity(whole.shortest, 's')} are observable in parts, those of no length everywhere"
-    return "" if whole.restriction is not None else "no shorter window is observable"
+        length = quantity(whole.shortest, "s")
+        return f"some windows of {length} are observable; no length is observable everywhere"
+    return "" if whole.restriction is not None or whole.verdict == FEW else "no shorter window is observable"
 
 
 def _file(answer: Json) -> str:
