@@ -31,6 +31,7 @@ def import_(
     end: float | None = None,
     knots: float | None = None,
     anchor: Vec3 = (0.0, 0.0, 0.0),
+    window: float | None = None,
     json: bool = False,
 ) -> None:
     """Make a preset of another tool's path, and say what its motion lets one range tell.
@@ -50,6 +51,7 @@ def import_(
         end: Read the path to here (s from the first row).
         knots: Seconds between the knots through sampled poses; as wide as the samples allow by default.
         anchor: Where the anchor stands (m), which no path says.
+        window: Window δ (s) over which the path is judged; 6 s by default, half the path if that is shorter.
         json: Print one JSON object.
     """
     from rangenav import analysis
@@ -66,6 +68,8 @@ def import_(
     with working(f"reading {path}"):
         imported = formats.read(path, from_, confirm=confirm, knots=knots, part=(begin, end))
         preset = as_preset(imported, duration=duration, anchor=anchor)
+        if window is not None:
+            preset = presets.with_window(preset, window, source=f"{path}, --window")
         answer = _report(imported, preset, output)
     presets.save(preset, output)
     if json:

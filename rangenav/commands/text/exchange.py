@@ -84,12 +84,19 @@ def imported(made: Preset, analysis: Analysis, answer: Json, *, source: str) -> 
                 answer["findings"],
             ),
             *group("the path", near, f"snap from {answer['snap_from']}"),
+            *group("assumed", _assumed(made)),
             *group("attitude", answer["attitude"]),
             *group("what can be seen", seen),
             *group("written", answer["preset"]),
             *layout.next_commands(f"analyze {output}", f"explain {output}"),
         ),
     )
+
+
+def _assumed(made: Preset) -> list[str]:
+    """What no path says: where the anchor stands, and over which windows the path is to be judged."""
+    place = ", ".join(f"{coordinate:g}" for coordinate in made.world.anchor)
+    return [f"anchor at ({place}) m (--anchor)", f"windows of {quantity(made.requirement.window, 's')} (--window)"]
 
 
 def copied(source: Path, output: Path) -> Report:

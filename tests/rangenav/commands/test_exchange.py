@@ -129,6 +129,9 @@ def test_an_import_that_leaves_something_open_asks_and_writes_nothing(answer, co
     assert (found["excitation"], found["rank"]) == (None, None)
     assert "cannot be judged" in found["reason"]
     assert preset.load(tmp_path / "y.toml").world.anchor == (1.0, 2.0, 3.0)
+    assert answer(*asked, "--frame", "z-up", "--window", "9")["verdict"] == "not judged"
+    assert preset.load(tmp_path / "y.toml").requirement.window == 9.0
+    assert "--window: " in complaint(*asked, "--frame", "z-up", "--window", "999")
 
 
 def test_the_stamps_and_the_gap_of_a_sampled_path_are_asked_and_answered_by_flags(answer, complaint, tmp_path):
