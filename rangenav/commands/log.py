@@ -15,6 +15,7 @@ from rangenav.commands.log_report import file_report, observer_report, verdict_r
 from rangenav.commands.output import print_json
 from rangenav.commands.progress import working
 from rangenav.inputs import Vec3, require, require_within
+from rangenav.number_format import vector
 from rangenav.preset import MAX_DURATION
 
 if TYPE_CHECKING:
@@ -28,6 +29,8 @@ WINDOW = (0.1, MAX_DURATION)
 MOST_NOISE = 100.0
 """rad/s or m/s², per sample."""
 NO_ANSWERS = Answers()
+ROUNDED = 1e-5
+"""Vectors that differ by less are the same: a direction is made a unit vector."""
 SHORTEST_DIRECTION = 1e-3
 """A shorter vector is no direction."""
 
@@ -220,11 +223,16 @@ def _as_given(
         rule = f"{imported.source}: holds a path and no recorded flight: see `rangenav import`"
         require(bool(imported.questions), rule)
         return imported
+    findings = [*imported.findings]
     if vectors is not None:
+        for name, given in zip(("gravity", "magnetic"), vectors, strict=True):
+            stated = getattr(flight, name)
+            if stated is not None and math.dist(stated, given) > ROUNDED:
+                findings.append(f"{name} {vector(given)}, given instead of {vector(stated)} in the file")
         flight = dataclasses.replace(flight, gravity=vectors[0], magnetic=vectors[1])
     if not measured:
         flight = dataclasses.replace(flight, range_time=flight.range_time[:0], range=flight.range[:0], range_lines=None)
-    return dataclasses.replace(imported, flight=flight)
+    return dataclasses.replace(imported, flight=flight, findings=tuple(findings))
 
 
 def _open_anchor(imported: formats.ImportResult) -> tuple[formats.Question, ...]:

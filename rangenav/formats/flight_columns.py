@@ -81,6 +81,8 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     raw = _with_own_rows(raw, rows)
     chosen = _units(raw, kept, confirm, questions, findings)
     frame = _frame(raw, kept, confirm, questions)
+    if raw.frame not in (None, frame):
+        findings.append(f"frame: {frame} instead of {raw.frame} in the file, as confirmed")
     if raw.mag is None:
         findings.append("no magnetometer: the attitude about the vertical cannot be observed")
     elif np.isnan(raw.mag).all():
@@ -156,8 +158,9 @@ def _units(
         used[kind] = chosen if chosen in known else units.SI[kind]
         if kind == "time":
             seconds = time * known[used[kind]]
+        other = f' instead of "{stated}" in the file' if answered and stated in known and stated != answered else ""
         how = "as confirmed" if answered else f'the file says "{stated}"' if stated else "not stated"
-        findings.append(f"{units.WORDS[kind]}: {chosen or 'unit unknown'}, {how}")
+        findings.append(f"{units.WORDS[kind]}: {chosen or 'unit unknown'}{other}, {how}")
     return used
 
 

@@ -14,6 +14,7 @@ from dataclasses import replace
 from rangenav.formats.import_result import ImportResult, Question
 from rangenav.formats.recorded_flight import Flight
 from rangenav.inputs import Vec3
+from rangenav.number_format import vector
 from rangenav.record_checks.check import Check, Evidence
 from rangenav.record_checks.table import CHECKS, markdown
 from rangenav.results import result
@@ -97,10 +98,17 @@ def checked(imported: ImportResult, confirm: Mapping[str, str], *, anchor: Vec3 
     return replace(
         imported,
         flight=found.flight,
-        findings=(*imported.findings, *found.findings),
+        findings=(*imported.findings, *_other_anchor(imported.flight, anchor), *found.findings),
         questions=(*imported.questions, *found.questions),
         unjudged=found.restriction,
     )
+
+
+def _other_anchor(flight: Flight, anchor: Vec3 | None) -> tuple[str, ...]:
+    """That a person's anchor is not the one that the file states."""
+    if anchor is None or flight.anchor is None or tuple(anchor) == tuple(flight.anchor):
+        return ()
+    return (f"anchor {vector(anchor)} m, given instead of {vector(flight.anchor)} m in the file",)
 
 
 def restriction(flight: Flight) -> str | None:

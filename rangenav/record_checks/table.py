@@ -187,7 +187,7 @@ CHECKS: tuple[Check, ...] = (
     ),
     Check(
         name="frame of the attitude",
-        compares="the mean specific force, turned by the file's attitude, with the frame",
+        compares="gravity as it is stated, and the mean specific force, turned by the file's attitude, with the frame",
         about="attitude",
         uses=("accel", "gyro"),
         find=truth.frame,

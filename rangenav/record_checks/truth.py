@@ -10,8 +10,8 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav import motion
-from rangenav.formats.recorded_flight import Flight
-from rangenav.number_format import significant
+from rangenav.formats.recorded_flight import Flight, Frame
+from rangenav.number_format import significant, vector
 from rangenav.record_checks import axes
 from rangenav.record_checks.blocks import KEPT, blocks, means
 from rangenav.record_checks.check import Evidence
@@ -19,6 +19,8 @@ from rangenav.record_checks.turning import follows
 
 TILTED, REVERSED, BESIDE = 20.0, 160.0, 20.0
 """Degrees of the mean specific force from the vertical, and of the field from the file's, that are asked about."""
+UPRIGHT = 0.5
+"""Least cosine between the vertical and a gravity that tells which way z points."""
 LEAST = 2.0
 """s of known attitudes."""
 LEVEL = 2.0
@@ -74,12 +76,26 @@ def turned_from_field(flight: Flight) -> float | None:
 
 
 def frame(flight: Flight) -> Evidence | None:
-    """An attitude that points gravity the wrong way."""
+    """A frame against gravity: as it is stated, or as the attitude turns the accelerometer's readings."""
+    other: Frame = "z-down" if flight.frame == "z-up" else "z-up"
+    if flight.gravity is not None and against_gravity(flight):
+        text = f"in {flight.frame}, gravity {vector(flight.gravity)} m/s² points up"
+        if (tilt(flight) or 0.0) > REVERSED:
+            wrong = f"{text}, along the mean specific force in the file's attitude: gravity itself has the wrong sign"
+            return Evidence(text=wrong, suggestion=None)
+        return Evidence(text=text, suggestion=other)
     found = tilt(flight)
     if found is None or found < REVERSED or flight.gravity is not None:
         return None
     text = f"turned by the file's attitude, the mean specific force points {found:.0f}° from up"
-    return Evidence(text=text, suggestion="z-down" if flight.frame == "z-up" else "z-up")
+    return Evidence(text=text, suggestion=other)
+
+
+def against_gravity(flight: Flight) -> bool:
+    """Whether gravity, as it is stated, points up in the frame."""
+    gravity = np.zeros(3) if flight.gravity is None else np.asarray(flight.gravity, dtype=float)
+    down = gravity[2] if flight.frame == "z-down" else -gravity[2]
+    return bool(down < -UPRIGHT * np.linalg.norm(gravity))
 
 
 def attitude(flight: Flight) -> Evidence | None:

@@ -10,9 +10,10 @@ import pytest
 
 from rangenav import formats, logs, preset, record, record_checks
 from rangenav.commands.log_answers import KEYS, Answers
+from rangenav.formats.import_result import ImportResult
 from rangenav.formats.recorded_flight import Flight
 from rangenav.motion import to_body
-from rangenav.record_checks import axes
+from rangenav.record_checks import axes, distances
 from rangenav.sensors import Noise
 from tests.support.real_files import shared
 
@@ -81,6 +82,15 @@ def late(seconds: float) -> Callable[[Flight], Flight]:
     return delayed
 
 
+def anchor_moved(metres: float) -> Callable[[Flight], Flight]:
+    def moved(flight: Flight) -> Flight:
+        assert flight.anchor is not None
+        x, y, z = flight.anchor
+        return replace(flight, anchor=(x + metres, y, z))
+
+    return moved
+
+
 def in_ms(flight: Flight) -> Flight:
     return replace(flight, time=1e3 * flight.time, range_time=1e3 * flight.range_time)
 
@@ -137,6 +147,9 @@ FAULTS: dict[str, tuple[Callable[[Flight], Flight], str, str | None]] = {
     "ranges in mm, against the IMU": (lambda f: without_truth(replace(f, range=1e3 * f.range)), "range", "mm"),
     "late, against the truth": (late(0.4), "range-delay", "0.40"),
     "late, against the IMU": (lambda f: without_truth(late(0.4)(f)), "range-delay", "0.40"),
+    "a frame against its gravity": (lambda f: replace(without_truth(f), frame="z-down" if f.frame == "z-up" else "z-up",
+        gravity=(0.0, 0.0, -9.81 if f.frame == "z-up" else 9.81)), "frame", "z-up"),
+    "an anchor 1 m away": (anchor_moved(1.0), "anchor", None),
     "another anchor": (lambda f: replace(f, anchor=(5.0, 5.0, 5.0)), "anchor", None),
 }  # fmt: skip
 
@@ -185,6 +198,32 @@ def test_the_suggested_answer_leaves_nothing_to_ask(hand_held: Flight, fault: st
     mended = row.correct(spoil(hand_held), question.suggestion)
     again = record_checks.check(mended, {})
     assert (again.questions, again.doubts) == ((), ())
+
+
+def test_an_anchor_is_judged_by_the_covariance_of_the_one_that_fits_best(hand_held: Flight):
+    """5 cm are within what is usual between a tracked point and a radio; in a plane the height is two-valued."""
+    assert record_checks.check(anchor_moved(0.05)(hand_held), {}).questions == ()
+    assert hand_held.position is not None
+    assert hand_held.anchor is not None
+    x, y, z = hand_held.anchor
+    flat = hand_held.position * np.array([1.0, 1.0, 0.0]) + np.array([0.0, 0.0, z + 1.0])
+    at = np.stack([np.interp(hand_held.range_time, hand_held.time, axis) for axis in flat.T], axis=-1)
+    noise = 0.05 * np.random.default_rng(1).standard_normal(len(at))
+    planar = replace(hand_held, position=flat, rotation=None, range=np.linalg.norm(at - [x, y, z], axis=-1) + noise)
+    for place in ((x, y, z), (x, y, z + 2.0)):
+        assert distances.anchor(replace(planar, anchor=place)) is None
+    assert distances.anchor(replace(planar, anchor=(x + 1.0, y, z))) is not None
+
+
+def test_what_a_person_gives_instead_of_the_files_statement_is_said(hand_held: Flight):
+    assert hand_held.anchor is not None
+    read = ImportResult(
+        source="x", format="log", rows=1, rate=None, duration=16.0, frame="z-up", findings=(), flight=hand_held
+    )
+    x, y, z = hand_held.anchor
+    (said,) = record_checks.checked(read, {}, anchor=(x + 0.01, y, z)).findings
+    assert "given instead of" in said
+    assert record_checks.checked(read, {}, anchor=(x, y, z)).findings == ()
 
 
 def test_ranges_that_are_no_distances_are_not_used_and_named_by_value_count_and_line(hand_held: Flight):
