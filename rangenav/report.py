@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from rangenav import continuity, motion, record
+from rangenav import continuity, motion, range_fit, record
 from rangenav.analysis import Analysis, analyse
 from rangenav.model import STATES
 from rangenav.observability import excitation
@@ -98,11 +98,14 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         },
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
+    blind = analyse(preset).rank < STATES
+    fit = range_fit.of(first.estimate)
+    report["fit"] = {"word": fit.word, "factor": fit.factor, "words": fit.summary(blind=blind)}
     if any(_not_finite(summary) for summary in summaries):
         report["reason"] = "null: the estimate overflowed"
     if any(summary.diverged for summary in summaries):
         report["note"] = "unobservable, covariance diverges"
-    elif analyse(preset).rank < STATES:
+    elif blind:
         report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
     if effect_sentences(preset.sensors):
         report["unmodelled"] = list(effect_sentences(preset.sensors))

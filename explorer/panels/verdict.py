@@ -8,7 +8,7 @@ import viser
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.complaint import Complaint
-from rangenav import continuity, sensors
+from rangenav import continuity, range_fit, sensors
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
@@ -137,7 +137,10 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
         return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing")]
     if picture.analysis.rank < STATES:
         errors = f"position {number(summary.steady_position, 'm')}, attitude {number(summary.steady_attitude_deg)}°"
-        return [("this run", f"steady error {errors}: along what cannot be told it is this start's luck, no accuracy")]
+        return [
+            ("this run", f"steady error {errors}: along what cannot be told it is this start's luck, no accuracy"),
+            ("ranges", range_fit.of(picture.estimate).summary(blind=True)),
+        ]
     settled = (
         f"position {_since(summary.settle_position_s, '0.3 m')}; attitude {_since(summary.settle_attitude_s, '5°')}"
     )
@@ -146,7 +149,8 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
         f"{number(summary.steady_gravity, 'm/s²')}, <b>{number(summary.steady_attitude_deg)}°</b>; "
         f"peak {number(summary.peak_position, 'm')}"
     )
-    return [("settled", settled), ("steady error", steady)]
+    fit = range_fit.of(picture.estimate).summary(blind=False)
+    return [("settled", settled), ("ranges", fit), ("steady error", steady)]
 
 
 def _since(seconds: float | None, limit: str) -> str:

@@ -86,7 +86,7 @@ def log(
         json: Print one JSON object.
     """
     typed = _typed(locals())
-    from rangenav import flight_summary, logs, record_checks, rest
+    from rangenav import flight_summary, logs, range_fit, record_checks, rest
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
     from rangenav.formats import recorded_flight
@@ -136,6 +136,8 @@ def log(
             observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
         report["observer"] = observer_report(flight_summary.summarise_observer(observed))
+        fit, blind = range_fit.of(observed.estimate), informative.verdict == "blind"
+        report["observer"]["fit"] = {"word": fit.word, "factor": fit.factor, "words": fit.summary(blind=blind)}
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:

@@ -167,6 +167,7 @@ def _observer(answer: Json) -> list[str]:
         lines.append(f"ends at {vector(observer['final_position'])} m")
     if observer["diverged"]:
         lines.append(f"the observer has diverged: {observer['diverged_reason']}")
+    lines.append(f"on its ranges: {observer['fit']['words']}")
     if observer["innovation_rms"] is not None:
         lines.append(f"innovation of ½d²: {quantity(observer['innovation_rms'], 'm²')} rms")
     return [*lines, *([observer["reason"].removeprefix("null: ")] if "reason" in observer else [])]

@@ -30,6 +30,7 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
         groups=(
             *group("what ran", _run(answer)),
             *group("settles", _settling(answer["settle"])),
+            *group("ranges", answer["fit"]["words"]),
             *group("steady error", _errors(answer["steady"], "_rmse"), "root mean square over the last quarter"),
             *group("at the end", _errors(answer["final"], "")),
             *group("why", answer.get("note"), answer.get("reason", "").removeprefix("null: ")),

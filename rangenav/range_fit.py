@@ -1,0 +1,76 @@
+"""Whether an observer's innovations say that it is consistent, overconfident or lost; the truth is not used.
+
+    noise-matched gains: √mean NIS, above 1 beyond a chance of 1e-6: overconfident by that factor
+    constant gains: mean and whiteness of ν/√S, since their S is a design quantity: |mean| √n/std, |r₁| √n ≤ 5
+
+All over the last quarter of the ranges. It is said of the ranges only: on a blind motion a wrong position fits as well.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.special import gammaincinv
+
+from rangenav import consistency
+from rangenav.acquisition import LOST, MATCHED
+from rangenav.cascade import Estimate
+from rangenav.kernels.layout import GATE
+
+FEWEST = 20
+"""Innovations in the last quarter below which nothing is said."""
+CHANCE = 1e-6
+DEVIATIONS = 5.0
+"""Standard deviations of mean and correlation, by chance exceeded in 6e-7 of the runs."""
+MOST_OUTLIERS = 1 / 3
+"""A larger share of innovations above the gate are no outliers."""
+BLIND = "fits the ranges, position cannot be told"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RangeFit:
+    """How well an estimate fits its ranges."""
+
+    word: Literal["consistent", "overconfident", "correlated", "lost", "not judged"]
+    factor: float | None
+    """By how much its innovations exceed their σ; None without noise-matched gains."""
+
+    def summary(self, *, blind: bool) -> str:
+        """The word with its figure. blind: whether the motion leaves the position undetermined."""
+        if blind and self.word == "consistent":
+            return BLIND
+        if self.word == "overconfident":
+            return f"overconfident ×{self.factor:.2g}"
+        if self.word == "correlated":
+            return "not settled on the ranges: the innovations have a mean or are correlated"
+        return "too few ranges to judge by" if self.word == "not judged" else self.word
+
+
+def of(estimate: Estimate) -> RangeFit:
+    """The fit of a run of the cascade."""
+    part = estimate.innovation[3 * len(estimate.innovation) // 4 :]
+    part = part[np.isfinite(part).all(axis=1) & (part[:, 1] > 0)]
+    phase = None if estimate.phase is None else int(estimate.phase[-1])
+    if phase == LOST:
+        return RangeFit(word="lost", factor=None)
+    if len(part) < FEWEST:
+        return RangeFit(word="not judged", factor=None)
+    if phase == MATCHED:
+        return _matched(part)
+    normalised = part[:, 0] / np.sqrt(part[:, 1])
+    centred, root = normalised - normalised.mean(), np.sqrt(len(normalised))
+    size = float(np.sqrt(np.mean(centred**2)))
+    if size == 0:
+        return RangeFit(word="consistent", factor=None)
+    mean, correlation = normalised.mean() / size * root, np.mean(centred[1:] * centred[:-1]) / size**2 * root
+    white = abs(mean) <= DEVIATIONS and abs(correlation) <= DEVIATIONS
+    return RangeFit(word="consistent" if white else "correlated", factor=None)
+
+
+def _matched(part: np.ndarray) -> RangeFit:
+    square = consistency.innovations(part)
+    within = square[square <= GATE]
+    kept = within if len(within) >= (1 - MOST_OUTLIERS) * len(square) else square
+    mean, n = float(np.mean(kept)), len(kept)
+    sure = mean > 2 * gammaincinv(n / 2, 1 - CHANCE) / n
+    return RangeFit(word="overconfident" if sure else "consistent", factor=float(np.sqrt(mean)))

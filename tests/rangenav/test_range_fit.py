@@ -1,0 +1,58 @@
+"""What a run's innovations say of it: consistent, overconfident by a factor, correlated or lost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rangenav import range_fit
+from rangenav.acquisition import CONSTANT, LOST, MATCHED
+from rangenav.cascade import Estimate
+from tests.support import records
+
+RANGES = 2000
+
+
+def estimate(innovation: np.ndarray, phase: int) -> Estimate:
+    """A record of two samples whose ranges have these innovations, in units of σ."""
+    blank = records.scene("paper-slow", duration=1.0).observe()
+    pairs = np.column_stack([innovation, np.ones(len(innovation))])
+    return replace(blank, innovation=pairs, phase=np.full(len(blank.time), phase, dtype=np.int8))
+
+
+def noise(seed: int = 0) -> np.ndarray:
+    return np.random.default_rng(seed).standard_normal(RANGES)
+
+
+@pytest.mark.parametrize("phase", [CONSTANT, MATCHED])
+def test_white_innovations_of_the_stated_size_are_consistent_in_every_run(phase: int):
+    assert {range_fit.of(estimate(noise(seed), phase)).word for seed in range(40)} == {"consistent"}
+
+
+@pytest.mark.parametrize("factor", [1.5, 3.0])
+def test_innovations_that_are_too_large_name_their_factor(factor: float):
+    fit = range_fit.of(estimate(factor * noise(), MATCHED))
+    assert fit.word == "overconfident"
+    assert fit.factor == pytest.approx(factor, rel=0.1)
+    assert fit.summary(blind=True) == fit.summary(blind=False) == f"overconfident ×{fit.factor:.2g}"
+    assert range_fit.of(estimate(factor * noise(), CONSTANT)).word == "consistent"  # their σ is a design quantity
+
+
+def test_a_few_outliers_are_no_overconfidence_but_many_are():
+    few, many = noise(), noise()
+    few[::50], many[::2] = 100.0, 100.0
+    assert range_fit.of(estimate(few, MATCHED)).word == "consistent"
+    assert range_fit.of(estimate(many, MATCHED)).word == "overconfident"
+
+
+@pytest.mark.parametrize(
+    "innovation", [noise() + 0.5, np.convolve(noise(), np.ones(3), "same")], ids=["mean", "correlated"]
+)
+def test_constant_gains_are_judged_by_mean_and_whiteness(innovation: np.ndarray):
+    assert range_fit.of(estimate(innovation, CONSTANT)).word == "correlated"
+
+
+def test_lost_few_ranges_and_blind_motions_say_so():
+    assert range_fit.of(estimate(noise(), LOST)).word == "lost"
+    assert range_fit.of(estimate(noise()[:40], MATCHED)).word == "not judged"
+    assert range_fit.of(estimate(noise(), CONSTANT)).summary(blind=True) == range_fit.BLIND
