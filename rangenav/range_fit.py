@@ -45,6 +45,11 @@ class RangeFit:
             return "not settled on the ranges: the innovations have a mean or are correlated"
         return "too few ranges to judge by" if self.word == "not judged" else self.word
 
+    def report(self, *, blind: bool) -> dict[str, str | float]:
+        """As a JSON object; `factor` only where there is one."""
+        factor = {} if self.factor is None else {"factor": self.factor}
+        return {"word": self.word, "words": self.summary(blind=blind), **factor}
+
 
 def of(estimate: Estimate) -> RangeFit:
     """The fit of a run of the cascade."""

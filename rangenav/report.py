@@ -99,8 +99,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
     blind = analyse(preset).rank < STATES
-    fit = range_fit.of(first.estimate)
-    report["fit"] = {"word": fit.word, "factor": fit.factor, "words": fit.summary(blind=blind)}
+    report["fit"] = range_fit.of(first.estimate).report(blind=blind)
     if any(_not_finite(summary) for summary in summaries):
         report["reason"] = "null: the estimate overflowed"
     if any(summary.diverged for summary in summaries):

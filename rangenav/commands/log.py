@@ -136,8 +136,8 @@ def log(
             observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
         report["observer"] = observer_report(flight_summary.summarise_observer(observed))
-        fit, blind = range_fit.of(observed.estimate), informative.verdict == "blind"
-        report["observer"]["fit"] = {"word": fit.word, "factor": fit.factor, "words": fit.summary(blind=blind)}
+        fit = range_fit.of(observed.estimate)
+        report["observer"]["fit"] = fit.report(blind=informative.verdict == "blind")
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:

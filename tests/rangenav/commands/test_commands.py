@@ -76,6 +76,7 @@ SIMULATE = {
     "settle": {"position_s": None, "attitude_s": None},
     "steady": dict.fromkeys(("position_rmse", "velocity_rmse", "gravity_rmse", "attitude_rmse_deg")),
     "final": dict.fromkeys(("position", "velocity", "gravity", "attitude_deg")),
+    "fit": {"word": None, "words": None},
 }
 
 
