@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import gammaincinv
 
 from rangenav import consistency
-from rangenav.acquisition import LOST, MATCHED
+from rangenav.acquisition import COLLECTING, LOST, MATCHED
 from rangenav.cascade import Estimate
 from rangenav.kernels.layout import GATE
 
@@ -25,6 +25,7 @@ DEVIATIONS = 5.0
 MOST_OUTLIERS = 1 / 3
 """A larger share of innovations above the gate are no outliers."""
 BLIND = "fits the ranges, position cannot be told"
+COLLECTED = "fits the ranges, which have not determined the position yet: constant gains"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,11 +35,15 @@ class RangeFit:
     word: Literal["consistent", "overconfident", "correlated", "lost", "not judged"]
     factor: float | None
     """By how much its innovations exceed their σ; None without noise-matched gains."""
+    collecting: bool = False
+    """Whether noise-matched gains were chosen and have not begun."""
 
     def summary(self, *, blind: bool) -> str:
         """The word with its figure. blind: whether the motion leaves the position undetermined."""
         if blind and self.word == "consistent":
             return BLIND
+        if self.collecting and self.word == "consistent":
+            return COLLECTED
         if self.word == "overconfident":
             return f"overconfident ×{self.factor:.2g}"
         if self.word == "correlated":
@@ -65,11 +70,12 @@ def of(estimate: Estimate) -> RangeFit:
     normalised = part[:, 0] / np.sqrt(part[:, 1])
     centred, root = normalised - normalised.mean(), np.sqrt(len(normalised))
     size = float(np.sqrt(np.mean(centred**2)))
+    collecting = phase == COLLECTING
     if size == 0:
-        return RangeFit(word="consistent", factor=None)
+        return RangeFit(word="consistent", factor=None, collecting=collecting)
     mean, correlation = normalised.mean() / size * root, np.mean(centred[1:] * centred[:-1]) / size**2 * root
     white = abs(mean) <= DEVIATIONS and abs(correlation) <= DEVIATIONS
-    return RangeFit(word="consistent" if white else "correlated", factor=None)
+    return RangeFit(word="consistent" if white else "correlated", factor=None, collecting=collecting)
 
 
 def _matched(part: np.ndarray) -> RangeFit:

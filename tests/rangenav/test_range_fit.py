@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rangenav import range_fit
-from rangenav.acquisition import CONSTANT, LOST, MATCHED
+from rangenav.acquisition import COLLECTING, CONSTANT, LOST, MATCHED
 from rangenav.cascade import Estimate
 from tests.support import records
 
@@ -56,3 +56,4 @@ def test_lost_few_ranges_and_blind_motions_say_so():
     assert range_fit.of(estimate(noise(), LOST)).word == "lost"
     assert range_fit.of(estimate(noise()[:40], MATCHED)).word == "not judged"
     assert range_fit.of(estimate(noise(), CONSTANT)).summary(blind=True) == range_fit.BLIND
+    assert range_fit.of(estimate(noise(), COLLECTING)).summary(blind=False) == range_fit.COLLECTED
