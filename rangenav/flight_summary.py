@@ -1,6 +1,7 @@
 """A recorded flight in a few numbers: what its windows could tell, and how far off the observers were."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +9,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import consistency
-from rangenav.logs import WORDS, Informative, Observed
+from rangenav.formats.recorded_flight import Flight
+from rangenav.inputs import Vec3
+from rangenav.logs import FEW, WORDS, Informative, Observed
+from rangenav.number_format import quantity, vector
 from rangenav.record import DIVERGED_STD
 
 QUARTERS = 4
@@ -74,6 +78,25 @@ class ObserverSummary:
     def complete(self) -> bool:
         """Whether final position and innovation are known."""
         return None not in self.final_position and self.innovation_rms is not None
+
+
+def ranges_source(flight: Flight, anchor: Vec3, *, synthetic: float | None, anchor_given: bool) -> str:
+    """The ranges that a record is judged with and where their anchor comes from, as one clause; empty without ranges.
+
+    anchor: m, inertial. synthetic: σ of synthetic ranges (m); None for those of the file. anchor_given: whether a
+    person gave the anchor.
+    """
+    if not len(flight.range):
+        return ""
+    count = "1 range" if len(flight.range) == 1 else f"{len(flight.range)} ranges"
+    ranges = f"{count} of the file" if synthetic is None else f"synthetic ranges of σ {quantity(synthetic, 'm')}"
+    return f"with {ranges} to an anchor at {vector(anchor)} m, {'as given' if anchor_given else 'as the file says'}"
+
+
+def more_ranges(counts: Mapping[str, int]) -> str:
+    """What windows with too few ranges would tell with more of them, by the counts of the verdicts; else empty."""
+    few = counts[FEW]
+    return f"13 ranges or more would determine {few} of the windows: their motion has rank 13" if few else ""
 
 
 def summarise_windows(windows: Informative) -> WindowSummary:

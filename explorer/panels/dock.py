@@ -80,7 +80,8 @@ class Dock:
             self.presets = PresetsPanel(form, catalog, self, uploads, session_actions)
             RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
             BundlePanel(form, catalog, self, jobs, session_actions.send)
-            ImportPanel(form, catalog, self, jobs, uploads, judge=lambda flight: flights.offer(flight))
+            take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
+            ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
             flights = FlightPanel(form, jobs)
             self.printed = PrintedPanel(form)
         with tabs.add_tab("Compare"):

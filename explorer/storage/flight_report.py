@@ -19,12 +19,16 @@ Ranges = Literal["measured", "synthetic"]
 WorldSource = Literal["", "still", "given"]
 """Where gravity and field come from: the file, its start at rest, or a person."""
 
+ORIGIN: Vec3 = (0.0, 0.0, 0.0)
+"""m; stands for the anchor where there are no ranges, and none is used."""
+NO_ANCHOR = "where does the anchor stand? the file does not say: choose “as given below” for it, and give its place"
+
 
 class FlightOptions(Input, frozen=True, kw_only=True):
     """What a person chooses before a flight is judged."""
 
-    anchor: Vec3
-    """m, inertial."""
+    anchor: Vec3 | None = None
+    """m, inertial; None: where the file says."""
     source: WorldSource = ""
     gravity: Vec3 = (0.0, 0.0, -9.81)
     """m/s², inertial; used if the source is “given”."""
@@ -64,25 +68,35 @@ class FlightReport:
     windows: WindowSummary
     observer: ObserverSummary | None
     """None without ranges."""
+    ranges_source: str
+    """The ranges that were used, and where their anchor comes from, one clause; empty without ranges."""
     world_source: str
     """Where gravity and magnetic field come from, one sentence."""
 
 
 def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     """Judge a flight. Raises ValueError with one sentence if gravity and field are unknown, or data are missing."""
-    if options.ranges == "synthetic":
-        flight = recorded_flight.with_ranges(flight, options.anchor, sigma=options.range_sigma, seed=0)
+    synthetic = options.range_sigma if options.ranges == "synthetic" else None
+    anchor = options.anchor or flight.anchor
+    if anchor is None:
+        require(synthetic is None and not len(flight.range), NO_ANCHOR)
+        anchor = ORIGIN
+    if synthetic is not None:
+        flight = recorded_flight.with_ranges(flight, anchor, sigma=synthetic, seed=0)
     x, y, z = options.magnetic
     length = (x * x + y * y + z * z) ** 0.5 or 1.0
     confirmed = options.source == "still"
     chosen = (options.gravity, (x / length, y / length, z / length)) if options.source == "given" else None
-    world, questions, source = rest.world_of(flight, anchor=options.anchor, vectors=chosen, confirmed=confirmed)
+    world, questions, source = rest.world_of(flight, anchor=anchor, vectors=chosen, confirmed=confirmed)
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
     given = {} if chosen is None else {"gravity": chosen[0], "magnetic": chosen[1]}
-    restriction = record_checks.restriction(replace(flight, anchor=options.anchor, **given))
+    restriction = record_checks.restriction(replace(flight, anchor=anchor, **given))
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
     flight = recorded_flight.between(flight, options.begin, math.inf if options.end is None else options.end)
+    ranges_source = flight_summary.ranges_source(
+        flight, anchor, synthetic=synthetic, anchor_given=options.anchor is not None
+    )
     windows = logs.informative(
         flight,
         window=options.window,
@@ -102,12 +116,14 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
-    return FlightReport(whole, windows.summary, flight_summary.summarise_windows(windows), observed, source)
+    return FlightReport(
+        whole, windows.summary, flight_summary.summarise_windows(windows), observed, ranges_source, source
+    )
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:
     """The source of gravity and field that the record suggests, and its evidence in a sentence."""
-    world, questions, source = rest.world_of(flight, anchor=(0.0, 0.0, 0.0))
+    world, questions, source = rest.world_of(flight, anchor=ORIGIN)
     if world is not None:
         return "", source
     question = questions[0]

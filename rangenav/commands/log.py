@@ -11,7 +11,14 @@ import tyro
 
 from rangenav import formats
 from rangenav.commands.log_answers import Answers, Vector
-from rangenav.commands.log_report import file_report, observer_report, verdict_report, whole_report, windows_report
+from rangenav.commands.log_report import (
+    file_report,
+    observer_report,
+    ranges_report,
+    verdict_report,
+    whole_report,
+    windows_report,
+)
 from rangenav.commands.output import print_json
 from rangenav.commands.progress import working
 from rangenav.inputs import Vec3, require, require_within
@@ -31,6 +38,8 @@ MOST_NOISE = 100.0
 NO_ANSWERS = Answers()
 ROUNDED = 1e-5
 """Vectors that differ by less are the same: a direction is made a unit vector."""
+ORIGIN: Vec3 = (0.0, 0.0, 0.0)
+"""m; stands for the anchor where a record has no ranges, and none is used."""
 SHORTEST_DIRECTION = 1e-3
 """A shorter vector is no direction."""
 
@@ -107,7 +116,7 @@ def log(
     if synthetic_ranges is not None:
         flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
     world_model, questions, world_source = rest.world_of(
-        flight, anchor=flight.anchor or (0.0, 0.0, 0.0), vectors=vectors, confirmed=world == "still"
+        flight, anchor=flight.anchor or ORIGIN, vectors=vectors, confirmed=world == "still"
     )
     if len(flight.range):
         formats.settled(imported, also=(*questions, *asked))
@@ -116,6 +125,9 @@ def log(
         flight = recorded_flight.between(
             flight, begin if begin is not None else 0.0, end if end is not None else math.inf
         )
+    ranges_source = flight_summary.ranges_source(
+        flight, flight.anchor or ORIGIN, synthetic=synthetic_ranges, anchor_given=anchor is not None
+    )
     judged_by = {
         "range_sigma": range_sigma,
         "requirement": position_sigma,
@@ -127,6 +139,7 @@ def log(
         whole = logs.whole(flight, **judged_by)
     report = (
         file_report(imported, flight, world_source)
+        | ranges_report(ranges_source)
         | {"whole": whole_report(whole)}
         | {"informative": windows_report(flight_summary.summarise_windows(informative), informative)}
         | verdict_report(whole)

@@ -22,6 +22,11 @@ def file_report(imported: "ImportResult", flight: "Flight", world_source: str) -
     }
 
 
+def ranges_report(source: str) -> dict[str, Any]:
+    """The ranges that the record is judged with, and where their anchor comes from; null without ranges."""
+    return {"ranges_source": source} if source else {"ranges_source": None, "ranges_source_reason": "null: no ranges"}
+
+
 def verdict_report(whole: "WholeRecord") -> dict[str, Any]:
     """The verdict on the whole record; null with the reason where it is not judged, or has too few ranges."""
     if whole.verdict in ("observable", "weak", "blind"):

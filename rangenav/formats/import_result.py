@@ -71,6 +71,8 @@ class ImportResult:
     findings: tuple[str, ...]
     """Remarks on the file, one sentence each: units, gaps, jumps, missing columns, repeated stamps."""
     questions: tuple[Question, ...] = ()
+    applied: tuple[Question, ...] = ()
+    """Questions of checks to which the usual answer, the suggestion, is applied; another answer may be given."""
     path: Signal | None = None
     derivatives: Literal["file", "fit"] = "file"
     """Whether the derivatives up to snap stand in the file, or come from a fit."""

@@ -31,6 +31,8 @@ class Checked:
     findings: tuple[str, ...]
     """What was corrected as confirmed, and what is not used."""
     questions: tuple[Question, ...]
+    applied: tuple[Question, ...]
+    """Those of checks with a usual answer, which is their suggestion; it is applied unless another one is given."""
     doubts: tuple[str, ...]
     """Evidence against the record that its answers leave."""
 
@@ -44,6 +46,7 @@ def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
     """Check a record. `confirm` holds answers by the keys of the questions. Raises ValueError for what is no answer."""
     flight, findings = _corrected(flight, confirm)
     questions: dict[str, Question] = {}
+    applied: list[Question] = []
     doubts: list[str] = []
     uncertain: set[str] = set()
     for row in CHECKS:
@@ -53,6 +56,8 @@ def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
         if evidence is None:
             continue
         answered = confirm.get(row.key)
+        if row.default:
+            applied.append(row.question(replace(evidence, suggestion=row.default)))
         if answered is None and row.default:
             flight = row.correct(flight, row.default)
             findings.append(f"{evidence.text}: {DEFAULTS[row.default]} ({row.flag} {row.options[-1]} uses them)")
@@ -65,7 +70,13 @@ def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
                 questions[row.key] = row.question(evidence)
             else:
                 doubts.append(evidence.text)
-    return Checked(flight=flight, findings=tuple(findings), questions=tuple(questions.values()), doubts=tuple(doubts))
+    return Checked(
+        flight=flight,
+        findings=tuple(findings),
+        questions=tuple(questions.values()),
+        applied=tuple(applied),
+        doubts=tuple(doubts),
+    )
 
 
 DEFAULTS = {"drop": "not used", "once": "counted once"}
@@ -100,6 +111,7 @@ def checked(imported: ImportResult, confirm: Mapping[str, str], *, anchor: Vec3 
         flight=found.flight,
         findings=(*imported.findings, *_other_anchor(imported.flight, anchor), *found.findings),
         questions=(*imported.questions, *found.questions),
+        applied=found.applied,
         unjudged=found.restriction,
     )
 

@@ -1,9 +1,12 @@
 """The few numbers that sum up a recorded flight: quarters of an error, missing truth, windows by verdict."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from rangenav.flight_summary import summarise_observer, summarise_windows
+from rangenav.flight_summary import more_ranges, ranges_source, summarise_observer, summarise_windows
+from rangenav.formats.recorded_flight import Flight
 from rangenav.logs import Informative, Observed
 from rangenav.motion import World
 from tests.support.records import scene
@@ -59,3 +62,24 @@ def test_windows_are_counted_by_verdict_and_a_blind_worst_window_has_no_position
     assert summary.counts == {"observable": 2, "weak": 0, "too few ranges": 0, "blind": 1, "not judged": 0}
     assert (summary.worst_start, summary.worst_rank, summary.worst_position) == (1.0, 10, None)
     assert summary.median_position == pytest.approx(0.3)
+
+
+def test_the_source_of_ranges_names_their_noise_or_count_and_their_anchor_and_who_stated_it():
+    z = scene("soft", duration=2.0).measurements
+    flight = Flight(time=z.time, gyro=z.gyro, accel=z.accel, mag=z.mag, range_time=z.range_time, range=z.range)
+    place = (1.0, 0.0, -2.5)
+    assert ranges_source(flight, place, synthetic=0.05, anchor_given=True) == (
+        "with synthetic ranges of σ 0.05 m to an anchor at (1, 0, -2.5) m, as given"
+    )
+    assert ranges_source(flight, place, synthetic=None, anchor_given=False) == (
+        f"with {len(z.range)} ranges of the file to an anchor at (1, 0, -2.5) m, as the file says"
+    )
+    bare = replace(flight, range_time=z.range_time[:0], range=z.range[:0])
+    assert ranges_source(bare, place, synthetic=None, anchor_given=True) == ""
+
+
+def test_more_ranges_are_asked_for_only_where_windows_have_too_few():
+    assert more_ranges({"blind": 3, "too few ranges": 0}) == ""
+    assert more_ranges({"blind": 3, "too few ranges": 2}).startswith(
+        "13 ranges or more would determine 2 of the windows"
+    )

@@ -240,6 +240,9 @@ def test_ranges_that_are_no_distances_are_not_used_and_named_by_value_count_and_
     kept = record_checks.check(spoilt, {"range-values": "keep"})
     assert len(kept.flight.range) == len(distance)
     assert kept.restriction is not None
+    for one in (found, kept):  # the answer can be changed back
+        assert [(q.key, q.suggestion, q.as_it_is) for q in one.applied] == [("range-values", "drop", "keep")]
+    assert record_checks.check(hand_held, {}).applied == ()
 
 
 @pytest.mark.parametrize("value", [0.0, 2.5])

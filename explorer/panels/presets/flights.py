@@ -1,16 +1,19 @@
 """A recorded flight: whether it was informative, and the errors of the observers on it."""
 
 import math
+from functools import partial
+from typing import Literal
 
 from explorer.model.jobs import Jobs
-from explorer.storage.flight_report import FlightOptions, FlightReport, WorldSource, judge, world_evidence
-from explorer.widgets.controls import Choice, Number, Switch, Vector
+from explorer.storage.flight_report import ORIGIN, FlightOptions, FlightReport, WorldSource, judge, world_evidence
+from explorer.widgets.controls import Choice, Number, Switch, Vector, when_moved
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.section import Section
-from rangenav.flight_summary import ObserverSummary
+from rangenav.flight_summary import ObserverSummary, more_ranges
 from rangenav.formats import Flight, ImportResult
-from rangenav.number_format import NOT_DETERMINED, quantity, significant
+from rangenav.formats.import_result import gravity
+from rangenav.number_format import NOT_DETERMINED, quantity, significant, vector
 
 SIGNS = {"observable": "●", "weak": "▲", "too few ranges": "◆", "blind": "✕", "not judged": "?"}
 WORLD_SOURCES: dict[WorldSource, str] = {
@@ -18,9 +21,14 @@ WORLD_SOURCES: dict[WorldSource, str] = {
     "still": "as its still start says",
     "given": "as given below",
 }
-ANCHOR_HINT = "m, in the inertial frame of the record; no log can tell it, unless it says so."
+AnchorSource = Literal["file", "given"]
+ANCHOR_SOURCES: dict[AnchorSource, str] = {"file": "as the file says", "given": "as given below"}
+ANCHOR_HINT = "Where the anchor of the ranges stands: no log can tell, unless its file says so."
+PLACE_HINT = "m, in the inertial frame of the record."
 WORLD_HINT = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
-SYNTHETIC_HINT = "For a record with a true position and no ranges: makes some, with the noise below."
+SYNTHETIC_HINT = (
+    "For a record with a true position and no ranges: makes some, with the noise below. The result names them."
+)
 SIGMA_HINT = "σ of the ranges (m)."
 WINDOW_HINT = "δ (s): each window of this length is judged by itself."
 PART_HINT = (
@@ -41,10 +49,11 @@ class FlightPanel:
         self._section = section = Section(form, "Recorded flight")
         with section:
             self._evidence = form.gui.add_html("")
-            self._anchor = Vector(section, "its anchor (m)", step=0.01, hint=ANCHOR_HINT)
+            self._anchor_source = Choice(section, "its anchor", ANCHOR_SOURCES, hint=ANCHOR_HINT)
+            self._anchor = Vector(section, "anchor at (m)", step=0.01, hint=PLACE_HINT)
             self._world = Choice(section, "gravity, field", WORLD_SOURCES, hint=WORLD_HINT)
-            self._gravity = Vector(section, "its gravity (m/s²)", step=0.01, hint="Inertial; used if given.")
-            self._magnetic = Vector(section, "its field", step=0.01, hint="Its direction, inertial; used if given.")
+            self._gravity = Vector(section, "its gravity (m/s²)", step=0.01, hint="Inertial.")
+            self._magnetic = Vector(section, "its field", step=0.01, hint="Its direction, inertial.")
             self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC_HINT)
             self._sigma = Number(section, "ranges ± (m)", step=0.01, hint=SIGMA_HINT)
             self._begin = Number(section, "from (s)", step=1, hint=PART_HINT)
@@ -53,7 +62,14 @@ class FlightPanel:
             self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK_HINT)
             form.button("Was it informative?", self._judge, hint=JUDGE_HINT)
             self._report_block = form.gui.add_html("", visible=False)
+        for choice in (self._anchor_source, self._world):
+            when_moved(choice.handle, lambda: form.do(self._show_boxes, step=False))
         section.show(False)
+
+    def close(self) -> None:
+        """Hide the flight and its result, because another file is being read."""
+        self._flight, self._report_block.visible = None, False
+        self._section.show(False)
 
     def offer(self, import_result: ImportResult) -> None:
         """Offer a flight that was read."""
@@ -63,19 +79,29 @@ class FlightPanel:
         source, evidence = world_evidence(flight)
         self._source = import_result.source
         self._evidence.content = NOTE.format(bullets((f"{import_result.source}: {_contents(flight)}", evidence)))
-        defaults = FlightOptions(anchor=flight.anchor or (0.0, 0.0, 0.0))
-        self._anchor.show(defaults.anchor)
+        defaults = FlightOptions()
+        self._anchor_source.show("file")
+        self._anchor.show(flight.anchor or ORIGIN)
         self._world.show(source)
-        self._gravity.show((0.0, 0.0, -9.81 if flight.frame == "z-up" else 9.81))
+        self._gravity.show(flight.gravity or gravity(flight.frame))
         self._magnetic.show(flight.magnetic or defaults.magnetic)
-        self._synthetic.show(len(flight.range) == 0 and flight.position is not None)
+        self._synthetic.show(False)
         self._sigma.show(defaults.range_sigma)
         self._begin.show(float(flight.time[0]))
         self._end.show(math.ceil(1e3 * flight.time[-1]) / 1e3)
         self._window.show(min(defaults.window, import_result.duration / 2))
         self._weak.show(defaults.position_sigma)
         self._report_block.visible = False
+        self._section.complaint.clear()
+        self._show_boxes()
         self._section.show(True)
+
+    def _show_boxes(self) -> None:
+        """Show the boxes of what is given by hand, and hide those whose values are not used."""
+        with self._section.catching():
+            given = self._world.read() == "given"
+            self._anchor.handle.visible = self._anchor_source.read() == "given"
+        self._gravity.handle.visible = self._magnetic.handle.visible = given
 
     def _judge(self) -> None:
         flight = self._flight
@@ -83,7 +109,7 @@ class FlightPanel:
             return
         with self._section.catching():
             options = FlightOptions(
-                anchor=self._anchor.read(),
+                anchor=self._anchor.read() if self._anchor_source.read() == "given" else None,
                 source=self._world.read(),
                 gravity=self._gravity.read(),
                 magnetic=self._magnetic.read(),
@@ -95,19 +121,20 @@ class FlightPanel:
                 position_sigma=self._weak.read(),
             )
         self._report_block.visible = False
-        name = f"judging {self._source}"
-        self._jobs.start(name, lambda *_: judge(flight, options), self._show, self._section.complaint.say)
+        show, complain = partial(self._show, self._source), self._section.complaint.say
+        self._jobs.start(f"judging {self._source}", lambda *_: judge(flight, options), show, complain)
 
-    def _show(self, flight_report: FlightReport) -> None:
-        self._report_block.content = NOTE.format(report(flight_report))
+    def _show(self, source: str, flight_report: FlightReport) -> None:
+        self._report_block.content = NOTE.format(report(source, flight_report))
         self._report_block.visible = True
 
 
-def report(flight_report: FlightReport) -> str:
-    """The report as HTML: verdict, windows by verdict, the worst window, and the errors of the observers."""
+def report(source: str, flight_report: FlightReport) -> str:
+    """The report on a file as HTML: its name and verdict, the ranges that were used, windows by verdict, the worst
+    window, and the errors of the observers."""
     windows, whole = flight_report.windows, flight_report.whole
     summary = whole.summary.removeprefix(f"{whole.verdict}: ")
-    head = f"{SIGNS[whole.verdict]} {whole.verdict}: {summary}"
+    head = f"{source}: {SIGNS[whole.verdict]} {whole.verdict}: {summary}"
     worst = f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"
     if windows.worst_rank < windows.motion_rank:
         ranges = "1 range" if windows.worst_ranges == 1 else f"{windows.worst_ranges} ranges"
@@ -118,7 +145,8 @@ def report(flight_report: FlightReport) -> str:
         ("σ there", _number(windows.worst_position, "m", "blind there, or with too few ranges")),
         ("σ, median", _number(windows.median_position, "m")),
     ]
-    text = bullets((head, *([flight_report.world_source] if flight_report.world_source else []))) + table((), rows)
+    lines = (head, flight_report.ranges_source, flight_report.world_source, more_ranges(windows.counts))
+    text = bullets(filter(None, lines)) + table((), rows)
     if flight_report.observer is None:
         return text + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
     return text + _observers(flight_report.observer)
@@ -147,6 +175,7 @@ def _contents(flight: Flight) -> str:
     parts = [f"{len(flight.time)} samples over {significant(length, 4)} s", f"{len(flight.range)} ranges"]
     parts.append("a magnetometer" if flight.mag is not None else "no magnetometer")
     parts.append("a true position" if flight.position is not None else "no truth")
+    parts.append("no anchor" if flight.anchor is None else f"an anchor at {vector(flight.anchor)} m")
     return ", ".join(parts)
 
 

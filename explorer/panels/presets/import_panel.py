@@ -26,6 +26,8 @@ ANCHOR = (0.0, 0.0, 0.0)
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
 FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
 CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have confirmed it."
+CONFIRM, OTHERS = "Confirm the answers", "Read it with these answers"
+OTHERS_HINT = "Reads the file once more, with the answers chosen above."
 UNANSWERED = ""
 CHOOSE = "choose"
 
@@ -47,9 +49,12 @@ class ImportPanel:
         uploads: Uploads,
         *,
         judge: Callable[[ImportResult], None],
+        close: Callable[[], None],
     ) -> None:
-        """`judge` is called with a recorded flight, and judges it."""
-        self._form, self._catalog, self._page, self._jobs, self._judge = form, catalog, page, jobs, judge
+        """`judge` is called with a recorded flight, and judges it; `close` before a file is read, and hides the last
+        flight."""
+        self._form, self._catalog, self._page, self._jobs = form, catalog, page, jobs
+        self._judge, self._close = judge, close
         self._section = section = Section(form, "Import a path or a recorded flight", expanded=False)
         self._file: ImportFile | None = None
         self._questions_section: Section | None = None
@@ -57,6 +62,7 @@ class ImportPanel:
         self._answer_choices: dict[str, Choice[str]] = {}
         with section:
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
+            self._status = form.gui.add_html("", visible=False)
             self._format = Choice(section, "format", choices(), hint=FORMAT_HINT)
             form.button(
                 "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
@@ -83,7 +89,9 @@ class ImportPanel:
                 raise ValueError("no file has been handed over yet")
             format_name = self._format.read()
         self._forget_questions()
+        self._close()
         self._message.visible = False
+        self._show_status(f"{self._file.name}: being read …")
         file, answers = self._file, dict(self._answers)
         self._jobs.start(
             f"reading {file.name}",
@@ -94,6 +102,8 @@ class ImportPanel:
 
     def _fail(self, format_name: str, reason: str) -> None:
         """Show the error together with the format that was tried, which may have been a wrong guess."""
+        if self._file is not None:
+            self._show_status(f"{self._file.name}: not read; the reason stands below")
         label = formats.row(format_name).read_label
         advice = f"It was read as {label}: if it is none, choose another format and read it again"
         self._section.complaint.say(f"{reason}. {advice}")
@@ -101,28 +111,42 @@ class ImportPanel:
     def _take_interpretation(self, interpretation: Interpretation) -> None:
         result = interpretation.result
         self._show_message(*report(result), more=every_column(result))
+        asked = (*result.questions, *result.applied)
+        if asked:
+            self._show_questions(asked, open_ones=len(result.questions))
         if result.questions:
-            self._show_questions(result.questions)
+            count = "1 question" if len(result.questions) == 1 else f"{len(result.questions)} questions"
+            self._show_status(f"{result.source}: {count} below")
         elif interpretation.preset is not None:
             self._page.write(self._catalog.add_imported(interpretation.preset))
             self._show_message(
                 *report(result), "opened as a preset that is not saved yet (anchor at 0, 0, 0: see World)"
             )
+            self._show_status(f"{result.source}: opened as a preset")
         elif result.flight is not None:
             self._judge(result)
             self._show_message(*report(result), "a recorded flight: judge it below", more=every_column(result))
+            self._show_status(f"{result.source}: a recorded flight, judged further down")
 
-    def _show_questions(self, questions: tuple[Question, ...]) -> None:
-        """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed."""
+    def _show_questions(self, questions: tuple[Question, ...], *, open_ones: int) -> None:
+        """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed.
+
+        The first `open_ones` are open. The usual answer is applied to the others, and another one may be chosen.
+        """
+        label, button = (
+            ("Questions before it is used", CONFIRM) if open_ones else ("Answers taken without a question", OTHERS)
+        )
         with self._section:
-            self._questions_section = questions_section = Section(self._form, "Questions before it is used")
+            self._questions_section = questions_section = Section(self._form, label)
         with questions_section:
-            for question in questions:
+            for k, question in enumerate(questions):
                 labels = {option: option for option in question.options}
                 if question.suggestion is None:
                     labels = {UNANSWERED: CHOOSE} | labels
                 sentences = f"{question.asks}? {question.evidence}"
-                if question.suggestion is not None:
+                if k >= open_ones:
+                    sentences += f"; without a question: {question.suggestion}"
+                elif question.suggestion is not None:
                     sentences += f"; suggested: {question.suggestion}"
                 if question.as_it_is:
                     sentences += f"; {question.as_it_is} takes the record as it is, and it is then not judged"
@@ -130,18 +154,21 @@ class ImportPanel:
                 choice = self._answer_choices[question.key] = Choice(
                     questions_section, question.key, labels, hint=question.asks
                 )
-                choice.show(question.suggestion or UNANSWERED)
-            self._form.button("Confirm the answers", partial(self._confirm, questions), hint=CONFIRM_HINT)
+                chosen = self._answers.get(question.key) if k >= open_ones else None
+                choice.show(chosen or question.suggestion or UNANSWERED)
+            confirm = partial(self._confirm, questions[:open_ones], questions[open_ones:])
+            self._form.button(button, confirm, hint=CONFIRM_HINT if open_ones else OTHERS_HINT)
 
-    def _confirm(self, questions: tuple[Question, ...]) -> None:
+    def _confirm(self, questions: tuple[Question, ...], applied: tuple[Question, ...]) -> None:
         if self._questions_section is None:
             return
         with self._questions_section.catching():
-            answers = {question.key: self._answer_choices[question.key].read() for question in questions}
+            answers = {key: choice.read() for key, choice in self._answer_choices.items()}
             unanswered = [question.asks for question in questions if answers[question.key] == UNANSWERED]
             if unanswered:
                 raise ValueError(f"not answered yet: {'; '.join(unanswered)}")
-        self._answers |= answers
+        usual = {question.key for question in applied if answers[question.key] == question.suggestion}
+        self._answers = {key: value for key, value in (self._answers | answers).items() if key not in usual}
         self._interpret()
 
     def _forget_questions(self) -> None:
@@ -149,6 +176,11 @@ class ImportPanel:
         if self._questions_section is not None:
             self._questions_section.remove()
             self._questions_section = None
+
+    def _show_status(self, sentence: str) -> None:
+        """Say at the upload button what has become of the file."""
+        self._status.content = NOTE.format(bullets((sentence,)))
+        self._status.visible = True
 
     def _show_message(self, *sentences: str, more: str = "") -> None:
         self._message.content = NOTE.format(bullets(sentences) + more)

@@ -8,6 +8,7 @@ from rangenav.commands.text import layout
 from rangenav.commands.text.layout import SIGNS, Report, Sign, group, met
 from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.commands.text.verdict import Json, plus_minus
+from rangenav.flight_summary import more_ranges
 from rangenav.logs import FEW, WholeRecord
 from rangenav.model import STATES
 from rangenav.number_format import CLOSE_UNITS, quantity, significant, vector
@@ -32,16 +33,18 @@ def report(
     flag with its values. has_truth: whether the file has true positions. required: m, above which a window is weak.
     """
     windows, observer = answer["informative"], answer["observer"]
+    ranges, synthetic = answer["ranges_source"] or "", "--synthetic-ranges" in options
+    few = more_ranges(windows["windows"])
     sign: Sign = SIGNS[whole.verdict]  # pyright: ignore[reportAssignmentType]
     shown, sensed = windows["eigenvalues"], windows["motion_rank"]
     noise = shown[len(shown) - sensed - 1] if sensed < len(shown) else 0.0
     return Report(
         subject=answer["file"],
         sign=sign,
-        answer=_answer(whole, required),
+        answer=f"{_answer(whole, required)}, {ranges}" if synthetic else _answer(whole, required),
         groups=(
-            *group("the file", _file(answer), _findings(answer["findings"])),
-            *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows), _few(windows)),
+            *group("the file", _file(answer), "" if synthetic else ranges, _findings(answer["findings"])),
+            *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows), few),
             *group("how well", _accuracy(windows, required)),
             *group("the observer", NO_RANGES[has_truth] if observer is None else _observer(answer)),
             *group("the world", _world(answer)),
@@ -133,12 +136,6 @@ def _worst(windows: Json) -> str:
         ranges = "1 range" if windows["ranges"] == 1 else f"{windows['ranges']} ranges"
         return f"{worst} from {ranges}; its motion has rank {windows['motion_rank']}"
     return worst
-
-
-def _few(windows: Json) -> str:
-    """What windows with too few ranges would tell with more of them."""
-    few = windows["windows"]["too few ranges"]
-    return f"13 ranges or more would determine {few} of the windows: their motion has rank 13" if few else ""
 
 
 def _accuracy(windows: Json, required: float) -> list[str]:

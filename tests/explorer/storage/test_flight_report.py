@@ -1,5 +1,6 @@
 """The page asks what the command line asks about a recorded flight, and judges nothing against the evidence."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -36,7 +37,7 @@ def test_the_page_asks_with_the_evidence_and_uses_the_corrected_record(halved: I
     assert result.flight is not None
     report = flight_report.judge(result.flight, FlightOptions(anchor=result.flight.anchor or ORIGIN))
     assert report.whole.verdict == "observable"
-    assert "observable: the whole record determines the position" in flights.report(report)
+    assert "observable: the whole record determines the position" in flights.report("flight.csv", report)
 
 
 def test_the_page_does_not_judge_a_record_that_is_taken_against_the_evidence(halved: ImportFile):
@@ -46,7 +47,7 @@ def test_the_page_does_not_judge_a_record_that_is_taken_against_the_evidence(hal
     report = flight_report.judge(result.flight, FlightOptions(anchor=result.flight.anchor or ORIGIN))
     assert report.whole.verdict == "not judged"
     assert report.windows.counts["not judged"] == sum(report.windows.counts.values())
-    assert "not judged: the mean specific force" in flights.report(report)
+    assert "not judged: the mean specific force" in flights.report("flight.csv", report)
 
 
 def test_an_anchor_that_does_not_fit_the_ranges_is_named_when_the_flight_is_judged(halved: ImportFile):
@@ -55,3 +56,17 @@ def test_an_anchor_that_does_not_fit_the_ranges_is_named_when_the_flight_is_judg
     report = flight_report.judge(result.flight, FlightOptions(anchor=(5.0, 5.0, 5.0)))
     assert report.whole.verdict == "not judged"
     assert "for the anchor at (5, 5, 5)" in (report.whole.restriction or "")
+
+
+def test_an_anchor_that_neither_file_nor_person_says_is_asked_and_none_is_used_without_ranges(halved: ImportFile):
+    result = import_file.interpret(halved, "log", {"accel-scale": "2"}, ORIGIN).result
+    assert result.flight is not None
+    unknown = replace(result.flight, anchor=None)
+    with pytest.raises(ValueError, match="where does the anchor stand"):
+        flight_report.judge(unknown, FlightOptions())
+    bare = replace(unknown, range_time=unknown.range_time[:0], range=unknown.range[:0], range_lines=None)
+    report = flight_report.judge(bare, FlightOptions())
+    assert (report.ranges_source, report.whole.ranges) == ("", 0)
+    assert "13 ranges or more would determine" in flights.report("flight.csv", report)
+    with pytest.raises(ValueError, match="where does the anchor stand"):
+        flight_report.judge(bare, FlightOptions(ranges="synthetic"))

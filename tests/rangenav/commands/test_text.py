@@ -96,6 +96,17 @@ def test_log_answers_first_and_says_how_far_off_the_observers_were(run, flight: 
     assert re.match(r"flight\.csv   [✓!✗] ", out)
     assert names(out)[:4] == ["the file", "what can be seen", "how well", "the observer"]
     assert re.search(r"position error [\d., ]+ m$", out, re.MULTILINE)
+    assert "ranges of the file to an anchor at (0, 0, 0) m, as the file says" in " ".join(out.split())
+
+
+def test_synthetic_ranges_are_named_with_their_noise_and_their_anchor_in_the_first_lines(
+    run, flight: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(flight.parent)
+    code, out, err = run("log", flight.name, "--synthetic-ranges", 0.05, "--anchor", 0, 0, 1)
+    assert (code, err) == (0, "")
+    first = " ".join(out.split("\n\n")[0].split())
+    assert first.endswith("with synthetic ranges of σ 0.05 m to an anchor at (0, 0, 1) m, as given")
 
 
 def test_the_other_commands_keep_the_same_manners(run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -64,7 +64,8 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
     lines = (tmp_path / "tour.txt").read_text().splitlines()
     before = page.settings
     page.tab.upload("Upload a file", "Tour 1.txt", "\n".join(lines[1:]).encode())
-    page.tab.wait_for_text("which way does z point")
+    page.tab.wait_for_text("Tour 1.txt: 1 question below")  # written last, when the button is on the page
+    assert "which way does z point" in page.tab.text()
     assert page.settings == before
     assert page.tab.value("format") == "TUM trajectory"
     page.press("Confirm the answers")
@@ -119,6 +120,73 @@ def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing
     page.press("Was it informative?")
     page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")
     assert page.settings == before
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[bytes, bytes]:
+    """A short flight with a truth: without ranges and anchor, and with ranges of which ten are zeros."""
+    file = tmp_path_factory.mktemp("log") / "flight.csv"
+    formats.export(SHIPPED["paper-slow"], "log", file)
+    lines = file.read_text().splitlines()
+    head = next(k for k, line in enumerate(lines) if line.startswith("t [s]"))
+    at = lines[head].split(",").index("range [m]")
+    rows = [line.split(",") for line in [lines[head], *lines[head + 1 : head + 1601 : 4]]]  # those with a range
+    bare = [",".join(row[:at] + row[at + 1 :]) for row in rows]
+    zeros = [",".join([*row[:at], "0.0" if k % 40 == 9 else row[at], *row[at + 1 :]]) for k, row in enumerate(rows)]
+    world = lines[:3]
+    assert "anchor" in lines[3]
+    return "\n".join([*world, *bare]).encode(), "\n".join([*lines[:4], *zeros]).encode()
+
+
+def _visible(page: Editing, label: str) -> bool:
+    return page.tab.elements[page.tab.find(label)]["visible"]
+
+
+def test_a_flight_is_judged_with_nothing_that_is_not_chosen_and_its_result_names_file_ranges_and_anchor(
+    page: Editing, recorded: tuple[bytes, bytes]
+):
+    page.tab.upload("Upload a file", "bare.csv", recorded[0])
+    page.tab.wait_for_text("bare.csv: a recorded flight, judged further down")
+    assert page.tab.value("synthetic ranges") is False
+    boxes = ("its gravity (m/s²)", "its field", "anchor at (m)")
+    assert [_visible(page, box) for box in boxes] == [False] * 3
+    page.press("Was it informative?")
+    page.tab.wait_for_text("no ranges, so the observers were not run")
+    assert re.search(r"<div>• bare\.csv: \S \w", page.tab.text())
+    assert "an anchor at" not in page.tab.text()
+    page.set("synthetic ranges", True)
+    page.press("Was it informative?")
+    page.tab.wait_for(lambda: any("where does the anchor stand" in text for text in page.refusals()), "the question")
+    page.set("its anchor", "as given below")
+    page.set("gravity, field", "as given below")
+    page.tab.wait_for(lambda: all(_visible(page, box) for box in boxes), "the boxes")
+    page.set("gravity, field", "as the file says")
+    page.tab.wait_for(lambda: not any(_visible(page, box) for box in boxes[:2]), "boxes that are not used to hide")
+    page.set("anchor at (m)", (0.0, 0.0, 1.0))
+    page.press("Was it informative?")
+    page.tab.wait_for_text("with synthetic ranges of σ 0.1 m to an anchor at (0, 0, 1) m, as given")
+
+
+def test_another_file_takes_the_last_flight_from_the_page_and_a_usual_answer_may_be_overruled(
+    page: Editing, recorded: tuple[bytes, bytes]
+):
+    page.tab.upload("Upload a file", "zeros.csv", recorded[1])
+    page.tab.wait_for_text("zeros.csv: a recorded flight")
+    assert page.tab.value("range-values") == "drop"
+    page.press("Was it informative?")
+    page.tab.wait_for_text("390 ranges of the file to an anchor at (0, 0, 0) m, as the file says")
+    page.set("range-values", "keep")
+    page.press("Read it with these answers")
+    page.tab.wait_for_text("the record is not judged: 10 of 400 ranges are no distances")
+    page.tab.wait_for_text("zeros.csv: a recorded flight")
+    assert page.tab.value("range-values") == "keep"
+    assert "390 ranges of the file" not in page.tab.text()
+    page.press("Was it informative?")
+    page.tab.wait_for_text("zeros.csv: ? not judged: 10 of 400 ranges")
+    page.tab.upload("Upload a file", "none.csv", b"no,flight\n1,2\n")
+    page.tab.wait_for_text("none.csv: not read")
+    assert not _visible(page, "Recorded flight")
+    assert "zeros.csv: ? not judged" not in page.tab.text()
 
 
 def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
