@@ -96,7 +96,7 @@ def test_log_answers_first_and_says_how_far_off_the_observers_were(run, flight: 
     assert re.match(r"flight\.csv   [✓!✗] ", out)
     assert names(out)[:4] == ["the file", "what can be seen", "how well", "the observer"]
     assert re.search(r"position error [\d., ]+ m$", out, re.MULTILINE)
-    assert "ranges of the file to an anchor at (0, 0, 0) m, as the file says" in " ".join(out.split())
+    assert "ranges of the file to an anchor at (0, 0, 1.5) m, as the file says" in " ".join(out.split())
 
 
 def test_synthetic_ranges_are_named_with_their_noise_and_their_anchor_in_the_first_lines(
