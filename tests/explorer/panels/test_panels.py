@@ -280,7 +280,7 @@ def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_ve
 
 
 def test_nothing_of_a_presets_own_text_reaches_the_comments_of_its_download():
-    hostile = msgspec.structs.replace(SHIPPED["hover"], title='"\nseed = 7\n# x')
+    hostile = msgspec.structs.replace(SHIPPED["hover"], title='" # x = 7', story='"\nseed = 7\n# x')
     text = preset_file.document(Settings(preset=hostile)).decode()
     assert preset.loads(text, source="download") == hostile
 
