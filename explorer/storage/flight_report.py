@@ -122,9 +122,12 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
 
 
 def world_evidence(flight: Flight) -> tuple[WorldSource, str]:
-    """The source of gravity and field that the record suggests, and its evidence in a sentence."""
+    """The source of gravity and field that the record suggests, and its evidence in a sentence.
+
+    Where the record suggests none, it is the file, which does not say: gravity and field are then asked for.
+    """
     world, questions, source = rest.world_of(flight, anchor=ORIGIN)
     if world is not None:
         return "", source
     question = questions[0]
-    return ("still" if question.suggestion == "still" else "given"), question.evidence
+    return ("still" if question.suggestion == "still" else ""), question.evidence

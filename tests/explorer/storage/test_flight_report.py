@@ -70,3 +70,13 @@ def test_an_anchor_that_neither_file_nor_person_says_is_asked_and_none_is_used_w
     assert "13 ranges or more would determine" in flights.report("flight.csv", report)
     with pytest.raises(ValueError, match="where does the anchor stand"):
         flight_report.judge(bare, FlightOptions(ranges="synthetic"))
+
+
+def test_gravity_and_field_that_nothing_tells_are_asked_for_and_no_usual_ones_are_used(halved: ImportFile):
+    result = import_file.interpret(halved, "log", {"accel-scale": "2"}, ORIGIN).result
+    assert result.flight is not None
+    unknown = replace(result.flight, gravity=None, magnetic=None)
+    source, evidence = flight_report.world_evidence(unknown)
+    assert (source, "does not start still" in evidence) == ("", True)
+    with pytest.raises(ValueError, match="where do gravity and the magnetic field point"):
+        flight_report.judge(unknown, FlightOptions(source=source))
