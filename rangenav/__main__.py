@@ -7,21 +7,24 @@ prints one object on stdout.
 import contextlib
 import io
 import os
+import shlex
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, NoReturn
 
 import tyro
 
 import rangenav
 from rangenav.commands import numbers, overview
-from rangenav.commands.text.layout import COLUMNS, CONTINUED, wrapped
-from rangenav.formats import OpenQuestionsError
+from rangenav.commands.text.layout import COLUMNS, CONTINUED, folded_command, wrapped
+from rangenav.formats import OpenQuestionsError, Question, typed_flag
 from rangenav.motion import DirectionWarning
 
 PROGRAM = "rangenav"
 HELP = (["-h"], ["--help"])
+IN_ONE = "in one command, with the suggested answers:"
+"""Before the command that answers several questions."""
 
 app = tyro.extras.SubcommandApp()
 for name, command in overview.commands().items():
@@ -36,12 +39,28 @@ def fail(sentence: str) -> NoReturn:
 
 
 def ask(error: OpenQuestionsError) -> NoReturn:
-    """Open questions about a file: one line on stderr, or one paragraph for each on a terminal; exit 2."""
+    """Open questions about a file: one line on stderr, or one paragraph for each on a terminal; exit 2.
+
+    Several questions end with the command that answers all of them as suggested.
+    """
+    several = len(error.questions) > 1
+    command = shlex.join([PROGRAM, *sys.argv[1:]]) + "".join(f" {one}" for one in answers(error.questions))
     if not sys.stderr.isatty():
-        fail(str(error))
+        fail(f"{error}; {IN_ONE} {command}" if several else str(error))
     for sentence in (error.rule, *(question.text for question in error.questions)):
         print(*wrapped(sentence, COLUMNS, CONTINUED), sep="\n", file=sys.stderr)
+    if several:
+        print(IN_ONE, *folded_command(command, COLUMNS), sep="\n", file=sys.stderr)
     raise SystemExit(2)
+
+
+def answers(questions: Iterable[Question]) -> list[str]:
+    """The flags that answer questions as suggested; ANSWER stands for what only a person knows."""
+    typed: dict[str, list[str]] = {}
+    for question in questions:
+        own = question.options[0] if len(question.options) == 1 and not question.as_it_is else "ANSWER"
+        typed.setdefault(question.flag, []).append(question.suggestion or own)
+    return [typed_flag(flag, " ".join(values)) for flag, values in typed.items()]
 
 
 def main() -> None:

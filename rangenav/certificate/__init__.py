@@ -9,7 +9,7 @@ from rangenav.certificate.encoding import dumps, loads, to_builtins
 from rangenav.certificate.files import path_for
 from rangenav.certificate.requirements import gate
 from rangenav.certificate.schema import Certificate
-from rangenav.certificate.verify import differences, read_stored, verify, verify_file
+from rangenav.certificate.verify import differences, missing_certificate, read_stored, verify, verify_file
 
 __all__ = [
     "READERS",
@@ -22,6 +22,7 @@ __all__ = [
     "dumps",
     "gate",
     "loads",
+    "missing_certificate",
     "path_for",
     "read_preset",
     "read_stored",

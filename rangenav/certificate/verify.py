@@ -58,6 +58,15 @@ def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = REA
         return (str(error),)
 
 
+def missing_certificate(name_or_path: str | Path) -> Path | None:
+    """Where the certificate of a file would lie, for a file that has none; None for any other name."""
+    try:
+        certificate = path_for(_locate(name_or_path))
+    except ValueError:
+        return None
+    return None if certificate.is_file() else certificate
+
+
 def verify(
     content: bytes, stored: Certificate, *, source: str, readers: Mapping[str, Reader] = READERS
 ) -> tuple[str, ...]:

@@ -9,11 +9,15 @@ if TYPE_CHECKING:  # imported when used: they take long
 
 
 def file_report(imported: "ImportResult", flight: "Flight", world_source: str) -> dict[str, Any]:
-    """Format, rate, frame and findings of the file; the source of the world is one more finding."""
+    """Format, rate, frame and findings of the file; the source of the world is one more finding.
+
+    `rows` are those of the file, `imu_rows` those of the IMU in the part that is used.
+    """
     return {
         "file": imported.source,
         "format": imported.format,
         "rows": imported.rows,
+        "imu_rows": len(flight.time),
         "rate": imported.rate,
         "duration": float(flight.time[-1] - flight.time[0]),
         "frame": imported.frame,

@@ -37,7 +37,8 @@ def verify(
         print_json({"files": {name: {"holds": not wrong, "failures": wrong} for name, wrong in failures.items()}})
     else:
         stored = {name: certificate.read_stored(name) for name, wrong in failures.items() if not wrong}
-        layout.show(text.verified(failures, stored))
+        missing = {name: place for name in failures if (place := certificate.missing_certificate(name)) is not None}
+        layout.show(text.verified(failures, stored, missing))
     for sentence in [sentence for wrong in failures.values() for sentence in wrong]:
         print(sentence, file=sys.stderr)
     if any(failures.values()):

@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 
 from rangenav.formats import text
 from rangenav.formats.format import Format, ReadOptions
-from rangenav.formats.import_result import ImportResult, OpenQuestionsError, Question, settled
+from rangenav.formats.import_result import ImportResult, OpenQuestionsError, Question, settled, typed_flag
 from rangenav.formats.output_files import OutputFile, marked
 from rangenav.formats.recorded_flight import Flight
 from rangenav.formats.sampled_rows import FLIGHT, Part
@@ -37,6 +37,7 @@ __all__ = [
     "row",
     "rows",
     "settled",
+    "typed_flag",
     "unsupported",
     "writable",
 ]

@@ -172,7 +172,7 @@ def _doubtful(kind: str, stated: str | None, guess: units.Guess) -> bool:
 def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Question:
     stated_text = f'the file says "{stated}"; ' if stated else "the file does not say; "
     known = tuple(units.UNITS[kind])
-    suggestion = guess.unit or (stated if stated in known else None)
+    suggestion = guess.unit or (stated if stated in known and not guess.denied else None)
     return Question(
         key=kind,
         flag=units.FLAGS[kind],

@@ -47,8 +47,7 @@ class Question:
     def text(self) -> str:
         """The question as one clause, with the evidence and the flag that answers it."""
         answer = self.suggestion or "|".join(self.options)
-        sign = "=" if answer.startswith("-") else " "  # -y+x+z would be taken for a flag
-        asked = f"{self.asks}? {self.evidence}: {self.flag}{sign}{answer}"
+        asked = f"{self.asks}? {self.evidence}: {typed_flag(self.flag, answer)}"
         if not self.as_it_is:
             return asked
         if answer == self.as_it_is:
@@ -96,6 +95,11 @@ class OpenQuestionsError(ValueError):
         self.rule = f"{source}: not used before this is answered:"
         self.questions = questions
         super().__init__(f"{self.rule} {'; '.join(question.text for question in questions)}")
+
+
+def typed_flag(flag: str, value: str) -> str:
+    """A flag with its value as they are typed: -y+x+z alone would be taken for a flag, and three numbers are not."""
+    return f"{flag}{'=' if value.startswith('-') and ' ' not in value else ' '}{value}"
 
 
 def settled(result: ImportResult, *, also: tuple[Question, ...] = ()) -> ImportResult:

@@ -17,6 +17,17 @@ MAX_ROW_LINES = 20
 MAX_COMMENTS = 1_000
 """Comments before the first row; later ones are not kept."""
 COMMENT_MARKS = ("#", "%", "//")
+BINARY = {
+    b"ULog\x01\x12\x35": "a ULog of PX4",
+    b"#ROSBAG": "a ROS bag",
+    b"\x89MCAP0": "an MCAP file",
+    b"SQLite format 3": "an SQLite file, as a ROS 2 bag is",
+    b"\xa3\x95": "a DataFlash log of ArduPilot",
+    b"\x89HDF": "an HDF5 file",
+    b"PK\x03\x04": "a zip archive",
+    b"\x1f\x8b": "a gzip archive",
+}
+"""First bytes of formats that hold no text, and what they are."""
 PART = 2**20
 """Bytes that are decoded at a time."""
 Row = tuple[int, list[str]]
@@ -27,6 +38,8 @@ class Lines:
     """The lines of a file that are neither empty nor comments, within limits, and their numbers."""
 
     def __init__(self, data: bytes, source: str) -> None:
+        for first, kind in BINARY.items():
+            require(not data.startswith(first), f"{source}: {kind} is not read; convert it to CSV")
         self.source = source
         self.numbers = array("q")
         """The line number of every line that was given out."""

@@ -22,13 +22,15 @@ from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
+HEADER = "t [s],gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],accel_x [m/s2],accel_y [m/s2],accel_z [m/s2]"
+"""An example of the first line: the columns that a flight has at least."""
 NAMED, SHOWN = 10, 40
 """Most names that a finding lists, and most characters of each."""
 
 
 def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a file, or its questions. Raises ValueError naming line and column."""
-    table = text.table(data, source=source)
+    table = text.table(data, source=source, header=HEADER)
     columns = log_columns.columns(table, confirm)
     values = {kind: columns.values(table, kind) for kind in log_columns.NAMES}
     for kind in ("time", "gyro", "accel"):
@@ -67,7 +69,7 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
 
 def uses(data: bytes, *, source: str, confirm: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
     """Every column of a table, and the quantity that it is used for; empty if it is not used."""
-    return log_columns.columns(text.table(data, source=source), confirm).uses
+    return log_columns.columns(text.table(data, source=source, header=HEADER), confirm).uses
 
 
 def write(preset: Preset, path: Path) -> OutputFile:

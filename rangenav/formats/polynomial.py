@@ -44,7 +44,7 @@ WINDOWS = 101
 
 def parse(data: bytes, *, source: str, part: Part = FLIGHT) -> ImportResult:
     """The path of a file, or of a part of it. Raises ValueError naming line and column."""
-    table = text.table(data, source=source)
+    table = text.table(data, source=source, header=",".join(NAMES))
     names = tuple(name.lower() for name in table.names)
     wanted = "a polynomial file has the columns duration, x^0 to x^7, y^0, z^0 and yaw^0 to yaw^7"
     rule = f"{source}: {wanted}; {text.listed(table)}"

@@ -74,13 +74,19 @@ def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
 
 
 def table(
-    data: bytes, *, source: str, separator: str = ",", names: tuple[str, ...] | None = None, marked: bool = False
+    data: bytes,
+    *,
+    source: str,
+    separator: str = ",",
+    names: tuple[str, ...] | None = None,
+    marked: bool = False,
+    header: str = "",
 ) -> Table:
     """Numbers in columns. The first line that is no comment names the columns, unless `names` does.
 
     If that line holds numbers, the last comment before it with as many entries names the columns. `marked` says that
     the format has its header in a comment (`#timestamp [ns],...`), and `separator` which one it has; any other is read
-    as well, and remarked.
+    as well, and remarked. `header` is an example of the first line, for the message that there is none.
     """
     lines = Lines(data, source)
     first: list[str] = []
@@ -92,14 +98,14 @@ def table(
     remarks = [*(("a byte order mark in front",) if begins_with_mark(data) else ()), *spoken.remarks(separator)]
     rows, texts = _rows(first, lines, spoken), {}
     if names is None:
-        number, header = next(rows)
-        named_before = _comment_with_names(lines, spoken, header)
+        number, first_row = next(rows)
+        named_before = _comment_with_names(lines, spoken, first_row, header)
         if named_before is not None:
-            number, header = named_before
+            number, first_row = named_before
             remarks += [] if marked else [f"the names of the columns are in the comment on line {number}"]
             rows = chain([next(_rows(first, lines, spoken))], rows)
         samples = first if named_before is not None else first[1:]
-        names = _names(header, samples, spoken, f"{source}, line {number}")
+        names = _names(first_row, samples, spoken, f"{source}, line {number}")
         texts = {k: entry for k, entry in dialect.texts(samples, spoken).items() if k < len(names) and names[k]}
         remarks += [f"column {k} has no name and is not used" for k, name in enumerate(names, 1) if not name]
         remarks += [f"column {names[k][:NAME_SHOWN]} holds text and is not used" for k in texts]
@@ -132,7 +138,7 @@ def _rows(first: Sequence[str], lines: Lines, spoken: Dialect) -> Iterator[Row]:
         raise ValueError(f"{lines.source}, line {numbers[begin]}: {message}") from None
 
 
-def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str]) -> Row | None:
+def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str], header: str) -> Row | None:
     """The last comment that names the columns, and its line, if the first row holds a number; else None.
 
     The comment has as many entries as the row. Raises ValueError if there is none before a row of nothing but numbers.
@@ -145,6 +151,7 @@ def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str]) -> Ro
     split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in dialect.split(spoken, text)]
     fitting = [(number, entries) for number, entries in split if len(entries) in (width, len(row)) and width > 1]
     rule = f"{lines.source}, line {lines.numbers[0]}: holds numbers, and no line before it names the columns"
+    rule += f"; put a header before it: {header}" if header else ""
     require(bool(fitting) or numbers < len(filled), rule)
     return fitting[-1] if fitting else None
 

@@ -55,6 +55,8 @@ class Guess:
 
     unit: str | None
     evidence: str
+    denied: bool = False
+    """Whether the numbers contradict every unit, so that none is suggested, nor the one that the file states."""
 
 
 def split(name: str) -> tuple[str, str | None]:
@@ -109,11 +111,11 @@ def steadiest(values: Float[Array, "n 3"]) -> float:
 def _accel(size: float, steady: float) -> Guess:
     if steady < REMOVED * size:
         evidence = f"its median length is {size:.3g}, and {steady:.3g} where it varies least: gravity was removed"
-        return Guess(unit=None, evidence=evidence)
+        return Guess(unit=None, evidence=evidence, denied=True)
     for unit, factor in UNITS["accel"].items():
         if abs(size * factor / 9.81 - 1) < NEAR:
             return Guess(unit=unit, evidence=f"its median length is {size:.3g}, which is gravity in {unit}")
-    return Guess(unit=None, evidence=f"its median length is {size:.3g}, which is gravity in no unit known")
+    return Guess(unit=None, evidence=f"its median length is {size:.3g}, which is gravity in no unit known", denied=True)
 
 
 def _mag(size: float) -> Guess:
@@ -122,7 +124,8 @@ def _mag(size: float) -> Guess:
     for unit, (low, high) in FIELD_STRENGTH.items():
         if low <= size <= high:
             return Guess(unit=unit, evidence=f"its median length is {size:.3g}, the earth's field in {unit}")
-    return Guess(unit=None, evidence=f"its median length is {size:.3g}, the earth's field in no unit known")
+    unknown = "the earth's field in no unit known, unless iron on the body adds to it"
+    return Guess(unit=None, evidence=f"its median length is {size:.3g}, {unknown}", denied=True)
 
 
 def _time(time: Array) -> Guess:
@@ -158,5 +161,5 @@ def _gyro(gyro: Array, time: Array, turning: Array | None, turning_name: Literal
     if named[unit] > 2 * NEAR and turning_name == "gravity":
         return Guess(unit=None, evidence="there is no magnetometer, whose field would tell")
     if named[unit] > 2 * NEAR:
-        return Guess(unit=None, evidence=f"{ratio_text}: in no unit known, are all axes the same body's?")
+        return Guess(unit=None, evidence=f"{ratio_text}: in no unit known, are all axes the same body's?", denied=True)
     return Guess(unit=unit, evidence=f"{ratio_text}, which is {unit}")

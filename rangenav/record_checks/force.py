@@ -86,8 +86,8 @@ def accel_scale(flight: Flight) -> Evidence | None:
     )
     if mean < NOTHING * wanted:
         removed = (
-            f"{text}: gravity was removed (“linear acceleration”), and without it this is no accelerometer; record the "
-            "accelerometer itself"
+            f"{text}: gravity was removed (“linear acceleration”), without it this is no accelerometer, and no factor "
+            "is an answer; record the accelerometer itself"
         )
         return Evidence(text=removed, suggestion=None)
     factor = wanted / mean

@@ -86,10 +86,27 @@ def claim(certificate: Certificate) -> tuple[Group, ...]:
     )
 
 
-def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certificate]) -> Report:
-    """Whether files are what their certificates say; `stored` has the certificates of the files that hold."""
-    wrong = sum(bool(sentences) for sentences in failures.values())
+def verified(
+    failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certificate], missing: Mapping[str, Path]
+) -> Report:
+    """Whether files are what their certificates say.
+
+    stored: the certificates of the files that hold. missing: where those of the files that have none would lie.
+    """
+    wrong = sum(bool(sentences) and name not in missing for name, sentences in failures.items())
+    following = (
+        f"certify {layout.argument(name)} -o {layout.argument(place)}"
+        for name, place in missing.items()
+        if place.name != name and name.endswith(".toml")
+    )
     names = [layout.subject(name) for name in failures]
+    if len(names) == 1 and missing:
+        return Report(
+            subject=names[0],
+            sign="?",
+            answer="no certificate beside it to compare with",
+            groups=layout.next_commands(*following),
+        )
     if len(names) == 1:
         holds = "holds: its bytes give the same certificate again"
         answer, subject = "does not hold" if wrong else holds, names[0]
@@ -114,11 +131,23 @@ def verified(failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certi
         )
     return Report(
         subject=f"{len(names)} files",
-        sign="✗" if wrong else "✓",
-        answer=f"{wrong} of them {'does' if wrong == 1 else 'do'} not hold"
-        if wrong
-        else "all hold: their bytes give the same certificates again",
-        groups=group(
-            "files", (f"{'✗' if sentences else '✓'} {layout.subject(name)}" for name, sentences in failures.items())
+        sign="✗" if wrong else "?" if missing else "✓",
+        answer=_several(wrong, len(missing)),
+        groups=(
+            *group(
+                "files",
+                (
+                    f"{'?' if name in missing else '✗' if sentences else '✓'} {layout.subject(name)}"
+                    for name, sentences in failures.items()
+                ),
+            ),
+            *layout.next_commands(*following),
         ),
     )
+
+
+def _several(wrong: int, missing: int) -> str:
+    """How many of several files do not hold, and how many have no certificate."""
+    parts = [f"{wrong} of them {'does' if wrong == 1 else 'do'} not hold"] if wrong else []
+    parts += [f"{missing} of them {'has' if missing == 1 else 'have'} no certificate"] if missing else []
+    return ", ".join(parts) or "all hold: their bytes give the same certificates again"

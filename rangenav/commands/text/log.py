@@ -45,7 +45,7 @@ def report(
         groups=(
             *group("the file", _file(answer), "" if synthetic else ranges, _findings(answer["findings"])),
             *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows), few),
-            *group("how well", _accuracy(windows, required)),
+            *group("how well", _whole_accuracy(whole, required), _accuracy(windows, required)),
             *group("the observer", NO_RANGES[has_truth] if observer is None else _observer(answer)),
             *group("the world", _world(answer)),
             *group("spectrum", spectrum_bar(shown, noise), "of the worst window"),
@@ -102,7 +102,10 @@ def _lengths(whole: WholeRecord) -> str:
 
 def _file(answer: Json) -> str:
     rate = "" if answer["rate"] is None else f" at {quantity(answer['rate'], 'Hz')}"
-    return f"{answer['format']}, {answer['rows']} rows{rate}, {quantity(answer['duration'], 's')}, {answer['frame']}"
+    part = answer["imu_rows"] != answer["rows"]
+    rows = f"{answer['imu_rows']} rows{' of the IMU' if part else ''}{rate}, {quantity(answer['duration'], 's')}"
+    every = f" ({answer['rows']} rows in the file)" if part else ""
+    return f"{answer['format']}, {rows}, {answer['frame']}{every}"
 
 
 def _findings(findings: list[str]) -> list[str]:
@@ -131,24 +134,34 @@ def _counts(windows: Json) -> str:
 
 
 def _worst(windows: Json) -> str:
-    worst = f"worst from {quantity(windows['at'], 's')}: rank {windows['rank']} of 13"
+    worst = f"the worst of them begins at {quantity(windows['at'], 's')}: rank {windows['rank']} of 13"
     if windows["rank"] < windows["motion_rank"]:
         ranges = "1 range" if windows["ranges"] == 1 else f"{windows['ranges']} ranges"
         return f"{worst} from {ranges}; its motion has rank {windows['motion_rank']}"
     return worst
 
 
+def _whole_accuracy(whole: WholeRecord, required: float) -> str:
+    """The predicted position error of the whole record, or of the part that the verdict is on."""
+    if whole.position is None or whole.restriction is not None:
+        return ""
+    part = "the whole record" if whole.all_of_it else f"its part from {whole.begin:.4g} to {whole.end:.4g} s"
+    reached = f"at the end of {part}: position {plus_minus(whole.position)} by the best estimator"
+    return f"{reached}, required {plus_minus(required)}: {met(whole.position <= required)}"
+
+
 def _accuracy(windows: Json, required: float) -> list[str]:
     """The predicted position error of the windows that have one."""
     median, worst = windows["position_median"], windows["position"]
+    length = quantity(windows["window"], "s")
     if windows["verdict"] == "not judged":
         return []
     if median is None:
-        return ["no window predicts a position error"]
-    at_worst = "" if worst is None else f", {plus_minus(worst)} after the worst"
+        return [f"no window of {length} predicts a position error"]
+    at_worst = "the worst predicts none" if worst is None else f"{plus_minus(worst)} after the worst"
     return [
-        f"position {plus_minus(median)} (median of the windows of rank 13){at_worst}",
-        f"required {plus_minus(required)}: {met(worst is not None and worst <= required)}",
+        f"after windows of {length}: position {plus_minus(median)} (median of those of rank 13), {at_worst}",
+        f"required {plus_minus(required)} after each of them: {met(worst is not None and worst <= required)}",
     ]
 
 
@@ -159,7 +172,11 @@ def _observer(answer: Json) -> list[str]:
             continue
         quarters = ", ".join(_number(value) for value in observer[key]["quarters_rmse"])
         lines.append(f"{name} error {quarters}{'' if unit in CLOSE_UNITS else ' '}{unit}")
-    lines = [*lines, "(in the four quarters of the flight)"] if lines else ["no errors: the file has no truth"]
+    lines = (
+        [*lines, "(rms in the four quarters of a run that starts from zero)"]
+        if lines
+        else ["no errors: the file has no truth"]
+    )
     if None not in observer["final_position"]:
         lines.append(f"ends at {vector(observer['final_position'])} m")
     if observer["diverged"]:

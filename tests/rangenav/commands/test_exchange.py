@@ -141,9 +141,11 @@ def test_the_stamps_and_the_gap_of_a_sampled_path_are_asked_and_answered_by_flag
     asked = ("import", tmp_path / "x.tum", "--from", "tum", "--frame", "z-up", "-o", tmp_path / "x.toml")
     said = complaint(*asked)
     assert "in which unit are the stamps?" in said
-    assert said.endswith("--time-unit ms; what to do with the gap? no rows for 1.02 s between line 150 at 2.98 s and "
+    assert ("--time-unit ms; what to do with the gap? no rows for 1.02 s between line 150 at 2.98 s and "
                          "line 151 at 4 s; longest uses the part from 4 s to 7.98 s, bridge draws the curve through, "
-                         "begin and end cut anywhere: --gaps longest\n")  # fmt: skip
+                         "begin and end cut anywhere: --gaps longest; in one command") in said  # fmt: skip
+    typed = f"rangenav import {tmp_path / 'x.tum'} --from tum --frame z-up -o {tmp_path / 'x.toml'}"
+    assert said.endswith(f" {typed} --time-unit ms --gaps longest\n")
     given = (*asked, "--time-unit", "ms")
     lengths = [
         answer(*given, *flags)["duration"]

@@ -1,6 +1,7 @@
 """The report for a person: 80 columns, the answer first, a few groups, numbers with units, nothing of the JSON."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from rangenav import analysis, formats, preset
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report
 from rangenav.commands.text.spectrum_bar import spectrum_bar
+from rangenav.number_format import vector
 
 pytestmark = pytest.mark.slow
 
@@ -107,6 +109,42 @@ def test_synthetic_ranges_are_named_with_their_noise_and_their_anchor_in_the_fir
     assert (code, err) == (0, "")
     first = " ".join(out.split("\n\n")[0].split())
     assert first.endswith("with synthetic ranges of σ 0.05 m to an anchor at (0, 0, 1) m, as given")
+
+
+def test_several_questions_end_with_the_command_that_answers_them(run, flight: Path, tmp_path: Path):
+    """The command is typed as it stands, and asks nothing more; its first argument has a blank."""
+    file, text = tmp_path / "my flight.csv", flight.read_text()
+    stated = [line for line in text.splitlines() if not line.startswith("# frame")]
+    file.write_text("\n".join(stated).replace("gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s]", "gyro_x,gyro_y,gyro_z"))
+    code, out, err = run("log", file, "--window", 8)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    _, command = err.split("in one command, with the suggested answers: ")
+    program, *arguments = shlex.split(command)
+    assert (program, arguments[:2]) == ("rangenav", ["log", str(file)])
+    assert arguments[-4:] == ["--gyro-unit", "rad/s", "--frame", "z-down"]
+    code, out, err = run(*arguments)
+    assert (code, err) == (0, "")
+    assert "as confirmed: the gyro rad/s" in out
+
+
+def test_a_part_of_a_record_and_a_flag_against_the_file_are_said(run, flight: Path):
+    x, y, z = preset.load("soft").world.anchor
+    code, out, err = run("log", flight, "--begin", 2, "--end", 12, "--anchor", x + 0.02, y, z, "--window", 8)
+    said = " ".join(out.split())
+    assert (code, err) == (0, "")
+    assert re.search(r"log, \d+ rows of the IMU at \d+ Hz, 10 s, z-\w+ \(\d+ rows in the file\)", said)
+    assert f"anchor {vector((x + 0.02, y, z))} m, given instead of {vector((x, y, z))} m in the file" in said
+    assert "after windows of 8 s: position ±" in said
+    assert "at the end of the whole record: position ±" in said
+
+
+def test_a_preset_without_a_certificate_is_not_said_to_fail(run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    preset.save(preset.load("soft"), tmp_path / "soft.toml")
+    code, out, err = run("verify", "soft.toml")
+    assert (code, err) == (1, "soft.toml: there is no certificate beside it (soft.certificate.json)\n")
+    assert out.startswith("soft.toml   ? no certificate beside it to compare with\n")
+    assert "rangenav certify soft.toml -o soft.certificate.json" in out
 
 
 def test_the_other_commands_keep_the_same_manners(run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -1,6 +1,7 @@
 """Tables as spreadsheets, pandas and other tools write them: the same numbers whatever the dialect, and it is said."""
 
 import csv
+import gzip
 import io
 
 import numpy as np
@@ -134,3 +135,30 @@ def test_a_unit_in_an_unknown_spelling_is_asked_and_the_answer_overrules_it():
     assert question.evidence.startswith('the file says "rpm"')
     answered = formats.parse(data, "log", source="x.csv", confirm={"frame": "z-up", "gyro": "deg/s"})
     assert (answered.questions, answered.flight is not None) == ((), True)
+
+
+@pytest.mark.parametrize(
+    ("data", "kind"),
+    [
+        (b"ULog\x01\x12\x35\x01", "a ULog of PX4"),
+        (b"#ROSBAG V2.0\n\x45\x00", "a ROS bag"),
+        (b"PK\x03\x04\x14\x00", "a zip archive"),
+        (gzip.compress(b"t,gyro_x\n"), "a gzip archive"),
+        (b"\xa3\x95\x80\x80", "a DataFlash log of ArduPilot"),
+    ],
+)
+def test_a_binary_log_is_named_by_its_first_bytes(data: bytes, kind: str):
+    with pytest.raises(ValueError, match=rf"^x\.bin: {kind} is not read; convert it to CSV$"):
+        formats.parse(data, "log", source="x.bin", confirm={})
+
+
+@pytest.mark.parametrize(
+    ("format", "row"), [("log", "0.0{k},0,0,1,0,0,9.81"), ("polynomial", "0.5" + ",1" + 7 * ",0" + 24 * ",0")]
+)
+def test_a_table_without_a_header_is_read_with_the_header_that_the_refusal_names(format: str, row: str):
+    rows = "".join(row.format(k=k) + "\n" for k in range(9)).encode()
+    rule = r"line 1: holds numbers, and no line before it names the columns; put a header before it: "
+    with pytest.raises(ValueError, match=rule) as refused:
+        formats.parse(rows, format, source="x.csv", confirm={})
+    header = str(refused.value).rpartition("before it: ")[2]
+    assert formats.parse(f"{header}\n".encode() + rows, format, source="x.csv", confirm={}).format == format
