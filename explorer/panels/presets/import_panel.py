@@ -126,7 +126,10 @@ class ImportPanel:
         elif result.flight is not None:
             self._judge(result)
             self._show_message(*report(result), "a recorded flight: judge it below", more=every_column(result))
-            self._show_status(f"{result.source}: a recorded flight, judged further down")
+            count = len(result.applied)
+            answers = "1 answer was" if count == 1 else f"{count} answers were"
+            taken = f"; {answers} taken without a question, see below" if count else ""
+            self._show_status(f"{result.source}: a recorded flight{taken}; judge it under “Recorded flight”")
 
     def _show_questions(self, questions: tuple[Question, ...], *, open_ones: int) -> None:
         """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed.

@@ -146,7 +146,7 @@ def test_a_flight_is_judged_with_nothing_that_is_not_chosen_and_its_result_names
     page: Editing, recorded: tuple[bytes, bytes]
 ):
     page.tab.upload("Upload a file", "bare.csv", recorded[0])
-    page.tab.wait_for_text("bare.csv: a recorded flight, judged further down")
+    page.tab.wait_for_text("bare.csv: a recorded flight; judge it under “Recorded flight”")
     assert page.tab.value("synthetic ranges") is False
     boxes = ("its gravity (m/s²)", "its field", "anchor at (m)")
     assert [_visible(page, box) for box in boxes] == [False] * 3
@@ -171,7 +171,7 @@ def test_another_file_takes_the_last_flight_from_the_page_and_a_usual_answer_may
     page: Editing, recorded: tuple[bytes, bytes]
 ):
     page.tab.upload("Upload a file", "zeros.csv", recorded[1])
-    page.tab.wait_for_text("zeros.csv: a recorded flight")
+    page.tab.wait_for_text("zeros.csv: a recorded flight; 1 answer was taken without a question, see below")
     assert page.tab.value("range-values") == "drop"
     page.press("Was it informative?")
     page.tab.wait_for_text("390 ranges of the file to an anchor at (0, 0, 0) m, as the file says")
