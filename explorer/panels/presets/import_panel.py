@@ -126,10 +126,8 @@ class ImportPanel:
         elif result.flight is not None:
             self._judge(result)
             self._show_message(*report(result), "a recorded flight: judge it below", more=every_column(result))
-            count = len(result.applied)
-            answers = "1 answer was" if count == 1 else f"{count} answers were"
-            taken = f"; {answers} taken without a question, see below" if count else ""
-            self._show_status(f"{result.source}: a recorded flight{taken}; judge it under “Recorded flight”")
+            unasked = sum(question.key not in self._answers for question in result.applied)
+            self._show_status(f"{result.source}: a recorded flight{taken(unasked)}; judge it under “Recorded flight”")
 
     def _show_questions(self, questions: tuple[Question, ...], *, open_ones: int) -> None:
         """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed.
@@ -148,7 +146,7 @@ class ImportPanel:
                     labels = {UNANSWERED: CHOOSE} | labels
                 sentences = f"{question.asks}? {question.evidence}"
                 if k >= open_ones:
-                    sentences += f"; without a question: {question.suggestion}"
+                    sentences += f"; usually: {question.suggestion}"
                 elif question.suggestion is not None:
                     sentences += f"; suggested: {question.suggestion}"
                 if question.as_it_is:
@@ -188,6 +186,12 @@ class ImportPanel:
     def _show_message(self, *sentences: str, more: str = "") -> None:
         self._message.content = NOTE.format(bullets(sentences) + more)
         self._message.visible = True
+
+
+def taken(unasked: int) -> str:
+    """How many answers were taken without a question, as a clause with its semicolon; empty for none."""
+    answers = "1 answer was" if unasked == 1 else f"{unasked} answers were"
+    return f"; {answers} taken without a question, see below" if unasked else ""
 
 
 def every_column(result: ImportResult) -> str:

@@ -178,7 +178,7 @@ def test_another_file_takes_the_last_flight_from_the_page_and_a_usual_answer_may
     page.set("range-values", "keep")
     page.press("Read it with these answers")
     page.tab.wait_for_text("the record is not judged: 10 of 400 ranges are no distances")
-    page.tab.wait_for_text("zeros.csv: a recorded flight")
+    page.tab.wait_for_text("zeros.csv: a recorded flight; judge it")
     assert page.tab.value("range-values") == "keep"
     assert "390 ranges of the file" not in page.tab.text()
     page.press("Was it informative?")
