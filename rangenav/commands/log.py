@@ -243,7 +243,8 @@ def _as_given(
         for name, given in zip(("gravity", "magnetic"), vectors, strict=True):
             stated = getattr(flight, name)
             if stated is not None and math.dist(stated, given) > ROUNDED:
-                findings.append(f"{name} {vector(given)}, given instead of {vector(stated)} in the file")
+                unit = " m/s²" if name == "gravity" else ""
+                findings.append(f"{name} {vector(given)}{unit}, given instead of {vector(stated)}{unit} in the file")
         flight = dataclasses.replace(flight, gravity=vectors[0], magnetic=vectors[1])
     if not measured:
         flight = dataclasses.replace(flight, range_time=flight.range_time[:0], range=flight.range[:0], range_lines=None)

@@ -35,6 +35,8 @@ from rangenav.signals.polynomials import MAX_PIECES
 RATE = 100.0
 """Hz: the rate at which the planners write."""
 POSITION = ("p_x", "p_y", "p_z")
+HEADER = "t,p_x,p_y,p_z"
+"""An example of the first line: the columns that a path has at least."""
 COLUMNS = {name: tuple(f"{name}_{axis}" for axis in "xyz") for name in ("v", "a_lin", "a", "jerk", "snap")}
 DERIVATIVES = {"velocity": ("v",), "acceleration": ("a_lin", "a"), "jerk": ("jerk",), "snap": ("snap",)}
 """The columns of each derivative; of several the first that is there. GTSAM calls the acceleration a."""
@@ -85,7 +87,7 @@ def parse(
     part: Part = FLIGHT,
 ) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
-    table = text.table(data, source=source)
+    table = text.table(data, source=source, header=HEADER)
     stamps = text.columns(table, ("t",))[:, 0]
     text.refuse_missing(np.column_stack([stamps, text.columns(table, POSITION)]), table, "time or position")
     findings = list(table.remarks)

@@ -153,7 +153,12 @@ def test_a_binary_log_is_named_by_its_first_bytes(data: bytes, kind: str):
 
 
 @pytest.mark.parametrize(
-    ("format", "row"), [("log", "0.0{k},0,0,1,0,0,9.81"), ("polynomial", "0.5" + ",1" + 7 * ",0" + 24 * ",0")]
+    ("format", "row"),
+    [
+        ("log", "0.0{k},0,0,1,0,0,9.81"),
+        ("polynomial", "0.5" + ",1" + 7 * ",0" + 24 * ",0"),
+        ("reference", "0.0{k},0.0{k},0,1"),
+    ],
 )
 def test_a_table_without_a_header_is_read_with_the_header_that_the_refusal_names(format: str, row: str):
     rows = "".join(row.format(k=k) + "\n" for k in range(9)).encode()
