@@ -227,7 +227,7 @@ def test_the_command_replaces_no_file_unasked_and_says_so_before_it_works(run, t
         (("nowhere",), "nowhere: no such preset"),
         (("paper", "--runs", "0"), "the number of runs must lie between 1 and 10000, got 0"),
         (("paper", "--runs", "many"), "--runs"),
-        (("paper", "--steadiness", "nan"), "steadiness must lie between 0 and 1, got nan"),
+        (("paper", "--steadiness", "nan"), "--steadiness: must be a finite number, got 'nan'"),
         (("paper", "--evaluations", "100000"), "the number of evaluations must lie between 1 and 10000, got 100000"),
         (("paper", "-o", "tuned.json"), "--output must name a file that ends in .toml, got tuned.json"),
         (("paper", "-o", "/nowhere/tuned.toml"), "--output /nowhere/tuned.toml: no such folder"),

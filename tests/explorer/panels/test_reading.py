@@ -55,10 +55,10 @@ def _close(dock: Dock) -> None:
     """Close a curve through points whose period is too short for it."""
     dock.motion.path.base_editor.family_menu.show("waypoints")
     refreshed(dock)
-    _move(dock, "ends", False)
+    _move(dock, "ends", "rest")
     refreshed(dock)
     _move(dock, "period (s)", 0.1)
-    _move(dock, "ends", True)
+    _move(dock, "ends", "closed")
 
 
 def _move_physical(dock: Dock, factor: float) -> None:

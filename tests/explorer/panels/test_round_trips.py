@@ -64,7 +64,7 @@ def test_a_constant_is_kept_while_another_family_is_in_use(dock: Dock):
     turning = dock.motion.angular_velocity.signal_editor
     turning.family_menu.show("constant")
     refreshed(dock)
-    turning.editors["constant"].value.show((1.0, 2.0, 3.0))  # type: ignore[attr-defined]
+    next(iter(turning.editors["constant"].fields.controls.values())).show((1.0, 2.0, 3.0))  # type: ignore[attr-defined]
     refreshed(dock)
     turning.family_menu.show("formula")
     refreshed(dock)
