@@ -15,6 +15,11 @@ END_TIMEOUT = 30.0
 """s in which the program must end after a signal."""
 
 
+def _heed_signals() -> None:
+    """What ignores a signal hands that on to the programs it starts: tests that run under nohup ignore SIGHUP."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+
 class ServerProcess:
     """`python -m explorer` on a free port."""
 
@@ -23,7 +28,9 @@ class ServerProcess:
         self.work = folder / "state" / "work"
         environment = os.environ | {"RANGENAV_STATE": str(folder / "state"), "RANGENAV_DATA": str(folder / "data")}
         command = [sys.executable, "-m", "explorer", "--no-browser", "--port", "0"]
-        self._process = subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
+        self._process = subprocess.Popen(
+            command, env=environment, stdout=subprocess.PIPE, text=True, preexec_fn=_heed_signals
+        )
         assert self._process.stdout is not None
         self.port = int(self._process.stdout.readline().rstrip("/\n").rpartition(":")[2])
 

@@ -51,7 +51,7 @@ def covariances(P, accel, variance, v, h, symmetric, steps, every, out):
             row += 1
 
 
-@pytest.mark.parametrize("name", [file.stem for file in preset.shipped_files()])
+@pytest.mark.parametrize("name", ["paper", "circle", "hover", "figure-eight", "wiggle", "barrel", "torus", "hand-held"])
 def test_covariance_stays_positive_over_a_million_steps_at_every_corner(name: str):
     p = preset.load(name)
     time = (np.arange(4000) + 0.5) / IMU_RATE
@@ -173,9 +173,11 @@ def test_orthonormal_squares_the_drift_and_finds_the_nearest_rotation():
     assert np.abs(mended - exact).max() < 3e-12  # 1.5 |E|², |E| = 1.2e-6
 
 
-@pytest.mark.parametrize("schedule", [None, Schedule()], ids=["constant k1", "scheduled k1"])
 @pytest.mark.parametrize("mode", ["constant", "noise-matched"])
-@pytest.mark.parametrize(("range_rate", "mag_rate"), [(200.0, 200.0), (50.0, 200.0), (333.0, 57.0), (7.0, 11.0)])
+@pytest.mark.parametrize(
+    ("range_rate", "mag_rate", "schedule"),
+    [(200.0, 200.0, Schedule()), (50.0, 200.0, None), (333.0, 57.0, None), (7.0, 11.0, Schedule())],
+)
 def test_compiled_cascade_and_plain_numpy_agree(
     mode: Literal["constant", "noise-matched"], range_rate: float, mag_rate: float, schedule
 ):
@@ -185,7 +187,7 @@ def test_compiled_cascade_and_plain_numpy_agree(
     times when noise-matched, where the first predicted distance is zero and R = ½σ⁴.
     """
     tolerance = 1e-8 if mode == "constant" else 1e-7
-    scene = records.scene("paper-slow", duration=6.0, range_rate=range_rate, mag_rate=mag_rate)
+    scene = records.scene("paper-slow", duration=4.0, range_rate=range_rate, mag_rate=mag_rate)
     setting = scene.setting(Gains(mode=mode, attitude=AttitudeGains(schedule=schedule)))
     fast = observe(scene.measurements, scene.start, setting)
     slow = reference.observe(scene.measurements, scene.start, setting)
