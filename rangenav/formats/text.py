@@ -11,6 +11,7 @@ from array import array
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -22,6 +23,10 @@ from rangenav.formats.lines import Lines, Row, begins_with_mark
 from rangenav.inputs import require
 from rangenav.results import result
 
+if TYPE_CHECKING:
+    Floats, Integers = array[float], array[int]
+else:
+    Floats = Integers = array  # Python 3.11 gives arrays no parameter
 MAX_BYTES = 64_000_000
 """An hour of ten columns at 100 Hz; parsing takes some 0.1 s per million bytes."""
 MAX_ROWS = 1_000_000
@@ -177,7 +182,7 @@ def _trimmed(row: Sequence[str]) -> list[str]:
 
 def _parsed(
     rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], spoken: Dialect, lines: Lines
-) -> tuple["array[float]", "array[int]"]:
+) -> tuple[Floats, Integers]:
     """The numbers of the named columns, row after row, and the line number of each row."""
     values, numbers = array("d"), array("q")
     width, every, source = len(names), len(kept) == len(names), lines.source
