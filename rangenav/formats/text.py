@@ -11,7 +11,6 @@ from array import array
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -23,10 +22,6 @@ from rangenav.formats.lines import Lines, Row, begins_with_mark
 from rangenav.inputs import require
 from rangenav.results import result
 
-if TYPE_CHECKING:
-    Floats, Integers = array[float], array[int]
-else:
-    Floats = Integers = array  # Python 3.11 gives arrays no parameter
 MAX_BYTES = 64_000_000
 """An hour of ten columns at 100 Hz; parsing takes some 0.1 s per million bytes."""
 MAX_ROWS = 1_000_000
@@ -116,8 +111,7 @@ def table(
         remarks += [f"column {names[k][:NAME_SHOWN]} holds text and is not used" for k in texts]
     kept = [k for k, name in enumerate(names) if name and k not in texts]
     values, numbers = _parsed(rows, names, kept, spoken, lines)
-    require(len(numbers) > 0, f"{source}: no rows of numbers")
-    table_values, named = np.frombuffer(values).reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
+    table_values, named = values.reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
     _refuse_large(table_values, named, numbers, source)
     return Table(
         source=source,
@@ -182,7 +176,7 @@ def _trimmed(row: Sequence[str]) -> list[str]:
 
 def _parsed(
     rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], spoken: Dialect, lines: Lines
-) -> tuple[Floats, Integers]:
+) -> tuple[Float[Array, " numbers"], Int[Array, " rows"]]:
     """The numbers of the named columns, row after row, and the line number of each row."""
     values, numbers = array("d"), array("q")
     width, every, source = len(names), len(kept) == len(names), lines.source
@@ -207,7 +201,8 @@ def _parsed(
             raise ValueError(f"{source}: more than {MAX_ROWS} rows")
         if len(values) > MAX_NUMBERS:
             raise ValueError(f"{source}: more than {MAX_NUMBERS} numbers")
-    return values, numbers
+    require(len(numbers) > 0, f"{lines.source}: no rows of numbers")
+    return np.frombuffer(values), np.frombuffer(numbers, dtype=np.int64)
 
 
 def _as_wide(row: list[str], width: int, place: str) -> list[str]:
@@ -229,7 +224,7 @@ def _number(entry: str, name: str, place: str) -> float:
         raise ValueError(message) from None
 
 
-def _refuse_large(values: Float[Array, "n c"], names: Sequence[str], numbers: Sequence[int], source: str) -> None:
+def _refuse_large(values: Float[Array, "n c"], names: Sequence[str], numbers: Int[Array, " n"], source: str) -> None:
     low, high = (ends.reduce(values, axis=None, initial=0.0) for ends in (np.fmin, np.fmax))  # pass over NaN
     if max(-low, high) > LARGEST:
         row, column = np.argwhere(np.abs(values) > LARGEST)[0]
