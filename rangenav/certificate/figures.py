@@ -10,10 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from rangenav import record, vehicle
-from rangenav.certificate import derivative_bounds
-from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.sums import least
-from rangenav.observability import accuracy
+from rangenav.observability import accuracy, derivative_bounds
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
+from rangenav.observability.sums import least
 from rangenav.preset import Preset
 from rangenav.signals import Signal
 from rangenav.vehicle import THRUST_MARGIN, Demands, Vehicle

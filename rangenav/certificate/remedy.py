@@ -14,10 +14,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import provenance, signals
-from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.excitation_bound import oriented
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
 from rangenav.observability import blindness, excitation
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
+from rangenav.observability.excitation_bound import oriented
 from rangenav.preset import Preset
 from rangenav.results import result
 from rangenav.signals import Multisine, Signal, Sum, Tone

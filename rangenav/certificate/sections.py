@@ -7,13 +7,13 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.certificate import derivative_bounds, schema
-from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.excitation_bound import TIE, ExcitationBounds, excitation_bounds, oriented
+from rangenav.certificate import schema
 from rangenav.certificate.schema import Claim, figure, known
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
-from rangenav.observability import accuracy, blindness, excitation, spectrum
+from rangenav.observability import accuracy, blindness, derivative_bounds, excitation, spectrum
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
+from rangenav.observability.excitation_bound import TIE, ExcitationBounds, excitation_bounds, oriented
 from rangenav.preset import Preset
 from rangenav.sensors import noise_assumption
 

@@ -141,7 +141,7 @@ def lowest_between(least: Float[Array, "w"], drop: Float[Array, "c"], rounding: 
     """A lower bound of λ_min over every start between the points of a grid, from its values at these points.
 
     `bound_for_all_t` uses it on a grid of at most 4000 starts, refined in 4 rounds, with the drop of `drop_between`. A
-    certificate uses it on up to 40 000 starts with a smaller drop (`certificate.eigenvalue_drop`), and adds the error
+    certificate uses it on up to 40 000 starts with a smaller drop (`eigenvalue_drop`), and adds the error
     of its quadrature to the rounding.
     """
     return float(np.min(np.minimum(least[1:], least[:-1]) - drop)) - rounding

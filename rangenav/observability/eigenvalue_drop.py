@@ -23,7 +23,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
-from rangenav.certificate import derivative_bounds
+from rangenav.observability import derivative_bounds
 from rangenav.observability.excitation import drop_between
 from rangenav.signals import Signal
 

@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
-from rangenav.certificate import derivative_bounds
-from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
+from rangenav.observability import derivative_bounds
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
 from rangenav.results import result
 from rangenav.signals import Signal, knots
 

@@ -20,8 +20,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.eigenvalue_drop import (
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
+from rangenav.observability.eigenvalue_drop import (
     ProjectedSnapBounds,
     SnapBounds,
     fall,
@@ -29,8 +29,8 @@ from rangenav.certificate.eigenvalue_drop import (
     rise,
     snap_bounds,
 )
-from rangenav.certificate.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
 from rangenav.observability.excitation import lowest_between
+from rangenav.observability.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
 from rangenav.results import result
 from rangenav.signals import Signal, knots
 

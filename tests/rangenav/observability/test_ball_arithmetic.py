@@ -12,8 +12,8 @@ from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rangenav.certificate import derivative_bounds
-from rangenav.certificate.excitation_bound import excitation_bounds
+from rangenav.observability import derivative_bounds
+from rangenav.observability.excitation_bound import excitation_bounds
 from rangenav.signals import Formula
 from rangenav.signals.intervals import ELEMENTARY, Interval
 

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from rangenav.certificate import derivative_bounds
-from rangenav.certificate.derivative_bounds import UnboundedDerivativeError
-from rangenav.certificate.excitation_bound import excitation_bounds
+from rangenav.observability import derivative_bounds
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
+from rangenav.observability.excitation_bound import excitation_bounds
 from rangenav.signals import (
     Formula,
     MinimumSnap,
