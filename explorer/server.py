@@ -35,7 +35,7 @@ class SessionServer:
         receive_pending(self._server)
         stopped, deadline = self.sessions, time.monotonic() + STOP_TIMEOUT
         for session in stopped:
-            session.stop(connected=True)
+            session.stop()
         for session in stopped:
             session.thread.join(max(0.0, deadline - time.monotonic()))
 
@@ -50,4 +50,4 @@ class SessionServer:
     def _leave(self, client: viser.ClientHandle) -> None:
         session = self._by_client.pop(client.client_id, None)
         if session is not None:
-            session.stop(connected=False)
+            session.stop()

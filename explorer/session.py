@@ -36,7 +36,7 @@ from explorer.storage import preset_file
 from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
-from explorer.web import viewport
+from explorer.web import connection, viewport
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
@@ -55,7 +55,7 @@ class Session:
     def __init__(self, client: viser.ClientHandle, shared: Shared) -> None:
         self._client, self.shared = client, shared
         self.catalog = Catalog(shared.shipped, shared.library, shared.certifier)
-        self._wake, self._stopped, self._connected = threading.Event(), False, True
+        self._wake, self._stopped = threading.Event(), False
         self.form = Form(client.gui, self._wake.set)
         self.jobs = self.form.new_jobs()
         self._built = False
@@ -75,19 +75,26 @@ class Session:
         accept_values_only(self._client)
         self.thread.start()
 
-    def stop(self, *, connected: bool) -> None:
-        """Let the thread end; it saves the work and frees the slot of the tab. `connected`: the tab has not left."""
-        self._connected = connected
+    def stop(self) -> None:
+        """Let the thread end; it saves the work and frees the slot of the tab."""
         self._stopped = True
         self._wake.set()
 
     def _run(self) -> None:
-        with self._reporting():
-            self._build()
-            self._wait_for_compilation()
-        self._wake.set()
-        while self._built and not self._stopped:
+        with connection.may_close(self._client):
+            with self._reporting():
+                self._build()
+                self._wait_for_compilation()
+            self._wake.set()
+            if self._built:
+                self._serve()
+            self._leave()
+
+    def _serve(self) -> None:
+        while True:
             woken = self._wake.wait(self._sleep(time.monotonic()))
+            if self._stopped:
+                return
             with self._reporting():
                 if woken:
                     self._wake.clear()
@@ -95,7 +102,6 @@ class Session:
                 self._display.animate()
                 self._display.draw_details_if_due(time.monotonic(), self._wake)
                 self._autosave.write(time.monotonic())
-        self._leave()
 
     def _sleep(self, now: float) -> float | None:
         """The time (s) until a frame, the details or a write is due; None if none of them is."""
@@ -112,11 +118,13 @@ class Session:
         self.shared.slots.free(self._client.client_id)
 
     def _remember_last_changes(self) -> None:
-        """Take over what was changed after the last picture began to be computed; nothing is drawn any more."""
+        """Take over what was changed after the last picture began to be computed; nothing is drawn any more.
+
+        Where the values do not fit together, the visitor has read why, and the last ones that did stay saved.
+        """
         if self._built:
-            with contextlib.suppress(InvalidInputError):
-                if self._connected:  # else nothing may be written to the page
-                    self._take_actions()
+            with contextlib.suppress(InvalidInputError, ValueError):
+                self._take_actions()
                 self._autosave.remember(self.dock.read(), self.dock.gains.units)
 
     def _build(self) -> None:

@@ -213,6 +213,47 @@ def test_a_tab_that_leaves_takes_its_thread_with_it(port: int):
     _wait_for_threads(0)
 
 
+def test_a_tab_that_leaves_in_the_middle_of_a_mistake_is_no_error(port: int, caplog: pytest.LogCaptureFixture):
+    """Pytest turns an exception in the session's thread, and a message to a closed connection, into a failure."""
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    tab.set("duration (s)", 2.0)
+    tab.wait_for_text("requirement.window must be shorter than the duration")
+    tab.close()
+    _wait_for_threads(0)
+    assert "session" not in caplog.text
+
+
+def test_a_tab_may_leave_while_its_picture_is_drawn_and_what_it_changed_last_is_saved(
+    port: int, caplog: pytest.LogCaptureFixture
+):
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    tab.set("duration (s)", 25.0)
+    tab.close()
+    _wait_for_threads(0)
+    assert "session" not in caplog.text
+    again = Wire(port, storage=tab.storage)
+    again.wait_for_text("13 of 13")
+    assert again.value("duration (s)") == 25.0
+    again.close()
+
+
+def test_an_unforeseen_error_after_the_tab_has_left_is_only_logged(
+    port: int, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+):
+    def broken(*_: object) -> None:
+        raise RuntimeError("a programmer's error")
+
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    with monkeypatch.context() as patch:
+        patch.setattr("explorer.storage.autosave.Autosave.remember", broken)
+        tab.close()
+        _wait_for_threads(0)
+    assert "a programmer's error" in caplog.text
+
+
 def test_an_unforeseen_error_is_notified_and_the_session_goes_on(
     visitor: Wire, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ):

@@ -1,0 +1,14 @@
+"""A page is drawn in a thread of its own, so its tab may leave at any moment, also in the middle of a picture.
+
+viser 1.1.1 warns of a message to a closed connection once per tab, because the message will never be delivered. Here
+nobody is left to read it.
+"""
+
+from contextlib import AbstractContextManager
+
+import viser
+
+
+def may_close(client: viser.ClientHandle) -> AbstractContextManager[None]:
+    """Within it, messages to the tab are dropped without a warning once its connection is closed."""
+    return client.gui._websock_interface.get_message_buffer().sanctioned_dead_writes()
