@@ -2,7 +2,6 @@
 
 import dataclasses
 import inspect
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -22,15 +21,12 @@ from rangenav.commands.log_report import (
 from rangenav.commands.output import print_json
 from rangenav.commands.progress import working
 from rangenav.inputs import Vec3, require, require_within
-from rangenav.number_format import vector
 from rangenav.preset import MAX_DURATION
 
 if TYPE_CHECKING:
     FormatName = str
 else:
     FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
-RANGE_SIGMA = (1e-3, 1e2)
-"""m: limits of the noise of ranges, recorded or synthetic."""
 WINDOW = (0.1, MAX_DURATION)
 """s: limits of the length of a window."""
 MOST_NOISE = 100.0
@@ -95,76 +91,58 @@ def log(
         json: Print one JSON object.
     """
     typed = _typed(locals())
-    from rangenav import flight_summary, logs, range_fit, record_checks, rest
+    from rangenav import logs, range_fit, rest
+    from rangenav.commands import log_inputs
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
-    from rangenav.formats import recorded_flight
+    from rangenav.flight_summary import ranges_source, summarise_observer, summarise_windows
 
-    confirm, vectors = answers.confirm(), _world_vectors(world, gravity, magnetic)
-    require_within("--range-sigma", range_sigma, *RANGE_SIGMA, "m")
+    vectors = log_inputs.world_vectors(world, gravity, magnetic)
+    require_within("--range-sigma", range_sigma, *log_inputs.RANGE_SIGMA, "m")
     require_within("--window", window, *WINDOW, "s")
     require(position_sigma > 0, f"--position-sigma must be positive, got {position_sigma:g}")
+    format_name = from_ or _format(file)
     if list_columns:
-        return _list_columns(file, from_ or _format(file), confirm, json=json)
-    imported = formats.read(file, from_ or _format(file), confirm=confirm)
-    imported = _as_given(imported, vectors, measured=synthetic_ranges is None)
-    with working(f"checking {imported.source}"):
-        imported = record_checks.checked(imported, confirm, anchor=anchor)
-    asked = _open_anchor(imported)
+        return _list_columns(file, format_name, answers.confirm(), json=json)
+    imported = log_inputs.checked(file, format_name, answers, vectors, anchor, measured=synthetic_ranges is None)
+    asked = log_inputs.open_anchor(imported)
     flight = formats.settled(imported, also=asked if imported.questions else ()).flight
     assert flight is not None
     if synthetic_ranges is not None:
-        flight, range_sigma = _with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
+        flight, range_sigma = log_inputs.with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
+    stands = flight.anchor or ORIGIN
     world_model, questions, world_source = rest.world_of(
-        flight, anchor=flight.anchor or ORIGIN, vectors=vectors, confirmed=world == "still"
+        flight, anchor=stands, vectors=vectors, confirmed=world == "still"
     )
     if len(flight.range):
         formats.settled(imported, also=(*questions, *asked))
-    noise = _noise(rest.noise_at_rest(flight), gyro_noise, accel_noise, gyro_bias)
-    if begin is not None or end is not None:
-        flight = recorded_flight.between(
-            flight, begin if begin is not None else 0.0, end if end is not None else math.inf
-        )
-    ranges_source = flight_summary.ranges_source(
-        flight, flight.anchor or ORIGIN, synthetic=synthetic_ranges, anchor_given=anchor is not None
-    )
-    judged_by = {
-        "range_sigma": range_sigma,
-        "requirement": position_sigma,
-        "noise": noise,
-        "restriction": imported.unjudged,
-    }
+    noise = log_inputs.noise(rest.noise_at_rest(flight), gyro_noise, accel_noise, gyro_bias)
+    flight = log_inputs.part(flight, begin, end)
+    source = ranges_source(flight, stands, synthetic=synthetic_ranges, anchor_given=anchor is not None)
+    judged_by = {"range_sigma": range_sigma, "requirement": position_sigma, "noise": noise}
     with working(f"judging {imported.source}"):
-        informative = logs.informative(flight, window=window, **judged_by)
-        whole = logs.whole(flight, **judged_by)
+        informative = logs.informative(flight, window=window, restriction=imported.unjudged, **judged_by)
+        whole = logs.whole(flight, restriction=imported.unjudged, **judged_by)
     report = (
         file_report(imported, flight, world_source)
-        | ranges_report(ranges_source)
+        | ranges_report(source)
         | {"whole": whole_report(whole)}
-        | {"informative": windows_report(flight_summary.summarise_windows(informative), informative)}
+        | {"informative": windows_report(summarise_windows(informative), informative)}
         | verdict_report(whole)
     )
     if len(flight.range) and world_model is not None:
         with working(f"running the observers on {imported.source}"):
             observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
-        report["observer"] = observer_report(flight_summary.summarise_observer(observed))
+        report["observer"] = observer_report(summarise_observer(observed))
         fit = range_fit.of(observed.estimate)
         report["observer"]["fit"] = fit.report(blind=informative.verdict == "blind")
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:
         return print_json(report)
-    return layout.show(
-        text.report(
-            report,
-            whole=whole,
-            file=str(file),
-            options=typed,
-            has_truth=flight.position is not None,
-            required=position_sigma,
-        )
-    )
+    known = {"has_truth": flight.position is not None, "required": position_sigma}
+    return layout.show(text.report(report, whole=whole, file=str(file), options=typed, **known))
 
 
 def _list_columns(file: Path, format_name: str, confirm: Mapping[str, str], *, json: bool) -> None:
@@ -178,22 +156,6 @@ def _list_columns(file: Path, format_name: str, confirm: Mapping[str, str], *, j
     else:
         uses = formats.read(file, format_name, confirm=confirm).columns
     return print_json({"columns": dict(uses)}) if json else layout.show(text.columns(uses, file))
-
-
-def _noise(
-    at_rest: tuple[float, float, float] | None, gyro: float | None, accel: float | None, bias: float | None
-) -> tuple[float, float, float] | None:
-    """The IMU's noise: what was typed, else that of the rest at the start; None if nothing is known."""
-    from rangenav.logs import USUAL_NOISE
-
-    typed = (gyro, accel, bias)
-    for name, value in zip(("--gyro-noise", "--accel-noise", "--gyro-bias"), typed, strict=True):
-        require(value is None or 0 <= value <= MOST_NOISE, f"{name} must lie between 0 and {MOST_NOISE:g}, got {value}")
-    if typed == (None, None, None):
-        return at_rest
-    usual = at_rest or (*USUAL_NOISE, 0.0)
-    first, second, third = (known if value is None else value for value, known in zip(typed, usual, strict=True))
-    return first, second, third
 
 
 def _typed(arguments: Mapping[str, Any]) -> dict[str, str]:
@@ -224,70 +186,3 @@ def _format(file: Path) -> str:
     by_suffix = [row.name for row in flights if file.suffix in row.read_suffixes]
     by_folder = [row.name for row in flights if row.folder_reader is not None and file.is_dir()]
     return [*by_suffix, *by_folder, "log"][0]
-
-
-def _as_given(
-    imported: formats.ImportResult, vectors: tuple[Vec3, Vec3] | None, *, measured: bool
-) -> formats.ImportResult:
-    """The file with gravity and field as a person gives them, and without its ranges where synthetic ones are wanted.
-
-    Raises ValueError for a file that holds no flight.
-    """
-    flight = imported.flight
-    if flight is None:
-        rule = f"{imported.source}: holds a path and no recorded flight: see `rangenav import`"
-        require(bool(imported.questions), rule)
-        return imported
-    findings = [*imported.findings]
-    if vectors is not None:
-        for name, given in zip(("gravity", "magnetic"), vectors, strict=True):
-            stated = getattr(flight, name)
-            if stated is not None and math.dist(stated, given) > ROUNDED:
-                unit = " m/s²" if name == "gravity" else ""
-                findings.append(f"{name} {vector(given)}{unit}, given instead of {vector(stated)}{unit} in the file")
-        flight = dataclasses.replace(flight, gravity=vectors[0], magnetic=vectors[1])
-    if not measured:
-        flight = dataclasses.replace(flight, range_time=flight.range_time[:0], range=flight.range[:0], range_lines=None)
-    return dataclasses.replace(imported, flight=flight, findings=tuple(findings))
-
-
-def _open_anchor(imported: formats.ImportResult) -> tuple[formats.Question, ...]:
-    """The question where the anchor stands, if there are ranges and nothing says it."""
-    flight = imported.flight
-    known = flight is None or flight.anchor is not None or not len(flight.range)
-    return () if known else (_anchor_question(),)
-
-
-def _with_ranges(flight: Any, anchor: Vec3 | None, sigma: float, seed: int) -> Any:
-    from rangenav.formats import recorded_flight
-
-    if anchor is None:
-        raise ValueError("--synthetic-ranges needs --anchor X Y Z")
-    require_within("--synthetic-ranges", sigma, *RANGE_SIGMA, "m")
-    require(seed >= 0, f"--seed must not be negative, got {seed}")
-    return recorded_flight.with_ranges(flight, anchor, sigma=sigma, seed=seed)
-
-
-def _world_vectors(world: str | None, gravity: Vec3 | None, magnetic: Vec3 | None) -> tuple[Vec3, Vec3] | None:
-    if world != "given":
-        require(gravity is None and magnetic is None, "--gravity and --magnetic are used with --world given")
-        return None
-    if gravity is None or magnetic is None:
-        raise ValueError("--world given needs --gravity X Y Z and --magnetic X Y Z")
-    length = math.hypot(*magnetic)
-    require(math.isfinite(length) and length > SHORTEST_DIRECTION, f"--magnetic must be a direction, got {magnetic}")
-    x, y, z = (value / length for value in magnetic)
-    return gravity, (x, y, z)
-
-
-def _anchor_question() -> Any:
-    from rangenav.formats import Question
-
-    return Question(
-        key="anchor",
-        flag="--anchor",
-        asks="where does the anchor stand",
-        options=("X Y Z",),
-        suggestion=None,
-        evidence="the file does not say",
-    )

@@ -22,6 +22,10 @@ class Evidence:
     suggestion: str | None
 
 
+Find = Callable[[Flight], Evidence | None]
+"""The evidence against a record; None if there is none, or the record cannot tell."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Check:
     """One row of the table of checks."""
@@ -34,8 +38,7 @@ class Check:
     """What is in doubt where there is evidence."""
     uses: tuple[Quantity, ...] = ()
     """What else must be free of doubt for the check to mean anything."""
-    find: Callable[[Flight], Evidence | None]
-    """The evidence against the record; None if there is none, or the record cannot tell."""
+    find: Find
     key: str
     """Of the question, in `confirm`."""
     flag: str
