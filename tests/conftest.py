@@ -1,4 +1,4 @@
-"""What holds for every test: array shapes are checked on every call, and in CI no browser test may be skipped."""
+"""What holds for every test: array shapes are checked, and in CI no browser test may be skipped."""
 
 import json
 import os
@@ -6,9 +6,9 @@ import sys
 from collections.abc import Generator
 from pathlib import Path
 
+import jaxtyping
 import pytest
 from hypothesis import settings
-from jaxtyping import install_import_hook
 from xdist.remote import Producer
 from xdist.scheduler import LoadFileScheduling
 
@@ -32,7 +32,8 @@ settings.register_profile("developer", deadline=None)  # the first call compiles
 settings.register_profile("gate", deadline=None, derandomize=True)  # the gate judges the change, not the draw
 settings.load_profile("gate" if os.environ.get("CI") else "developer")
 
-install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
+jaxtyping.jaxtyped = shape_checker.sampled  # the hook writes this name above every function
+jaxtyping.install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling:
@@ -52,6 +53,12 @@ def _state(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Nothing is written to, or read from, what the person who runs the tests has on this machine."""
     os.environ["RANGENAV_STATE"] = str(tmp_path_factory.mktemp("state"))
     os.environ["RANGENAV_DATA"] = str(tmp_path_factory.mktemp("data"))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _shapes() -> None:
+    """Each test file has the first calls of its own checked, whatever ran before it."""
+    shape_checker.begin_file()
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,21 @@
-"""The checker of shapes and types that conftest wraps around every function: numbers of numpy count as Python's."""
+"""The checker of shapes and types that conftest wraps around every function: numbers of numpy count as Python's.
+
+A check costs more than most of the functions do, so a sample of the calls is checked: the first ones in every test
+file, and after them those whose number is a power of two.
+"""
+
+import dataclasses
+import functools
+import inspect
+from collections.abc import Callable
+from types import CodeType
 
 import numpy as np
 from beartype import BeartypeConf, FrozenDict, beartype
+from jaxtyping import jaxtyped
+
+FIRST = 16
+"""So many calls of a function are all checked, in each test file."""
 
 checked = beartype(
     conf=BeartypeConf(
@@ -11,3 +25,56 @@ checked = beartype(
     )
 )
 """Arrays are checked by jaxtyping's shapes. A scalar of numpy is accepted in place of one of Python."""
+
+
+class _Calls:
+    """The calls of one function in this test file; an inner function keeps its count when it is defined again."""
+
+    __slots__ = ("number",)
+
+    def __init__(self) -> None:
+        self.number = 0
+
+
+_calls: dict[CodeType, _Calls] = {}
+
+
+def sampled(*, typechecker: Callable) -> Callable:
+    """What stands for `jaxtyping.jaxtyped`, whose own work for each call costs as much as the check itself."""
+
+    def decorate(item):
+        if not inspect.isclass(item):
+            return _sampled_function(item, typechecker)
+        if dataclasses.is_dataclass(item) and "__init__" in vars(item):
+            item.__init__ = _sampled_function(item.__init__, typechecker)
+        return item
+
+    return decorate
+
+
+def _sampled_function(bare: Callable, typechecker: Callable) -> Callable:
+    """The function with its checks, which are made when they are first needed."""
+    calls, checking = _calls.setdefault(bare.__code__, _Calls()), None
+
+    @functools.wraps(bare)
+    def sample(*args, **kwargs):
+        nonlocal checking
+        calls.number = number = calls.number + 1
+        if number > FIRST and number & (number - 1):
+            return bare(*args, **kwargs)
+        if checking is None:
+            checking = jaxtyped(bare, typechecker=typechecker)
+        return checking(*args, **kwargs)
+
+    return sample
+
+
+def is_checked(function: Callable) -> bool:
+    """Whether calls of this function are counted and checked."""
+    return inspect.unwrap(function).__code__ in _calls
+
+
+def begin_file() -> None:
+    """Every count starts again at zero."""
+    for calls in _calls.values():
+        calls.number = 0
