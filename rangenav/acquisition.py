@@ -1,9 +1,14 @@
-"""Acquisition: how noise-matched gains start without a prior, and how a false solution is noticed.
+"""Acquisition: how noise-matched gains start from anywhere, and how a false solution is noticed.
 
-The noise-matched gains depend on the estimate, so that from a far start they can lock into a false solution. They do
-not use x̂(0) and P(0). Constant gains, which converge from anywhere, run while ranges are collected, from t0 on. With
-the transition Φ(s, t0), the response r(s) to the inputs alone, τ = s − t0, and D(s, t0) of the row
-𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ], the twice integrated specific force,
+The noise-matched gains depend on the estimate, so that from a far start they can lock into a false solution. They start
+from the prior x̂(0), P(0), and their innovations are watched from the first range on:
+
+    NIS = (y − ŷ)²/(P₁₁ + R);   NIS > 36: an outlier, corrects nothing;   Σ NIS > 132.79 within 64 ranges: an alarm
+
+An alarm has probability 1e-6 in each window of a consistent observer. Meanwhile ranges are collected, from t0 = 0 on,
+which determine the state without a prior. At an alarm before they do, the prior is given up, and constant gains, which
+converge from anywhere, run until they do. With the transition Φ(s, t0), the response r(s) to the inputs alone,
+τ = s − t0, and D(s, t0) of the row 𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ], the twice integrated specific force,
 
     ½d_k² − ½σ² = 𝒞Φ(s_k, t0) x(t0) + 𝒞r(s_k) + η_k
     var η_k = d²σ² + ½σ⁴ + d²c(s_k),   c(s) = q_a τ³/3 + q_ω ∫|D(s, r)|² dr,   d² smoothed over the ranges before
@@ -13,16 +18,16 @@ c(s) is what the noise of accelerometer and gyro has added to a range since t0. 
 of the m ranges, Λ = HᵀH its information, χ² its misfit. The factor in brackets holds for any correlation of the IMU's
 part: where C is the covariance of that part in units of √var η, the covariance of x̂(t0) is at most
 Λ⁻¹Hᵀ(I + C)HΛ⁻¹, and no eigenvalue of C exceeds its trace. The factor 2 is for the noise between t0 and now, which is
-correlated with x̂(t0): cov(a + b) ≤ 2 cov a + 2 cov b. The matched gains start from this x̂ and P as soon as the rank
-is 13 and √tr P_pp, without the first two factors and V, is below the distance. A collection whose IMU noise
-outweighs its ranges begins anew; a range that the collected ones exclude at 6 σ is left out. From then on the
-innovations are watched:
+correlated with x̂(t0): cov(a + b) ≤ 2 cov a + 2 cov b. The ranges determine the state as soon as the rank is 13 and
+√tr P_pp, without the first two factors and V, is below the distance. The matched gains then start from this x̂ and P.
+Gains that run from the prior go on instead, unless their position contradicts that of the ranges:
 
-    NIS = (y − ŷ)²/(P₁₁ + R);   NIS > 36: an outlier, corrects nothing;   Σ NIS > 132.79 over 64 ranges: an alarm
+    eᵀ(P_pp + P̂_pp)⁻¹e > 30.66,   e the difference of the two positions; probability 1e-6 where both are right
 
-An alarm has probability 1e-6 in each window of a consistent observer. It begins another collection, at most three
-times; the fourth alarm means lost, and constant gains stay. The numbers and their reasons stand in `kernels.layout`.
-The functions below are the reference implementation, which is meant to be read and tests the compiled one.
+A collection whose IMU noise outweighs its ranges begins anew; a range that the collected ones exclude at 6 σ is left
+out. A later alarm begins another collection, at most three times; the fourth means lost, and constant gains stay. The
+numbers and their reasons stand in `kernels.layout`. The functions below are the reference implementation, which is
+meant to be read and tests the compiled one.
 """
 
 from dataclasses import replace
@@ -37,8 +42,9 @@ from rangenav.kernels import layout
 from rangenav.results import result
 
 PHASES: tuple[Literal["constant", "collecting", "matched", "lost"], ...] = ("constant", "collecting", "matched", "lost")
-"""What the numbers in `Estimate.phase` mean: constant gains by choice; constant gains while ranges are collected;
-noise-matched gains; constant gains because the matched ones were alarmed once too often."""
+"""What the numbers in `Estimate.phase` mean: constant gains by choice; constant gains until the collected ranges
+determine the state, after an alarm; noise-matched gains; constant gains because the matched ones were alarmed once too
+often."""
 CONSTANT, COLLECTING, MATCHED, LOST = range(len(PHASES))
 
 
@@ -190,6 +196,13 @@ def solved(of: Collection) -> tuple[Array, Array, float] | None:
     if not spread < layout.KNOWN_SHARE**2 * of.mean_square:
         return None
     return root @ right + of.response, 2 * (1 + of.weight) * misfit * (root @ root.T), misfit
+
+
+def contradict(x: Float[Array, "13"], P: Float[Array, "13 13"], other: Array, other_P: Array) -> bool:
+    """Whether two positions differ by more than both covariances allow."""
+    e = (other - x)[model.POSITION]
+    both = (P + other_P)[model.POSITION, model.POSITION]
+    return not e @ np.linalg.solve(both, e) <= layout.CONTRADICTION
 
 
 def watch(misfit: float) -> Watch:

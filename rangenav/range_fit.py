@@ -25,7 +25,7 @@ DEVIATIONS = 5.0
 MOST_OUTLIERS = 1 / 3
 """A larger share of innovations above the gate are no outliers."""
 BLIND = "fits the ranges, position cannot be told"
-COLLECTED = "fits the ranges, which have not determined the position yet: constant gains"
+COLLECTED = "fits the ranges, which contradict the guess and have not determined the position yet: constant gains"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,7 +36,7 @@ class RangeFit:
     factor: float | None
     """By how much its innovations exceed their σ; None without noise-matched gains."""
     collecting: bool = False
-    """Whether noise-matched gains were chosen and have not begun."""
+    """Whether constant gains run in place of noise-matched ones, until the ranges determine the position."""
 
     def summary(self, *, blind: bool) -> str:
         """The word with its figure. blind: whether the motion leaves the position undetermined."""

@@ -27,7 +27,7 @@ def observe(measurements: Measurements, start: Start, setting: ObserverConfig) -
     observer = _Observer(setting, symmetric=ranges_at_imu_rate(z, setting.sensors))
     R, now = start.rotation.copy(), observer.begin(start.state.copy())
     mag = np.where(np.isnan(z.mag[0]), R.T @ np.asarray(setting.world.magnetic), z.mag[0])
-    pending = _due_at_start(z, observer)
+    pending = _due_at_start(z, observer, now)
     j = int(np.searchsorted(z.range_time, z.time[0], side="right"))
     s, chosen = attitude.MISALIGNED, setting.gains.attitude
     rows, innovation = [(now.x, now.P, R, attitude.gain(chosen, s), now.phase)], np.full((len(z.range), 2), np.nan)
@@ -70,7 +70,8 @@ class _Now:
     P: Float[Array, "13 13"]
     phase: int
     """As in `Estimate.phase`."""
-    collection: Collection
+    collection: Collection | None
+    """None while no ranges are collected."""
     watch: Watch
     reopened: int
     """Alarms that have begun a collection."""
@@ -95,8 +96,8 @@ class _Observer:
 
     def begin(self, x: Float[Array, "13"]) -> _Now:
         """The observer at the first sample."""
-        phase = acquisition.COLLECTING if self.noise_matched else acquisition.CONSTANT
-        begun, watch = acquisition.collection(), acquisition.watch(1.0)
+        phase = acquisition.MATCHED if self.noise_matched else acquisition.CONSTANT
+        begun, watch = acquisition.collection() if self.noise_matched else None, acquisition.watch(1.0)
         return _Now(x=x, P=self.p0, phase=phase, collection=begun, watch=watch, reopened=0)
 
     def output(self, distance: float) -> float:
@@ -111,7 +112,7 @@ class _Observer:
 
     def corrected(self, now: _Now, y: float, variance: float) -> _Now:
         """The observer after a measurement of y, which outliers leave as it is."""
-        if now.phase == acquisition.COLLECTING:
+        if now.collection is not None:
             now = replace(now, collection=acquisition.collected(now.collection, y, self.sensed))
         if now.phase == acquisition.MATCHED:
             watch, outlier = acquisition.watched(now.watch, y - now.x[0], now.P[0, 0] + variance)
@@ -149,29 +150,32 @@ class _Observer:
         x, P = riccati.predict(now.x, P, rate, mean, h, **known)
         P = P + self.noise(x, now.phase) * (h / 2)
         now = replace(now, x=x, P=P)
-        if now.phase == acquisition.COLLECTING:
+        if now.collection is not None:
             now = replace(now, collection=acquisition.moved(now.collection, turn, mean, h, **known))
         return now, turned @ turn
 
     def ended(self, now: _Now, interval: float) -> _Now:
-        """The observer at the end of an interval: matched gains start, are reminded of ξ1 = ½|p|², or are given up."""
-        if now.phase == acquisition.COLLECTING:
-            return self._started(now)
-        if now.phase != acquisition.MATCHED:
+        """The observer at the end of an interval: matched gains are reminded of ξ1 = ½|p|², given up, or start."""
+        if now.phase == acquisition.MATCHED:
+            x, P = riccati.remind(now.x, now.P, interval)
+            now = self._judged(replace(now, x=x, P=P))
+        return now if now.collection is None else self._started(now, now.collection)
+
+    def _judged(self, now: _Now) -> _Now:
+        alarm = not now.watch.total <= layout.ALARM
+        if now.watch.count < layout.ALARM_RANGES and not alarm:
             return now
-        x, P = riccati.remind(now.x, now.P, interval)
-        now = replace(now, x=x, P=P)
-        if now.watch.count < layout.ALARM_RANGES:
+        now = replace(now, watch=replace(now.watch, count=0, total=0.0))
+        if not alarm:
             return now
-        if not now.watch.total > layout.ALARM:
-            return replace(now, watch=replace(now.watch, count=0, total=0.0))
+        if now.collection is not None:
+            return replace(now, P=self.p0, phase=acquisition.COLLECTING)
         if now.reopened == layout.REOPENINGS:
             return replace(now, P=self.p0, phase=acquisition.LOST)
         again = {"phase": acquisition.COLLECTING, "collection": acquisition.collection()}
         return replace(now, P=self.p0, reopened=now.reopened + 1, **again)
 
-    def _started(self, now: _Now) -> _Now:
-        of = now.collection
+    def _started(self, now: _Now, of: Collection) -> _Now:
         if acquisition.exhausted(of):
             return replace(now, collection=acquisition.collection())
         if of.count <= STATES or of.elapsed < of.next_check:
@@ -185,14 +189,17 @@ class _Observer:
             turn[block, block] = of.turned.T
         x, P = turn @ x, turn @ P @ turn.T
         P = P + 2 * of.elapsed * self.imu_noise(x)
-        return replace(now, x=x, P=P, phase=acquisition.MATCHED, watch=acquisition.watch(misfit))
+        if now.phase == acquisition.MATCHED and not acquisition.contradict(now.x, now.P, x, P):
+            return replace(now, collection=None)
+        begun = {"phase": acquisition.MATCHED, "watch": acquisition.watch(misfit)}
+        return replace(now, x=x, P=P, collection=None, **begun)
 
 
-def _due_at_start(z: Measurements, observer: _Observer) -> tuple[float, float] | None:
+def _due_at_start(z: Measurements, observer: _Observer, now: _Now) -> tuple[float, float] | None:
     at_start = z.range_time == z.time[0]
     if not at_start.any():
         return None
-    return observer.output(z.range[at_start][-1]), observer.constant_variance * (2 if observer.symmetric else 1)
+    return observer.output(z.range[at_start][-1]), observer.variance(now) * (2 if observer.symmetric else 1)
 
 
 def _estimate(z: Measurements, rows: list, innovation: Array) -> Estimate:

@@ -15,14 +15,16 @@ from rangenav.inputs import Vec3, require
 from rangenav.kernels.layout import (
     ACCEL_FAULT,
     ACQUISITION,
-    COLLECTING,
+    COLLECTS,
     CONSTANT,
     GYRO_FAULT,
     MAG_FAULT,
+    MATCHED,
     NO_FAULT,
     PHASE,
     RANGE_FAULT,
     RANGE_TIME_FAULT,
+    SCALE,
     TIME_FAULT,
     Arrays,
     Parameters,
@@ -114,7 +116,7 @@ def begin(first: Sample, start: Start, setting: ObserverConfig, *, symmetric: bo
         pending=np.array(NO_PENDING),
         acquisition=np.zeros(ACQUISITION),
     )
-    arrays.acquisition[PHASE] = COLLECTING if p.matched else CONSTANT
+    arrays.acquisition[[PHASE, COLLECTS, SCALE]] = (MATCHED, 1.0, 1.0) if p.matched else (CONSTANT, 0.0, 1.0)
     at_start = range_time == time
     if at_start.any():
         kernel().begin(arrays, float(distance[at_start][-1]), p)

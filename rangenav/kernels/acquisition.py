@@ -1,4 +1,4 @@
-"""The start of noise-matched gains from ranges alone, and the alarm; `rangenav.acquisition` states the formulas.
+"""The start of noise-matched gains and their alarm; `rangenav.acquisition` states the formulas.
 
 All that it keeps lies in one flat array `a`, in the places that `layout` names: a step then copies one array more.
 """
@@ -12,6 +12,8 @@ from rangenav.kernels.layout import (
     ALARM_RANGES,
     CHECK_GROWTH,
     COLLECTING,
+    COLLECTS,
+    CONTRADICTION,
     COUNT,
     ELAPSED,
     FIT,
@@ -47,10 +49,9 @@ VELOCITY_RESPONSE = RESPONSE + 7
 
 @kernel
 def collect_anew(a):
-    """Forget the collected ranges: a collection begins now. What remains is the number of alarms."""
-    reopened = a[REOPENED]
-    a[:] = 0.0
-    a[PHASE], a[REOPENED] = COLLECTING, reopened
+    """Forget the collected ranges: a collection begins now. The gains in force and their watch remain."""
+    a[:PHASE] = 0.0
+    a[COLLECTS], a[ELAPSED], a[COUNT], a[REFUSED], a[FIT], a[WEIGHT], a[NEXT_CHECK] = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
@@ -126,7 +127,10 @@ def _misfits(a, row):
 
 @kernel
 def start(a, x, P, p):
-    """At the end of an interval: x̂, P and the matched gains from the collected ranges, if these tell the position."""
+    """At the end of an interval: x̂, P and the matched gains from the collected ranges, if these tell the position.
+
+    Matched gains that run from the prior go on, unless their position contradicts that of the ranges.
+    """
     if a[WEIGHT] > IMU_SHARE * a[COUNT] or a[REFUSED] > MOST_REFUSED + a[COUNT] / 2:
         collect_anew(a)
         return
@@ -144,18 +148,43 @@ def start(a, x, P, p):
             spread += misfit * root[i, j] * root[i, j]
     if not spread < KNOWN_SHARE * KNOWN_SHARE * a[MEAN_SQUARE]:
         return
-    scale = 2 * (1 + a[WEIGHT]) * misfit
+    scale, state, covariance = 2 * (1 + a[WEIGHT]) * misfit, np.empty(n), np.empty(n * n)
     for i in range(n):
-        x[i] = a[RESPONSE + i]
+        state[i] = a[RESPONSE + i]
         for k in range(n):
-            x[i] += root[i, k] * a[WIDTH * k + N]
+            state[i] += root[i, k] * a[WIDTH * k + N]
         for j in range(i + 1):
             total = 0.0
             for k in range(n):
                 total += root[i, k] * root[j, k]
-            P[N * i + j] = P[N * j + i] = scale * total
-    riccati.add_imu_noise(P, x, p.accel_density, p.gyro_density, 2 * t)
+            covariance[N * i + j] = covariance[N * j + i] = scale * total
+    riccati.add_imu_noise(covariance, state, p.accel_density, p.gyro_density, 2 * t)
+    a[COLLECTS] = 0.0
+    if a[PHASE] == MATCHED and not _contradict(x, P, state, covariance):
+        return
+    x[:], P[:] = state, covariance
     a[PHASE], a[SCALE] = MATCHED, min(misfit, LOOSEST_SCALE)
+    a[WINDOW_COUNT] = a[WINDOW_SUM] = 0.0
+
+
+@kernel
+def _contradict(x, P, state, covariance):
+    """Whether two positions differ by more than both covariances allow: eᵀ(P + P')⁻¹e > 30.66, by Cholesky."""
+    root, e = np.empty((3, 3)), np.empty(3)
+    square = 0.0
+    for i in range(3):
+        e[i] = state[4 + i] - x[4 + i]
+        for j in range(i + 1):
+            at = N * (4 + i) + 4 + j
+            root[i, j] = P[at] + covariance[at]
+            for k in range(j):
+                root[i, j] -= root[i, k] * root[j, k]
+            root[i, j] = np.sqrt(root[i, i]) if i == j else root[i, j] / root[j, j]
+        for k in range(i):
+            e[i] -= root[i, k] * e[k]
+        e[i] /= root[i, i]
+        square += e[i] * e[i]
+    return not square <= CONTRADICTION
 
 
 @kernel
@@ -208,17 +237,20 @@ def outlier(a, innovation, variance):
 
 @kernel
 def watch(a, P, p):
-    """At the end of a window of innovations without an alarm: go on. With one: collect anew, or be lost."""
-    if a[WINDOW_COUNT] < ALARM_RANGES:
+    """At an alarm: give up the prior and go on collecting, collect anew, or be lost. A window without one is over."""
+    alarm = not a[WINDOW_SUM] <= ALARM
+    if a[WINDOW_COUNT] < ALARM_RANGES and not alarm:
         return
-    alarm = a[WINDOW_SUM] > ALARM
     a[WINDOW_COUNT] = a[WINDOW_SUM] = 0.0
     if not alarm:
         return
     P[:] = 0.0
     for i in range(N):
         P[(N + 1) * i] = p.p0[0 if i < 4 else (i - 1) // 3]
-    if a[REOPENED] < REOPENINGS:
+    if a[COLLECTS] == 1:
+        a[PHASE] = COLLECTING
+    elif a[REOPENED] < REOPENINGS:
+        a[PHASE] = COLLECTING
         a[REOPENED] += 1
         collect_anew(a)
     else:

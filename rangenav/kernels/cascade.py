@@ -11,7 +11,7 @@ from rangenav.kernels import rotation as rot
 from rangenav.kernels.jit import kernel
 from rangenav.kernels.layout import (
     ACCEL_FAULT,
-    COLLECTING,
+    COLLECTS,
     GYRO_FAULT,
     MAG_FAULT,
     MATCHED,
@@ -58,7 +58,7 @@ def propagate(x, P, a, turned, gyro0, gyro1, accel0, accel1, begin, end, interva
     riccati.predict_state(x, ax, ay, az, h, p.b4)
     riccati.predict_covariance(P, ax, ay, az, h)
     _add_noise(x, P, h / 2, matched, p)
-    if a[PHASE] == COLLECTING:
+    if a[COLLECTS] == 1:
         acquisition.propagate(a, ax, ay, az, h, p.b4)
     return rot.multiply(turned, increment)
 
@@ -84,10 +84,12 @@ def _add_noise(x, P, h, matched, p):
 @kernel
 def begin(s, distance, p):
     """Keep the correction by a range at the very first IMU sample: it is applied when the first interval starts."""
-    s.pending[0] = measured_y(distance, p)
-    s.pending[1] = range_variance(s.x, False, p) * (2 if p.symmetric else 1)
-    if s.acquisition[PHASE] == COLLECTING:
-        acquisition.collect(s.acquisition, s.pending[0], p)
+    a, y, matched = s.acquisition, measured_y(distance, p), s.acquisition[PHASE] == MATCHED
+    variance = range_variance(s.x, matched, p)
+    if a[COLLECTS] == 1:
+        acquisition.collect(a, y, p)
+    if not (matched and acquisition.outlier(a, y - s.x[0], s.P[0] + variance)):
+        s.pending[0], s.pending[1] = y, variance * (2 if p.symmetric else 1)
 
 
 @kernel
@@ -97,7 +99,7 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
     innovation[j] ← (y − ŷ, its variance) for each of them.
     """
     x, P, a, interval, reached = s.x, s.P, s.acquisition, t1 - t0, 0.0
-    collecting, matched = a[PHASE] == COLLECTING, a[PHASE] == MATCHED
+    collects, matched = a[COLLECTS] == 1, a[PHASE] == MATCHED
     old = rot.load(s.turned)
     gravity0 = rot.apply_inverse(old, x[10], x[11], x[12])
     if not np.isnan(s.pending[0]):
@@ -113,7 +115,7 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
         if j == last:
             break
         y, variance = measured_y(distance[j], p), range_variance(x, matched, p)
-        if collecting:
+        if collects:
             acquisition.collect(a, y, p)
         if matched and acquisition.outlier(a, y - x[0], P[0] + variance):
             innovation[j, 0], innovation[j, 1] = y - x[0], P[0] + variance
@@ -126,7 +128,7 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
     if matched:
         riccati.remind(x, P, interval)
         acquisition.watch(a, P, p)
-    elif collecting:
+    if collects:
         acquisition.start(a, x, P, p)
     turned = rot.orthonormal(turned)
     rot.store(turned, s.turned)

@@ -46,6 +46,9 @@ ALARM = 132.79
 LOOSEST_SCALE = 9.0
 """Gate and alarm grow with the misfit χ²/(m − 13) of the collection, at most to this: noise of up to three times the
 stated one is overconfidence, which the innovations show, and no false solution."""
+CONTRADICTION = 30.66
+"""χ² with 3 degrees of freedom exceeds this with probability 1e-6: the position that the gains have made of the prior
+then contradicts the collected ranges."""
 REOPENINGS = 3
 """Collections that alarms may begin; the next alarm means lost."""
 MATCHED_V = (1e-6, 1e-6, 1e-6, 1e-6)
@@ -59,12 +62,12 @@ RESPONSE, MOMENTS = 13 * 14, 13 * 14 + 13
 the right-hand side. RESPONSE: 13, the state that the inputs alone have made of zero. MOMENTS: the integrals over r of
 |D|², D·W, |W|², D and W, where W(s, r) is the rate of D(s, r)."""
 (
-    PHASE, ELAPSED, COUNT, REFUSED, FIT, WEIGHT, MEAN_SQUARE, NEXT_CHECK, SCALE, WINDOW_COUNT, WINDOW_SUM, REOPENED,
-    ACQUISITION,
-) = range(MOMENTS + 9, MOMENTS + 22)  # fmt: skip
-"""More places. ELAPSED: s since the collection began; COUNT and REFUSED: of its ranges and outliers; FIT: its χ²;
-WEIGHT: the sum of the IMU's shares of the variances; MEAN_SQUARE: m², the smoothed d². SCALE: of gate and alarm.
-ACQUISITION: the length."""
+    PHASE, COLLECTS, ELAPSED, COUNT, REFUSED, FIT, WEIGHT, MEAN_SQUARE, NEXT_CHECK, SCALE, WINDOW_COUNT, WINDOW_SUM,
+    REOPENED, ACQUISITION,
+) = range(MOMENTS + 9, MOMENTS + 23)  # fmt: skip
+"""More places. COLLECTS: 1 while ranges are collected, which begins with the record. ELAPSED: s since the collection
+began; COUNT and REFUSED: of its ranges and outliers; FIT: its χ²; WEIGHT: the sum of the IMU's shares of the variances;
+MEAN_SQUARE: m², the smoothed d². SCALE: of gate and alarm. ACQUISITION: the length."""
 
 NO_FAULT, TIME_FAULT, GYRO_FAULT, ACCEL_FAULT, MAG_FAULT, RANGE_FAULT, RANGE_TIME_FAULT = range(7)
 """What the kernel `cascade.step` returns: the first thing that is wrong with a sample."""

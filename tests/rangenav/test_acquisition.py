@@ -1,4 +1,4 @@
-"""Noise-matched gains start without a prior, notice a false solution, and are not shaken by an outlier."""
+"""Noise-matched gains use a good prior, give up a bad one, notice a false solution, and bear an outlier."""
 
 from dataclasses import replace as with_fields
 
@@ -41,38 +41,78 @@ def with_ranges(z: Measurements, ranges: np.ndarray) -> Measurements:
     return with_fields(z, range=ranges)
 
 
-def test_far_starts_end_where_near_ones_do(scene: Scene):
-    """The matched gains use neither x̂(0) nor P(0): from 10 km and 1 km/s they are those from x̂ = 0."""
-    near = observed(scene)
-    body = (np.array([6e3, -8e3, 0.0]), np.array([0.0, 600.0, 800.0]), np.array([0.0, 0.0, 9.81]))
-    far = observed(scene, start=Start(state=model.lift(*body), rotation=np.diag([-1.0, -1.0, 1.0])))
-    assert np.linalg.norm(far.state[0, model.POSITION]) > 9e3
-    matched = present(near.phase) == MATCHED
-    np.testing.assert_array_equal(near.phase, far.phase)
-    np.testing.assert_array_equal(near.state[matched], far.state[matched])
-    assert distance(scene, far) < FAR
+def away(position: list[float], velocity: list[float]) -> Start:
+    lifted = model.lift(np.array(position), np.array(velocity), np.array([0.0, 0.0, 9.81]))
+    return Start(state=lifted, rotation=np.diag([-1.0, -1.0, 1.0]))
 
 
-@pytest.mark.parametrize("away", [30.0, 1000.0])
-def test_the_covariance_is_true_with_a_far_anchor(away: float):
+def test_far_starts_end_alike_from_the_ranges_alone(scene: Scene):
+    """Nothing is left of x̂(0): from two starts, 10 km and 1 km/s off, the matched gains compute the same bits."""
+    one = observed(scene, start=away([6e3, -8e3, 0.0], [0.0, 600.0, 800.0]))
+    other = observed(scene, start=away([0.0, 0.0, 1e4], [-1e3, 0.0, 0.0]))
+    begun = np.flatnonzero(present(one.phase) == COLLECTING)[-1] + 1
+    assert set(present(one.phase)[begun:]) == {MATCHED}
+    np.testing.assert_array_equal(one.state[begun:], other.state[begun:])
+    assert distance(scene, one) < FAR
+
+
+def test_a_prior_that_is_right_is_used_from_the_first_range_on(scene: Scene):
+    """The matched gains run at once, and the position is known better than by the prior long before the ranges alone
+    determine it."""
+    estimate, far = observed(scene), observed(scene, start=away([6e3, -8e3, 0.0], [0.0, 600.0, 800.0]))
+    assert set(present(estimate.phase)) == {MATCHED}
+    early = int(np.searchsorted(estimate.time, 5.0))
+    assert present(far.phase)[early] == COLLECTING
+    assert np.trace(estimate.covariance[early, 0]) < np.trace(estimate.covariance[0, 0]) / 2
+    error = (estimate.state - scene.truth.state)[early, model.POSITION]
+    assert error @ np.linalg.solve(estimate.covariance[early, 0], error) < FAR
+
+
+def test_a_prior_that_contradicts_the_collected_ranges_is_given_up_without_an_alarm(scene: Scene):
+    """Just before the ranges determine the state, x̂ is put 2 km off with a σ of 1 cm: no window has time to notice."""
+    z, states = scene.measurements, [cascade.begin(sample(scene.measurements, 0), scene.start, scene.setting(GAINS))]
+    while states[-1].arrays.acquisition[layout.COLLECTS] == 1:
+        states.append(cascade.step(states[-1], sample(z, len(states))))
+    before, k = states[-2], len(states) - 1
+    before.arrays.x[4:7] += 2e3
+    before.arrays.P[:] = 1e-4 * np.eye(13).ravel()
+    after = cascade.step(before, sample(z, k))
+    assert after.phase == "matched"
+    error = after.state[model.POSITION] - scene.truth.state[k, model.POSITION]
+    assert np.linalg.norm(error) < FAR**0.5 * np.linalg.norm(after.std[model.POSITION]) < 100
+
+
+def test_positions_contradict_each_other_where_both_covariances_exclude_it():
+    x, P, other = np.zeros(13), 9.0 * np.eye(13), 16.0 * np.eye(13)
+    assert scipy.stats.chi2.sf(layout.CONTRADICTION, 3) == pytest.approx(1e-6, rel=1e-2)
+    for length, wanted in ((27.0, False), (28.0, True)):  # 5 σ times √30.66 is 27.7
+        assert acquisition.contradict(x, P, x + np.eye(13)[5] * length, other) == wanted
+
+
+@pytest.mark.parametrize("far", [30.0, 1000.0])
+def test_the_covariance_is_true_with_a_far_anchor(far: float):
     scene = records.scene("lissajous", duration=30.0, range_rate=50.0)
-    world = replace(scene.preset.world, anchor=(away, 0.0, 0.0))
+    world = replace(scene.preset.world, anchor=(far, 0.0, 0.0))
     moved = replace(scene.preset, world=world)
     inputs = records.record.truth_inputs(moved)
     truth, z = records.record.simulated(inputs), records.record.drawn(inputs, moved.sensors, 0)
     estimate = cascade.observe(z, scene.start, ObserverConfig(world=world, sensors=moved.sensors, gains=GAINS))
-    matched = present(estimate.phase) == MATCHED
-    assert matched[-1]
+    prior_given_up = np.flatnonzero(present(estimate.phase) == COLLECTING)
+    matched = np.arange(len(estimate.time)) > (prior_given_up[-1] if len(prior_given_up) else -1)
+    assert present(estimate.phase)[-1] == MATCHED
     error = (estimate.state - truth.state)[matched][:, model.POSITION]
     P = estimate.covariance[matched, 0]
     assert np.einsum("ni,ni->n", error, np.linalg.solve(P, error[..., None])[..., 0]).max() < FAR
-    assert np.sqrt(np.trace(P[-1])) < away
+    assert np.sqrt(np.trace(P[-1])) < far
 
 
-def test_a_blind_motion_keeps_constant_gains():
+def test_on_a_blind_motion_the_ranges_alone_never_start_the_matched_gains():
     """A circle has rank 11: noise alone gives the triangle rank 13, but never a position below the distance."""
     circle = records.scene("circle", duration=60.0, range_rate=50.0)
-    assert set(present(observed(circle).phase)) == {COLLECTING}
+    phase = present(observed(circle, start=away([6e3, -8e3, 0.0], [0.0, 600.0, 800.0])).phase)
+    given_up = np.flatnonzero(phase != MATCHED)[0]
+    assert circle.measurements.time[given_up] < 1.0
+    assert set(phase[given_up:]) == {COLLECTING}
 
 
 def test_constant_gains_have_one_phase(scene: Scene):
@@ -102,13 +142,12 @@ def test_a_false_solution_begins_another_collection_and_arrives(scene: Scene):
     phases = []
     for k in range(1, len(z.time)):
         state = cascade.step(state, sample(z, k))
-        if state.phase == "matched" and "matched" not in phases:
+        if k == 2000:
             state.arrays.x[4:7] += 50.0
             state.arrays.P[:] = 1e-4 * np.eye(13).ravel()
         phases.append(state.phase)
     changes = [phase for phase, before in zip(phases, [None, *phases], strict=False) if phase != before]
-    assert changes[:3] == ["collecting", "matched", "collecting"]
-    assert changes[-1] == "matched"
+    assert changes == ["matched", "collecting", "matched"]
     assert np.linalg.norm(state.state[model.POSITION] - scene.truth.state[-1, model.POSITION]) < 1.0
 
 
