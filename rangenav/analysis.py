@@ -76,6 +76,7 @@ class Analysis:
     """Relative: a scaled singular value counts above this share of the largest."""
     nonlinear_at: float
     nonlinear: Float[Array, "9"]
+    nonlinear_floor: float
     nonlinear_rank: int
     directions: tuple[Direction, ...]
     accuracy_at: float
@@ -193,6 +194,7 @@ def analysis(
         tolerance=float(lifted.spectrum.tolerance[k] / lifted.spectrum.scaled[k, 0]),
         nonlinear_at=float(lifted.start[j]),
         nonlinear=local.eigenvalues[j],
+        nonlinear_floor=float(local.floor[j]),
         nonlinear_rank=int(local.rank[j]),
         directions=lifted.directions,
         accuracy_at=at,

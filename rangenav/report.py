@@ -41,6 +41,7 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             "at": analysis.nonlinear_at,
             "eigenvalues": analysis.nonlinear.tolist(),
             "rank": analysis.nonlinear_rank,
+            "floor": analysis.nonlinear_floor,
         },
         "blind_directions": [{"vector": d.vector.tolist(), "words": d.summary} for d in analysis.directions],
         "accuracy": {

@@ -14,7 +14,8 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import require
 from rangenav.motion import World
-from rangenav.observability import rows, windows
+from rangenav.observability import remainders, rows, windows
+from rangenav.observability.remainders import Remainders
 from rangenav.observability.rows import Moment, PathSamples
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
 from rangenav.signals import Signal
@@ -112,18 +113,23 @@ def sigmas(
     distance2 = np.sum((samples.position - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
     noise = sigma if sigma > 0 else 1.0  # without noise every determined block is exact: computed for 1 m, then zero
     if kind == "lifted":
-        powers, blocks, variance = LIFTED_TIME_POWERS, LIFTED_BLOCKS, distance2 * noise**2 + noise**4 / 2
+        weight = count / (distance2 * noise**2 + noise**4 / 2)
+        result = _lifted_sigmas(remainders.of(samples, world.gravity, weight, at))
     else:
-        powers, blocks, variance = NONLINEAR_TIME_POWERS, NONLINEAR_BLOCKS, np.maximum(distance2, NEAREST**2) * noise**2
-
-    def rows_of(part: PathSamples) -> Float[Array, "_ k n"]:
-        if kind == "lifted":
-            return rows.lifted_of(part, world.gravity, at)
-        return rows.nonlinear_of(part, world.anchor, at)
-
-    R = rows.triangles(samples, count / variance, rows_of)
-    result = _block_sigmas(R, samples.window ** -powers.astype(float), blocks)
+        weight = count / (np.maximum(distance2, NEAREST**2) * noise**2)
+        R = rows.triangles(samples, weight, lambda part: rows.nonlinear_of(part, world.anchor, at))
+        result = _block_sigmas(R, samples.window ** -NONLINEAR_TIME_POWERS.astype(float), NONLINEAR_BLOCKS)
     return result if sigma > 0 else result * 0.0
+
+
+def _lifted_sigmas(of: Remainders) -> Float[Array, "w 3"]:
+    """Norms of the rows of M⁻¹R⁻¹ in each block; NaN where the null space reaches into the block."""
+    units = of.window ** LIFTED_TIME_POWERS[LIFTED_BLOCKS[0].start :].astype(float)
+    variance = np.sum((of.unknown_states @ remainders.inverse(of)) ** 2, axis=2) / units**2
+    blind = remainders.unseen(of, np.ones(remainders.STATES))
+    result = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in NONLINEAR_BLOCKS], axis=1))
+    reach = np.stack([np.linalg.norm(blind[:, block], axis=1).max(axis=1) for block in LIFTED_BLOCKS], axis=1)
+    return np.where(reach > NULL_SHARE, np.nan, result)
 
 
 def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:

@@ -14,6 +14,8 @@ SHARE = 1e-6
 """A block is undetermined if the part of a null vector in it (scaled units) is longer than this."""
 SAME = 0.9999
 """Cosine above which two directions count as one, and above which a direction has the name of an axis."""
+EQUAL = 8
+"""Decimals to which shares of the axes in a span are compared."""
 UNEXCITED = 1e-12
 """Share of the largest excitation eigenvalue below which a direction counts as not excited."""
 BLOCKS = {"position": POSITION, "velocity": VELOCITY, "gravity": GRAVITY}
@@ -63,7 +65,8 @@ def _readable_basis(span: Array) -> list[Array]:
     dimension = span.shape[1]
     if dimension == 0:
         return []
-    basis = np.asarray(scipy.linalg.qr(span @ span.T, pivoting=True)[0])
+    projector = np.round(span @ span.T, EQUAL)  # rounding chooses no first among equal axes
+    basis = np.asarray(scipy.linalg.qr(projector, pivoting=True)[0])
     vectors = [basis[:, k] for k in range(dimension)]
     vectors = [np.where(np.abs(v) < 1e-9, 0.0, v) for v in vectors]
     return [v if v[np.argmax(np.abs(v))] > 0 else -v for v in vectors]

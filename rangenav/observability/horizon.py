@@ -17,7 +17,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import require
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, quadrature, rows, spectrum
+from rangenav.observability import accuracy, quadrature, remainders, rows
 from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -82,7 +82,8 @@ def horizon(
         return by_length[length]
 
     def rank_lost(starts: Array, length: float) -> Array:
-        return STATES - spectrum.lifted_spectra(sampled(starts, length), world.gravity).rank.astype(float)
+        samples = sampled(starts, length)
+        return STATES - remainders.of(samples, world.gravity, samples.weight, "start").rank.astype(float)
 
     def error(starts: Array, length: float) -> Array:
         count = int(length * rate + 1e-9) + 1

@@ -8,7 +8,6 @@ A window is observable exactly when the 13 functions {1, τ, τ², τ³, Dᵢ, �
 All rows of a window need the path at the same times. `PathSamples` holds these samples, so the path is evaluated once.
 """
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Literal
@@ -19,15 +18,13 @@ from numpy import ndarray as Array
 
 from rangenav.arguments import finite_array
 from rangenav.inputs import Vec3
-from rangenav.observability import quadrature, windows
+from rangenav.observability import quadrature, rounding, windows
 from rangenav.results import result
 from rangenav.signals import Signal, curved_part
 
 CHUNK = 4096
 """Rows that are weighted and reduced at once: half a megabyte, which fits the cache. All rows at once take twice the
 time."""
-ROUNDING = 64 * np.finfo(float).eps
-"""Absolute error of a row per metre of path amplitude, where D is a small difference of large positions."""
 TALLEST = 512
 """Rows of one QR decomposition. From about 700 rows of 13 on, OpenBLAS wakes its threads for it: five windows then take
 0.17 ms on a machine with nothing else to do, and 130 to 230 ms on one whose cores are busy."""
@@ -53,8 +50,10 @@ class PathSamples:
     """m, of the curved part, at the windows' starts and ends."""
     end_velocity: Float[Array, "2 w 3"]
     """m/s, likewise."""
+    size: Float[Array, "w"]
+    """m: the numbers that the positions were computed from, which times the rounding of one number is their error."""
     rounding: float
-    """The absolute rounding error of the rows."""
+    """The absolute rounding error of the rows of D."""
 
 
 def sample(path: Signal, start: Float[Array, "w"], window: float) -> PathSamples:
@@ -87,30 +86,19 @@ def sample_at(
     curve, time, ends = curved_part(path), start[:, None] + tau, np.stack([start, start + window])
     curved_position = _axes_first(curve(time))
     offset, drift = (path(start[:1], order) - curve(start[:1], order) for order in (0, 1))
+    position = curved_position + offset[..., None] + drift[..., None] * (time - start[0])[:, None]
     return PathSamples(
         start=start,
         window=window,
         tau=tau,
         weight=weight,
-        position=curved_position + offset[..., None] + drift[..., None] * (time - start[0])[:, None],
+        position=position,
         curved=curved_position,
         end_position=curve(ends),
-        end_velocity=curve(ends, 1),
-        rounding=rounding(path, start, window),
+        end_velocity=(velocity := curve(ends, 1)),
+        size=rounding.sizes(path, ends, position, curved_position, velocity),
+        rounding=rounding.of_rows(path, start, window),
     )
-
-
-def rounding(path: Signal, start: Float[Array, "w"], window: float) -> float:
-    """The rows' absolute rounding error: positions of size |p| and velocities times δ are subtracted in D.
-
-    Where no bound of the path is known, because it drifts or jumps, its largest sampled values are used.
-    """
-    path = curved_part(path)
-    sizes = [path.bound(order) for order in (0, 1)]
-    if not math.isfinite(sum(sizes)):
-        time = np.append(start, start[-1] + window)
-        sizes = [float(np.linalg.norm(path(time, order), axis=-1).max()) for order in (0, 1)]
-    return ROUNDING * (sizes[0] + window * sizes[1])
 
 
 def triangles(
@@ -150,6 +138,7 @@ def _parts(samples: PathSamples) -> Iterator[tuple[slice, PathSamples]]:
                 curved=samples.curved[inside],
                 end_position=samples.end_position[:, inside],
                 end_velocity=samples.end_velocity[:, inside],
+                size=samples.size[inside],
             ),
         )
 

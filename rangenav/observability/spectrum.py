@@ -2,6 +2,8 @@
 
 W = (1/δ)∫ hᵀh ds = HᵀH with H the quadrature-weighted rows, so λ = σ(H)². Forming W in double precision loses every
 eigenvalue below 1e-17 λ_max and returns negative ones; λ_min on the paper's own path is 5e-26 for δ = 0.25 s.
+The lifted rank is that of the window's `remainders`. Singular values below 1e-8 of the largest are reciprocals of those
+of H⁺ = (I − NNᵀ) M⁻¹ R⁺, with N the unseen states: H itself holds them to an absolute 1e-16 of the largest alone.
 """
 
 import numpy as np
@@ -10,13 +12,15 @@ from numpy import ndarray as Array
 
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
-from rangenav.observability import rows, windows
+from rangenav.observability import remainders, rows, windows
+from rangenav.observability.remainders import CUBIC, Remainders
 from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
 
 RANK_TOLERANCE = 1e-13
-"""Singular values below this times the largest are rounding: rows carry 1e-16 relative errors, some tens of them."""
+"""Singular values below this times the largest are rounding of the SVD: rows carry some tens of relative errors of
+1e-16. Remainders resolve smaller ones."""
 LIFTED_TIME_POWERS = np.array([0, 1, 2, 3, 0, 0, 0, 1, 1, 1, 2, 2, 2])
 NONLINEAR_TIME_POWERS = np.repeat([0, 1, 2], 3)
 """Units of the columns in powers of time; the length unit is 1 m. Fixed units, never a column's own norm."""
@@ -35,8 +39,8 @@ class Spectrum:
     rank: Int[Array, "w"]
     tolerance: Float[Array, "w"]
     """Scaled singular values above this count."""
-    triangle: Float[Array, "w n n"]
-    """The weighted rows after QR, in units L = 1 m, T = δ."""
+    unseen: Float[Array, "w n n"]
+    """In the last n − rank columns an orthonormal basis (units L = 1 m, T = δ) of what a window does not see."""
 
 
 def window_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], window: float) -> Spectrum:
@@ -64,8 +68,7 @@ def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], windo
 
 def lifted_spectra(samples: PathSamples, gravity: Vec3) -> Spectrum:
     """Spectra of the 13-state lifted Gramian of windows whose samples are known."""
-    R = rows.triangles(samples, samples.weight, lambda some: rows.lifted_of(some, gravity, "start"))
-    return of_triangles(R, samples.window, time_powers=LIFTED_TIME_POWERS, rounding=samples.rounding)
+    return of_remainders(remainders.of(samples, gravity, samples.weight, "start"), rounding=samples.rounding)
 
 
 def local_spectra(samples: PathSamples, anchor: Vec3) -> Spectrum:
@@ -94,20 +97,82 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
     scaled = np.linalg.svd(in_units, compute_uv=False)
     tolerance = np.maximum(RANK_TOLERANCE * scaled[:, 0], rounding)
     rank = np.sum(scaled > tolerance[:, None], axis=-1)
-    floor = np.maximum(RANK_TOLERANCE * singular[:, 0], rounding * max(1.0, window**2 / 2))
+    counted, least = np.arange(R.shape[-1]) < rank[:, None], singular[np.arange(len(R)), np.maximum(rank, 1) - 1]
+    floor = np.minimum(_floor(singular, window, rounding), least / 2)  # as many values lie above it as the rank says
+    singular = np.where(counted, singular, np.minimum(singular, floor[:, None]))
+    unseen = np.zeros_like(R)
+    for k in np.flatnonzero(rank < R.shape[-1]):
+        unseen[k, :, rank[k] :] = np.linalg.svd(in_units[k])[2][rank[k] :].T
     return Spectrum(
         eigenvalues=singular[:, ::-1] ** 2,
         floor=floor**2,
         scaled=scaled,
         rank=rank,
         tolerance=tolerance,
-        triangle=in_units,
+        unseen=unseen,
     )
 
 
+def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
+    """Spectra of the 13-state lifted Gramian of windows whose remainders are known."""
+    units = of.window ** LIFTED_TIME_POWERS.astype(float)
+    unseen, in_si = remainders.unseen(of, np.ones_like(units)), remainders.unseen(of, units)
+    forward, inverse = of.triangle @ np.linalg.inv(of.states), _pseudoinverse(of)
+    direct, small = np.linalg.svd(forward, compute_uv=False), _reciprocals(inverse, unseen)
+    tolerance = np.maximum(RANK_TOLERANCE * direct[:, 0], rounding)
+    scaled, tolerance = _resolved(direct, small, tolerance, of)
+    direct, small = np.linalg.svd(forward * units, compute_uv=False), _reciprocals(inverse / units[:, None], in_si)
+    singular, floor = _resolved(direct, small, _floor(direct, of.window, rounding), of)
+    return Spectrum(
+        eigenvalues=singular[:, ::-1] ** 2,
+        floor=floor**2,
+        scaled=scaled,
+        rank=of.rank,
+        tolerance=tolerance,
+        unseen=unseen,
+    )
+
+
+def _floor(singular: Float[Array, "w n"], window: float, rounding: float) -> Float[Array, "w"]:
+    """Singular values (SI) below it are rounding of the rows or of their SVD."""
+    return np.maximum(RANK_TOLERANCE * singular[:, 0], rounding * max(1.0, window**2 / 2))
+
+
+def _pseudoinverse(of: Remainders) -> Float[Array, "w 13 13"]:
+    """M⁻¹R⁺, where remainders that do not count are zero."""
+    result = np.zeros_like(of.triangle)
+    outer, inner = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC]), remainders.inverse(of)
+    result[:, :CUBIC, :CUBIC], result[:, CUBIC:, CUBIC:] = outer, inner
+    result[:, :CUBIC, CUBIC:] = -outer @ of.triangle[:, :CUBIC, CUBIC:] @ inner
+    return of.states @ result
+
+
+def _reciprocals(inverse: Float[Array, "w 13 13"], unseen: Float[Array, "w 13 13"]) -> Float[Array, "w 13"]:
+    """Singular values of H⁺ = (I − NNᵀ) M⁻¹R⁺, ascending: the reciprocals of those of H, zeros first."""
+    seen = inverse - unseen @ (unseen.swapaxes(1, 2) @ inverse)
+    return np.linalg.svd(seen, compute_uv=False)[:, ::-1]
+
+
+def _resolved(
+    direct: Float[Array, "w 13"], reciprocal: Float[Array, "w 13"], floor: Float[Array, "w"], of: Remainders
+) -> tuple[Float[Array, "w 13"], Float[Array, "w"]]:
+    """Singular values, descending, and the value below which they are rounding: exactly `rank` of them lie above it.
+
+    The floor is that of the SVD of H, unless a smaller one counts; then it is the share of it that rounding may be.
+    """
+    w, counted = np.arange(len(direct)), np.arange(direct.shape[1]) < of.rank[:, None]
+    shift = (np.arange(direct.shape[1]) + direct.shape[1] - of.rank[:, None]) % direct.shape[1]
+    precise = 1 / np.maximum(np.take_along_axis(reciprocal, shift, axis=1), np.finfo(float).tiny)
+    least = precise[w, of.rank - 1]
+    values = np.where(direct < np.sqrt(direct[:, :1] * least[:, None]), np.minimum(precise, direct[:, :1]), direct)
+    margin = np.where(of.rank > CUBIC, of.singular[w, np.maximum(of.rank - CUBIC - 1, 0)], 1 / RANK_TOLERANCE)
+    floor = np.where(floor < least, floor, least / np.maximum(margin, 1 + RANK_TOLERANCE))
+    return np.where(counted, values, np.minimum(direct, floor[:, None])), floor
+
+
 def null_basis(spectrum: Spectrum, k: int) -> Float[Array, "n _"]:
-    """An orthonormal basis (scaled coordinates) of what window k does not see: its last right singular vectors."""
-    return np.linalg.svd(spectrum.triangle[k])[2][spectrum.rank[k] :].T
+    """An orthonormal basis (scaled coordinates) of what window k does not see."""
+    return spectrum.unseen[k, :, spectrum.rank[k] :]
 
 
 def worst(spectrum: Spectrum) -> int:

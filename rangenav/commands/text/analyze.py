@@ -31,6 +31,7 @@ def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
             *group("how well", accuracy_lines(preset, analysis)),
             *group("can it be flown", flight_lines(preset)),
             *group("spectrum", spectrum_bar(analysis.gramian.tolist(), analysis.floor)),
+            *group("nonlinear", spectrum_bar(analysis.nonlinear.tolist(), analysis.nonlinear_floor)),
             *layout.next_commands(f"explain {typed}", *following),
         ),
     )

@@ -54,7 +54,7 @@ ANALYZE = {
         "printed": {"mu": None, "at": None, "eigenvalues": 3},
     },
     "gramian": {"window": None, "at": None, "eigenvalues": 13, "rank": None, "tolerance": None, "floor": None},
-    "nonlinear": {"window": None, "at": None, "eigenvalues": 9, "rank": None},
+    "nonlinear": {"window": None, "at": None, "eigenvalues": 9, "rank": None, "floor": None},
     "blind_directions": 0,
     "accuracy": {
         "window": None,

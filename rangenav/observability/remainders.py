@@ -1,0 +1,199 @@
+"""The 13 functions of a window in coordinates that keep their small differences: polynomials, and what they leave.
+
+With u = 2τ/δ − 1 in [−1, 1], P = p − Σ₀³ Cₖ Lₖ(u) is the path less its cubic fit. D = P + Σ₀³ Kₖ Lₖ(u), K known, and
+    [L₀ … L₃ | Pᵢ, u Pᵢ + k₄ᵢ L₄, u² Pᵢ + d₄ᵢ L₄ + d₅ᵢ L₅] M = [1, τ, τ²/2, τ³/6, Dᵢ, τDᵢ, ½τ²Dᵢ]
+k₄, d₄, d₅ are the coefficients of L₄ and L₅ in uD and u²D. M is block triangular with constant blocks, so it can be
+inverted for every K, and the rank is 4 plus the rank of the last nine columns less their cubic fits: the remainders.
+−½gτ² is in K alone. In D itself, 441 km of it over 300 s hide a motion of metres.
+
+A remainder carries the rounding of its column before projection, which is the column's floor. A remainder below its
+floor is zero. Singular values are taken of the remainders in units of their floors: those above 1 count.
+"""
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Float, Int
+from numpy import ndarray as Array
+
+from rangenav.inputs import Vec3
+from rangenav.observability import rows
+from rangenav.observability.rows import Moment, PathSamples
+from rangenav.results import result
+
+CUBIC, UNKNOWNS = 4, 9
+"""Polynomials that the lifted state has whatever the motion, and its other coordinates: position, velocity, gravity."""
+STATES = CUBIC + UNKNOWNS
+ROUNDING = 4 * np.finfo(float).eps
+"""A column's floor in units of its size. Degenerate motions over .2 to 600 s leave a tenth of it at most."""
+SMALLEST = 1e-30
+"""m: the size of a path that rests at its origin, so that its floors are not zero."""
+TIMES_U = np.diag([(k + 1) / (2 * k + 1) for k in range(CUBIC + 1)], -1)
+TIMES_U += np.diag([k / (2 * k + 1) for k in range(1, CUBIC + 2)], 1)
+"""u Lₖ = ((k + 1) Lₖ₊₁ + k Lₖ₋₁)/(2k + 1), on coefficients of L₀ … L₅."""
+
+
+@result
+class Remainders:
+    """The weighted rows of w windows in these coordinates; x = M⁻¹ z are the states in units of 1 m and δ."""
+
+    triangle: Float[Array, "w 13 13"]
+    """R of their QR decomposition."""
+    floor: Float[Array, "w 9"]
+    """The rounding of each remainder."""
+    departure: Float[Array, "w 4 3"]
+    """K: Legendre coefficients of D less P (m), axes turned by `turn`."""
+    turn: Float[Array, "3 3"]
+    """Inertial axes to axes whose third is that of gravity: d₄ is large along this one alone."""
+    moment: Moment
+    """When the states are: at the windows' starts or ends."""
+    window: float
+
+    @cached_property
+    def decomposition(self) -> tuple[Float[Array, "w 9 9"], Float[Array, "w 9"], Float[Array, "w 9 9"]]:
+        """The singular value decomposition U, S, Vᵀ of the remainders in units of their floors."""
+        return np.linalg.svd(self.triangle[:, CUBIC:, CUBIC:] / self.floor[:, None, :])
+
+    @property
+    def singular(self) -> Float[Array, "w 9"]:
+        """Singular values of the remainders in units of their floors, descending; those above 1 count."""
+        return self.decomposition[1]
+
+    @cached_property
+    def states(self) -> Float[Array, "w 13 13"]:
+        """M⁻¹: the 13 coordinates in units of 1 m and δ, inertial axes, from those of these columns."""
+        s = 1.0 if self.moment == "start" else -1.0
+        shift = (TIMES_U + s * np.eye(CUBIC + 2)) / 2  # times τ/δ
+        powers = [np.eye(CUBIC + 2)[0]]
+        for k in (1, 2, 3):
+            powers.append(shift @ powers[-1] / k)
+        scalars = np.linalg.inv(np.stack(powers, axis=1)[:CUBIC])
+        K = np.zeros((len(self.triangle), CUBIC + 2, 3))
+        K[:, :CUBIC] = self.departure
+        of_unknowns = np.concatenate([K, shift @ K, shift @ shift @ K / 2], axis=2)[:, :CUBIC]
+        inverse = np.zeros((len(self.triangle), STATES, STATES))
+        inverse[:, :CUBIC, :CUBIC], inverse[:, CUBIC:, CUBIC:] = scalars, self.unknown_states
+        inverse[:, :CUBIC, CUBIC:] = -scalars @ of_unknowns @ np.linalg.inv(np.kron(_powers(s), np.eye(3)))
+        return inverse
+
+    @property
+    def unknown_states(self) -> Float[Array, "9 9"]:
+        """The block of M⁻¹ for position, velocity and gravity: it has no K, so their errors are the remainders'."""
+        return np.linalg.inv(np.kron(_powers(1.0 if self.moment == "start" else -1.0), self.turn))
+
+    @cached_property
+    def rank(self) -> Int[Array, "w"]:
+        """Of all 13 functions."""
+        return CUBIC + np.sum(self.singular > 1.0, axis=1)
+
+
+def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment: Moment) -> Remainders:
+    """The remainders of windows whose samples are known, with these weights of their rows."""
+    turn, fall = _turn(gravity)
+    turned = _turned(samples, turn)
+    departure = _departure(turned, fall, moment)
+    R = rows.triangles(turned, weight, lambda some: _columns(some, fall))
+    R = np.pad(R, ((0, 0), (0, STATES - R.shape[1]), (0, 0)))  # fewer rows than columns: rows of zeros tell nothing
+    size = np.broadcast_to(samples.size[:, None], (len(R), UNKNOWNS)).copy()
+    size[:, -1] += np.abs(_times_u_twice(departure)[:, CUBIC, 2])
+    total = np.sqrt(np.broadcast_to(weight, (len(R), weight.shape[1])).sum(axis=1))
+    floor = ROUNDING * total[:, None] * np.maximum(size, SMALLEST)
+    return Remainders(triangle=R, floor=floor, departure=departure, turn=turn, moment=moment, window=samples.window)
+
+
+def unseen(of: Remainders, units: Float[Array, "13"]) -> Float[Array, "w 13 13"]:
+    """In the last 13 − rank columns an orthonormal basis of the changes of the state that change no range of a window.
+
+    units: of the 13 coordinates, in units of 1 m and δ.
+    """
+    basis = np.zeros_like(of.triangle)
+    for rank in np.unique(of.rank[of.rank < STATES]).tolist():
+        which = np.flatnonzero(of.rank == rank)
+        R, right = of.triangle[which], of.decomposition[2][which, rank - CUBIC :]
+        inner = right.swapaxes(1, 2) / of.floor[which, :, None]
+        outer = -np.linalg.solve(R[:, :CUBIC, :CUBIC], R[:, :CUBIC, CUBIC:] @ inner)
+        states = of.states[which] @ np.concatenate([outer, inner], axis=1)
+        basis[which, :, rank:] = np.linalg.qr(states / units[:, None])[0]
+    return basis
+
+
+def inverse(of: Remainders) -> Float[Array, "w 9 9"]:
+    """The inverse of the remainders' triangle, where remainders that do not count are zero."""
+    left, size, right = of.decomposition
+    counts = size > 1.0
+    reciprocal = np.where(counts, 1 / np.where(counts, size, 1.0), 0.0)
+    return right.swapaxes(1, 2) @ (reciprocal[..., None] * left.swapaxes(1, 2)) / of.floor[..., None]
+
+
+def _powers(s: float) -> Float[Array, "3 3"]:
+    """1, τ/δ and ½(τ/δ)² in powers of u: τ/δ = (u + s)/2."""
+    return np.array([[1.0, s / 2, s * s / 8], [0.0, 0.5, s / 4], [0.0, 0.0, 0.125]])
+
+
+def _turn(gravity: Vec3) -> tuple[Float[Array, "3 3"], float]:
+    """An orthogonal matrix whose third axis is that of gravity, and gravity along it (m/s²)."""
+    vector = np.asarray(gravity, dtype=float)
+    if not vector[:2].any():
+        return np.eye(3), float(vector[2])
+    across = np.linalg.svd(vector[None])[2][1:]
+    size = float(np.linalg.norm(vector))
+    return np.concatenate([across, vector[None] / size]), size
+
+
+def _turned(samples: PathSamples, turn: Array) -> PathSamples:
+    """The samples in turned axes."""
+    if np.array_equal(turn, np.eye(3)):
+        return samples
+    return replace(
+        samples,
+        curved=turn @ samples.curved,
+        end_position=samples.end_position @ turn.T,
+        end_velocity=samples.end_velocity @ turn.T,
+    )
+
+
+def _polynomials(samples: PathSamples) -> tuple[Float[Array, "v 6 k"], Float[Array, "v k"]]:
+    """L₀ … L₅ at the samples, and u."""
+    u = 2 * samples.tau / samples.window - 1
+    values = [np.ones_like(u), u]
+    for k in range(1, CUBIC + 1):
+        values.append(((2 * k + 1) * u * values[-1] - k * values[-2]) / (k + 1))
+    return np.stack(values, axis=1), u
+
+
+def _cubic(samples: PathSamples, polynomials: Array) -> Float[Array, "w 4 3"]:
+    """C: by Legendre's integrals, which is the best fit; any other cubic would serve, as long as it is subtracted."""
+    scale = (2 * np.arange(CUBIC) + 1.0)[:, None]
+    return scale * ((polynomials[:, :CUBIC] * samples.weight[:, None]) @ samples.curved.swapaxes(1, 2))
+
+
+def _departure(samples: PathSamples, fall: float, moment: Moment) -> Float[Array, "w 4 3"]:
+    """K = C less the Legendre coefficients of p(t) + τ v(t) + ½τ² g."""
+    K = _cubic(samples, _polynomials(samples)[0])
+    end, half = int(moment == "end"), samples.window / 2
+    s = -1.0 if end else 1.0
+    velocity = half * samples.end_velocity[end]
+    K[:, 0] -= samples.end_position[end] + s * velocity
+    K[:, 1] -= velocity
+    K[:, :3, 2] -= fall / 2 * half**2 * np.array([4 / 3, 2 * s, 2 / 3])
+    return K
+
+
+def _times_u_twice(coefficients: Float[Array, "w 4 3"]) -> Float[Array, "w 6 3"]:
+    return (TIMES_U @ TIMES_U)[:, :CUBIC] @ coefficients
+
+
+def _columns(samples: PathSamples, fall: float) -> Float[Array, "w k 13"]:
+    """[L₀ … L₃ | P, uP + k₄L₄, u²P + d₄L₄ + d₅L₅]; L₄ and L₅ are the same at the windows' starts and ends."""
+    polynomials, u = _polynomials(samples)
+    C = _cubic(samples, polynomials)
+    P = samples.curved - C.swapaxes(1, 2) @ polynomials[:, :CUBIC]
+    K = C
+    K[:, 2, 2] -= fall / 12 * samples.window**2
+    k4, high = TIMES_U[CUBIC, CUBIC - 1] * K[:, 3], _times_u_twice(K)[:, CUBIC:]
+    columns = np.empty((len(P), STATES, P.shape[-1]))
+    columns[:, :CUBIC], columns[:, 4:7] = polynomials[:, :CUBIC], P
+    columns[:, 7:10] = u[:, None] * P + k4[..., None] * polynomials[:, None, CUBIC]
+    columns[:, 10:13] = (u**2)[:, None] * P + high.swapaxes(1, 2) @ polynomials[:, CUBIC:]
+    return columns.swapaxes(1, 2)
