@@ -24,12 +24,13 @@ SHOWN = 20
 QUOTES = "#\"'"
 """First characters of a comment and of strings."""
 TOKEN = re.compile(
-    r'''"""(?:[^\\]|\\.)*?(?:"{3,5}|\Z) | \'\'\'.*?(?:\'{3,5}|\Z)'''
+    r'''"""(?:[^"\\]++|\\.|"(?!""))*+(?:"{3,5}|\\?\Z) | \'\'\'.*?(?:\'{3,5}|\Z)'''
     r"""| "(?:[^"\\\n]|\\[^\n])*"? | '[^'\n]*'?"""
     r"""| \#[^\n]* | [\[\]{}=,\n] | [^\[\]{}=,\n"'\#]+""",
     re.VERBOSE | re.DOTALL,
 )
-"""A string, a comment, one sign, or all that stands between signs. A string that is not closed ends with its line."""
+"""A string, a comment, one sign, or all that stands between signs. A string that is not closed ends with its line, or
+with the text if it may hold lines. An alternative that begins also ends, so the text is read once."""
 
 
 def refuse_large(text: str) -> None:

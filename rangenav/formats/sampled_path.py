@@ -1,9 +1,9 @@
 """From numpy arrays to a path: samples of a motion at times t become a signal whose every derivative is known.
 
-    found = sampled_path.from_arrays(time, position)                       a smooth curve near the samples
-    found = sampled_path.from_arrays(time, position, velocity=v, acceleration=a, jerk=j, snap=s)
-    found.path                                                             a signal, for simulation and observability
-    path_preset.as_preset(found, anchor=(0.0, 0.0, 1.0))                   a preset that knows where its path came from
+    imported = sampled_path.from_arrays(time, position)                    a smooth curve near the samples
+    imported = sampled_path.from_arrays(time, position, velocity=v, acceleration=a, jerk=j, snap=s)
+    imported.path                                                          a signal, for simulation and observability
+    path_preset.as_preset(imported, anchor=(0.0, 0.0, 1.0))                a preset that knows its path's source
 
 Samples of the position do not hold its fourth derivative: a curve near them has a snap of its own, which is the fit's
 and not the motion's. So excitation, rank and accuracy of a fitted path are computed but not judged; `unjudged` says

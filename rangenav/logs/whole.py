@@ -85,14 +85,14 @@ def whole(
     for window in LENGTHS if restriction is None else ():
         if window >= length or (suffices is not None and best.each[at] == "observable"):
             break
-        found = judged(record, _starts(flight, window, LOOKS), window, criteria)
-        if shortest is None and "observable" in found.each:
+        informative = judged(record, _starts(flight, window, LOOKS), window, criteria)
+        if shortest is None and "observable" in informative.each:
             shortest = window
-        if suffices is None and found.verdict == "observable" and _confirmed(record, flight, window, criteria):
+        if suffices is None and informative.verdict == "observable" and _confirmed(record, flight, window, criteria):
             suffices = window
-        k = min(range(len(found.each)), key=lambda k: _order(found, k))
-        if every.each[0] != "observable" and _order(found, k) < _order(best, at):
-            best, at = found, k
+        k = min(range(len(informative.each)), key=lambda k: _order(informative, k))
+        if every.each[0] != "observable" and _order(informative, k) < _order(best, at):
+            best, at = informative, k
     position = float(best.sigma[at])
     return WholeRecord(
         verdict=best.each[at],
@@ -117,9 +117,9 @@ def _confirmed(record: Curves, flight: Flight, window: float, criteria: Criteria
     return judged(record, _starts(flight, window, WINDOWS), window, criteria).verdict == "observable"
 
 
-def _order(found: Informative, k: int) -> tuple[float, ...]:
+def _order(informative: Informative, k: int) -> tuple[float, ...]:
     """Smaller for a window that determines more: by its predicted error, else by rank, ranges, length and motion."""
-    sigma = float(found.sigma[k])
-    ranks = (-float(found.motion_rank[k]), -float(found.rank[k]), -float(found.ranges[k]))
-    least = float(found.scaled[k, -1])
-    return (sigma if np.isfinite(sigma) else np.inf, *ranks, -found.window, -least)
+    sigma = float(informative.sigma[k])
+    ranks = (-float(informative.motion_rank[k]), -float(informative.rank[k]), -float(informative.ranges[k]))
+    least = float(informative.scaled[k, -1])
+    return (sigma if np.isfinite(sigma) else np.inf, *ranks, -informative.window, -least)

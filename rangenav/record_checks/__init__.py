@@ -105,14 +105,14 @@ def checked(imported: ImportResult, confirm: Mapping[str, str], *, anchor: Vec3 
         return imported
     flight = imported.flight if anchor is None else replace(imported.flight, anchor=anchor)
     answers = dict(confirm) if anchor is None else {**confirm, "anchor": " ".join(repr(value) for value in anchor)}
-    found = check(flight, answers)
+    after_checks = check(flight, answers)
     return replace(
         imported,
-        flight=found.flight,
-        findings=(*imported.findings, *_other_anchor(imported.flight, anchor), *found.findings),
-        questions=(*imported.questions, *found.questions),
-        applied=found.applied,
-        unjudged=found.restriction,
+        flight=after_checks.flight,
+        findings=(*imported.findings, *_other_anchor(imported.flight, anchor), *after_checks.findings),
+        questions=(*imported.questions, *after_checks.questions),
+        applied=after_checks.applied,
+        unjudged=after_checks.restriction,
     )
 
 

@@ -40,15 +40,15 @@ ALONE = 1.3
 
 def accel_axes(flight: Flight) -> Evidence | None:
     """Axes of the accelerometer that are not those of the file's attitude."""
-    found = correlations(flight)
-    if found is None or found.max() < SAME:
+    correlation = correlations(flight)
+    if correlation is None or correlation.max() < SAME:
         return _by_gravity(flight)
-    good = np.flatnonzero(found >= found.max() - AS_GOOD)
+    good = np.flatnonzero(correlation >= correlation.max() - AS_GOOD)
     if 0 not in good:
         chosen = axes.simplest(good)
         text = (
-            f"the file's positions follow the accelerometer in the axes {chosen} (correlation {found.max():.2f}) and "
-            f"not in its own ({found[0]:.2f}){axes.handedness(chosen)}"
+            f"the file's positions follow the accelerometer in the axes {chosen} (correlation {correlation.max():.2f}) "
+            f"and not in its own ({correlation[0]:.2f}){axes.handedness(chosen)}"
         )
         return Evidence(text=text, suggestion=chosen)
     return None if len(good) == 1 else _by_acceleration(flight, good)
@@ -125,13 +125,13 @@ def _errors(values: Array) -> Array:
 
 def _by_gravity(flight: Flight) -> Evidence | None:
     """Which axes turn the mean specific force of a few seconds to −g, without positions."""
-    found = level(flight)
-    if found is None:
+    error = level(flight)
+    if error is None:
         return None
-    own, least = float(found[0]), float(found.min())
+    own, least = float(error[0]), float(error.min())
     if own < OFF or least > BETTER * own:
         return None
-    chosen = axes.simplest(np.flatnonzero(found <= ALONE * least))
+    chosen = axes.simplest(np.flatnonzero(error <= ALONE * least))
     text = (
         f"turned by the file's attitude, the mean specific force is {significant(own)} m/s² from −g, and "
         f"{significant(least)} m/s² in the axes {chosen}{axes.handedness(chosen)}"

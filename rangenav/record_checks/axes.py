@@ -21,10 +21,10 @@ def matrix(text: str) -> Float[Array, "3 3"]:
     """The matrix A of body = A sensor. Raises ValueError for a text that is no signed permutation."""
     rule = f"axes must name x, y and z with their signs, as +y+x-z does, got {text!r}"
     require(WRITTEN.fullmatch(text) is not None and {*text[1::2]} == {*"xyz"}, rule)
-    found = np.zeros((3, 3))
+    turn = np.zeros((3, 3))
     for row, (sign, axis) in enumerate(zip(text[::2], text[1::2], strict=True)):
-        found[row, "xyz".index(axis)] = 1.0 if sign == "+" else -1.0
-    return found
+        turn[row, "xyz".index(axis)] = 1.0 if sign == "+" else -1.0
+    return turn
 
 
 EVERY: tuple[str, ...] = tuple(
@@ -34,8 +34,8 @@ EVERY: tuple[str, ...] = tuple(
 )
 """All 48, the first of which is the identity."""
 MATRICES: Float[Array, "48 3 3"] = np.array([matrix(text) for text in EVERY])
-ROTATIONS = tuple(k for k, found in enumerate(MATRICES) if np.linalg.det(found) > 0)
-REFLECTIONS = tuple(k for k, found in enumerate(MATRICES) if np.linalg.det(found) < 0)
+ROTATIONS = tuple(k for k, turn in enumerate(MATRICES) if np.linalg.det(turn) > 0)
+REFLECTIONS = tuple(k for k, turn in enumerate(MATRICES) if np.linalg.det(turn) < 0)
 """Places in EVERY of the 24 rotations, the first of which is the identity, and of the 24 others."""
 
 

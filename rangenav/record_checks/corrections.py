@@ -117,8 +117,8 @@ def numbers(text: str, count: int, what: str) -> list[float]:
     """So many finite numbers with blanks between. Raises ValueError otherwise."""
     rule = f"{what} must be {'one number' if count == 1 else f'{count} numbers'}, got {text[:40]!r}"
     try:
-        found = [float(part) for part in text.split()]
+        numbers = [float(part) for part in text.split()]
     except ValueError:
         raise ValueError(rule) from None
-    require(len(found) == count and all(math.isfinite(v) and abs(v) <= LARGEST for v in found), rule)
-    return found
+    require(len(numbers) == count and all(math.isfinite(v) and abs(v) <= LARGEST for v in numbers), rule)
+    return numbers

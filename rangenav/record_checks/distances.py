@@ -99,9 +99,9 @@ def _to_anchor(position: Array, distance: Array) -> tuple[Float[Array, "3"], flo
     design = np.column_stack([-2 * moved, np.ones(len(moved))]) * weight[:, None]
     wanted = (distance**2 - np.sum(moved**2, axis=-1)) * weight
     size = np.maximum(np.linalg.norm(design, axis=0), np.finfo(float).tiny)
-    found, *_ = np.linalg.lstsq(design / size, wanted, rcond=1e-6)
-    left = wanted - design @ (found / size)
-    return (found / size)[:3] + middle, float(np.sqrt(np.mean(left**2)))
+    solution, *_ = np.linalg.lstsq(design / size, wanted, rcond=1e-6)
+    left = wanted - design @ (solution / size)
+    return (solution / size)[:3] + middle, float(np.sqrt(np.mean(left**2)))
 
 
 @lru_cache(maxsize=KEPT)
@@ -159,17 +159,17 @@ def _left(D: Float[Array, "m 3"], tau: Float[Array, "m"], distance: Float[Array,
 
 def delay(flight: Flight) -> Evidence | None:
     """A clock of the ranges that is not the IMU's."""
-    found = delay_by_truth(flight) or delay_by_imu(flight)
-    if found is None:
+    delayed = delay_by_truth(flight) or delay_by_imu(flight)
+    if delayed is None:
         return None
-    seconds, left = found.best
-    gain = found.count * ((found.now / left) ** 2 - 1) if left > 0 else np.inf
-    if abs(seconds) < LEAST_DELAY or found.now < CLEARLY * left or gain < LIKELIER or abs(seconds) >= DELAYS[-1]:
+    seconds, left = delayed.best
+    gain = delayed.count * ((delayed.now / left) ** 2 - 1) if left > 0 else np.inf
+    if abs(seconds) < LEAST_DELAY or delayed.now < CLEARLY * left or gain < LIKELIER or abs(seconds) >= DELAYS[-1]:
         return None
     late = "late" if seconds > 0 else "early"
     text = (
-        f"the ranges fit {found.by} within {significant(left)} m if they are {abs(seconds):.2f} s {late}, and within "
-        f"{significant(found.now)} m by their own stamps"
+        f"the ranges fit {delayed.by} within {significant(left)} m if they are {abs(seconds):.2f} s {late}, and within "
+        f"{significant(delayed.now)} m by their own stamps"
     )
     return Evidence(text=text, suggestion=f"{seconds:.2f}")
 

@@ -94,22 +94,22 @@ def field_spread(flight: Flight) -> FieldSpread | None:
     )
 
 
-def _explains(found: FieldSpread, spread: float) -> bool:
-    others = min(found.by_mag_axes.min(), found.by_gyro_axes.min(), *found.by_unit, found.without_iron)
-    clear = spread < SHARE * found.own and found.own**2 - spread**2 > SPREAD**2
+def _explains(spreads: FieldSpread, spread: float) -> bool:
+    others = min(spreads.by_mag_axes.min(), spreads.by_gyro_axes.min(), *spreads.by_unit, spreads.without_iron)
+    clear = spread < SHARE * spreads.own and spreads.own**2 - spread**2 > SPREAD**2
     return clear and spread <= others
 
 
 def gyro_unit_by_field(flight: Flight) -> Evidence | None:
     """A unit of the gyro in which the magnetic field is constant, where it is not in the unit that was taken."""
-    found = field_spread(flight)
-    if found is None:
+    spreads = field_spread(flight)
+    if spreads is None:
         return None
-    for factor, spread in zip((DEGREE, 1 / DEGREE), found.by_unit, strict=True):
+    for factor, spread in zip((DEGREE, 1 / DEGREE), spreads.by_unit, strict=True):
         unit = unit_for(flight, "gyro", factor)
-        if unit is not None and _explains(found, spread):
+        if unit is not None and _explains(spreads, spread):
             text = (
-                f"in axes turned by the gyro the magnetic field spreads by {found.own:.0%} of its length, and by "
+                f"in axes turned by the gyro the magnetic field spreads by {spreads.own:.0%} of its length, and by "
                 f"{spread:.0%} if the gyro is in {unit}"
             )
             return Evidence(text=text, suggestion=unit)
@@ -118,23 +118,23 @@ def gyro_unit_by_field(flight: Flight) -> Evidence | None:
 
 def mag_axes(flight: Flight) -> Evidence | None:
     """Axes of the magnetometer in which the field is constant, where it is not in its own."""
-    found = field_spread(flight)
-    return None if found is None else _axes(found, found.by_mag_axes, axes.ROTATIONS, "magnetometer")
+    spreads = field_spread(flight)
+    return None if spreads is None else _axes(spreads, spreads.by_mag_axes, axes.ROTATIONS, "magnetometer")
 
 
 def gyro_axes_by_field(flight: Flight) -> Evidence | None:
     """Axes of the gyro, of the other handedness, in which the field is constant, where it is not in its own."""
-    found = field_spread(flight)
-    return None if found is None else _axes(found, found.by_gyro_axes, axes.REFLECTIONS, "gyro")
+    spreads = field_spread(flight)
+    return None if spreads is None else _axes(spreads, spreads.by_gyro_axes, axes.REFLECTIONS, "gyro")
 
 
-def _axes(found: FieldSpread, spreads: Array, places: tuple[int, ...], sensor: str) -> Evidence | None:
-    least = float(spreads.min())
-    if not _explains(found, least):
+def _axes(spreads: FieldSpread, by_axes: Array, places: tuple[int, ...], sensor: str) -> Evidence | None:
+    least = float(by_axes.min())
+    if not _explains(spreads, least):
         return None
-    chosen = axes.simplest(places[k] for k in np.flatnonzero(spreads <= ALONE * least))
+    chosen = axes.simplest(places[k] for k in np.flatnonzero(by_axes <= ALONE * least))
     text = (
-        f"in axes turned by the gyro the magnetic field spreads by {found.own:.0%} of its length, and by {least:.0%} "
+        f"in axes turned by the gyro the magnetic field spreads by {spreads.own:.0%} of its length, and by {least:.0%} "
         f"if the {sensor}'s axes are {chosen}{axes.handedness(chosen)}"
     )
     return Evidence(text=text, suggestion=chosen)
@@ -142,19 +142,19 @@ def _axes(found: FieldSpread, spreads: Array, places: tuple[int, ...], sensor: s
 
 def hard_iron(flight: Flight) -> Evidence | None:
     """A part of the magnetometer's readings that turns with the body."""
-    found = field_spread(flight)
-    if found is None:
+    spreads = field_spread(flight)
+    if spreads is None:
         return None
-    size = float(np.linalg.norm(found.iron))
-    large = size > IRON * found.field and found.iron_sigma < IRON_SIGMA * size
-    if not large or not _explains(found, found.without_iron):
+    size = float(np.linalg.norm(spreads.iron))
+    large = size > IRON * spreads.field and spreads.iron_sigma < IRON_SIGMA * size
+    if not large or not _explains(spreads, spreads.without_iron):
         return None
-    if found.field < NO_FIELD * size:
+    if spreads.field < NO_FIELD * size:
         text = "the magnetometer reads the same in body axes however the body turns: it reads no field"
         return Evidence(text=text, suggestion=None)
-    offset = flight.field_length * found.iron
+    offset = flight.field_length * spreads.iron
     text = (
         f"the magnetometer reads a constant of {vector(offset)} in body axes, in the unit of the file, on a field of "
-        f"{significant(flight.field_length * found.field)}: iron on the body"
+        f"{significant(flight.field_length * spreads.field)}: iron on the body"
     )
     return Evidence(text=text, suggestion=" ".join(f"{value:.4g}" for value in offset))

@@ -69,17 +69,17 @@ def _unit_by_speed(flight: Flight) -> Evidence | None:
         f"the ranges change by {significant(speed)} m/s, and the velocity by {significant(gained)} m/s according to "
         "the accelerometer"
     )
-    found = delay_by_imu(flight)
-    return Evidence(text=text, suggestion=_finer(flight, 0.0 if found is None else found.now, speed))
+    delay = delay_by_imu(flight)
+    return Evidence(text=text, suggestion=_finer(flight, 0.0 if delay is None else delay.now, speed))
 
 
 def _unit_by_scatter(flight: Flight) -> Evidence | None:
     """Ranges that scatter too much about every motion that the IMU allows."""
-    found = delay_by_imu(flight)
-    suggested = None if found is None or found.now < SCATTER else _finer(flight, found.now)
-    if found is None or suggested is None:
+    delay = delay_by_imu(flight)
+    suggested = None if delay is None or delay.now < SCATTER else _finer(flight, delay.now)
+    if delay is None or suggested is None:
         return None
-    text = f"the ranges scatter by {significant(found.now)} m about every motion that the IMU allows"
+    text = f"the ranges scatter by {significant(delay.now)} m about every motion that the IMU allows"
     return Evidence(text=text, suggestion=suggested)
 
 

@@ -84,10 +84,10 @@ def frame(flight: Flight) -> Evidence | None:
             wrong = f"{text}, along the mean specific force in the file's attitude: gravity itself has the wrong sign"
             return Evidence(text=wrong, suggestion=None)
         return Evidence(text=text, suggestion=other)
-    found = tilt(flight)
-    if found is None or found < REVERSED or flight.gravity is not None:
+    angle = tilt(flight)
+    if angle is None or angle < REVERSED or flight.gravity is not None:
         return None
-    text = f"turned by the file's attitude, the mean specific force points {found:.0f}° from up"
+    text = f"turned by the file's attitude, the mean specific force points {angle:.0f}° from up"
     return Evidence(text=text, suggestion=other)
 
 

@@ -54,7 +54,7 @@ class Sum(SignalBase, frozen=True, kw_only=True, tag="sum", tag_field="kind", om
         if order == 0 and any(self.drift):
             return math.inf
         straight = {0: self.offset, 1: self.drift}.get(order, (0.0, 0.0, 0.0))
-        return self.base.bound(order) + self.wiggle.bound(order) + float(np.linalg.norm(straight))
+        return self.base.bound(order) + self.wiggle.bound(order) + math.hypot(*straight)
 
     @property
     def period(self) -> float | None:

@@ -124,7 +124,7 @@ class Formula(
         if order == 0 and any(self.drift):
             return math.inf
         straight = np.abs(self.offset if order == 0 else self.drift) if order < 2 else np.zeros(3)
-        return float(np.linalg.norm(np.asarray(mixed) + straight))
+        return math.hypot(*(np.asarray(mixed) + straight))  # whose squares do not underflow to a bound of 0
 
     @property
     def period(self) -> float | None:
@@ -156,7 +156,7 @@ class Formula(
         mix = np.abs(np.asarray(self.mix))
         with np.errstate(invalid="ignore"):
             mixed = np.where(mix[:, :, None] > 0, mix[:, :, None] * sizes[:, None], 0.0).sum(axis=2)
-        return np.linalg.norm(mixed, axis=1) * ROUNDING_MARGIN
+        return np.hypot(np.hypot(mixed[:, 0], mixed[:, 1]), mixed[:, 2]) * ROUNDING_MARGIN
 
     def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
         """The signal and its derivatives up to the highest order, one after the other."""

@@ -92,7 +92,7 @@ class Multisine(SignalBase, frozen=True, kw_only=True, tag="multisine", tag_fiel
         sums = np.zeros(3) if order > 1 else np.abs(self.offset if order == 0 else self.drift)
         for tone in self.tones:
             sums[AXES[tone.axis]] += abs(tone.amplitude) * tone.frequency**order
-        return float(np.linalg.norm(sums))
+        return math.hypot(*sums)  # whose squares do not underflow to a bound of 0
 
     @property
     def period(self) -> float | None:

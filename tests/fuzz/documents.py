@@ -62,11 +62,11 @@ def certificate(random: Random) -> None:
     """A certificate with places damaged: refused in one line, or read and written."""
     content = _damaged_json(random, random.choice(seeds()["certificate"]))
     try:
-        found = certificates.loads(content, source="x")
+        certificate = certificates.loads(content, source="x")
     except ValueError as error:
         sentences.check(str(error), "x: ")
         return
-    certificates.dumps(found)
+    certificates.dumps(certificate)
 
 
 def saved_work(random: Random) -> None:

@@ -34,25 +34,25 @@ def _read(name: str, random: Random) -> None:
     damaged = {key: damage.damaged(random, data, text=name != "mat") for key, data in seeds.items()}
     confirm = {key: ANSWERS[key] for key in ANSWERS if random.random() < 0.7}
     try:
-        found = _parsed(name, damaged, confirm)
+        imported = _parsed(name, damaged, confirm)
     except ValueError as error:
         sentences.check(str(error), "x", longest=COLUMNS_NAMED)
         return
-    assert np.isfinite(found.duration)
-    assert found.duration > 0
+    assert np.isfinite(imported.duration)
+    assert imported.duration > 0
     try:
-        formats.settled(found)
+        formats.settled(imported)
     except ValueError as error:
         sentences.check(str(error), "x", longest=3000)  # one clause for each question
         return
-    if found.flight is not None:
-        assert np.isfinite(found.flight.gyro).all()
-        assert np.isfinite(found.flight.accel).all()
-        assert np.isfinite(found.flight.range).all()
-        assert (np.diff(found.flight.time) > 0).all()
+    if imported.flight is not None:
+        assert np.isfinite(imported.flight.gyro).all()
+        assert np.isfinite(imported.flight.accel).all()
+        assert np.isfinite(imported.flight.range).all()
+        assert (np.diff(imported.flight.time) > 0).all()
     elif random.random() < 0.2:
         try:
-            as_preset(found)
+            as_preset(imported)
         except ValueError as error:
             sentences.check(str(error), "x")
 
@@ -66,10 +66,10 @@ def files() -> list[tuple[str, dict[str, bytes]]]:
         with tempfile.TemporaryDirectory() as folder:
             _FILES.extend(_written(Path(folder)))
         for name, seeds in _FILES:  # undamaged they are understood; and modules imported now are not run later
-            found = _parsed(name, seeds, {key: value for key, value in ANSWERS.items() if key != "time"})
-            assert found.questions == (), found.questions
-            if found.path is not None:
-                as_preset(found)
+            imported = _parsed(name, seeds, {key: value for key, value in ANSWERS.items() if key != "time"})
+            assert imported.questions == (), imported.questions
+            if imported.path is not None:
+                as_preset(imported)
     return _FILES
 
 

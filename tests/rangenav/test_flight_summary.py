@@ -45,7 +45,7 @@ def test_without_a_truth_there_is_no_error_and_an_overflow_is_none_and_never_inf
 
 
 def test_windows_are_counted_by_verdict_and_a_blind_worst_window_has_no_position_error():
-    found = Informative(
+    informative = Informative(
         start=np.array([0.0, 1.0, 2.0]),
         window=6.0,
         eigenvalues=np.arange(39.0).reshape(3, 13),
@@ -58,7 +58,7 @@ def test_windows_are_counted_by_verdict_and_a_blind_worst_window_has_no_position
         worst=1,
         each=("observable", "blind", "observable"),
     )
-    summary = summarise_windows(found)
+    summary = summarise_windows(informative)
     assert summary.counts == {"observable": 2, "weak": 0, "too few ranges": 0, "blind": 1, "not judged": 0}
     assert (summary.worst_start, summary.worst_rank, summary.worst_position) == (1.0, 10, None)
     assert summary.median_position == pytest.approx(0.3)

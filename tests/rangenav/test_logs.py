@@ -56,18 +56,18 @@ def seen(flight, window, **changes):
 def test_a_noisy_imu_alone_tells_the_rank_that_the_true_path_has(name, rank):
     """Noise makes every singular value positive, so a rank by rounding would be 13 for a hover too."""
     p, flight = flown(name)
-    found = seen(flight, p.requirement.window)
-    assert set(found.rank.tolist()) == {rank}
+    informative = seen(flight, p.requirement.window)
+    assert set(informative.rank.tolist()) == {rank}
     assert analysis.analyse(p).rank == rank
-    assert (found.verdict == "blind") == (rank < 13)
+    assert (informative.verdict == "blind") == (rank < 13)
 
 
 @pytest.mark.parametrize("name", ["paper", "paper-slow", "soft", "lissajous", "wiggle"])
 def test_its_predicted_accuracy_is_that_of_the_true_path(name):
     """From noisy IMU and noisy ranges instead of the path: 15% covers the worst window's seed and grid."""
     p, flight = flown(name)
-    found, truth = seen(flight, p.requirement.window), analysis.analyse(p)
-    assert np.nanmax(found.sigma) == pytest.approx(truth.lifted_end.position, rel=0.15)
+    informative, truth = seen(flight, p.requirement.window), analysis.analyse(p)
+    assert np.nanmax(informative.sigma) == pytest.approx(truth.lifted_end.position, rel=0.15)
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "soft"])
@@ -79,11 +79,11 @@ def test_without_noise_its_spectrum_is_the_gramians_without_the_path(name):
     flight = recorded_flight.replace(
         flight, time=z.time, gyro=z.gyro, accel=z.accel, mag=z.mag, rotation=None, position=None
     )
-    found = seen(flight, 6.0, noise=(0.0, 0.0, 0.0))
-    exact = spectrum.window_spectra(p.path, p.world.gravity, found.start, 6.0)
-    np.testing.assert_allclose(found.scaled, exact.scaled, rtol=2e-2)  # the least is 1e-8 of the largest
-    np.testing.assert_allclose(found.scaled[:, :9], exact.scaled[:, :9], rtol=1e-4)
-    assert set(found.rank.tolist()) == {13}
+    informative = seen(flight, 6.0, noise=(0.0, 0.0, 0.0))
+    exact = spectrum.window_spectra(p.path, p.world.gravity, informative.start, 6.0)
+    np.testing.assert_allclose(informative.scaled, exact.scaled, rtol=2e-2)  # the least is 1e-8 of the largest
+    np.testing.assert_allclose(informative.scaled[:, :9], exact.scaled[:, :9], rtol=1e-4)
+    assert set(informative.rank.tolist()) == {13}
 
 
 def test_gaps_and_uneven_stamps_do_not_change_what_a_record_tells():
@@ -104,16 +104,16 @@ def test_fewer_than_13_ranges_determine_nothing_whatever_the_motion():
     p, flight = flown("soft")
     window = p.requirement.window
     every = recorded_flight.replace(flight, range_time=np.empty(0), range=np.empty(0))
-    found = seen(every, window)
-    assert (found.verdict, bool(np.isnan(found.sigma).all())) == ("too few ranges", True)
-    assert (set(found.motion_rank.tolist()), set(found.rank.tolist())) == ({13}, {0})
+    informative = seen(every, window)
+    assert (informative.verdict, bool(np.isnan(informative.sigma).all())) == ("too few ranges", True)
+    assert (set(informative.motion_rank.tolist()), set(informative.rank.tolist())) == ({13}, {0})
     step = window / 6
     times = np.arange(0.0, 20.0, step)
     sparse = recorded_flight.replace(flight, range_time=times, range=np.interp(times, flight.range_time, flight.range))
-    found = seen(sparse, window)
-    assert found.verdict == "too few ranges"
-    assert found.rank.max() <= found.ranges.max() <= 7
-    assert "of the 13 ranges that a window needs" in found.summary
+    informative = seen(sparse, window)
+    assert informative.verdict == "too few ranges"
+    assert informative.rank.max() <= informative.ranges.max() <= 7
+    assert "of the 13 ranges that a window needs" in informative.summary
 
 
 def test_the_whole_record_is_judged_first_and_the_window_that_suffices_is_named():
@@ -182,10 +182,10 @@ def test_where_a_record_is_blind_is_told_in_its_own_time():
         accel=np.vstack([flight.accel, noisy["accel"]]),
         mag=None, rotation=None, position=None,
     )  # fmt: skip
-    found = seen(both, 6.0)
-    assert found.verdict == "partly"
-    assert (found.rank[found.start > 21] < 13).all()
-    assert "blind around" in found.summary
+    informative = seen(both, 6.0)
+    assert informative.verdict == "partly"
+    assert (informative.rank[informative.start > 21] < 13).all()
+    assert "blind around" in informative.summary
 
 
 def test_windows_that_do_not_fit_and_parts_that_are_empty_are_refused():
@@ -206,11 +206,11 @@ def test_observing_a_log_is_observing_its_measurements():
     setting = cascade.ObserverConfig(world=p.world, sensors=p.sensors, gains=p.gains)
     start = cascade.Start(state=np.zeros(13), rotation=np.eye(3))
     wanted = cascade.observe(record.run(p).measurements, start, setting)
-    found = logs.observe(flight, p.world, sensors=p.sensors, gains=p.gains)
-    np.testing.assert_array_equal(found.estimate.state, wanted.state)
+    observed = logs.observe(flight, p.world, sensors=p.sensors, gains=p.gains)
+    np.testing.assert_array_equal(observed.estimate.state, wanted.state)
     late = flight.time > 15
-    assert present(found.position_error)[late].max() < 1.0
-    assert np.degrees(present(found.attitude_error)[late]).max() < 10
+    assert present(observed.position_error)[late].max() < 1.0
+    assert np.degrees(present(observed.attitude_error)[late]).max() < 10
     blind = recorded_flight.replace(flight, position=None, rotation=None)
     assert logs.observe(blind, p.world, sensors=p.sensors).position_error is None
 
@@ -219,14 +219,14 @@ def test_synthetic_ranges_are_those_of_the_true_position_where_it_is_known():
     _, flight = flown("soft")
     position = present(flight.position).copy()
     position[100:300] = np.nan
-    found = recorded_flight.with_ranges(
+    with_ranges = recorded_flight.with_ranges(
         recorded_flight.replace(flight, position=position), (1.0, 2.0, 3.0), sigma=0.05, seed=3
     )
-    k = np.searchsorted(flight.time, found.range_time)
+    k = np.searchsorted(flight.time, with_ranges.range_time)
     assert not np.isin(k, np.arange(100, 300)).any()
-    error = found.range - np.linalg.norm(position[k] - np.array([1.0, 2.0, 3.0]), axis=-1)
+    error = with_ranges.range - np.linalg.norm(position[k] - np.array([1.0, 2.0, 3.0]), axis=-1)
     assert np.std(error) == pytest.approx(0.05, rel=0.1)
-    assert found.anchor == (1.0, 2.0, 3.0)
+    assert with_ranges.anchor == (1.0, 2.0, 3.0)
 
 
 # --- rest
@@ -257,29 +257,29 @@ def test_a_still_start_tells_gravity_field_and_noise_in_the_frame_of_the_truth(f
     flight = resting(frame=frame)
     seconds = rest.rest_seconds(flight)
     assert seconds == pytest.approx(5.0, abs=0.2)
-    found = rest.rest_of(flight, seconds)
+    at_rest = rest.rest_of(flight, seconds)
     sign = -1.0 if frame == "z-up" else 1.0
-    np.testing.assert_allclose(found.gravity, [0, 0, sign * 9.81], atol=0.01)
+    np.testing.assert_allclose(at_rest.gravity, [0, 0, sign * 9.81], atol=0.01)
     wanted = FIELD if frame == "z-up" else FIELD * [1, -1, -1]
-    np.testing.assert_allclose(found.magnetic, wanted / np.linalg.norm(wanted), atol=0.01)
-    assert found.gyro_noise == pytest.approx(0.002, rel=0.1)
-    assert found.accel_noise == pytest.approx(0.02, rel=0.1)
-    np.testing.assert_allclose(found.gyro_bias, [0.004, -0.003, 0.002], atol=3e-4)
-    assert found.aligned
-    assert "s are still and give gravity 9.8" in found.summary
-    assert "in the frame of the file's attitude" in found.summary
+    np.testing.assert_allclose(at_rest.magnetic, wanted / np.linalg.norm(wanted), atol=0.01)
+    assert at_rest.gyro_noise == pytest.approx(0.002, rel=0.1)
+    assert at_rest.accel_noise == pytest.approx(0.02, rel=0.1)
+    np.testing.assert_allclose(at_rest.gyro_bias, [0.004, -0.003, 0.002], atol=3e-4)
+    assert at_rest.aligned
+    assert "s are still and give gravity 9.8" in at_rest.summary
+    assert "in the frame of the file's attitude" in at_rest.summary
 
 
 @pytest.mark.parametrize("frame", ["z-up", "z-down"])
 def test_without_a_truth_the_world_is_laid_by_gravity_and_magnetic_north(frame):
-    found = rest.rest_of(resting(truth=False, frame=frame), 4.0)
+    at_rest = rest.rest_of(resting(truth=False, frame=frame), 4.0)
     sign = 1.0 if frame == "z-up" else -1.0
-    assert found.gravity[:2] == (0.0, 0.0)
-    assert found.gravity[2] == pytest.approx(-sign * 9.81, abs=0.01)
-    x, y, z = found.magnetic
+    assert at_rest.gravity[:2] == (0.0, 0.0)
+    assert at_rest.gravity[2] == pytest.approx(-sign * 9.81, abs=0.01)
+    x, y, z = at_rest.magnetic
     length = np.linalg.norm(FIELD)
     assert (x, y, z) == (pytest.approx(0.36 / length, abs=0.01), 0.0, pytest.approx(-sign * 0.93 / length, abs=0.01))
-    assert not found.aligned
+    assert not at_rest.aligned
 
 
 def test_the_world_is_asked_for_and_not_assumed():
@@ -319,12 +319,12 @@ def rms(values, where):
 
 
 def test_broads_rest_tells_berlins_gravity_and_field():
-    found = rest.rest_of(broad(), rest.rest_seconds(broad()))
-    assert np.linalg.norm(found.gravity) == pytest.approx(9.813, abs=0.02)
-    assert found.gravity[2] < -9.8
-    dip = np.degrees(np.arcsin(-found.magnetic[2]))
+    at_rest = rest.rest_of(broad(), rest.rest_seconds(broad()))
+    assert np.linalg.norm(at_rest.gravity) == pytest.approx(9.813, abs=0.02)
+    assert at_rest.gravity[2] < -9.8
+    dip = np.degrees(np.arcsin(-at_rest.magnetic[2]))
     assert dip == pytest.approx(68, abs=3)  # Berlin's is 68°; there is iron in a laboratory
-    assert np.degrees(np.linalg.norm(found.gyro_bias)) == pytest.approx(0.31, abs=0.05)
+    assert np.degrees(np.linalg.norm(at_rest.gyro_bias)) == pytest.approx(0.31, abs=0.05)
 
 
 @pytest.mark.parametrize("anchor", ANCHORS)
@@ -335,26 +335,26 @@ def test_on_a_real_imu_with_ranges_of_5_cm_the_observer_finds_its_place(anchor):
     assert np.nanmean(np.linalg.norm(present(flight.position) - np.array(anchor), axis=-1)) == pytest.approx(
         2.77, abs=0.05
     )
-    found = logs.observe(flight, present(world), sensors=logs.sensors_of(flight, range_sigma=0.05))
+    observed = logs.observe(flight, present(world), sensors=logs.sensors_of(flight, range_sigma=0.05))
     since = flight.time - flight.time[0]
     for begin in range(10, 110, 10):
         part = (since >= begin) & (since < begin + 10)
-        assert rms(found.position_error, part) < 1.3
-        assert np.degrees(rms(found.attitude_error, part)) < 8
+        assert rms(observed.position_error, part) < 1.3
+        assert np.degrees(rms(observed.attitude_error, part)) < 8
     settled = (since > 10) & (since < 105)
-    assert rms(found.position_error, settled) < 0.9
-    assert np.degrees(rms(found.attitude_error, settled)) < 5.5
+    assert rms(observed.position_error, settled) < 0.9
+    assert np.degrees(rms(observed.attitude_error, settled)) < 5.5
 
 
 def test_where_broads_motion_ends_the_imu_alone_says_so_and_the_observer_loses_its_place():
     still = rest.rest_of(broad(), rest.rest_seconds(broad()))
     noise = (still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias)))
     flight = recorded_flight.between(recorded_flight.with_ranges(broad(), ANCHORS[0], sigma=0.05, seed=0), 36.3, 154.2)
-    found = seen(flight, 6.0, range_sigma=0.05, noise=noise)
-    assert (found.rank[:-1] == 13).all()
-    assert found.rank[-1] < 13
-    assert np.nanmedian(found.sigma) < 0.7
-    assert found.sigma[-2] > 1.5  # the window before the last is half at rest
+    informative = seen(flight, 6.0, range_sigma=0.05, noise=noise)
+    assert (informative.rank[:-1] == 13).all()
+    assert informative.rank[-1] < 13
+    assert np.nanmedian(informative.sigma) < 0.7
+    assert informative.sigma[-2] > 1.5  # the window before the last is half at rest
     world, _, _ = rest.world_of(broad(), anchor=ANCHORS[0], confirmed=True)
     observed = logs.observe(flight, present(world), sensors=logs.sensors_of(flight, range_sigma=0.05))
     since = flight.time - flight.time[0]
@@ -364,6 +364,6 @@ def test_where_broads_motion_ends_the_imu_alone_says_so_and_the_observer_loses_i
 def test_before_broads_motion_begins_no_window_is_informative():
     still = rest.rest_of(broad(), rest.rest_seconds(broad()))
     noise = (still.gyro_noise, still.accel_noise, float(np.linalg.norm(still.gyro_bias)))
-    found = seen(recorded_flight.between(broad(), 0.0, 35.0), 6.0, noise=noise)
-    assert (found.verdict, int(found.motion_rank.max())) == ("blind", 5)
-    assert found.summary == "nowhere informative: no window of 6 s reaches rank 13"
+    informative = seen(recorded_flight.between(broad(), 0.0, 35.0), 6.0, noise=noise)
+    assert (informative.verdict, int(informative.motion_rank.max())) == ("blind", 5)
+    assert informative.summary == "nowhere informative: no window of 6 s reaches rank 13"

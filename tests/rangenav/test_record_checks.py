@@ -157,8 +157,8 @@ FAULTS: dict[str, tuple[Callable[[Flight], Flight], str, str | None]] = {
 @pytest.mark.parametrize("fault", list(FAULTS))
 def test_each_fault_is_asked_with_its_evidence_and_the_answer_that_corrects_it(hand_held: Flight, fault: str):
     spoil, key, suggestion = FAULTS[fault]
-    found = record_checks.check(spoil(hand_held), {})
-    questions = {question.key: question for question in found.questions}
+    after = record_checks.check(spoil(hand_held), {})
+    questions = {question.key: question for question in after.questions}
     assert set(questions) == {key}, questions
     question = questions[key]
     if key == "frame":
@@ -230,17 +230,17 @@ def test_ranges_that_are_no_distances_are_not_used_and_named_by_value_count_and_
     distance = hand_held.range.copy()
     distance[5::40], distance[15::40], distance[25::40], distance[35::40] = 0.0, 65.535, 100.0, -1.0
     spoilt = replace(hand_held, range=distance, range_lines=np.arange(len(distance)) + 2)
-    found = record_checks.check(spoilt, {})
-    (said,) = found.findings
+    after = record_checks.check(spoilt, {})
+    (said,) = after.findings
     bad = np.isin(distance, [0.0, 65.535, 100.0, -1.0])
     assert said.startswith(f"{bad.sum()} of {len(distance)} ranges are no distances of this motion: ")
     for text in ("10 of 0 m", "10 of 65.535 m", "of 100 m", "10 of -1 m", "lines 7, 17", "--range-values keep"):
         assert text in said
-    np.testing.assert_array_equal(found.flight.range, distance[~bad])
+    np.testing.assert_array_equal(after.flight.range, distance[~bad])
     kept = record_checks.check(spoilt, {"range-values": "keep"})
     assert len(kept.flight.range) == len(distance)
     assert kept.restriction is not None
-    for one in (found, kept):  # the answer can be changed back
+    for one in (after, kept):  # the answer can be changed back
         assert [(q.key, q.suggestion, q.as_it_is) for q in one.applied] == [("range-values", "drop", "keep")]
     assert record_checks.check(hand_held, {}).applied == ()
 
@@ -248,10 +248,10 @@ def test_ranges_that_are_no_distances_are_not_used_and_named_by_value_count_and_
 @pytest.mark.parametrize("value", [0.0, 2.5])
 def test_ranges_that_are_all_the_same_are_none(hand_held: Flight, value: float):
     """Zeros look perfect: the variance of ½d² vanishes at d = 0."""
-    found = record_checks.check(replace(hand_held, range=np.full_like(hand_held.range, value)), {})
-    assert len(found.flight.range) == 0
-    assert "all the same" in found.findings[0]
-    seen = logs.whole(found.flight, range_sigma=0.1, requirement=0.5, noise=None)
+    after = record_checks.check(replace(hand_held, range=np.full_like(hand_held.range, value)), {})
+    assert len(after.flight.range) == 0
+    assert "all the same" in after.findings[0]
+    seen = logs.whole(after.flight, range_sigma=0.1, requirement=0.5, noise=None)
     assert (seen.verdict, seen.rank) == ("too few ranges", 0)
 
 
@@ -259,12 +259,12 @@ def test_a_range_that_is_held_over_rows_counts_once(hand_held: Flight):
     """A logger writes the last range on every row: predicted errors must not shrink with the rate of the rows."""
     rows = np.repeat(hand_held.range, 4)[: len(hand_held.time)]
     repeated = replace(hand_held, range_time=hand_held.time[: len(rows)], range=rows)
-    found = record_checks.check(repeated, {})
-    np.testing.assert_array_equal(found.flight.range, hand_held.range)
-    np.testing.assert_allclose(found.flight.range_time, hand_held.range_time, atol=1e-9)
+    after = record_checks.check(repeated, {})
+    np.testing.assert_array_equal(after.flight.range, hand_held.range)
+    np.testing.assert_allclose(after.flight.range_time, hand_held.range_time, atol=1e-9)
     assert (
         f"each range stands on 4 rows, held until the next one: {len(rows)} rows are {len(hand_held.range)}"
-        in (found.findings[0])
+        in (after.findings[0])
     )
     each = record_checks.check(repeated, {"held-ranges": "each"})
     assert len(each.flight.range) == len(rows)
@@ -279,10 +279,10 @@ def test_poses_that_a_tracker_has_lost_are_missing(hand_held: Flight):
     assert hand_held.anchor is not None
     x, y, z = hand_held.anchor
     spoilt = replace(hand_held, position=position, anchor=(x + 3.0, y, z), lines=np.arange(len(position)) + 2)
-    found = record_checks.check(spoilt, {})
-    assert found.questions == ()
-    assert "10 of 1601 positions are 0 0 0 and far from their neighbours, on lines 102, 103" in found.findings[0]
-    assert np.isnan(found.flight.position[100:110]).all()  # pyright: ignore[reportOptionalSubscript]
+    after = record_checks.check(spoilt, {})
+    assert after.questions == ()
+    assert "10 of 1601 positions are 0 0 0 and far from their neighbours, on lines 102, 103" in after.findings[0]
+    assert np.isnan(after.flight.position[100:110]).all()  # pyright: ignore[reportOptionalSubscript]
     at_origin = replace(hand_held, position=np.zeros_like(hand_held.position), rotation=None, range=hand_held.range[:0],
                         range_time=hand_held.range_time[:0])  # fmt: skip
     assert record_checks.check(at_origin, {}).findings == ()
@@ -300,15 +300,15 @@ def test_good_records_are_not_asked_about(name: str):
         anchor=p.world.anchor, frame="z-down" if p.world.gravity[2] > 0 else "z-up",
     )  # fmt: skip
     for one in (flight, replace(without_truth(flight), anchor=None, gravity=None, magnetic=None)):
-        found = record_checks.check(one, {})
-        assert (found.findings, found.questions, found.doubts) == ((), (), ())
+        after = record_checks.check(one, {})
+        assert (after.findings, after.questions, after.doubts) == ((), (), ())
 
 
 def test_a_real_record_is_not_asked_about():
     path = shared("imu/broad_21_undisturbed_fast_combined.mat")
     read = formats.settled(formats.read(path, "mat", confirm={"mag": "uT"}))
-    found = record_checks.checked(read, {})
-    assert (found.questions, found.unjudged) == ((), None)
+    checked = record_checks.checked(read, {})
+    assert (checked.questions, checked.unjudged) == ((), None)
 
 
 def test_every_check_has_a_flag_of_the_command_line_with_all_its_answers():
@@ -373,10 +373,10 @@ JUDGED_WRONGLY: dict[str, tuple[dict[str, str], dict[str, str | None]]] = {
 def test_what_was_judged_wrongly_is_asked_about(name: str):
     confirm, wanted = JUDGED_WRONGLY[name]
     read = formats.read(shared(f"failing/{name}"), "log", confirm=confirm)
-    found = record_checks.checked(read, confirm)
-    assert {question.key: question.suggestion for question in found.questions} == wanted
+    checked = record_checks.checked(read, confirm)
+    assert {question.key: question.suggestion for question in checked.questions} == wanted
     if not wanted:
-        assert found.unjudged is None
+        assert checked.unjudged is None
 
 
 def test_a_delay_of_the_ranges_is_estimated_from_the_truth():

@@ -50,6 +50,16 @@ def test_a_text_that_costs_too_much_is_refused_before_it_is_parsed(text: str, mo
     assert len(str(refused.value)) < 120
 
 
+@pytest.mark.parametrize("last", ["", "\\"])
+@pytest.mark.parametrize("part", ['\\"""\n', "'''a", '"a', '"""a', "\\", '"\\'])
+@pytest.mark.parametrize("first", ['x = """', "x = '''", 'x = "', ""])
+def test_a_text_of_strings_that_do_not_end_is_read_once(first: str, part: str, last: str):
+    """Read anew from each quote, these texts would take ten seconds each, and a megabyte an hour."""
+    text = first + part * (60_000 // len(part)) + last
+    with pytest.raises(ValueError, match=r"^x\.toml: "):
+        preset.loads(text, source="x.toml")
+
+
 def test_dots_brackets_and_signs_in_strings_and_comments_do_not_count():
     story = "a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q.r.s.t = [[[{ # '"
     shown = msgspec.structs.replace(preset.load("soft"), story=story)

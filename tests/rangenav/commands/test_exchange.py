@@ -124,10 +124,10 @@ def test_an_import_that_leaves_something_open_asks_and_writes_nothing(answer, co
     assert "which way does z point" in said
     assert said.endswith("--frame z-up\n")
     assert not (tmp_path / "y.toml").exists()
-    found = answer(*asked, "--frame", "z-up", "--anchor", "1", "2", "3")
-    assert (found["verdict"], found["fit_error"] > 0) == ("not judged", True)
-    assert (found["excitation"], found["rank"]) == (None, None)
-    assert "cannot be judged" in found["reason"]
+    report = answer(*asked, "--frame", "z-up", "--anchor", "1", "2", "3")
+    assert (report["verdict"], report["fit_error"] > 0) == ("not judged", True)
+    assert (report["excitation"], report["rank"]) == (None, None)
+    assert "cannot be judged" in report["reason"]
     assert preset.load(tmp_path / "y.toml").world.anchor == (1.0, 2.0, 3.0)
     assert answer(*asked, "--frame", "z-up", "--window", "9")["verdict"] == "not judged"
     assert preset.load(tmp_path / "y.toml").requirement.window == 9.0
@@ -186,17 +186,17 @@ def test_a_euroc_folder_of_our_own_has_its_world_and_another_one_needs_a_world_a
     assert "where do gravity and the magnetic field point? the record does not start still" in said
     assert "where does the anchor stand? the file does not say: --anchor X Y Z" in said
     given = ("--world", "given", "--gravity", "0", "0", "-9.81", "--magnetic", "1", "0", "-1")
-    found = answer("log", tmp_path / "flight", *given, "--anchor", "0", "0", "-1.5", "--window", "12")
-    assert found["observer"]["position"]["quarters_rmse"][-1] < 1.0
+    report = answer("log", tmp_path / "flight", *given, "--anchor", "0", "0", "-1.5", "--window", "12")
+    assert report["observer"]["position"]["quarters_rmse"][-1] < 1.0
     assert "--world given needs --gravity" in complaint("log", tmp_path / "flight", "--world", "given")
     assert "used with --world given" in complaint("log", tmp_path / "flight", "--gravity", "0", "0", "-9.81")
 
 
 def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
     answer("export", "hover", "--to", "log", "-o", tmp_path / "x.csv")
-    found = answer("log", tmp_path / "x.csv")
-    assert (found["verdict"], found["informative"]["position"]) == ("blind", None)
-    assert found["informative"]["reason"].startswith("null:")
+    report = answer("log", tmp_path / "x.csv")
+    assert (report["verdict"], report["informative"]["position"]) == ("blind", None)
+    assert report["informative"]["reason"].startswith("null:")
     rows = (tmp_path / "x.csv").read_text().splitlines()
     k = next(j for j, row in enumerate(rows) if not row.startswith("#"))
     columns = [row.split(",")[:10] for row in rows[k:]]
@@ -238,16 +238,16 @@ def test_the_unit_trap_stops_the_command_with_every_question_and_its_flag(compla
     flags = ("--gyro-unit", "deg/s", "--accel-unit", "g", "--mag-unit", "uT", "--frame", "z-up")
     for flag, value in zip(flags[::2], flags[1::2], strict=True):
         assert f"{flag} {value}" in said
-    found = answer("log", path, *flags)
-    assert found["observer"] is None
-    assert found["informative"]["windows"]["blind"] > 40  # it mostly lies on a table
+    report = answer("log", path, *flags)
+    assert report["observer"] is None
+    assert report["informative"]["windows"]["blind"] > 40  # it mostly lies on a table
 
 
 def test_broad_on_the_command_line_is_the_library(answer):
     path = shared("imu/broad_21_undisturbed_fast_combined.mat")
     asked = ("--mag-unit", "uT", "--world", "still", "--anchor", "1.5", "1.2", "0.2", "--synthetic-ranges", "0.05")
-    found = answer("log", path, *asked, "--begin", "36.3", "--end", "154.2")
-    assert found["observer"]["position"]["median"] < 0.8
-    assert found["observer"]["attitude_deg"]["median"] < 5
-    assert found["informative"]["windows"]["blind"] == 1
-    assert np.linalg.norm(found["world"]["gravity"]) == pytest.approx(9.82, abs=0.01)
+    report = answer("log", path, *asked, "--begin", "36.3", "--end", "154.2")
+    assert report["observer"]["position"]["median"] < 0.8
+    assert report["observer"]["attitude_deg"]["median"] < 5
+    assert report["informative"]["windows"]["blind"] == 1
+    assert np.linalg.norm(report["world"]["gravity"]) == pytest.approx(9.82, abs=0.01)

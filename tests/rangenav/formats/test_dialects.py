@@ -56,39 +56,42 @@ def read(data):
     ],
 )
 def test_every_dialect_gives_the_same_numbers_and_is_said(data, remarks):
-    found = read(data)
-    assert found.names == NAMES
-    np.testing.assert_array_equal(found.values, VALUES)
-    assert found.remarks == remarks
+    imported = read(data)
+    assert imported.names == NAMES
+    np.testing.assert_array_equal(imported.values, VALUES)
+    assert imported.remarks == remarks
 
 
 @pytest.mark.parametrize("header", [",t,p_x,p_y,p_z", "t,p_x,p_y,p_z"])
 def test_an_index_column_without_a_name_is_not_used_and_said(header):
     """As pandas writes it, with an empty name, and as R writes it, with a header that is one name shorter."""
     rows = [",".join([str(k), *("" if v != v else repr(v) for v in row)]) for k, row in enumerate(VALUES[:2].tolist())]
-    found = read("\n".join([header, *rows]).encode())
-    assert found.names == NAMES
-    np.testing.assert_array_equal(found.values, VALUES[:2])
-    assert found.remarks == ("column 1 has no name and is not used",)
+    imported = read("\n".join([header, *rows]).encode())
+    assert imported.names == NAMES
+    np.testing.assert_array_equal(imported.values, VALUES[:2])
+    assert imported.remarks == ("column 1 has no name and is not used",)
 
 
 def test_columns_of_text_are_not_used_and_said_and_a_complaint_shows_one_of_their_entries():
     data = b"%time,frame,x\n2020-11-09T06:41:34.0,imu,1\n2020-11-09T06:41:35.0,,2.5\n"
-    found = read(data)
-    assert (found.names, found.values.tolist()) == (("x",), [[1.0], [2.5]])
-    assert found.remarks[-2:] == ("column time holds text and is not used", "column frame holds text and is not used")
+    imported = read(data)
+    assert (imported.names, imported.values.tolist()) == (("x",), [[1.0], [2.5]])
+    assert imported.remarks[-2:] == (
+        "column time holds text and is not used",
+        "column frame holds text and is not used",
+    )
     said = "x.csv: no column named t; the file's columns are x; text and no numbers in "
     with pytest.raises(ValueError, match=exactly(said + "time ('2020-11-09T06:41:34.0'), frame ('imu')")):
-        text.columns(found, ("t",))
+        text.columns(imported, ("t",))
 
 
 def test_units_behind_the_names_are_understood():
     header = ",".join(["t_s", *(f"gyro_{a}_deg_s" for a in "xyz"), *(f"acc_{a}_m_s2" for a in "xyz"), "range_mm"])
     rows = [f"{k / 100},0,0,0,0,0,9.81,1500" for k in range(20)]
     confirm = {"frame": "z-up", "gyro": "deg/s", "range": "mm"}
-    found = formats.parse("\n".join([header, *rows]).encode(), "log", source="x.csv", confirm=confirm)
-    assert found.questions == ()
-    assert present(found.flight).range[0] == 1.5
+    imported = formats.parse("\n".join([header, *rows]).encode(), "log", source="x.csv", confirm=confirm)
+    assert imported.questions == ()
+    assert present(imported.flight).range[0] == 1.5
 
 
 def test_lines_are_counted_with_comments_empty_lines_and_line_breaks_inside_quotes():

@@ -66,9 +66,9 @@ def test_quaternions_are_scipys_with_the_scalar_first_and_do_not_jump_in_sign():
 
 def test_an_unknown_attitude_stays_unknown():
     q = np.array([[1.0, 0.0, 0.0, 0.0], [np.nan] * 4])
-    found = frames.to_rotation(q)
-    np.testing.assert_array_equal(found[0], np.eye(3))
-    assert np.isnan(found[1]).all()
+    rotation = frames.to_rotation(q)
+    np.testing.assert_array_equal(rotation[0], np.eye(3))
+    assert np.isnan(rotation[1]).all()
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "soft", "helix"])

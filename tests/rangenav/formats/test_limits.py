@@ -144,9 +144,9 @@ def test_the_fields_of_a_struct_are_read_as_scipy_wrote_them(compressed):
     written, rows = io.BytesIO(), np.arange(12.0).reshape(4, 3)
     deep = {"time": rows[:, :1], "position": rows, "meta": {"text": "x"}, "count": np.array([[7]], dtype="u2")}
     savemat(written, {"other": 1.0, "run": deep}, do_compression=compressed)
-    found = mat5.fields(written.getvalue(), "run", source="x.mat")
-    assert sorted(found) == ["count", "position", "time"]
-    np.testing.assert_array_equal(found["position"], rows)
+    arrays = mat5.fields(written.getvalue(), "run", source="x.mat")
+    assert sorted(arrays) == ["count", "position", "time"]
+    np.testing.assert_array_equal(arrays["position"], rows)
     with pytest.raises(ValueError, match=r"^x\.mat: no struct named walk in it"):
         mat5.fields(written.getvalue(), "walk", source="x.mat")
 

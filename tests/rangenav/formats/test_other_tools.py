@@ -70,18 +70,18 @@ def test_evo_reads_the_very_poses_of_the_run(evo, format, tmp_path):
     path = tmp_path / NAMES[format]
     formats.export(p, format, path)
     if format == "tum":
-        found = file_interface.read_tum_trajectory_file(str(path))
+        trajectory = file_interface.read_tum_trajectory_file(str(path))
     elif format == "euroc":
-        found = file_interface.read_euroc_csv_trajectory(str(tmp_path / EVO[format][1]))
+        trajectory = file_interface.read_euroc_csv_trajectory(str(tmp_path / EVO[format][1]))
     else:
         from rosbags.rosbag2 import Reader
 
         with Reader(path) as reader:
-            found = file_interface.read_bag_trajectory(reader, "/ground_truth")
+            trajectory = file_interface.read_bag_trajectory(reader, "/ground_truth")
     run = exported_run.upright_run(p)
-    np.testing.assert_allclose(found.positions_xyz, run.position, atol=1e-9)
-    np.testing.assert_allclose(np.asarray(found.timestamps) - found.timestamps[0], run.time, atol=1e-6)
-    turned = frames.to_rotation(np.asarray(found.orientations_quat_wxyz))
+    np.testing.assert_allclose(trajectory.positions_xyz, run.position, atol=1e-9)
+    np.testing.assert_allclose(np.asarray(trajectory.timestamps) - trajectory.timestamps[0], run.time, atol=1e-6)
+    turned = frames.to_rotation(np.asarray(trajectory.orientations_quat_wxyz))
     np.testing.assert_allclose(turned, run.rotation, atol=1e-8)
 
 
@@ -99,10 +99,10 @@ def test_evo_sees_no_error_between_the_same_run_in_two_formats(evo, tmp_path):
 
 @pytest.fixture(scope="module")
 def gtsam():
-    found = pytest.importorskip("gtsam", reason="gtsam is not installed (the extra interop has it)")
-    if not hasattr(found, "DiscreteScenario"):
+    installed = pytest.importorskip("gtsam", reason="gtsam is not installed (the extra interop has it)")
+    if not hasattr(installed, "DiscreteScenario"):
         pytest.skip("this gtsam has no DiscreteScenario: 4.3 is the first")
-    return found
+    return installed
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "soft"])
@@ -216,12 +216,12 @@ def test_rosbags_own_reader_finds_every_message_of_a_bag_in_order(tmp_path):
 def test_scipy_finds_the_struct_with_its_conventions_said(tmp_path):
     p = preset.load("soft")
     formats.export(p, "mat", tmp_path / "x.mat")
-    found = scipy.io.loadmat(tmp_path / "x.mat", simplify_cells=True)["rangenav"]
+    arrays = scipy.io.loadmat(tmp_path / "x.mat", simplify_cells=True)["rangenav"]
     truth, z = record.run(p).truth.motion, record.run(p).measurements
     for name in ("position", "snap", "rotation"):
-        np.testing.assert_array_equal(found[name], getattr(truth, name))
-    np.testing.assert_array_equal(found["gyro"], z.gyro)
-    np.testing.assert_array_equal(found["range"], z.range)
-    np.testing.assert_allclose(frames.to_rotation(found["quaternion_wxyz"]), truth.rotation, atol=1e-12)
-    assert found["meta"]["frame"] == "z-down"
-    assert preset.loads(found["meta"]["preset"], source="x") == p
+        np.testing.assert_array_equal(arrays[name], getattr(truth, name))
+    np.testing.assert_array_equal(arrays["gyro"], z.gyro)
+    np.testing.assert_array_equal(arrays["range"], z.range)
+    np.testing.assert_allclose(frames.to_rotation(arrays["quaternion_wxyz"]), truth.rotation, atol=1e-12)
+    assert arrays["meta"]["frame"] == "z-down"
+    assert preset.loads(arrays["meta"]["preset"], source="x") == p

@@ -55,19 +55,19 @@ def read(data, format="log", **confirm):
     return formats.parse(data, format, source="x.csv", confirm=confirm)
 
 
-def asked(found):
-    return {question.key: question.suggestion for question in found.questions}
+def asked(imported):
+    return {question.key: question.suggestion for question in imported.questions}
 
 
 def test_what_is_stated_in_si_is_not_asked_and_not_changed():
     columns = spun()
-    found = formats.settled(read(csv(STATED, *columns), frame="z-up"))
-    flight = present(found.flight)
+    imported = formats.settled(read(csv(STATED, *columns), frame="z-up"))
+    flight = present(imported.flight)
     np.testing.assert_array_equal(flight.gyro, columns[1])
     np.testing.assert_array_equal(flight.accel, columns[2])
     np.testing.assert_allclose(present(flight.mag), columns[3] / np.median(np.linalg.norm(columns[3], axis=-1)))
-    assert found.rate == pytest.approx(RATE)
-    assert found.duration == pytest.approx(3.99)
+    assert imported.rate == pytest.approx(RATE)
+    assert imported.duration == pytest.approx(3.99)
 
 
 @pytest.mark.parametrize(
@@ -79,11 +79,11 @@ def test_units_that_nobody_states_are_asked_with_the_right_suggestion(gyro, acce
     field = {"1": 1.0, "uT": 48.0, "G": 0.48, "nT": 48_000.0}[mag]
     columns = spun(gyro=1 / units.UNITS["gyro"][gyro], accel=1 / units.UNITS["accel"][accel], mag=field)
     data = csv(PLAIN, *columns)
-    found = read(data)
-    assert asked(found) == {"time": "s", "gyro": gyro, "accel": accel, "mag": mag, "frame": "z-up"}
-    assert found.flight is None
+    imported = read(data)
+    assert asked(imported) == {"time": "s", "gyro": gyro, "accel": accel, "mag": mag, "frame": "z-up"}
+    assert imported.flight is None
     with pytest.raises(ValueError, match=rf"not used before this is answered: .*--gyro-unit {gyro}"):
-        formats.settled(found)
+        formats.settled(imported)
     answered = present(read(data, time="s", gyro=gyro, accel=accel, mag=mag, frame="z-up").flight)
     np.testing.assert_allclose(answered.gyro[0], TURN, rtol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(answered.accel, axis=-1), 9.81, rtol=1e-12)
@@ -92,14 +92,14 @@ def test_units_that_nobody_states_are_asked_with_the_right_suggestion(gyro, acce
 
 def test_a_header_that_says_si_is_doubted_where_gravity_and_the_field_say_otherwise():
     t, gyro, accel, mag = spun(gyro=180 / math.pi, accel=1 / 9.80665)
-    found = read(csv(STATED, t, gyro, accel, mag), frame="z-up")
-    assert asked(found) == {"gyro": "deg/s", "accel": "g"}
+    imported = read(csv(STATED, t, gyro, accel, mag), frame="z-up")
+    assert asked(imported) == {"gyro": "deg/s", "accel": "g"}
 
 
 def test_the_callers_word_stands_against_what_the_numbers_suggest():
     t, gyro, accel, mag = spun()
-    found = formats.settled(read(csv(STATED, t, gyro / 1000, accel, mag), frame="z-up", gyro="rad/s"))
-    np.testing.assert_array_equal(present(found.flight).gyro, gyro / 1000)
+    imported = formats.settled(read(csv(STATED, t, gyro / 1000, accel, mag), frame="z-up", gyro="rad/s"))
+    np.testing.assert_array_equal(present(imported.flight).gyro, gyro / 1000)
     with pytest.raises(ValueError, match=r"gyro must be one of rad/s, deg/s, got 'rpm'"):
         read(csv(STATED, t, gyro, accel, mag), gyro="rpm")
 
@@ -113,10 +113,10 @@ def test_other_loggers_names_are_understood():
         ["t_s", *axes("gyr_*_rads", "acc_*_ms2", "mag_*_ut")],
     ):
         stamps = np.rint(t * 1e9) if "ns" in names[0] else t
-        found = read(csv(names, stamps, gyro, accel, mag), time="ns" if "ns" in names[0] else "s", gyro="rad/s",
+        imported = read(csv(names, stamps, gyro, accel, mag), time="ns" if "ns" in names[0] else "s", gyro="rad/s",
                      accel="m/s2", mag="1", frame="z-up")  # fmt: skip
-        np.testing.assert_allclose(present(formats.settled(found).flight).time, t, atol=1e-9)
-        np.testing.assert_array_equal(present(found.flight).gyro, gyro)
+        np.testing.assert_allclose(present(formats.settled(imported).flight).time, t, atol=1e-9)
+        np.testing.assert_array_equal(present(imported.flight).gyro, gyro)
 
 
 def test_two_columns_for_one_thing_and_columns_that_are_missing_are_refused():
@@ -134,19 +134,19 @@ def test_where_two_groups_of_columns_would_do_a_person_chooses_and_all_others_ar
     names = ["t [s]", "time [s]", *axes("gyro_* [rad/s]", "Acceleration * (m/s^2)", "Linear Acceleration * (m/s^2)")]
     others = [f"battery {k}" for k in range(15)]
     data = csv([*names, "gx", *others], t, t + 1e4, gyro, accel, 0.01 * accel, *np.tile(t, (16, 1)))
-    found = read(data, frame="z-up")
-    assert asked(found) == {"time-columns": None, "accel-columns": None}
-    (clock, force) = found.questions
+    imported = read(data, frame="z-up")
+    assert asked(imported) == {"time-columns": None, "accel-columns": None}
+    (clock, force) = imported.questions
     assert force.options == ("accel=acceleration", "accel=linear_acceleration")
     assert "acceleration: median length 9.81; linear_acceleration: median length 0.0981" in force.text
     assert clock.flag == force.flag == "--columns"
     chosen = {"time-columns": "time=time", "accel-columns": "accel=linear_acceleration"}
     flight = present(formats.settled(read(data, frame="z-up", accel="m/s2", **chosen)).flight)
     np.testing.assert_allclose(flight.accel, 0.01 * accel)
-    assert [name for name, use in found.columns if not use] == [
+    assert [name for name, use in imported.columns if not use] == [
         "time [s]", *axes("Linear Acceleration * (m/s^2)"), "gx", *others
     ]  # fmt: skip
-    assert any("battery 4 … (20 in all)" in one for one in found.findings), found.findings
+    assert any("battery 4 … (20 in all)" in one for one in imported.findings), imported.findings
     with pytest.raises(ValueError, match="accel-columns must be one of accel=acceleration, accel=linear_acceleration"):
         read(data, **{"accel-columns": "accel=gravity"})
 
@@ -158,10 +158,10 @@ def test_a_clock_that_begins_again_goes_on_once_that_is_confirmed(period, unit, 
     stamps[:100] += period
     data = csv([f"t [{unit}]", *STATED[1:]], stamps, gyro, accel, mag)
     confirm = {"frame": "z-up", "time": unit}
-    found = read(data, **confirm)
-    assert asked(found) == {"stamps": "unwrap"}
-    assert "goes back once by its period" in found.questions[0].evidence
-    assert "before line 102" in found.questions[0].evidence
+    imported = read(data, **confirm)
+    assert asked(imported) == {"stamps": "unwrap"}
+    assert "goes back once by its period" in imported.questions[0].evidence
+    assert "before line 102" in imported.questions[0].evidence
     flight = present(formats.settled(read(data, stamps="unwrap", **confirm)).flight)
     np.testing.assert_allclose(flight.time, t, atol=1e-6)
 
@@ -176,12 +176,12 @@ def test_rows_of_one_sensor_are_no_broken_lines_even_where_broken_lines_are_drop
     table = np.vstack([imu, field, ranges, pose])
     data = csv([*STATED, "range [m]", *axes("p_* [m]")], table[np.argsort(table[:, 0], kind="stable")])
     for confirm in ({}, {"lines": "drop"}):
-        found = formats.settled(read(data, frame="z-up", **confirm))
-        flight = present(found.flight)
+        imported = formats.settled(read(data, frame="z-up", **confirm))
+        flight = present(imported.flight)
         assert (len(flight.time), len(flight.range)) == (60, 30)
         np.testing.assert_allclose(present(flight.mag), mag, atol=1e-4)  # divided by its length
         np.testing.assert_allclose(present(flight.position)[:, 0], t)
-        assert not any("line" in one for one in found.findings), found.findings
+        assert not any("line" in one for one in imported.findings), imported.findings
 
 
 def test_a_body_upside_down_does_not_tell_the_frame_of_the_world_but_an_attitude_does():
@@ -201,10 +201,10 @@ def test_repeated_stamps_gaps_and_missing_numbers_are_told_by_line_and_dropped_o
     t[10], t[11] = t[9], t[8]  # lines 12 and 13, the header being the first
     gyro[20, 1] = np.nan  # line 22
     data = csv(STATED, np.delete(t, slice(40, 50)), *(np.delete(v, slice(40, 50), axis=0) for v in (gyro, accel, mag)))
-    found = read(data, frame="z-up")
-    assert asked(found) == {"lines": "drop"}
+    imported = read(data, frame="z-up")
+    assert asked(imported) == {"lines": "drop"}
     said = "numbers are missing on line 22 and stamps repeat or go back on lines 12, 13"
-    assert said in found.findings
+    assert said in imported.findings
     kept = formats.settled(read(data, frame="z-up", lines="drop"))
     assert len(present(kept.flight).time) == 47
     assert f"{said}: dropped, as asked" in kept.findings
@@ -243,8 +243,8 @@ def test_a_range_may_have_a_row_of_its_own():
     between = np.full((1, 11), np.nan)
     between[0, 0], between[0, 10] = 0.105, 2.5
     table = np.insert(table, 11, between, axis=0)
-    found = formats.settled(read(csv([*STATED, "range [cm]"], table), frame="z-up", range="cm"))
-    flight = present(found.flight)
+    imported = formats.settled(read(csv([*STATED, "range [cm]"], table), frame="z-up", range="cm"))
+    flight = present(imported.flight)
     assert len(flight.time) == 30
     assert flight.range_time.tolist() == [0.105]
     assert flight.range.tolist() == [0.025]
@@ -314,10 +314,10 @@ def test_arrays_are_read_as_scipy_wrote_them(seed, kind, compressed, rows):
     file = io.BytesIO()
     others = {"text": "hello", "cell": np.array([1, "x"], dtype=object), "deep": {"x": 1.0}, "c": np.array([[1j]])}
     savemat(file, arrays | others, do_compression=compressed)
-    found = mat5.arrays(file.getvalue(), source="x.mat")
-    assert sorted(found) == sorted(arrays)
+    arrays = mat5.arrays(file.getvalue(), source="x.mat")
+    assert sorted(arrays) == sorted(arrays)
     for name, values in arrays.items():
-        np.testing.assert_array_equal(found[name], values.astype(float))
+        np.testing.assert_array_equal(arrays[name], values.astype(float))
 
 
 def test_a_mat_file_that_unpacks_into_gigabytes_is_stopped(monkeypatch):
@@ -358,9 +358,9 @@ def test_position_that_jumps_at_a_knot_is_named_and_not_judged():
     second = row.copy()
     second[9] = 0.25
     names = ["duration", *(f"{a}^{k}" for a in ("x", "y", "z", "yaw") for k in range(8))]
-    found = read(csv(names, np.array([row, second])), "polynomial")
-    assert "position jumps by 0.25 m along y at t = 1.00 s" in found.findings
-    assert found.unjudged is not None
+    imported = read(csv(names, np.array([row, second])), "polynomial")
+    assert "position jumps by 0.25 m along y at t = 1.00 s" in imported.findings
+    assert imported.unjudged is not None
 
 
 def test_a_polynomial_file_with_a_column_too_few_or_a_number_missing_is_refused():
@@ -393,14 +393,14 @@ def test_exact_derivatives_become_a_path_with_their_snap_in_any_order_of_columns
     columns, w, a = reference(digits=digits)
     names = list(columns)
     np.random.default_rng(3).shuffle(names)
-    found = read(csv(names, *(columns[name] for name in names)), "reference")
-    assert found.unjudged is None
-    assert present(found.fit_error) < 1e-3
+    imported = read(csv(names, *(columns[name] for name in names)), "reference")
+    assert imported.unjudged is None
+    assert present(imported.fit_error) < 1e-3
     own = Multisine(
         tones=tuple(Tone(axis=x, amplitude=float(a[k]), frequency=float(w[k])) for k, x in enumerate(LETTERS))
     )
     start = np.linspace(0, 2, 5)
-    got, wanted = (excitation.eigenvalues(path, start, 6.0) for path in (present(found.path), own))
+    got, wanted = (excitation.eigenvalues(path, start, 6.0) for path in (present(imported.path), own))
     np.testing.assert_allclose(got, wanted, rtol=within)
 
 
@@ -408,15 +408,15 @@ def test_derivative_columns_of_nothing_but_zeros_are_missing_and_said():
     columns, *_ = reference()
     for name in axes("snap_*"):
         columns[name] = 0 * columns[name]
-    found = read(csv(list(columns), *columns.values()), "reference")
-    assert "the snap columns are all zero: taken as missing" in found.findings
-    assert found.derivatives == "fit"
-    assert str(found.unjudged).startswith("the file holds jerk and no snap")
+    imported = read(csv(list(columns), *columns.values()), "reference")
+    assert "the snap columns are all zero: taken as missing" in imported.findings
+    assert imported.derivatives == "fit"
+    assert str(imported.unjudged).startswith("the file holds jerk and no snap")
     for name in axes("jerk_*", "a_lin_*"):
         columns[name] = 0 * columns[name]
-    found = read(csv(list(columns), *columns.values()), "reference")
-    assert found.unjudged is not None
-    assert found.fit_error is not None
+    imported = read(csv(list(columns), *columns.values()), "reference")
+    assert imported.unjudged is not None
+    assert imported.fit_error is not None
 
 
 def tum(t, position, decimals=9):
@@ -433,22 +433,22 @@ def test_poses_become_a_curve_near_them_whose_snap_is_not_believed_and_whose_fra
     t = columns["t"]
     position = position * np.sin(np.pi * t / 20)[:, None] ** 4  # from rest to rest
     data = tum(1305031098 + t, position, decimals=4)
-    found = read(data, "tum")
-    assert asked(found) == {"frame": "z-up"}
-    assert present(found.fit_error) < 0.01
-    assert "positions in steps of 0.0001 m every 10 ms" in present(found.unjudged)
+    imported = read(data, "tum")
+    assert asked(imported) == {"frame": "z-up"}
+    assert present(imported.fit_error) < 0.01
+    assert "positions in steps of 0.0001 m every 10 ms" in present(imported.unjudged)
     for frame, z in (("z-up", -9.81), ("z-down", 9.81)):
         assert as_preset(read(data, "tum", frame=frame)).world.gravity == (0.0, 0.0, z)
     with pytest.raises(ValueError, match="which way does z point"):
-        as_preset(found)
+        as_preset(imported)
 
 
 def test_a_preset_of_a_path_plays_all_of_it_or_as_much_as_asked():
     columns, *_ = reference()
-    found = read(csv(list(columns), *columns.values()), "reference")
-    p = as_preset(found, anchor=(1.0, 2.0, 3.0))
+    imported = read(csv(list(columns), *columns.values()), "reference")
+    p = as_preset(imported, anchor=(1.0, 2.0, 3.0))
     assert (p.duration, p.world.anchor, p.requirement.window) == (8.0, (1.0, 2.0, 3.0), 4.0)
-    assert as_preset(found, duration=5.0).duration == 5.0
+    assert as_preset(imported, duration=5.0).duration == 5.0
     assert preset.loads(preset.dumps(p), source="x.toml") == p
     with pytest.raises(ValueError, match="holds a recorded flight and no path"):
         as_preset(formats.parse(csv(STATED, *spun()), "log", source="x.csv", confirm={"frame": "z-up"}))
@@ -460,6 +460,6 @@ def test_a_euroc_truth_in_nanoseconds_since_1970_keeps_its_microseconds():
     p = np.column_stack([np.sin(t), t, t**2])
     header = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []"
     rows = [f"{s},{x},{y},{z},1,0,0,0" for s, (x, y, z) in zip(stamps.tolist(), p.tolist(), strict=True)]
-    found = euroc.parse_truth("\n".join([header, *rows]).encode(), source="data.csv", confirm={}, knots=0.1)
-    assert found.duration == pytest.approx(t[-1], abs=1e-6)
-    assert found.rate == pytest.approx(200, rel=1e-4)
+    imported = euroc.parse_truth("\n".join([header, *rows]).encode(), source="data.csv", confirm={}, knots=0.1)
+    assert imported.duration == pytest.approx(t[-1], abs=1e-6)
+    assert imported.rate == pytest.approx(200, rel=1e-4)

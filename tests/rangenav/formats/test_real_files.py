@@ -15,24 +15,24 @@ pytestmark = pytest.mark.slow
 
 
 def judged(name, format, **confirm):
-    found = formats.settled(formats.read(shared(name), format, confirm=confirm))
-    made = as_preset(found)
-    return found, made, analysis.analyse(made)
+    imported = formats.settled(formats.read(shared(name), format, confirm=confirm))
+    made = as_preset(imported)
+    return imported, made, analysis.analyse(made)
 
 
 def test_crazyswarms_figure_eight_is_planar_and_excites_nothing_across():
-    found, made, seen = judged("polynomial/cs2_figure8.csv", "polynomial")
-    assert (found.rows, found.duration) == (10, pytest.approx(7.283185))
+    imported, made, seen = judged("polynomial/cs2_figure8.csv", "polynomial")
+    assert (imported.rows, imported.duration) == (10, pytest.approx(7.283185))
     assert (seen.mu, seen.rank, seen.verdict.word) == (0.0, 11, "blind")
     assert made.world.gravity == (0.0, 0.0, -9.81)
-    assert not any("jump" in sentence for sentence in found.findings)
+    assert not any("jump" in sentence for sentence in imported.findings)
 
 
 def test_the_jump_of_29_cm_in_crazyswarms_multi_trajectory_is_named():
-    found, _, _ = judged("polynomial/cs2_multi_traj0.csv", "polynomial")
-    assert "position jumps by 0.29 m along x at t = 0.96 s" in found.findings
-    assert "32 pieces are more than the 31 a Crazyflie holds" in found.findings
-    assert str(found.unjudged).startswith("position jumps by 0.29 m")
+    imported, _, _ = judged("polynomial/cs2_multi_traj0.csv", "polynomial")
+    assert "position jumps by 0.29 m along x at t = 0.96 s" in imported.findings
+    assert "32 pieces are more than the 31 a Crazyflie holds" in imported.findings
+    assert str(imported.unjudged).startswith("position jumps by 0.29 m")
 
 
 def test_a_very_gentle_choreography_is_too_gentle_to_see():
@@ -42,9 +42,9 @@ def test_a_very_gentle_choreography_is_too_gentle_to_see():
 
 def test_a_race_with_exact_snap_is_judged_and_agrees_with_its_own_snap_columns():
     path = shared("racing/togt_traj.csv")
-    found, made, seen = judged("racing/togt_traj.csv", "reference")
-    assert found.unjudged is None
-    assert present(found.fit_error) < 2e-3
+    imported, made, seen = judged("racing/togt_traj.csv", "reference")
+    assert imported.unjudged is None
+    assert present(imported.fit_error) < 2e-3
     assert seen.rank == 13
     table = np.genfromtxt(path, delimiter=",", names=True)
     snap = np.column_stack([table[f"snap_{a}"] for a in "xyz"])
@@ -58,32 +58,32 @@ def test_a_race_with_exact_snap_is_judged_and_agrees_with_its_own_snap_columns()
 
 
 def test_a_refined_race_is_read_by_the_names_of_its_columns_and_its_zero_snap_is_not_believed():
-    found, made, _ = judged("racing/togt_refined_traj.csv", "reference")
+    imported, made, _ = judged("racing/togt_refined_traj.csv", "reference")
     for word in ("acceleration", "jerk", "snap"):
-        assert f"the {word} columns are all zero: taken as missing" in found.findings
-    assert found.unjudged is not None
-    np.testing.assert_allclose(made.path(np.zeros(1))[0], [-5.0, 4.5, 1.2], atol=present(found.fit_error))
+        assert f"the {word} columns are all zero: taken as missing" in imported.findings
+    assert imported.unjudged is not None
+    np.testing.assert_allclose(made.path(np.zeros(1))[0], [-5.0, 4.5, 1.2], atol=present(imported.fit_error))
     assert 8 < np.linalg.norm(made.path(np.linspace(0, 7, 500), 1), axis=-1).max() < 25  # to 19 m/s; not the quaternion
 
 
 def test_poses_of_a_hand_held_camera_ask_for_their_frame_and_are_not_judged():
-    found = formats.read(shared("tum/freiburg1_xyz-groundtruth.txt"), "tum")
-    assert [question.key for question in found.questions] == ["frame"]
-    assert (found.rows, found.rate) == (3000, pytest.approx(100, rel=1e-3))
-    assert any(sentence.startswith("1 gap, the longest 0.11 s") for sentence in found.findings)
-    assert "leave some 2e+05 m/s⁴ of rounding in the snap" in str(found.unjudged)
+    imported = formats.read(shared("tum/freiburg1_xyz-groundtruth.txt"), "tum")
+    assert [question.key for question in imported.questions] == ["frame"]
+    assert (imported.rows, imported.rate) == (3000, pytest.approx(100, rel=1e-3))
+    assert any(sentence.startswith("1 gap, the longest 0.11 s") for sentence in imported.findings)
+    assert "leave some 2e+05 m/s⁴ of rounding in the snap" in str(imported.unjudged)
 
 
 def test_the_unit_trap_is_asked_about_and_not_guessed():
     path = shared("imu/fusion_sensor_data.csv")
-    found = formats.read(path, "log")
-    assert found.flight is None
-    suggested = {question.key: question.suggestion for question in found.questions}
+    imported = formats.read(path, "log")
+    assert imported.flight is None
+    suggested = {question.key: question.suggestion for question in imported.questions}
     assert suggested == {"gyro": "deg/s", "accel": "g", "mag": "uT", "frame": "z-up"}
     with pytest.raises(
         ValueError, match=r"fusion_sensor_data\.csv: not used before this is answered: .*--gyro-unit deg/s"
     ):
-        formats.settled(found)
+        formats.settled(imported)
     answers = {key: present(suggestion) for key, suggestion in suggested.items()}
     flight = present(formats.settled(formats.read(path, "log", confirm=answers)).flight)
     assert np.median(np.linalg.norm(flight.accel, axis=-1)) == pytest.approx(9.81, rel=0.02)
@@ -95,8 +95,8 @@ def test_broad_is_read_as_scipy_reads_it_and_asks_only_for_its_microtesla():
     own, theirs = mat5.arrays(path.read_bytes(), source="x"), scipy.io.loadmat(path)
     for name in ("imu_gyr", "imu_acc", "imu_mag", "opt_quat", "opt_pos", "movement"):
         np.testing.assert_array_equal(own[name], theirs[name].astype(float))
-    found = formats.read(path, "mat")
-    assert [question.key for question in found.questions] == ["mag"]
+    imported = formats.read(path, "mat")
+    assert [question.key for question in imported.questions] == ["mag"]
     flight = present(formats.settled(formats.read(path, "mat", confirm={"mag": "uT"})).flight)
     np.testing.assert_array_equal(flight.gyro, theirs["imu_gyr"])
     assert int(np.isnan(present(flight.position)).any(axis=1).sum()) == 219
@@ -140,11 +140,11 @@ GOOD = "log_quoted.csv"
 )
 def test_the_dialects_of_spreadsheets_are_one_flight_and_said(name, remark):
     confirm = {"frame": "z-up", "time": "us", "gyro": "rad/s", "accel": "m/s2"} if "public" in name else {}
-    found = formats.settled(formats.read(shared(f"failing/{name}"), "log", confirm=confirm))
-    assert remark in found.findings
+    imported = formats.settled(formats.read(shared(f"failing/{name}"), "log", confirm=confirm))
+    assert remark in imported.findings
     if not confirm:
         same = present(formats.settled(formats.read(shared(f"failing/{GOOD}"), "log")).flight)
-        np.testing.assert_array_equal(present(found.flight).accel, same.accel)
+        np.testing.assert_array_equal(present(imported.flight).accel, same.accel)
 
 
 @pytest.mark.parametrize(
@@ -162,19 +162,19 @@ def test_poses_in_motion_are_followed_to_a_fraction_of_a_millimetre_after_their_
     asked = formats.read(shared(f"failing/{name}"), "tum", confirm=confirm).questions
     assert {question.key for question in asked} == keys
     answers = confirm | {question.key: present(question.suggestion) for question in asked}
-    found = formats.settled(formats.read(shared(f"failing/{name}"), "tum", confirm=answers))
-    assert present(found.fit_error) < 5e-4
-    t = np.linspace(0, found.duration, 2001)
-    path = present(found.path)
+    imported = formats.settled(formats.read(shared(f"failing/{name}"), "tum", confirm=answers))
+    assert present(imported.fit_error) < 5e-4
+    t = np.linspace(0, imported.duration, 2001)
+    path = present(imported.path)
     assert np.linalg.norm(path(t, 1), axis=-1).max() < 3.0
     assert np.linalg.norm(path(t, 2), axis=-1).max() < 4.0
 
 
 def test_jumps_of_the_acceleration_are_named_and_why_mu_is_0():
-    found = formats.read(shared("failing/path_acceleration_jumps.csv"), "polynomial")
-    assert "acceleration jumps at 11 knots, at most by 15 m/s² at t = 2 s" in found.findings
-    assert any("so μ is 0" in sentence for sentence in found.findings)
-    assert "acceleration jumps by 8.3 m/s²" in str(found.unjudged)
+    imported = formats.read(shared("failing/path_acceleration_jumps.csv"), "polynomial")
+    assert "acceleration jumps at 11 knots, at most by 15 m/s² at t = 2 s" in imported.findings
+    assert any("so μ is 0" in sentence for sentence in imported.findings)
+    assert "acceleration jumps by 8.3 m/s²" in str(imported.unjudged)
 
 
 def test_577_steps_are_fitted_as_well_as_600():

@@ -22,9 +22,9 @@ TIME = np.arange(0, DURATION + 1e-9, 0.01)
 NAMES = ("velocity", "acceleration", "jerk", "snap")
 
 
-def path_of(found: ImportResult) -> Signal:
-    assert found.path is not None
-    return found.path
+def path_of(imported: ImportResult) -> Signal:
+    assert imported.path is not None
+    return imported.path
 
 
 def samples(upto: int) -> dict[str, Any]:
@@ -33,50 +33,50 @@ def samples(upto: int) -> dict[str, Any]:
 
 
 def test_positions_become_a_curve_near_them_whose_excitation_is_not_judged():
-    found = sampled_path.from_arrays(TIME, KNOWN.path(TIME))
-    apart = np.linalg.norm(path_of(found)(TIME) - KNOWN.path(TIME), axis=-1)
-    assert apart.max() == pytest.approx(found.fit_error, rel=1e-6)
+    imported = sampled_path.from_arrays(TIME, KNOWN.path(TIME))
+    apart = np.linalg.norm(path_of(imported)(TIME) - KNOWN.path(TIME), axis=-1)
+    assert apart.max() == pytest.approx(imported.fit_error, rel=1e-6)
     assert apart[100:-100].max() < 0.02
-    assert found.derivatives == "fit"
-    assert "excitation cannot be judged" in (found.unjudged or "")
+    assert imported.derivatives == "fit"
+    assert "excitation cannot be judged" in (imported.unjudged or "")
 
 
 def test_with_every_derivative_to_the_snap_the_path_is_the_motion_and_is_judged():
-    found = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **samples(4))
-    assert (found.derivatives, found.unjudged) == ("file", None)
+    imported = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **samples(4))
+    assert (imported.derivatives, imported.unjudged) == ("file", None)
     for order, size in enumerate((1e-6, 1e-5, 1e-4, 1e-3)):
-        np.testing.assert_allclose(path_of(found)(TIME, order), KNOWN.path(TIME, order), atol=size * 30)
+        np.testing.assert_allclose(path_of(imported)(TIME, order), KNOWN.path(TIME, order), atol=size * 30)
     start = np.linspace(0.0, DURATION - 6.0, 20)
     np.testing.assert_allclose(
-        excitation.eigenvalues(path_of(found), start, 6.0), excitation.eigenvalues(KNOWN.path, start, 6.0), rtol=0.05
+        excitation.eigenvalues(path_of(imported), start, 6.0), excitation.eigenvalues(KNOWN.path, start, 6.0), rtol=0.05
     )
 
 
 def test_velocity_and_acceleration_alone_make_pieces_of_degree_5_that_are_not_judged():
-    found = sampled_path.from_arrays(TIME[::20], KNOWN.path(TIME[::20]), velocity=KNOWN.path(TIME[::20], 1),
+    imported = sampled_path.from_arrays(TIME[::20], KNOWN.path(TIME[::20]), velocity=KNOWN.path(TIME[::20], 1),
                                      acceleration=KNOWN.path(TIME[::20], 2))  # fmt: skip
-    np.testing.assert_allclose(path_of(found)(TIME), KNOWN.path(TIME), atol=1e-4)
-    assert "no jerk" in (found.unjudged or "")
+    np.testing.assert_allclose(path_of(imported)(TIME), KNOWN.path(TIME), atol=1e-4)
+    assert "no jerk" in (imported.unjudged or "")
 
 
 def test_without_the_snap_the_pieces_have_one_of_their_own_and_are_not_judged():
-    found = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **samples(3))
-    assert found.derivatives == "fit"
-    assert "no snap" in (found.unjudged or "")
+    imported = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **samples(3))
+    assert imported.derivatives == "fit"
+    assert "no snap" in (imported.unjudged or "")
 
 
 def test_a_snap_that_does_not_belong_to_the_motion_is_not_believed():
     wrong = samples(4)
     wrong["snap"] = -wrong["snap"]
-    found = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **wrong)
-    assert found.derivatives == "fit"
-    assert "miss" in (found.unjudged or "")
+    imported = sampled_path.from_arrays(TIME, KNOWN.path(TIME), **wrong)
+    assert imported.derivatives == "fit"
+    assert "miss" in (imported.unjudged or "")
 
 
 @pytest.mark.parametrize(("upto", "judged"), [(0, False), (4, True)])
 def test_the_path_goes_through_simulation_observability_and_a_preset_file(tmp_path, upto, judged):
-    found = sampled_path.from_arrays(TIME, KNOWN.path(TIME), name="my flight", **samples(upto))
-    p = as_preset(found, anchor=(0.0, 0.0, 0.1))
+    imported = sampled_path.from_arrays(TIME, KNOWN.path(TIME), name="my flight", **samples(upto))
+    p = as_preset(imported, anchor=(0.0, 0.0, 0.1))
     assert p.source is not None
     assert (p.source.format, p.source.file) == ("arrays", "my flight")
     preset.save(p, tmp_path / "mine.toml")
@@ -85,7 +85,7 @@ def test_the_path_goes_through_simulation_observability_and_a_preset_file(tmp_pa
     truth = motion.simulate(
         again.path, Flown(), world=again.world, initial_rotation=(0, 0, 0), duration=again.duration, rate=100.0
     )
-    np.testing.assert_allclose(truth.position, path_of(found)(truth.time))
+    np.testing.assert_allclose(truth.position, path_of(imported)(truth.time))
     assert analysis.analyse(again).verdict.judged == judged
 
 
@@ -101,8 +101,8 @@ def test_stamps_may_begin_anywhere_and_lists_will_do():
 
 def test_gaps_are_said():
     there = (TIME < 5.0) | (TIME > 6.0)
-    found = sampled_path.from_arrays(TIME[there], KNOWN.path(TIME)[there], knots=2.0)
-    assert any(text.startswith("1 gap, the longest 1.02 s after 4.99 s") for text in found.findings)
+    imported = sampled_path.from_arrays(TIME[there], KNOWN.path(TIME)[there], knots=2.0)
+    assert any(text.startswith("1 gap, the longest 1.02 s after 4.99 s") for text in imported.findings)
 
 
 @pytest.mark.parametrize(

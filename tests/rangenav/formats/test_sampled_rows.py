@@ -34,30 +34,30 @@ def read(data, **options):
 
 def test_a_circle_in_motion_is_not_forced_to_rest_at_its_ends():
     """Speed and acceleration at the ends and everywhere are the circle's, to what samples of a micrometre hold."""
-    found = present(read(tum(TIME)).path)
+    imported = present(read(tum(TIME)).path)
     t = np.linspace(0, 12, 2001)
-    np.testing.assert_allclose(found(t), CIRCLE(t), atol=1e-3)
-    np.testing.assert_allclose(found(t, 1), CIRCLE(t, 1), atol=0.03)
-    np.testing.assert_allclose(found(t, 2), CIRCLE(t, 2), atol=0.3)
+    np.testing.assert_allclose(imported(t), CIRCLE(t), atol=1e-3)
+    np.testing.assert_allclose(imported(t, 1), CIRCLE(t, 1), atol=0.03)
+    np.testing.assert_allclose(imported(t, 2), CIRCLE(t, 2), atol=0.3)
 
 
 @pytest.mark.parametrize(("rate", "noise"), [(20.0, 0.0), (30.0, 1e-3), (100.0, 1e-3)])
 def test_between_the_samples_the_curve_is_as_near_the_motion_as_at_them(rate, noise):
     time = np.arange(int(12 * rate) + 1) / rate
-    found = read(tum(time, noise))
+    imported = read(tum(time, noise))
     t = np.linspace(0, 12, 3001)
-    between = np.linalg.norm(present(found.path)(t) - CIRCLE(t), axis=-1).max()
-    assert between < 1.1 * present(found.fit_error) < 5e-4 + 12 * noise
+    between = np.linalg.norm(present(imported.path)(t) - CIRCLE(t), axis=-1).max()
+    assert between < 1.1 * present(imported.fit_error) < 5e-4 + 12 * noise
 
 
 @pytest.mark.parametrize(("unit", "factor"), [("ms", 1e3), ("us", 1e6), ("ns", 1e9)])
 def test_stamps_in_another_unit_are_asked_and_the_answer_is_used(unit, factor):
     data = tum(TIME, factor=factor)
-    found = read(data)
-    assert [(question.key, question.flag, question.suggestion) for question in found.questions] == [
+    imported = read(data)
+    assert [(question.key, question.flag, question.suggestion) for question in imported.questions] == [
         ("time", "--time-unit", unit)
     ]
-    assert found.path is None
+    assert imported.path is None
     answered = read(data, time=unit)
     assert (answered.questions, answered.duration) == ((), pytest.approx(12.0))
     assert answered.findings[0].endswith(f"stamps in {unit} as confirmed")
@@ -72,10 +72,10 @@ def test_a_gap_is_named_by_its_lines_and_cut_or_bridged_as_asked():
     assert (question.key, question.flag, question.options) == ("gaps", "--gaps", ("longest", "bridge"))
     assert "no rows for 1.54 s between line 250 at 4.98 s and line 251 at 6.52 s" in question.evidence
     longest, bridged, cut = read(data, gaps="longest"), read(data, gaps="bridge"), read(data, part=(None, 4.98))
-    assert [found.duration for found in (longest, bridged, cut)] == pytest.approx([5.48, 12.0, 4.98])
-    assert not any(found.questions for found in (longest, bridged, cut))
-    for found, begin in ((longest, 6.52), (bridged, 0.0), (cut, 0.0)):
-        path, there = present(found.path), time[(time >= begin) & (time <= begin + found.duration)]
+    assert [imported.duration for imported in (longest, bridged, cut)] == pytest.approx([5.48, 12.0, 4.98])
+    assert not any(imported.questions for imported in (longest, bridged, cut))
+    for imported, begin in ((longest, 6.52), (bridged, 0.0), (cut, 0.0)):
+        path, there = present(imported.path), time[(time >= begin) & (time <= begin + imported.duration)]
         np.testing.assert_allclose(path(there - begin), CIRCLE(there), atol=1e-3)
 
 
@@ -100,23 +100,23 @@ def reference(time):
 
 @pytest.mark.parametrize("rows", [601, 578])
 def test_neither_the_pieces_nor_the_verdict_depend_on_the_number_of_rows(rows):
-    found = reference(TIME[:rows])
-    assert present(found.fit_error) < 2e-6
+    imported = reference(TIME[:rows])
+    assert present(imported.fit_error) < 2e-6
     window = 5.0
-    start = np.linspace(0, found.duration - window, 5)
-    got, wanted = (excitation.eigenvalues(path, start, window) for path in (present(found.path), CIRCLE))
+    start = np.linspace(0, imported.duration - window, 5)
+    got, wanted = (excitation.eigenvalues(path, start, window) for path in (present(imported.path), CIRCLE))
     np.testing.assert_allclose(got, wanted, rtol=3e-3)
-    assert analysis.analyse(as_preset(found)).verdict.word == "weak"
+    assert analysis.analyse(as_preset(imported)).verdict.word == "weak"
 
 
 def test_velocity_and_acceleration_of_a_plain_csv_are_used():
     data = table(("p", "v", "a"), TIME[::10], range(3))  # 5 Hz: the positions alone are centimetres off between them
-    found = formats.parse(data, "csv", source="x.csv", confirm={"frame": "z-down"})
-    assert (found.questions, found.frame, found.derivatives) == ((), "z-down", "fit")
-    path, t = present(found.path), np.linspace(0, 12, 1001)
+    imported = formats.parse(data, "csv", source="x.csv", confirm={"frame": "z-down"})
+    assert (imported.questions, imported.frame, imported.derivatives) == ((), "z-down", "fit")
+    path, t = present(imported.path), np.linspace(0, 12, 1001)
     np.testing.assert_allclose(path(t), CIRCLE(t), atol=5e-5)
     np.testing.assert_allclose(path(TIME[::10], 2), CIRCLE(TIME[::10], 2), atol=2e-3)
-    assert present(found.unjudged).startswith("the file holds acceleration and no jerk")
+    assert present(imported.unjudged).startswith("the file holds acceleration and no jerk")
     (question,) = formats.parse(data, "csv", source="x.csv", confirm={}).questions
     assert question.key == "frame"
 

@@ -111,15 +111,15 @@ def test_pieces_through_a_polynomial_of_degree_seven_are_that_polynomial():
 def test_a_polynomial_file_follows_its_path_and_keeps_its_excitation(name, tmp_path):
     p = preset.load(name)
     written = formats.export(p, "polynomial", tmp_path / "x.csv")
-    found = formats.read(tmp_path / "x.csv", "polynomial", part=WHOLE)
-    assert found.rows <= MAX_SEGMENTS
-    assert found.unjudged is None  # nothing jumps
+    imported = formats.read(tmp_path / "x.csv", "polynomial", part=WHOLE)
+    assert imported.rows <= MAX_SEGMENTS
+    assert imported.unjudged is None  # nothing jumps
     assert written.figures["fit_error"] < 3e-4
     begin, end = present(written.steady)
     assert end - begin >= p.requirement.window - 1e-9
     start = np.linspace(begin, end - p.requirement.window, 20)
     path = preset.load(name).path
-    got = excitation.eigenvalues(present(found.path), start, p.requirement.window)
+    got = excitation.eigenvalues(present(imported.path), start, p.requirement.window)
     wanted = excitation.eigenvalues(path, start - begin / 2, p.requirement.window)  # turning over does not change them
     np.testing.assert_allclose(got, wanted, rtol=2e-3, atol=1e-9 * max(wanted.max(), 1.0))
     assert written.figures["mu"] == pytest.approx(written.figures["mu_path"], rel=2e-3)
@@ -138,11 +138,11 @@ def test_polynomials_that_were_read_are_written_as_they_are(tmp_path):
         upright(preset.load("soft")), path=pieces, duration=12.0, requirement=preset.Requirement(window=4.0)
     )
     formats.export(soft, "polynomial", tmp_path / "x.csv")
-    found = formats.read(tmp_path / "x.csv", "polynomial").path
-    assert isinstance(found, Polynomials)
-    assert len(found.pieces) == 6
+    imported = formats.read(tmp_path / "x.csv", "polynomial").path
+    assert isinstance(imported, Polynomials)
+    assert len(imported.pieces) == 6
     at = np.linspace(0, 12, 100)
-    np.testing.assert_allclose(found(at), pieces(at), atol=1e-8)  # ten printed digits
+    np.testing.assert_allclose(imported(at), pieces(at), atol=1e-8)  # ten printed digits
     again = as_preset(formats.read(tmp_path / "x.csv", "polynomial"))
     formats.export(again, "polynomial", tmp_path / "y.csv")
     assert (tmp_path / "y.csv").read_text() == (tmp_path / "x.csv").read_text()
@@ -155,10 +155,10 @@ def test_polynomials_that_were_read_are_written_as_they_are(tmp_path):
 def test_a_reference_file_is_read_back_as_the_path_it_came_from(name, tmp_path):
     p, course = truth_inputs(name)
     formats.export(preset.load(name), "reference", tmp_path / "x.csv")
-    found = formats.read(tmp_path / "x.csv", "reference", part=WHOLE)
-    assert found.unjudged is None
-    assert found.duration == pytest.approx(course.end)
-    t, path = np.linspace(2.5, 17.5, 200), present(found.path)
+    imported = formats.read(tmp_path / "x.csv", "reference", part=WHOLE)
+    assert imported.unjudged is None
+    assert imported.duration == pytest.approx(course.end)
+    t, path = np.linspace(2.5, 17.5, 200), present(imported.path)
     np.testing.assert_allclose(path(t), course(t), atol=1e-6)
     np.testing.assert_allclose(path(t, 4), course(t, 4), atol=1e-3 * np.abs(course(t, 4)).max())
     begin, end = course.steady
@@ -176,12 +176,12 @@ def test_a_reference_file_is_read_back_as_the_path_it_came_from(name, tmp_path):
 def test_the_ramps_of_an_own_export_are_left_out_and_its_excitation_is_that_of_the_flight(name, format, tmp_path):
     p, course = truth_inputs(name)
     formats.export(preset.load(name), format, tmp_path / "x.csv")
-    found = formats.read(tmp_path / "x.csv", format)
-    assert any("are left out" in sentence for sentence in found.findings)
+    imported = formats.read(tmp_path / "x.csv", format)
+    assert any("are left out" in sentence for sentence in imported.findings)
     begin, end = course.steady
     window = p.requirement.window
-    start = np.linspace(0, min(found.duration, end - begin) - window, 10)
-    got = excitation.eigenvalues(present(found.path), start, window)
+    start = np.linspace(0, min(imported.duration, end - begin) - window, 10)
+    got = excitation.eigenvalues(present(imported.path), start, window)
     np.testing.assert_allclose(got, excitation.eigenvalues(p.path, start + begin / 2, window), rtol=2e-3)
 
 

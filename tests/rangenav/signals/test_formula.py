@@ -253,3 +253,11 @@ def test_the_longest_formulas_are_analysed_or_refused_within_a_second(text, w):
     with contextlib.suppress(ValueError):
         analyse(msgspec.structs.replace(preset.load("soft"), path=Formula(x=x, y=x + " + 1", z=x + " + 2")))
     assert time.thread_time() - began < 3.0  # a second at most on two slow cores; shapes are checked here
+
+
+def test_a_bound_of_tiny_values_is_no_zero():
+    """The squares of 1e-239 underflow."""
+    faint = Formula(x="exp(0 - 548 - 55 * t)")
+    for order in range(6):
+        assert 0 < np.abs(faint(np.zeros(1), order)).max() <= faint.bound(order) * (1 + 1e-12)
+        assert faint.derivative_bounds(np.array([0.0, 1.0]), range(order + 1))[order, 0] > 0
