@@ -5,10 +5,12 @@ from the prior x̂(0), P(0), and their innovations are watched from the first ra
 
     NIS = (y − ŷ)²/(P₁₁ + R);   NIS > 36: an outlier, corrects nothing;   Σ NIS > 132.79 within 64 ranges: an alarm
 
-An alarm has probability 1e-6 in each window of a consistent observer. Meanwhile ranges are collected, from t0 = 0 on,
-which determine the state without a prior. At an alarm before they do, the prior is given up, and constant gains, which
-converge from anywhere, run until they do. With the transition Φ(s, t0), the response r(s) to the inputs alone,
-τ = s − t0, and D(s, t0) of the row 𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ], the twice integrated specific force,
+An alarm has probability 1e-6 in each window of a consistent observer. If the mean NIS of its window is below 9, the
+noise may be up to three times the stated one, or the IMU may have a bias: gate and alarm are multiplied by that mean,
+and the gains go on. Otherwise they are given up, and constant gains, which converge from anywhere, run in their place.
+Ranges are collected, from t0 on, which is the start of the record or the time of an alarm, to determine the state
+without a prior. With the transition Φ(s, t0), the response r(s) to the inputs alone, τ = s − t0, and D(s, t0) of the
+row 𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ], the twice integrated specific force,
 
     ½d_k² − ½σ² = 𝒞Φ(s_k, t0) x(t0) + 𝒞r(s_k) + η_k
     var η_k = d²σ² + ½σ⁴ + d²c(s_k),   c(s) = q_a τ³/3 + q_ω ∫|D(s, r)|² dr,   d² smoothed over the ranges before
@@ -20,14 +22,14 @@ part: where C is the covariance of that part in units of √var η, the covarian
 Λ⁻¹Hᵀ(I + C)HΛ⁻¹, and no eigenvalue of C exceeds its trace. The factor 2 is for the noise between t0 and now, which is
 correlated with x̂(t0): cov(a + b) ≤ 2 cov a + 2 cov b. The ranges determine the state as soon as the rank is 13 and
 √tr P_pp, without the first two factors and V, is below the distance. The matched gains then start from this x̂ and P.
-Gains that run from the prior go on instead, unless their position contradicts that of the ranges:
+Where they are already running, they go on instead, unless their position contradicts that of the ranges:
 
     eᵀ(P_pp + P̂_pp)⁻¹e > 30.66,   e the difference of the two positions; probability 1e-6 where both are right
 
 A collection whose IMU noise outweighs its ranges begins anew; a range that the collected ones exclude at 6 σ is left
-out. A later alarm begins another collection, at most three times; the fourth means lost, and constant gains stay. The
-numbers and their reasons stand in `kernels.layout`. The functions below are the reference implementation, which is
-meant to be read and tests the compiled one.
+out. Alarms begin a collection, unless one is going on, at most three times; gains given up after that are lost, and
+constant gains stay. The numbers and their reasons stand in `kernels.layout`. The functions below are the reference
+implementation, which is meant to be read and tests the compiled one.
 """
 
 from dataclasses import replace
@@ -96,6 +98,9 @@ class Watch:
 
     count: int
     total: float
+    """What the alarm judges: outliers count layout.OUTLIER in it."""
+    size: float
+    """As `total`, but outliers count layout.GATE."""
     scale: float
     """By which gate and alarm are larger than for noise as stated."""
 
@@ -205,13 +210,19 @@ def contradict(x: Float[Array, "13"], P: Float[Array, "13 13"], other: Array, ot
     return not e @ np.linalg.solve(both, e) <= layout.CONTRADICTION
 
 
-def watch(misfit: float) -> Watch:
-    """A window that begins; misfit: of the collection that the gains started from."""
-    return Watch(count=0, total=0.0, scale=min(misfit, layout.LOOSEST_SCALE))
+def watch(scale: float) -> Watch:
+    """A window that begins. scale: the misfit of the collection that the gains started from, or what an alarm made."""
+    return Watch(count=0, total=0.0, size=0.0, scale=min(scale, layout.LOOSEST_SCALE))
+
+
+def size(of: Watch) -> float:
+    """The mean square of a window's innovations, in units of the variances that the observer expects."""
+    return of.scale * of.size / of.count
 
 
 def watched(of: Watch, innovation: float, variance: float) -> tuple[Watch, bool]:
     """The window with one more innovation, and whether that is an outlier's."""
     square = innovation**2 / (variance * of.scale)
     outlier = not square <= layout.GATE
-    return replace(of, count=of.count + 1, total=of.total + (layout.OUTLIER if outlier else square)), outlier
+    total, size = (layout.OUTLIER, layout.GATE) if outlier else (square, square)
+    return replace(of, count=of.count + 1, total=of.total + total, size=of.size + size), outlier

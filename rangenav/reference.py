@@ -165,15 +165,18 @@ class _Observer:
         alarm = not now.watch.total <= layout.ALARM
         if now.watch.count < layout.ALARM_RANGES and not alarm:
             return now
-        now = replace(now, watch=replace(now.watch, count=0, total=0.0))
+        scale, new = acquisition.size(now.watch), acquisition.watch(now.watch.scale)
         if not alarm:
+            return replace(now, watch=new)
+        collects, left = now.collection is not None, now.reopened < layout.REOPENINGS
+        if scale <= layout.LOOSEST_SCALE:
+            now = replace(now, watch=acquisition.watch(scale))
+        else:
+            phase = acquisition.COLLECTING if collects or left else acquisition.LOST
+            now = replace(now, watch=new, P=self.p0, phase=phase)
+        if collects or not left:
             return now
-        if now.collection is not None:
-            return replace(now, P=self.p0, phase=acquisition.COLLECTING)
-        if now.reopened == layout.REOPENINGS:
-            return replace(now, P=self.p0, phase=acquisition.LOST)
-        again = {"phase": acquisition.COLLECTING, "collection": acquisition.collection()}
-        return replace(now, P=self.p0, reopened=now.reopened + 1, **again)
+        return replace(now, reopened=now.reopened + 1, collection=acquisition.collection())
 
     def _started(self, now: _Now, of: Collection) -> _Now:
         if acquisition.exhausted(of):

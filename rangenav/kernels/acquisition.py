@@ -39,6 +39,7 @@ from rangenav.kernels.layout import (
     SMOOTHING,
     WEIGHT,
     WINDOW_COUNT,
+    WINDOW_SIZE,
     WINDOW_SUM,
 )
 
@@ -164,7 +165,7 @@ def start(a, x, P, p):
         return
     x[:], P[:] = state, covariance
     a[PHASE], a[SCALE] = MATCHED, min(misfit, LOOSEST_SCALE)
-    a[WINDOW_COUNT] = a[WINDOW_SUM] = 0.0
+    a[WINDOW_COUNT] = a[WINDOW_SUM] = a[WINDOW_SIZE] = 0.0
 
 
 @kernel
@@ -232,26 +233,27 @@ def outlier(a, innovation, variance):
     large = not square <= GATE
     a[WINDOW_COUNT] += 1
     a[WINDOW_SUM] += OUTLIER if large else square
+    a[WINDOW_SIZE] += GATE if large else square
     return large
 
 
 @kernel
 def watch(a, P, p):
-    """At an alarm: give up the prior and go on collecting, collect anew, or be lost. A window without one is over."""
+    """At an alarm: widen gate and alarm, or give up the gains, and collect ranges. A window without one is over."""
     alarm = not a[WINDOW_SUM] <= ALARM
     if a[WINDOW_COUNT] < ALARM_RANGES and not alarm:
         return
-    a[WINDOW_COUNT] = a[WINDOW_SUM] = 0.0
+    scale, collects = a[SCALE] * a[WINDOW_SIZE] / a[WINDOW_COUNT], a[COLLECTS] == 1
+    a[WINDOW_COUNT] = a[WINDOW_SUM] = a[WINDOW_SIZE] = 0.0
     if not alarm:
         return
-    P[:] = 0.0
-    for i in range(N):
-        P[(N + 1) * i] = p.p0[0 if i < 4 else (i - 1) // 3]
-    if a[COLLECTS] == 1:
-        a[PHASE] = COLLECTING
-    elif a[REOPENED] < REOPENINGS:
-        a[PHASE] = COLLECTING
+    if scale <= LOOSEST_SCALE:
+        a[SCALE] = scale
+    else:
+        a[PHASE] = COLLECTING if collects or a[REOPENED] < REOPENINGS else LOST
+        P[:] = 0.0
+        for i in range(N):
+            P[(N + 1) * i] = p.p0[0 if i < 4 else (i - 1) // 3]
+    if not collects and a[REOPENED] < REOPENINGS:
         a[REOPENED] += 1
         collect_anew(a)
-    else:
-        a[PHASE] = LOST
