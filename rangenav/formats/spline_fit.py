@@ -62,6 +62,8 @@ def fit(time: Float[Array, "n"], position: Float[Array, "n 3"], *, spacing: floa
     most = min(MAX_POINTS - 1, len(time) / PER_KNOT)
     possible = [wide for wide in SPACINGS if LEAST_KNOTS <= length / wide + 1 <= most]
     widest = length / (max(LEAST_KNOTS, min(most, MAX_POINTS - 2)) - 1)  # short, long, and slow records
+    short = f"{source}: {length:.3g} s are too short for a curve through {LEAST_KNOTS} knots {MIN_SPACING:g} s apart"
+    require(bool(possible) or widest >= MIN_SPACING, f"{short}: check the unit of the stamps")
     fits = [_fit_with(time, position, wide, source) for wide in possible or [widest]]
     errors = [one.rms / max(1 - len(one.path.points) / len(time), 1 / len(time)) for one in fits]
     allowed = max(AS_GOOD * min(errors), CLOSE)
@@ -82,7 +84,10 @@ def _fit_with(time: Array, position: Array, spacing: float, source: str) -> Spli
         value = _local(time, position, moment, width)
         if value is not None:  # None in a gap, which the curve bridges
             points.append(Waypoint(time=float(moment - time[0]), value=value))
-    path = Waypoints(points=tuple(points), free_ends=True)
+    try:
+        path = Waypoints(points=tuple(points), free_ends=True)
+    except ValueError as error:
+        raise ValueError(f"{source}: with knots {spacing:g} s apart {error}") from None
     error = np.linalg.norm(path(time - time[0]) - position, axis=-1)
     return SplineFit(path=path, spacing=spacing, rms=float(np.sqrt(np.mean(error**2))), largest=float(error.max()))
 

@@ -94,23 +94,23 @@ def table(
         lines.in_row = 0
         first.append(line)
     require(bool(first), f"{source}: no rows of numbers")
-    spoken = dialect.measured(first)
-    remarks = [*(("a byte order mark in front",) if begins_with_mark(data) else ()), *spoken.remarks(separator)]
-    rows, texts = _rows(first, lines, spoken), {}
+    layout = dialect.measured(first)
+    remarks = [*(("a byte order mark in front",) if begins_with_mark(data) else ()), *layout.remarks(separator)]
+    rows, texts = _rows(first, lines, layout), {}
     if names is None:
         number, first_row = next(rows)
-        named_before = _comment_with_names(lines, spoken, first_row, header)
+        named_before = _comment_with_names(lines, layout, first_row, header)
         if named_before is not None:
             number, first_row = named_before
             remarks += [] if marked else [f"the names of the columns are in the comment on line {number}"]
-            rows = chain([next(_rows(first, lines, spoken))], rows)
+            rows = chain([next(_rows(first, lines, layout))], rows)
         samples = first if named_before is not None else first[1:]
-        names = _names(first_row, samples, spoken, f"{source}, line {number}")
-        texts = {k: entry for k, entry in dialect.texts(samples, spoken).items() if k < len(names) and names[k]}
+        names = _names(first_row, samples, layout, f"{source}, line {number}")
+        texts = {k: entry for k, entry in dialect.texts(samples, layout).items() if k < len(names) and names[k]}
         remarks += [f"column {k} has no name and is not used" for k, name in enumerate(names, 1) if not name]
         remarks += [f"column {names[k][:NAME_SHOWN]} holds text and is not used" for k in texts]
     kept = [k for k, name in enumerate(names) if name and k not in texts]
-    values, numbers = _parsed(rows, names, kept, spoken, lines)
+    values, numbers = _parsed(rows, names, kept, layout, lines)
     table_values, named = values.reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
     _refuse_large(table_values, named, numbers, source)
     return Table(
@@ -124,9 +124,9 @@ def table(
     )
 
 
-def _rows(first: Sequence[str], lines: Lines, spoken: Dialect) -> Iterator[Row]:
+def _rows(first: Sequence[str], lines: Lines, layout: Dialect) -> Iterator[Row]:
     """The entries of each row, and the number of the line where it begins. `first` was already taken from `lines`."""
-    reader, numbers, begin = spoken.rows(chain(first, lines.rest)), lines.numbers, 0
+    reader, numbers, begin = layout.rows(chain(first, lines.rest)), lines.numbers, 0
     try:
         for row in reader:
             lines.in_row = 0
@@ -137,7 +137,7 @@ def _rows(first: Sequence[str], lines: Lines, spoken: Dialect) -> Iterator[Row]:
         raise ValueError(f"{lines.source}, line {numbers[begin]}: {message}") from None
 
 
-def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str], header: str) -> Row | None:
+def _comment_with_names(lines: Lines, layout: Dialect, row: Sequence[str], header: str) -> Row | None:
     """The last comment that names the columns, and its line, if the first row holds a number; else None.
 
     The comment has as many entries as the row. Raises ValueError if there is none before a row of nothing but numbers.
@@ -147,7 +147,7 @@ def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str], heade
     if numbers == 0:
         return None
     width = len(_trimmed(row))
-    split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in dialect.split(spoken, text)]
+    split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in dialect.split(layout, text)]
     fitting = [(number, entries) for number, entries in split if len(entries) in (width, len(row)) and width > 1]
     rule = f"{lines.source}, line {lines.numbers[0]}: holds numbers, and no line before it names the columns"
     rule += f"; put a header before it: {header}" if header else ""
@@ -155,10 +155,10 @@ def _comment_with_names(lines: Lines, spoken: Dialect, row: Sequence[str], heade
     return fitting[-1] if fitting else None
 
 
-def _names(header: Sequence[str], samples: Sequence[str], spoken: Dialect, place: str) -> tuple[str, ...]:
+def _names(header: Sequence[str], samples: Sequence[str], layout: Dialect, place: str) -> tuple[str, ...]:
     """The names of the columns; "" for a column without one."""
     names = [" ".join(name.split()) for name in _trimmed(header)]
-    if dialect.counted(samples, spoken, len(names) + 1):
+    if dialect.counted(samples, layout, len(names) + 1):
         names.insert(0, "")
     require(len(names) <= MAX_COLUMNS, f"{place}: more than {MAX_COLUMNS} columns")
     require(any(names), f"{place}: no column has a name")
@@ -175,7 +175,7 @@ def _trimmed(row: Sequence[str]) -> list[str]:
 
 
 def _parsed(
-    rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], spoken: Dialect, lines: Lines
+    rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], layout: Dialect, lines: Lines
 ) -> tuple[Float[Array, " numbers"], Int[Array, " rows"]]:
     """The numbers of the named columns, row after row, and the line number of each row."""
     values, numbers = array("d"), array("q")
@@ -184,7 +184,7 @@ def _parsed(
         if len(row) != width:
             row = _as_wide(row, width, f"{source}, line {number}")
         entries = row if every else [row[k] for k in kept]
-        if spoken.decimal_comma:
+        if layout.decimal_comma:
             entries = [entry.replace(",", ".") for entry in entries]
         try:
             if number in lines.underscored:

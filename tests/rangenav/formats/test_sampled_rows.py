@@ -135,3 +135,17 @@ def test_pieces_of_degree_5_pass_through_position_velocity_and_acceleration_and_
         for side in (-1e-12, 1e-12):
             np.testing.assert_allclose(path(knots[1:-1] + side, order), given[1:-1, order], atol=1e-9)
     assert all(piece.x[6:] == (0.0, 0.0) for piece in path.pieces)
+
+
+@pytest.mark.parametrize(
+    ("gap", "rule"),
+    [
+        (5.0, "are too short for a curve through 4 knots 0.02 s apart: check the unit of the stamps"),
+        (200.0, "with knots 0.05 s apart no smooth curve can be found through these waypoints"),
+    ],
+)
+def test_two_bursts_for_which_there_is_no_curve_are_refused_by_the_name_of_their_file(gap: float, rule: str):
+    stamps = np.r_[TIME[:22], TIME[:22] + gap]
+    with pytest.raises(ValueError, match=r"^x\.tum: ") as refused:
+        read(tum(stamps), time="ms")
+    assert rule in str(refused.value)
