@@ -23,7 +23,7 @@ from rangenav.signals import AngularVelocity, Flown, Signal, refuse_fallen, refu
 from rangenav.vehicle import FREE, Vehicle
 
 FORMAT_VERSION = 1
-MIN_DURATION, MAX_DURATION = 0.5, 600.0
+MIN_DURATION, MAX_DURATION = 0.5, 3600.0
 MAX_SAMPLES = 2_000_000
 """Upper limit of duration × rate: more samples need more memory and time than the page has."""
 MIN_WINDOW_SAMPLES = 4

@@ -45,6 +45,11 @@ class Dial(Control[float]):
         _widen(self._slider, self._shown)
         self._slider.value = self._shown
 
+    def reach(self, value: float) -> None:
+        """Widen the slider until it reaches a value (in its own unit), which it does not show."""
+        if not self._slider.min <= value * self._scale <= self._slider.max:
+            _widen(self._slider, round(value * self._scale, self._digits))
+
 
 class LogDial(Control[float]):
     """A slider over log10, with the value in its label. Its left end may mean zero."""

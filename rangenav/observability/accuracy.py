@@ -14,8 +14,8 @@ from numpy import ndarray as Array
 from rangenav.arguments import number
 from rangenav.inputs import require
 from rangenav.motion import World
-from rangenav.observability import remainders, rows, windows
-from rangenav.observability.remainders import Remainders
+from rangenav.observability import gramian_rank, rows, windows
+from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.rows import Moment, PathSamples
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
 from rangenav.signals import Signal
@@ -114,7 +114,7 @@ def sigmas(
     noise = sigma if sigma > 0 else 1.0  # without noise every determined block is exact: computed for 1 m, then zero
     if kind == "lifted":
         weight = count / (distance2 * noise**2 + noise**4 / 2)
-        result = _lifted_sigmas(remainders.of(samples, world.gravity, weight, at))
+        result = _lifted_sigmas(gramian_rank.of(samples, world.gravity, weight, at))
     else:
         weight = count / (np.maximum(distance2, NEAREST**2) * noise**2)
         R = rows.triangles(samples, weight, lambda part: rows.nonlinear_of(part, world.anchor, at))
@@ -125,8 +125,8 @@ def sigmas(
 def _lifted_sigmas(of: Remainders) -> Float[Array, "w 3"]:
     """Norms of the rows of M⁻¹R⁻¹ in each block; NaN where the null space reaches into the block."""
     units = of.window ** LIFTED_TIME_POWERS[LIFTED_BLOCKS[0].start :].astype(float)
-    variance = np.sum((of.unknown_states @ remainders.inverse(of)) ** 2, axis=2) / units**2
-    blind = remainders.unseen(of, np.ones(remainders.STATES))
+    variance = np.sum((of.unknown_states @ gramian_rank.inverse(of)) ** 2, axis=2) / units**2
+    blind = gramian_rank.unseen(of, np.ones(gramian_rank.STATES))
     result = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in NONLINEAR_BLOCKS], axis=1))
     reach = np.stack([np.linalg.norm(blind[:, block], axis=1).max(axis=1) for block in LIFTED_BLOCKS], axis=1)
     return np.where(reach > NULL_SHARE, np.nan, result)

@@ -17,7 +17,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import require
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, quadrature, remainders, rows
+from rangenav.observability import accuracy, gramian_rank, quadrature, rows
 from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -83,7 +83,7 @@ def horizon(
 
     def rank_lost(starts: Array, length: float) -> Array:
         samples = sampled(starts, length)
-        return STATES - remainders.of(samples, world.gravity, samples.weight, "start").rank.astype(float)
+        return STATES - gramian_rank.of(samples, world.gravity, samples.weight, "start").rank.astype(float)
 
     def error(starts: Array, length: float) -> Array:
         count = int(length * rate + 1e-9) + 1

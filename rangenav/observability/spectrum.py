@@ -2,7 +2,7 @@
 
 W = (1/δ)∫ hᵀh ds = HᵀH with H the quadrature-weighted rows, so λ = σ(H)². Forming W in double precision loses every
 eigenvalue below 1e-17 λ_max and returns negative ones; λ_min on the paper's own path is 5e-26 for δ = 0.25 s.
-The lifted rank is that of the window's `remainders`. Singular values below 1e-8 of the largest are reciprocals of those
+The lifted rank is that of the window's `gramian_rank`. Singular values below 1e-8 of the largest are reciprocals of those
 of H⁺ = (I − NNᵀ) M⁻¹ R⁺, with N the unseen states: H itself holds them to an absolute 1e-16 of the largest alone.
 """
 
@@ -12,8 +12,8 @@ from numpy import ndarray as Array
 
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
-from rangenav.observability import remainders, rows, windows
-from rangenav.observability.remainders import CUBIC, Remainders
+from rangenav.observability import gramian_rank, rows, windows
+from rangenav.observability.gramian_rank import CUBIC, Remainders
 from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -68,7 +68,7 @@ def sampled_spectra(path: Signal, gravity: Vec3, start: Float[Array, "w"], windo
 
 def lifted_spectra(samples: PathSamples, gravity: Vec3) -> Spectrum:
     """Spectra of the 13-state lifted Gramian of windows whose samples are known."""
-    return of_remainders(remainders.of(samples, gravity, samples.weight, "start"), rounding=samples.rounding)
+    return of_remainders(gramian_rank.of(samples, gravity, samples.weight, "start"), rounding=samples.rounding)
 
 
 def local_spectra(samples: PathSamples, anchor: Vec3) -> Spectrum:
@@ -116,7 +116,7 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
 def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
     """Spectra of the 13-state lifted Gramian of windows whose remainders are known."""
     units = of.window ** LIFTED_TIME_POWERS.astype(float)
-    unseen, in_si = remainders.unseen(of, np.ones_like(units)), remainders.unseen(of, units)
+    unseen, in_si = gramian_rank.unseen(of, np.ones_like(units)), gramian_rank.unseen(of, units)
     forward, inverse = of.triangle @ np.linalg.inv(of.states), _pseudoinverse(of)
     direct, small = np.linalg.svd(forward, compute_uv=False), _reciprocals(inverse, unseen)
     tolerance = np.maximum(RANK_TOLERANCE * direct[:, 0], rounding)
@@ -141,7 +141,7 @@ def _floor(singular: Float[Array, "w n"], window: float, rounding: float) -> Flo
 def _pseudoinverse(of: Remainders) -> Float[Array, "w 13 13"]:
     """M⁻¹R⁺, where remainders that do not count are zero."""
     result = np.zeros_like(of.triangle)
-    outer, inner = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC]), remainders.inverse(of)
+    outer, inner = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC]), gramian_rank.inverse(of)
     result[:, :CUBIC, :CUBIC], result[:, CUBIC:, CUBIC:] = outer, inner
     result[:, :CUBIC, CUBIC:] = -outer @ of.triangle[:, :CUBIC, CUBIC:] @ inner
     return of.states @ result

@@ -12,7 +12,9 @@ import msgspec
 from rangenav.inputs import Input, require
 
 MIN_RATE, MAX_RATE = 1.0, 10_000.0
-"""Hz, of any sensor."""
+"""Hz, of any sensor but the range's slowest."""
+MIN_RANGE_RATE = 0.1
+"""Hz: acoustic ranges come every few seconds."""
 MIN_SIGMA, MAX_SIGMA = 1e-9, 1e3
 """Limits of noise that is not zero: no sensor has less, and the square of less would underflow."""
 MIN_DENSITY = MIN_SIGMA / math.sqrt(MAX_RATE)

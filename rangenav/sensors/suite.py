@@ -2,7 +2,7 @@
 
 from rangenav.inputs import Input, require, require_within
 from rangenav.sensors.effects import MODELLED, Effects, sentences, unpredicted
-from rangenav.sensors.noise import MAX_RATE, MIN_RATE, Noise, in_unit
+from rangenav.sensors.noise import MAX_RATE, MIN_RANGE_RATE, MIN_RATE, Noise, in_unit
 
 
 class Sensors(Input, frozen=True, kw_only=True):
@@ -21,7 +21,7 @@ class Sensors(Input, frozen=True, kw_only=True):
             MIN_RATE <= self.mag_rate <= self.imu_rate,
             f"mag_rate must lie between 1 Hz and imu_rate, got {self.mag_rate:g}",
         )
-        require_within("range_rate", self.range_rate, MIN_RATE, MAX_RATE, "Hz")
+        require_within("range_rate", self.range_rate, MIN_RANGE_RATE, MAX_RATE, "Hz")
         try:
             in_unit(self.noise, "sample", rate=self.imu_rate)
         except ValueError as error:

@@ -85,7 +85,7 @@ REFUSALS = [
         edited("gyro = 0.01", "gyro = -0.01"), "noise gyro must lie between", "$.sensors.noise", id="negative noise"
     ),
     pytest.param(
-        edited("duration = 20.0", "duration = 1e6"), "duration must lie between 0.5 and 600 s", NO_PLACE, id="long"
+        edited("duration = 20.0", "duration = 1e6"), "duration must lie between 0.5 and 3600 s", NO_PLACE, id="long"
     ),
     pytest.param(
         edited("duration = 20.0", "duration = -1"), "duration must lie between", NO_PLACE, id="negative duration"

@@ -46,7 +46,7 @@ def sigma(path: Multisine, gravity: Vec3, anchor: Vec3, start: float, tau: np.nd
             q = [p - mp.mpf(a) for p, a in zip(position(path, mp.mpf(start) + mp.mpf(t), 0), anchor, strict=True)]
             weight = 1 / (mp.fsum(x * x for x in q) * mp.mpf(noise) ** 2 + mp.mpf(noise) ** 4 / 2)
             W += weight * mp.matrix(h) * mp.matrix([h])
-        covariance = W**-1
+        covariance: Any = W**-1
         return float(mp.sqrt(mp.fsum(covariance[j, j] for j in range(4, 7))))
 
 

@@ -144,7 +144,8 @@ class _Timing:
 
     def refresh(self) -> None:
         with self.section.catching():
-            self.read()
+            _, duration, _ = self.read()
+            self._window.reach(duration / 2)  # a slow motion over minutes needs windows of minutes
 
     def read(self) -> tuple[float, float, float]:
         """Time scale, duration (s) and window (s)."""

@@ -12,7 +12,7 @@ from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
 from rangenav.preset import Preset
-from rangenav.sensors import Sensors, effect_sentences
+from rangenav.sensors import MIN_RANGE_RATE, Sensors, effect_sentences
 from rangenav.sensors.sensor_sets import CATALOGUE
 
 CUSTOM = "own"
@@ -45,7 +45,7 @@ class SensorsPanel:
             "Hz: how often a range d = |p − anchor| + noise arrives (paper, eq. 3); each is one correction by y = ½d²."
         )
         with section:
-            self.range_rate = Dial(section, "range (Hz)", (1.0, 200.0), step=1.0, hint=hint)
+            self.range_rate = Dial(section, "range (Hz)", (MIN_RANGE_RATE, 200.0), step=0.1, hint=hint)
         self.noise = NoiseFolder(form)
         section = Section(form, "IMU and magnetometer rates", expanded=False)
         with section:

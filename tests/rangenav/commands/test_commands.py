@@ -258,7 +258,7 @@ BAD = [
     (["analyze", "paper", "--window"], "--window"),
     (["analyze", "paper", "--window", "wide"], "--window"),
     (["analyze", "paper", "--window", "nan"], "--window: must be a finite number, got 'nan'"),
-    (["analyze", "paper", "--window", "0"], "window must lie between 0.05 and 600 s, got 0"),
+    (["analyze", "paper", "--window", "0"], "window must lie between 0.05 and 3600 s, got 0"),
     (["analyze", "paper", "--window", "20"], "window must be shorter than the duration, got 20 s"),
     (["analyze", "paper", "--widow", "3"], "--widow"),
     (["simulate", "paper", "--seed", "-1"], "seed must lie between 0 and 2^53, got -1"),

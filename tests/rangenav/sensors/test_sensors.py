@@ -333,7 +333,7 @@ def test_check_accepts_a_record_without_a_magnetometer_or_ranges_but_not_one_of_
         (lambda: Sensors(imu_rate=0.5), "imu_rate must lie between 1 and 10000 Hz, got 0.5"),
         (lambda: Sensors(imu_rate=1e9), "imu_rate must lie between 1 and 10000 Hz, got 1e+09"),
         (lambda: Sensors(mag_rate=201.0), "mag_rate must lie between 1 Hz and imu_rate, got 201"),
-        (lambda: Sensors(range_rate=0.0), "range_rate must lie between 1 and 10000 Hz, got 0"),
+        (lambda: Sensors(range_rate=0.0), "range_rate must lie between 0.1 and 10000 Hz, got 0"),
         (lambda: Sensors(range_rate=np.inf), "range_rate must be a finite number, got inf"),
     ],
 )

@@ -75,12 +75,22 @@ def test_what_differs_from_the_preset_is_marked_and_can_be_reset(editing: Editin
 
 
 @pytest.mark.parametrize(
-    ("seconds", "sentence"), [(0.0, "between 0.5 and 600"), (1e6, "between 0.5 and 600"), (3.0, "")]
+    ("seconds", "sentence"), [(0.0, "between 0.5 and 3600"), (1e6, "between 0.5 and 3600"), (3.0, "")]
 )
 def test_durations_beyond_reason_get_a_sentence(editing: Editing, seconds: float, sentence: str):
     editing.set("duration (s)", seconds)
     complaint = " ".join(editing.refusals())
     assert sentence in complaint if sentence else "requirement.window must be shorter than the duration" in complaint
+
+
+def test_a_long_flight_has_windows_of_minutes_and_pings_every_ten_seconds(editing: Editing):
+    editing.set("slower s", 1.0)
+    editing.set("duration (s)", 1200.0)
+    editing.set("window δ (s)", 200.0)
+    editing.set("range (Hz)", 0.1)
+    chosen = editing.settings.preset
+    assert (chosen.duration, chosen.requirement.window, chosen.sensors.range_rate) == (1200.0, 200.0, 0.1)
+    assert editing.tab.elements[editing.tab.find("window δ (s)")]["max"] >= 600.0
 
 
 def _complaints_below_controls(editing: Editing, sentence: str) -> list[str]:

@@ -4,25 +4,27 @@ import math
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from rangenav import analysis, preset
 from rangenav.inputs import Vec3
 from rangenav.motion import World
-from rangenav.observability import accuracy, functions, remainders, rows, spectrum
+from rangenav.observability import accuracy, functions, gramian_rank, rows, spectrum
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Noise, Sensors
 from rangenav.signals import Formula, Multisine, Signal, Tone, rotated
+from rangenav.signals.multisine import LETTERS, Axis
 from tests.support import precise_rank
 
 GRAVITY: Vec3 = (0.0, 0.0, 9.81)
 ANCHOR: Vec3 = (0.0, 0.0, 0.1)
 
 
-def tones(*each: tuple[str, float, float, float]) -> tuple[Tone, ...]:
+def tones(*each: tuple[Axis, float, float, float]) -> tuple[Tone, ...]:
     return tuple(Tone(axis=axis, amplitude=a, frequency=w, phase=phase) for axis, a, w, phase in each)
 
 
-def circle(plane: str, amplitude: float, w: float) -> tuple[Tone, ...]:
+def circle(plane: tuple[Axis, Axis], amplitude: float, w: float) -> tuple[Tone, ...]:
     return tones((plane[0], amplitude, w, math.pi / 2), (plane[1], amplitude, w, 0.0))
 
 
@@ -50,16 +52,21 @@ def test_slow_motions_of_three_frequencies_have_rank_13_and_no_relation(path: Mu
 def motions(length: float, rng: np.random.Generator) -> dict[str, Multisine]:
     """Degenerate and random motions that turn 1 to 6 times in a window of this length (s)."""
     w, A = 2 * math.pi * rng.uniform(1.0, 3.0) / length, 10 ** rng.uniform(-1, 1)
-    random = ((axis, A * rng.uniform(0.3, 1), w * rng.uniform(0.9, 2), rng.uniform(-3, 3)) for axis in "xxyyzz")
+    axes: tuple[Axis, ...] = (*LETTERS, *LETTERS)
+    random = (
+        (axis, A * rng.uniform(0.3, 1), w * rng.uniform(0.9, 2), rng.uniform(-3, 3)) for axis in (*LETTERS, *LETTERS)
+    )
     return {
         "hover": Multisine(offset=(1.0, 2.0, 3.0)),
         "line": Multisine(offset=(1.0, 2.0, 3.0), drift=(A / length, 0.3, -0.1)),
         "back and forth": Multisine(tones=tones(("x", A, w, 0.3), ("x", A / 3, 2.3 * w, 1.0))),
-        "circle": Multisine(tones=circle("xy", A, w), offset=(3.0, 0.0, 1.0)),
-        "vertical circle": Multisine(tones=circle("xz", A, w)),
-        "helix": Multisine(tones=circle("xy", A, w), drift=(0.0, 0.0, A / length)),
-        "one frequency": Multisine(tones=(*circle("xy", A, w), *tones(("z", A / 2, w, 0.7)))),
-        "planar": Multisine(tones=(*circle("xy", A, w), *tones(("x", A / 2, 2 * w, 0.4), ("y", A, 1.6 * w, 2.0)))),
+        "circle": Multisine(tones=circle(("x", "y"), A, w), offset=(3.0, 0.0, 1.0)),
+        "vertical circle": Multisine(tones=circle(("x", "z"), A, w)),
+        "helix": Multisine(tones=circle(("x", "y"), A, w), drift=(0.0, 0.0, A / length)),
+        "one frequency": Multisine(tones=(*circle(("x", "y"), A, w), *tones(("z", A / 2, w, 0.7)))),
+        "planar": Multisine(
+            tones=(*circle(("x", "y"), A, w), *tones(("x", A / 2, 2 * w, 0.4), ("y", A, 1.6 * w, 2.0)))
+        ),
         "random": Multisine(tones=tones(*random)),
     }
 
@@ -93,7 +100,7 @@ def test_the_coordinates_are_the_rows_in_another_basis(gravity: Vec3, moment: ro
     start, window = np.array([0.4, 2.0]), 3.0
     for name in ("lissajous", "trefoil"):
         samples = rows.sample(preset.load(name).path, start, window)
-        of = remainders.of(samples, gravity, samples.weight, moment)
+        of = gramian_rank.of(samples, gravity, samples.weight, moment)
         changed = of.triangle @ np.linalg.inv(of.states)
         tau = samples.tau - window if moment == "end" else samples.tau
         reference = start + window if moment == "end" else start
@@ -110,7 +117,7 @@ def test_the_rank_does_not_depend_on_the_axes_in_which_gravity_lies():
     turn = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
     turn *= np.sign(np.linalg.det(turn))
     gravity = tuple((turn @ np.array(GRAVITY)).tolist())
-    for path, known in ((INDOORS, 13), (Multisine(tones=circle("xy", 2.0, 0.2)), 11)):
+    for path, known in ((INDOORS, 13), (Multisine(tones=circle(("x", "y"), 2.0, 0.2)), 11)):
         assert rank_of(rotated(path, turn, about=(0.0, 0.0, 0.0)), 5.0, 60.0, gravity) == known
 
 
@@ -152,3 +159,12 @@ def test_as_many_values_lie_above_floor_and_tolerance_as_the_rank_says():
         assert (np.sum(spectra.eigenvalues > spectra.floor[:, None], axis=1) == spectra.rank).all()
         assert (np.sum(spectra.scaled > spectra.tolerance[:, None], axis=1) == spectra.rank).all()
         assert (np.diff(spectra.scaled, axis=1) <= 1e-12 * spectra.scaled[:, :1]).all()
+
+
+def test_an_hour_of_pings_every_ten_seconds_is_judged():
+    dive = slow_preset(VEHICLE)
+    sensors = Sensors(imu_rate=10.0, mag_rate=10.0, range_rate=0.1, noise=Noise(range=0.5))
+    dive = replace(dive, duration=3600.0, sensors=sensors, requirement=Requirement(window=600.0, mu=1e-12))
+    assert analysis.analyse(dive).rank == 13
+    with pytest.raises(ValueError, match=r"range_rate must lie between 0\.1 and 10000 Hz, got 0\.05"):
+        replace(sensors, range_rate=0.05)
