@@ -53,9 +53,7 @@ def motions(length: float, rng: np.random.Generator) -> dict[str, Multisine]:
     """Degenerate and random motions that turn 1 to 6 times in a window of this length (s)."""
     w, A = 2 * math.pi * rng.uniform(1.0, 3.0) / length, 10 ** rng.uniform(-1, 1)
     axes: tuple[Axis, ...] = (*LETTERS, *LETTERS)
-    random = (
-        (axis, A * rng.uniform(0.3, 1), w * rng.uniform(0.9, 2), rng.uniform(-3, 3)) for axis in (*LETTERS, *LETTERS)
-    )
+    sizes = [(A * rng.uniform(0.3, 1), w * rng.uniform(0.9, 2), rng.uniform(-3, 3)) for _ in axes]
     return {
         "hover": Multisine(offset=(1.0, 2.0, 3.0)),
         "line": Multisine(offset=(1.0, 2.0, 3.0), drift=(A / length, 0.3, -0.1)),
@@ -67,7 +65,7 @@ def motions(length: float, rng: np.random.Generator) -> dict[str, Multisine]:
         "planar": Multisine(
             tones=(*circle(("x", "y"), A, w), *tones(("x", A / 2, 2 * w, 0.4), ("y", A, 1.6 * w, 2.0)))
         ),
-        "random": Multisine(tones=tones(*random)),
+        "random": Multisine(tones=tones(*((axis, *size) for axis, size in zip(axes, sizes, strict=True)))),
     }
 
 
