@@ -2,8 +2,8 @@
 
 W = (1/δ)∫ hᵀh ds = HᵀH with H the quadrature-weighted rows, so λ = σ(H)². Forming W in double precision loses every
 eigenvalue below 1e-17 λ_max and returns negative ones; λ_min on the paper's own path is 5e-26 for δ = 0.25 s.
-The lifted rank is that of the window's `gramian_rank`. Singular values below 1e-8 of the largest are reciprocals of those
-of H⁺ = (I − NNᵀ) M⁻¹ R⁺, with N the unseen states: H itself holds them to an absolute 1e-16 of the largest alone.
+The lifted rank is decided by `gramian_rank`. Small singular values are reciprocals of those of H⁺ = (I − NNᵀ) M⁻¹ R⁺,
+with N the unseen states: H itself holds them to an absolute 1e-16 of the largest alone.
 """
 
 import numpy as np

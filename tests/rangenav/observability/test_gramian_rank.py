@@ -65,7 +65,11 @@ def motions(length: float, rng: np.random.Generator) -> dict[str, Multisine]:
         "planar": Multisine(
             tones=(*circle(("x", "y"), A, w), *tones(("x", A / 2, 2 * w, 0.4), ("y", A, 1.6 * w, 2.0)))
         ),
-        "random": Multisine(tones=tones(*((axis, *size) for axis, size in zip(axes, sizes, strict=True)))),
+        "random": Multisine(
+            tones=tuple(
+                Tone(axis=a, amplitude=s[0], frequency=s[1], phase=s[2]) for a, s in zip(axes, sizes, strict=True)
+            )
+        ),
     }
 
 
