@@ -12,7 +12,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 WORKERS ?= 2
 # Each worker computes with one thread: the matrices are small, and two workers with two threads each wait for each other.
-PYTEST := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS)
+# Compiled modules are kept, whatever the environment says: the tests start the program some fifty times.
+PYTEST := PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS)
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
 
 .DEFAULT_GOAL := help

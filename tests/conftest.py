@@ -18,6 +18,8 @@ SOURCE = Path(__file__).parent.parent
 BROWSER_TESTS = "tests/browser/"
 COMPILED = "kernels"
 """numba needs the functions as they are written; a wrapper around each cannot be compiled."""
+SLOW_FILE = "\npytestmark = pytest.mark.slow\n"
+"""How a file says that it is slow as a whole."""
 NO_VISER = ("explorer.model.compute", "explorer.model.details", "explorer.model.settings")
 """The explorer's arrays are made there; its other modules only hand them on."""
 
@@ -34,6 +36,13 @@ settings.load_profile("gate" if os.environ.get("CI") else "developer")
 
 jaxtyping.jaxtyped = shape_checker.sampled  # the hook writes this name above every function
 jaxtyping.install_import_hook([*_checked_modules(), *NO_VISER], f"{shape_checker.__name__}.checked")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """A file that is slow as a whole is not even imported for `make quick`: some compute while they are imported."""
+    if config.getoption("markexpr") != "not slow" or collection_path.suffix != ".py":
+        return None
+    return True if SLOW_FILE in collection_path.read_text(encoding="utf-8") else None
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling:

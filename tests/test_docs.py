@@ -21,8 +21,6 @@ ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = sorted([*DOCS.rglob("*.md"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"])
 BLOCK = re.compile(r"```(python|console)\n(.*?)```", re.DOTALL)
-SLOW = 180
-"""s that one command may take."""
 
 
 def blocks(page: Path) -> list[tuple[str, str]]:
@@ -31,7 +29,7 @@ def blocks(page: Path) -> list[tuple[str, str]]:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page)], ids=lambda page: str(page.relative_to(ROOT)))
-def test_the_programs_and_commands_of_a_page_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_the_programs_and_commands_of_a_page_run(page: Path, run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {"__name__": "__main__"}
     for language, text in blocks(page):
@@ -39,12 +37,8 @@ def test_the_programs_and_commands_of_a_page_run(page: Path, tmp_path: Path, mon
             exec(compile(text, page.name, "exec"), names)
         else:
             for command in re.findall(r"^\$ rangenav (.*)$", text, flags=re.MULTILINE):
-                done = subprocess.run(
-                    [sys.executable, "-m", "rangenav", *command.split()],
-                    capture_output=True, text=True, timeout=SLOW, check=False,
-                    env={**os.environ, "PYTHONPATH": str(ROOT)},
-                )  # fmt: skip
-                assert done.returncode == 0, f"rangenav {command}\n{done.stderr}"
+                code, _, err = run(*command.split())
+                assert code == 0, f"rangenav {command}\n{err}"
 
 
 def test_the_observer_of_the_library_page_gives_the_same_numbers_sample_by_sample():

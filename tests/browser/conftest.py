@@ -16,35 +16,49 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.skipif(why_not() is not None, reason=str(why_not())))
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def server() -> Iterator[Server]:
     """The command as a user starts it."""
     with served() as running:
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """A headless Chromium."""
     with chromium() as running:
         yield running
 
 
-@pytest.fixture
-def visitor(server: Server, browser: Browser) -> Iterator[Visitor]:
-    """One tab, which must not complain."""
+@pytest.fixture(scope="module")
+def narrow_page(server: Server, browser: Browser) -> Iterator[Visitor]:
+    """One page for a file of tests: to load it takes longer than most of them."""
     tab = Visitor(browser, server.url, density=COARSE)
     tab.dismiss_notifications()
     yield tab
-    assert tab.complaints == []
+    tab.close()
+
+
+@pytest.fixture(scope="module")
+def wide_page(server: Server, browser: Browser) -> Iterator[Visitor]:
+    """One page for a file of tests, on a screen that has all plots on view."""
+    tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
+    tab.dismiss_notifications()
+    yield tab
     tab.close()
 
 
 @pytest.fixture
-def wide(server: Server, browser: Browser) -> Iterator[Visitor]:
-    """One tab on a screen that has all plots on view."""
-    tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
-    tab.dismiss_notifications()
-    yield tab
-    assert tab.complaints == []
-    tab.close()
+def visitor(narrow_page: Visitor) -> Iterator[Visitor]:
+    """The page of this file with the first preset as it is shipped; it must not complain."""
+    narrow_page.begin_anew()
+    yield narrow_page
+    assert narrow_page.complaints == []
+
+
+@pytest.fixture
+def wide(wide_page: Visitor) -> Iterator[Visitor]:
+    """The page of this file with all plots on view, with the first preset as it is shipped; it must not complain."""
+    wide_page.begin_anew()
+    yield wide_page
+    assert wide_page.complaints == []

@@ -36,9 +36,13 @@ PATIENCE = 120.0
 COARSE = 0.5
 """Pixels of the screen for each pixel of the page: a quarter of the work for a software renderer."""
 VERDICT = ", nonlinear "
+FIRST, OTHER, OTHER_VERDICT = "(paper-slow)", "(circle)", "nothing excites z"
+"""The preset of a new page, and another one with what its verdict says."""
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
+BLUR = "() => document.activeElement.blur()"
+"""What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
 """viser's own, at each press on a node that can be dragged; the drag is none the worse for it."""
 ROW = "xpath=ancestor::div[./div[2]][1]/div[2]"
@@ -147,6 +151,18 @@ class Visitor:
         self.page.reload()
         self.wait_until_drawn()
 
+    def begin_anew(self) -> None:
+        """The first preset as it is shipped, at its start, whatever an earlier test has left."""
+        self.complaints.clear()
+        self.tab("Presets")
+        self.choose("preset", OTHER)
+        self.wait_for_text(OTHER_VERDICT)
+        self.choose("preset", FIRST)
+        self.wait_for_no_text(OTHER_VERDICT)
+        self.wait_for_text(self._says)
+        self.tab("Motion")
+        self.page.evaluate(BLUR)
+
     @contextmanager
     def reconnecting(self) -> Iterator[None]:
         """For a block that ends the connection: afterwards the page has been built anew over another one."""
@@ -161,6 +177,13 @@ class Visitor:
     def close(self) -> None:
         """Close the tab."""
         self.page.context.close() if self._alone else self.page.close()
+
+    def wait_until_saved(self, text: str) -> None:
+        """Until the work of some tab that is saved on this machine has a text in it."""
+        folder, deadline = Path(os.environ["RANGENAV_STATE"]) / "work", time.monotonic() + PATIENCE
+        while not any(text in file.read_text(encoding="utf-8") for file in folder.glob("*.json")):
+            assert time.monotonic() < deadline, f"waited in vain for saved work with {text}"
+            time.sleep(0.05)
 
     def text(self) -> str:
         """Everything written on the page."""
@@ -223,7 +246,7 @@ class Visitor:
         """Pick an option of a dropdown."""
         self.beside(label).locator("input").first.click()
         self.page.get_by_role("option", name=option, exact=False).first.click()
-        self.page.evaluate("() => document.activeElement.blur()")  # a dropdown keeps the focus, and with it the keys
+        self.page.evaluate(BLUR)
         time.sleep(INPUT_PAUSE)
 
     def press(self, label: str) -> None:

@@ -1,41 +1,19 @@
 """Plots under a real mouse: the legends tell what is under it, and a click on an entry hides its curve."""
 
 import time
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser
 
 from explorer.charts import plot_list
 from explorer.model.compute import compute
 from explorer.model.settings import Settings
 from rangenav import preset
 from rangenav.number_format import significant
-from tests.browser.page import CHARTS, COARSE, PATIENCE, Visitor, chromium, served, why_not
+from tests.browser.page import CHARTS, PATIENCE, Visitor
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
-]
 TOLD = """selector => Array.from(document.querySelectorAll(selector), found =>
     getComputedStyle(found, '::after').content.replaceAll('"', ''))"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as running:
-        yield running
-
-
-@pytest.fixture
-def visitor(browser: Browser) -> Iterator[Visitor]:
-    with served("--preset", "paper-slow") as server:
-        tab = Visitor(browser, server.url, width=1920, height=1080, density=COARSE)
-        tab.dismiss_notifications()
-        yield tab
-        assert tab.complaints == []
-        tab.close()
 
 
 def _until(holds, what: str) -> None:
@@ -55,8 +33,8 @@ def _hidden(visitor: Visitor) -> int:
     return visitor.page.evaluate(f"() => {found}.length")
 
 
-def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(visitor: Visitor):
-    area = visitor.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
+def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(wide: Visitor):
+    area = wide.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
     box = area.bounding_box()
     assert box is not None
     duration, middle = preset.load("paper-slow").duration, box["y"] + box["height"] / 2
@@ -64,52 +42,52 @@ def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(visitor: V
     def at(share: float) -> tuple[float, float]:
         return box["x"] + share * box["width"], middle
 
-    visitor.page.mouse.move(*at(0.6))
-    visitor.page.mouse.down()
-    visitor.page.mouse.move(*at(0.2), steps=4)
-    drawn = visitor.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width")
+    wide.page.mouse.move(*at(0.6))
+    wide.page.mouse.down()
+    wide.page.mouse.move(*at(0.2), steps=4)
+    drawn = wide.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width")
     assert drawn == pytest.approx(0.4 * box["width"], abs=2)
-    visitor.page.mouse.up()
-    _until(lambda: float(visitor.number("window δ (s)")) == pytest.approx(0.4 * duration, abs=0.2), "the window")
-    visitor.page.mouse.click(*at(0.75))
-    _until(lambda: f"<b>{0.75 * duration:.0f}." in visitor.page.content(), "the moment")
-    assert visitor.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width") == 0
+    wide.page.mouse.up()
+    _until(lambda: float(wide.number("window δ (s)")) == pytest.approx(0.4 * duration, abs=0.2), "the window")
+    wide.page.mouse.click(*at(0.75))
+    _until(lambda: f"<b>{0.75 * duration:.0f}." in wide.page.content(), "the moment")
+    assert wide.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width") == 0
 
 
-def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_curve(visitor: Visitor):
+def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_curve(wide: Visitor):
     seen = compute(Settings(preset=preset.load("paper-slow")))
-    area = visitor.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
+    area = wide.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
     box = area.bounding_box()
     assert box is not None
-    before = _value(visitor, "position-0")
-    visitor.page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)
-    _until(lambda: visitor.page.evaluate(TOLD, ".rn-at")[0].endswith(" s"), "the time under the mouse")
+    before = _value(wide, "position-0")
+    wide.page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)
+    _until(lambda: wide.page.evaluate(TOLD, ".rn-at")[0].endswith(" s"), "the time under the mouse")
     time.sleep(0.5)
-    times = set(visitor.page.evaluate(TOLD, ".rn-at"))
+    times = set(wide.page.evaluate(TOLD, ".rn-at"))
     assert len(times) == 1  # all plots tell the same
     moment = float(times.pop().removesuffix(" s"))
     assert moment == pytest.approx(0.25 * seen.preset.duration, abs=seen.preset.duration / box["width"])
     k = int(np.searchsorted(seen.motion.time, moment))
     near = {significant(error) for error in seen.errors.position[k - 3 : k + 4]}
-    assert _value(visitor, "position-0") in near
+    assert _value(wide, "position-0") in near
     gramian = next(plot for plot in plot_list.OBSERVABILITY.plots if plot.name == "gramian").draw(seen)
     row = int(np.searchsorted(gramian.time, moment + 1e-9)) - 1
-    assert significant(gramian.values[row, 0]) == _value(visitor, "gramian-0")
+    assert significant(gramian.values[row, 0]) == _value(wide, "gramian-0")
     assert gramian.values[row, 0] < 1e-3  # which uPlot's own legend would call 0
 
-    visitor.page.locator('[data-curve="position-1"]').click()
-    _until(lambda: _hidden(visitor) == 1, "the curve to go")
-    _until(lambda: _value(visitor, "position-0") == before, "the values at the playhead")
-    assert visitor.page.evaluate(TOLD, ".rn-at")[0] == "none"
-    visitor.tab("Gains")
-    data = visitor.chart_data("σ by P")
-    visitor.nudge("q", "ArrowLeft", times=3)
-    _until(lambda: visitor.chart_data("σ by P") != data, "another picture")
-    assert _hidden(visitor) == 1
-    visitor.tab("Export")
+    wide.page.locator('[data-curve="position-1"]').click()
+    _until(lambda: _hidden(wide) == 1, "the curve to go")
+    _until(lambda: _value(wide, "position-0") == before, "the values at the playhead")
+    assert wide.page.evaluate(TOLD, ".rn-at")[0] == "none"
+    wide.tab("Gains")
+    data = wide.chart_data("σ by P")
+    wide.nudge("q", "ArrowLeft", times=3)
+    _until(lambda: wide.chart_data("σ by P") != data, "another picture")
+    assert _hidden(wide) == 1
+    wide.tab("Export")
     time.sleep(0.5)
-    visitor.press("lines")
-    visitor.wait_for_text("record.run(p)")
+    wide.press("lines")
+    wide.wait_for_text("record.run(p)")
     time.sleep(0.5)
-    visitor.page.locator('[data-curve="position-1"]').click()
-    _until(lambda: _hidden(visitor) == 0, "the curve to come back")
+    wide.page.locator('[data-curve="position-1"]').click()
+    _until(lambda: _hidden(wide) == 0, "the curve to come back")

@@ -20,61 +20,61 @@ def _until(holds: Callable[[], bool], what: str, patience: float = PATIENCE) -> 
         time.sleep(0.05)
 
 
-def _still_camera(visitor: Visitor) -> None:
-    camera = None
-    while camera != (camera := visitor.camera_position()):
+def _wait_until_still(read: Callable[[], object]) -> None:
+    """Until what is read is the same after a second."""
+    seen = None
+    while seen != (seen := read()):
         time.sleep(1)
 
 
 def test_a_waypoint_dragged_with_the_mouse_moves_the_path_and_undo_brings_it_back(wide: Visitor):
-    visitor = wide
-    visitor.choose("family", "waypoints")
-    _until(lambda: "/handles/waypoint3" in visitor.node_names(), "handles")
-    _still_camera(visitor)
-    table, place = visitor.typed(TABLE), visitor.node_position("/handles/waypoint3")
-    verdict = visitor.chart_data("μ")
-    visitor.drag_node("/handles/waypoint3", (60, -40))
-    _until(lambda: visitor.typed(TABLE) != table, "the point in the table")
-    _until(lambda: math.dist(visitor.node_position("/handles/waypoint3"), place) > 0.05, "the handle elsewhere")
-    _until(lambda: visitor.chart_data("μ") != verdict, "another excitation")
-    visitor.page.mouse.click(5, 5)  # out of any box, whose own undo would come first
-    visitor.page.keyboard.press("Control+z")
-    _until(lambda: visitor.typed(TABLE) == table, "the table as it was")
-    _until(lambda: math.dist(visitor.node_position("/handles/waypoint3"), place) < 1e-6, "the handle where it was")
+    wide.choose("family", "waypoints")
+    _until(lambda: "/handles/waypoint3" in wide.node_names(), "handles")
+    _wait_until_still(wide.camera_position)
+    table, place = wide.typed(TABLE), wide.node_position("/handles/waypoint3")
+    verdict = wide.chart_data("μ")
+    wide.drag_node("/handles/waypoint3", (60, -40))
+    _until(lambda: wide.typed(TABLE) != table, "the point in the table")
+    _until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) > 0.05, "the handle elsewhere")
+    _until(lambda: wide.chart_data("μ") != verdict, "another excitation")
+    _wait_until_still(lambda: wide.typed(TABLE))  # the drag has ended for the session, too
+    wide.page.mouse.click(5, 5)  # out of any box, whose own undo would come first
+    wide.page.keyboard.press("Control+z")
+    _until(lambda: wide.typed(TABLE) == table, "the table as it was")
+    _until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) < 1e-6, "the handle where it was")
 
 
 def test_a_formula_is_typed_a_mistake_is_pointed_at_and_the_rest_goes_on(wide: Visitor):
-    visitor = wide
-    visitor.choose("family", "formulas")
-    visitor.type_text("x(t) =", "cos(2*t")
-    visitor.wait_for_text("a ) is missing at the end (column 8)")
-    visitor.type_text("x(t) =", "cos(2*t)")
-    visitor.wait_for_no_text("is missing at the end")
-    before = visitor.chart_data("norm")
-    visitor.type_text("z(t) =", "0.2*sin(3*t)")
-    _until(lambda: visitor.chart_data("norm") != before, "another φ")
-    assert visitor.typed("x(t) =") == "cos(2*t)"
+    wide.choose("family", "formulas")
+    wide.type_text("x(t) =", "cos(2*t")
+    wide.wait_for_text("a ) is missing at the end (column 8)")
+    wide.type_text("x(t) =", "cos(2*t)")
+    wide.wait_for_no_text("is missing at the end")
+    before = wide.chart_data("norm")
+    wide.type_text("z(t) =", "0.2*sin(3*t)")
+    _until(lambda: wide.chart_data("norm") != before, "another φ")
+    assert wide.typed("x(t) =") == "cos(2*t)"
 
 
-def test_undo_and_redo_by_buttons_and_keys(visitor: Visitor):
-    visitor.nudge("A (m)")
-    _until(lambda: "A (m) •" in visitor.text(), "the mark")
-    moved = visitor.number("A (m)")
-    visitor.press("↶ undo")
-    _until(lambda: visitor.number("A (m)") == "1", "the value before")
-    visitor.page.keyboard.press("Control+Shift+z")
-    _until(lambda: visitor.number("A (m)") == moved, "the value again")
-    visitor.press("A (m)")
-    _until(lambda: visitor.number("A (m)") == "1", "the value of the preset")
-    visitor.wait_for_no_text("A (m) •")
+def test_undo_and_redo_by_buttons_and_keys(wide: Visitor):
+    wide.nudge("A (m)")
+    _until(lambda: "A (m) •" in wide.text(), "the mark")
+    moved = wide.number("A (m)")
+    wide.press("↶ undo")
+    _until(lambda: wide.number("A (m)") == "1", "the value before")
+    wide.page.keyboard.press("Control+Shift+z")
+    _until(lambda: wide.number("A (m)") == moved, "the value again")
+    wide.press("A (m)")
+    _until(lambda: wide.number("A (m)") == "1", "the value of the preset")
+    wide.wait_for_no_text("A (m) •")
 
 
-def test_the_work_is_there_after_a_reload(visitor: Visitor):
-    visitor.choose("family", "formulas")
-    visitor.type_text("y(t) =", "0.4*cos(3*t)")
-    time.sleep(2.5)  # longer than work may wait to be written
-    visitor.reload()
-    _until(lambda: visitor.typed("y(t) =") == "0.4*cos(3*t)", "the formula")
+def test_the_work_is_there_after_a_reload(wide: Visitor):
+    wide.choose("family", "formulas")
+    wide.type_text("y(t) =", "0.4*cos(3*t)")
+    wide.wait_until_saved("0.4*cos(3*t)")
+    wide.reload()
+    _until(lambda: wide.typed("y(t) =") == "0.4*cos(3*t)", "the formula")
 
 
 def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_path: Path):
@@ -85,7 +85,7 @@ def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_
         _until(lambda: "/handles/waypoint3" in tab.node_names(), "handles")
         tab.type_number("duration (s)", "17")
         tab.wait_for_text("duration (s) •")
-        time.sleep(1.5)
+        tab.wait_until_saved('"duration":17')
     with served("--port", f"{port}"):
         tab.reload()
         _until(lambda: tab.number("duration (s)") == "17", "the duration")
@@ -94,24 +94,22 @@ def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_
 
 
 def test_dragging_the_anchor_changes_the_predicted_accuracy_and_not_the_gramian(wide: Visitor):
-    visitor = wide
-    _still_camera(visitor)
-    gramian, predicted = visitor.chart_data("λ₁₃"), visitor.chart_data("lifted")
-    visitor.drag_node("/handles/anchor", (50, 30))
-    _until(lambda: visitor.chart_data("lifted") != predicted, "another accuracy")
-    assert visitor.chart_data("λ₁₃") == gramian
-    visitor.tab("World")
-    visitor.wait_for_text("anchor (m) •")
+    _wait_until_still(wide.camera_position)
+    gramian, predicted = wide.chart_data("λ₁₃"), wide.chart_data("lifted")
+    wide.drag_node("/handles/anchor", (50, 30))
+    _until(lambda: wide.chart_data("lifted") != predicted, "another accuracy")
+    assert wide.chart_data("λ₁₃") == gramian
+    wide.tab("World")
+    wide.wait_for_text("anchor (m) •")
 
 
 def test_two_megabytes_in_a_formula_are_refused_and_nothing_is_lost(wide: Visitor):
-    visitor = wide
-    visitor.choose("family", "formulas")
-    before = visitor.chart_data("norm")
-    visitor.type_text("x(t) =", "7" * 2_000_000)
-    visitor.wait_for_text("at most 20000 characters, got 2000000")
-    after = visitor.chart_data("norm")  # the last picture may be the formulas' own, which differs in the last digits
+    wide.choose("family", "formulas")
+    before = wide.chart_data("norm")
+    wide.type_text("x(t) =", "7" * 2_000_000)
+    wide.wait_for_text("at most 20000 characters, got 2000000")
+    after = wide.chart_data("norm")  # the last picture may be the formulas' own, which differs in the last digits
     assert np.allclose(np.array(after, dtype=float), np.array(before, dtype=float), rtol=1e-9, equal_nan=True)
-    visitor.type_text("x(t) =", "cos(3*t)")
-    visitor.wait_for_no_text("at most 20000 characters")
-    _until(lambda: visitor.chart_data("norm") != before, "another φ")
+    wide.type_text("x(t) =", "cos(3*t)")
+    wide.wait_for_no_text("at most 20000 characters")
+    _until(lambda: wide.chart_data("norm") != before, "another φ")

@@ -15,12 +15,8 @@ from explorer.scene.drag_handles import GIZMO_SHARE, DragHandles
 from explorer.web import identity, security
 from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
-from tests.browser.page import COARSE, Visitor, chromium, why_not
+from tests.browser.page import COARSE, Visitor
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(why_not() is not None, reason=str(why_not())),
-]
 PLACES = {"anchor": (0.5, 0.0, 0.8), "waypoint1": (1.5, 0.0, -0.5), "waypoint2": (-1.0, 1.0, 0.25)}
 UP, UNIT, GIZMO = np.array([0.0, 0.0, -1.0]), 0.4, "/handles/gizmo"
 READY_WORD = "ready for hands"
@@ -63,12 +59,6 @@ class Room:
     def _draw(self) -> None:
         anchor, *waypoints = self._places.values()
         self.handles.draw(anchor, tuple(waypoints), STAGE)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with chromium() as running:
-        yield running
 
 
 @pytest.fixture(scope="module")

@@ -52,8 +52,9 @@ def _folder(visitor: Visitor, label: str, inside: str) -> None:
         visitor.folder(label)
 
 
-def _reload(visitor: Visitor) -> None:
-    visitor.page.wait_for_timeout(2500)  # longer than work may wait to be written
+def _reload(visitor: Visitor, origin: str) -> None:
+    """Reload the page once the work on this preset has been saved."""
+    visitor.wait_until_saved(f'"origin":"{origin}"')
     visitor.reload()
     visitor.tab("Presets")
 
@@ -62,7 +63,7 @@ def test_a_preset_is_kept_found_after_a_reload_renamed_deleted_and_brought_back_
     visitor.type_text("title", "Mein Flug / <b>eins</b>")
     visitor.press("save as")
     visitor.wait_for_text("✓ saved as mein-flug-b-eins-b.toml")
-    _reload(visitor)
+    _reload(visitor, "mine:mein-flug-b-eins-b")
     _wait_for_preset(visitor, "★ Mein Flug / <b>eins</b> (mein-flug-b-eins-b)")
     visitor.wait_for_text("● CERTIFIED OBSERVABLE")
     visitor.press("see all")
@@ -74,7 +75,7 @@ def test_a_preset_is_kept_found_after_a_reload_renamed_deleted_and_brought_back_
     visitor.press("delete")
     visitor.wait_for_text("zwei.toml is in the trash")
     visitor.wait_for_no_text("★ zwei")
-    _reload(visitor)
+    _reload(visitor, "mine:zwei")
     _wait_for_preset(visitor, "◌ Zwei, not saved (zwei)")
     visitor.press("undo delete")
     visitor.wait_for_text("✓ zwei.toml is back")

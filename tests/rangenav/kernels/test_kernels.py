@@ -27,7 +27,7 @@ CORNERS = [
 ]
 MIXED = 4
 """Further corners in which each block has an end of its own range, drawn for each preset."""
-STEPS, CHECKS = 1_000_000, 50
+MILLION, QUARTER, CHECKS = 1_000_000, 250_000, 50
 IMU_RATE = 200.0
 
 
@@ -51,15 +51,22 @@ def covariances(P, accel, variance, v, h, symmetric, steps, every, out):
             row += 1
 
 
-@pytest.mark.parametrize("name", ["paper", "circle", "hover", "figure-eight", "wiggle", "barrel", "torus", "hand-held"])
-def test_covariance_stays_positive_over_a_million_steps_at_every_corner(name: str):
+@pytest.mark.parametrize(
+    ("name", "steps"),
+    [
+        *(("paper", MILLION), ("circle", MILLION), ("hover", MILLION)),
+        *((name, QUARTER) for name in ("figure-eight", "wiggle", "barrel", "torus", "hand-held")),
+    ],
+)
+def test_covariance_stays_positive_over_a_million_steps_at_every_corner(name: str, steps: int):
+    """A million steps for an observable path, a blind circle and a vehicle that stands; a quarter for further paths."""
     p = preset.load(name)
     time = (np.arange(4000) + 0.5) / IMU_RATE
     accel = p.path(time, 2) - np.asarray(p.world.gravity)
     for q, v, p0, symmetric in CORNERS + mixed_corners(name):
         rate = IMU_RATE if symmetric else IMU_RATE / 4
         P, out = np.diag(p0).ravel(), np.empty((CHECKS, 169))
-        covariances(P, accel, rate / q, v, 1 / IMU_RATE, symmetric, STEPS, STEPS // CHECKS, out)
+        covariances(P, accel, rate / q, v, 1 / IMU_RATE, symmetric, steps, steps // CHECKS, out)
         matrices = out.reshape(-1, 13, 13)
         assert np.isfinite(matrices).all()
         np.testing.assert_array_equal(matrices, np.swapaxes(matrices, -1, -2))
