@@ -38,7 +38,7 @@ def test_the_programs_and_commands_of_a_page_run(page: Path, run, tmp_path: Path
         else:
             for command in re.findall(r"^\$ rangenav (.*)$", text, flags=re.MULTILINE):
                 code, _, err = run(*command.split())
-                assert code == 0, f"rangenav {command}\n{err}"
+                assert not code, f"rangenav {command}\n{err}"
 
 
 def test_the_observer_of_the_library_page_gives_the_same_numbers_sample_by_sample():
