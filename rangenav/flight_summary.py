@@ -8,11 +8,12 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import consistency
+from rangenav import consistency, range_fit
 from rangenav.formats.recorded_flight import Flight
 from rangenav.inputs import Vec3
 from rangenav.logs import FEW, WORDS, Informative, Observed
 from rangenav.number_format import quantity, vector
+from rangenav.range_fit import RangeFit
 from rangenav.record import DIVERGED_STD
 
 QUARTERS = 4
@@ -73,6 +74,8 @@ class ObserverSummary:
     """m; None without a true position."""
     attitude: ErrorSummary | None
     """degrees; None without a true attitude."""
+    fit: RangeFit
+    """How well the estimate fits the ranges; the truth is not used."""
 
     @property
     def complete(self) -> bool:
@@ -125,6 +128,7 @@ def summarise_observer(observed: Observed) -> ObserverSummary:
         diverged=_diverged(observed),
         position=None if observed.position_error is None else _errors(observed.position_error),
         attitude=None if degrees is None else _errors(degrees),
+        fit=range_fit.of(observed.estimate),
     )
 
 

@@ -1,11 +1,12 @@
 """Whether an observer's innovations say that it is consistent, overconfident or lost; the truth is not used.
 
-    noise-matched gains: √mean NIS, above 1 beyond a chance of 1e-6: overconfident by that factor
+    noise-matched gains, EKF: √mean NIS, above 1 beyond a chance of 1e-6: overconfident by that factor
     constant gains: mean and whiteness of ν/√S, since their S is a design quantity: |mean| √n/std, |r₁| √n ≤ 5
 
 All over the last quarter of the ranges. It is said of the ranges only: on a blind motion a wrong position fits as well.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,7 +14,7 @@ import numpy as np
 from scipy.special import gammaincinv
 
 from rangenav import consistency
-from rangenav.acquisition import COLLECTING, LOST, MATCHED
+from rangenav.acquisition import COLLECTING, CONSTANT, LOST
 from rangenav.cascade import Estimate
 from rangenav.kernels.layout import GATE
 
@@ -56,8 +57,19 @@ class RangeFit:
         return {"word": self.word, "words": self.summary(blind=blind), **factor}
 
 
+def counted(fits: Sequence[RangeFit], *, blind: bool) -> str:
+    """How many runs have each word, the most frequent first; overconfident ones with their least and largest factor."""
+    words = [fit.word if fit.word == "overconfident" else fit.summary(blind=blind) for fit in fits]
+    parts = []
+    for word in sorted(set(words), key=lambda word: (-words.count(word), word)):
+        factors = [fit.factor for fit in fits if fit.word == word and fit.factor is not None]
+        over = f" ×{min(factors):.2g} to ×{max(factors):.2g}" if word == "overconfident" else ""
+        parts.append(f"{words.count(word)} {word}{over}")
+    return ", ".join(parts)
+
+
 def of(estimate: Estimate) -> RangeFit:
-    """The fit of a run of the cascade."""
+    """The fit of a run. One without phases is the extended Kalman filter's, whose gains follow the noise, too."""
     part = estimate.innovation[3 * len(estimate.innovation) // 4 :]
     part = part[np.isfinite(part).all(axis=1) & (part[:, 1] > 0)]
     phase = None if estimate.phase is None else int(estimate.phase[-1])
@@ -65,7 +77,7 @@ def of(estimate: Estimate) -> RangeFit:
         return RangeFit(word="lost", factor=None)
     if len(part) < FEWEST:
         return RangeFit(word="not judged", factor=None)
-    if phase == MATCHED:
+    if phase not in (CONSTANT, COLLECTING):
         return _matched(part)
     normalised = part[:, 0] / np.sqrt(part[:, 1])
     centred, root = normalised - normalised.mean(), np.sqrt(len(normalised))

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import cascade, errors, model, motion
+from rangenav import cascade, errors, model, motion, range_fit
 from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
@@ -18,13 +18,16 @@ from rangenav.inputs import Input, Vec3
 from rangenav.motion import Motion, World
 from rangenav.observability import excitation
 from rangenav.preset import Preset
+from rangenav.range_fit import RangeFit
 from rangenav.results import result
 from rangenav.sensors import Measurements, Sensors, measure
 from rangenav.signals import AngularVelocity, Signal
 
 SETTLED_POSITION = 0.3
-"""m; an error counts as settled once it stays below this to the end."""
+"""m; an error counts as settled once it stays below this to the end, for `SETTLED_SHARE` of the run or longer."""
 SETTLED_ATTITUDE = math.radians(5)
+SETTLED_SHARE = 0.1
+"""An error that is small over less than this last part of a run may be so by chance: it does not count as settled."""
 DIVERGED_STD = 1e2
 """m; with a larger 1-σ of its own position the observer counts as diverged, as it does on an unobservable motion."""
 CACHED = 4
@@ -58,7 +61,7 @@ class Summary:
 
     peak_position: float
     settle_position_s: float | None
-    """From when on the position error stays below 0.3 m; None if it does not."""
+    """From when on the position error stays below 0.3 m; None if it does not, or only over less than the last tenth."""
     settle_attitude_s: float | None
     """From when on the attitude error stays below 5°."""
     steady_position: float
@@ -73,6 +76,8 @@ class Summary:
     diverged: bool
     """The observer's own 1-σ of the position has grown beyond DIVERGED_STD."""
     microseconds_per_step: float
+    fit: RangeFit
+    """How well the estimate fits its ranges; the truth is not used."""
 
 
 @result
@@ -198,6 +203,7 @@ def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:
         final_attitude_deg=math.degrees(float(errors.attitude[-1])),
         diverged=not bool(np.all((variances >= 0) & (variances < DIVERGED_STD**2))),
         microseconds_per_step=seconds / (len(estimate.time) - 1) * 1e6,
+        fit=range_fit.of(estimate),
     )
 
 
@@ -207,11 +213,13 @@ def steady(error: Float[Array, "n"]) -> float:
 
 
 def settled(time: Float[Array, "n"], error: Float[Array, "n"], limit: float) -> float | None:
-    """The time from which on the error stays below the limit, None if it ends above it."""
+    """The time from which on the error stays below the limit; None if it is above it in the last tenth of the run."""
     above = np.flatnonzero(~(error < limit))
     if len(above) == 0:
         return float(time[0])
-    return None if above[-1] == len(time) - 1 else float(time[above[-1] + 1])
+    latest = time[-1] - SETTLED_SHARE * (time[-1] - time[0])
+    since = np.inf if above[-1] == len(time) - 1 else float(time[above[-1] + 1])
+    return since if since <= latest else None
 
 
 def save(record: Record, path: str | Path) -> None:

@@ -100,7 +100,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
     blind = analyse(preset).rank < STATES
-    report["fit"] = range_fit.of(first.estimate).report(blind=blind)
+    report["fit"] = first.summary.fit.report(blind=blind)
     if any(_not_finite(summary) for summary in summaries):
         report["reason"] = "null: the estimate overflowed"
     if any(summary.diverged for summary in summaries):
@@ -111,6 +111,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         report["unmodelled"] = list(effect_sentences(preset.sensors))
     if others:
         report["runs"] = len(summaries)
+        report["fits"] = range_fit.counted([summary.fit for summary in summaries], blind=blind)
     return report
 
 
@@ -152,9 +153,9 @@ def _settle(median: Any) -> Json:
     settle: Json = {"position_s": median("settle_position_s"), "attitude_s": median("settle_attitude_s")}
     limits = f"{record.SETTLED_POSITION:g} m, {math.degrees(record.SETTLED_ATTITUDE):g}°"
     if None in settle.values():
-        settle["reason"] = f"null: does not stay below {limits} to the end"
+        settle["reason"] = f"null: does not stay below {limits} over the last tenth of the run"
     return settle
 
 
 def _not_finite(summary: Summary) -> bool:
-    return not all(math.isfinite(value) for value in asdict(summary).values() if value is not None)
+    return not all(math.isfinite(value) for value in asdict(summary).values() if isinstance(value, float))

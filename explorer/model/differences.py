@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from explorer.model.compute import Picture
+from rangenav.model import STATES
 from rangenav.number_format import percent, quantity, significant
 from rangenav.preset import Preset
 
@@ -46,6 +47,9 @@ def figures(a: Picture, b: Picture) -> list[str]:
     """One sentence for each figure that changed from A to B."""
     before, after = a.analysis.verdict.word, b.analysis.verdict.word
     sentences = [f"{before} → {after}"] if before != after else []
+    first, second = (run.summary.fit.summary(blind=run.analysis.rank < STATES) for run in (a, b))
+    if first != second:
+        sentences.append(f"on its ranges: {first} → {second}")
     for name, run in (("A", a), ("B", b)):
         if run.summary.diverged:
             sentences.append(f"{name}'s covariance diverges: its errors say nothing")

@@ -8,7 +8,7 @@ import viser
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.complaint import Complaint
-from rangenav import continuity, range_fit, sensors
+from rangenav import continuity, sensors
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
@@ -139,7 +139,7 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
         errors = f"position {number(summary.steady_position, 'm')}, attitude {number(summary.steady_attitude_deg)}°"
         return [
             ("this run", f"steady error {errors}: along what cannot be told it is this start's luck, no accuracy"),
-            ("ranges", range_fit.of(picture.estimate).summary(blind=True)),
+            ("ranges", summary.fit.summary(blind=True)),
         ]
     settled = (
         f"position {_since(summary.settle_position_s, '0.3 m')}; attitude {_since(summary.settle_attitude_s, '5°')}"
@@ -149,13 +149,12 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
         f"{number(summary.steady_gravity, 'm/s²')}, <b>{number(summary.steady_attitude_deg)}°</b>; "
         f"peak {number(summary.peak_position, 'm')}"
     )
-    fit = range_fit.of(picture.estimate).summary(blind=False)
-    return [("settled", settled), ("ranges", fit), ("steady error", steady)]
+    return [("settled", settled), ("ranges", summary.fit.summary(blind=False)), ("steady error", steady)]
 
 
 def _since(seconds: float | None, limit: str) -> str:
     return (
-        f"✕ does not stay below {limit} to the end"
+        f"✕ does not stay below {limit} over the last tenth of the run"
         if seconds is None
         else f"✓ below {limit} from {significant(seconds)} s"
     )

@@ -91,7 +91,7 @@ def log(
         json: Print one JSON object.
     """
     typed = _typed(locals())
-    from rangenav import logs, range_fit, rest
+    from rangenav import logs, rest
     from rangenav.commands import log_inputs
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
@@ -134,9 +134,7 @@ def log(
         with working(f"running the observers on {imported.source}"):
             observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
-        report["observer"] = observer_report(summarise_observer(observed))
-        fit = range_fit.of(observed.estimate)
-        report["observer"]["fit"] = fit.report(blind=informative.verdict == "blind")
+        report["observer"] = observer_report(summarise_observer(observed), blind=whole.blind)
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:

@@ -81,12 +81,13 @@ def windows_report(windows: "WindowSummary", informative: "Informative") -> dict
     return report
 
 
-def observer_report(observer: "ObserverSummary") -> dict[str, Any]:
-    """The observers' estimates; errors by quarters where the file has the true motion."""
+def observer_report(observer: "ObserverSummary", *, blind: bool) -> dict[str, Any]:
+    """The observers' estimates; errors by quarters where the file has the true motion. blind: see `WholeRecord`."""
     report: dict[str, Any] = {
         "final_position": list(observer.final_position),
         "innovation_rms": observer.innovation_rms,
         "diverged": observer.diverged is not None,
+        "fit": observer.fit.report(blind=blind),
     }
     for name, errors in (("position", observer.position), ("attitude_deg", observer.attitude)):
         if errors is None:

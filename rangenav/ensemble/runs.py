@@ -7,7 +7,7 @@ import math
 from typing import Literal, NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Shaped
 from msgspec.structs import replace
 from numpy import ndarray as Array
 from scipy.spatial.transform import Rotation
@@ -87,6 +87,8 @@ class Ensemble:
     peak_position: Float[Array, "s"]
     held: Bool[Array, "s"]
     """Both errors stayed below 0.3 m and 5° over the last second."""
+    fit: Shaped[Array, "s"]
+    """Of objects: a `RangeFit` for each run."""
 
     @property
     def settled(self) -> Bool[Array, "s"]:
@@ -214,6 +216,7 @@ def _rows(
         "nees": consistency.errors((estimate.state - truth.state)[chosen, model.POSITION], P),
         "nis": nis,
         "nis_count": count,
+        "fit": summary.fit,
         "settle_position": _or_never(summary.settle_position_s),
         **{name: getattr(summary, name) for name in SHARED_FIGURES},
     }

@@ -47,6 +47,11 @@ class WholeRecord:
     """Why the record is not judged; None if it is."""
 
     @property
+    def blind(self) -> bool:
+        """Whether the ranges leave the position undetermined."""
+        return self.verdict in ("blind", FEW)
+
+    @property
     def summary(self) -> str:
         """The verdict, and the length of window that suffices, as a sentence."""
         if self.restriction is not None:

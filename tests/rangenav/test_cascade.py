@@ -334,6 +334,15 @@ def test_settling_is_counted_from_the_last_time_above_the_limit():
     assert record.settled(time, np.array([0.1] * 4 + [np.nan]), 0.3) is None
 
 
+@pytest.mark.parametrize(
+    ("duration", "since", "settled"), [(7.28, 7.18, False), (20.0, 18.1, False), (20.0, 17.9, True)]
+)
+def test_an_error_that_is_small_only_in_the_last_tenth_of_a_run_has_not_settled(duration, since, settled):
+    time = np.linspace(0, duration, 2001)
+    found = record.settled(time, np.where(time < since, 1.0, 0.1), 0.3)
+    assert found == (pytest.approx(since, abs=duration / 2000) if settled else None)
+
+
 def test_setting_carries_the_model_form():
     scene = records.scene("paper", duration=1.0)
     derived = cascade.parameters(scene.setting(), symmetric=True)

@@ -23,6 +23,7 @@ def test_the_refinement_is_best_and_all_judge_the_same_record():
     steady = {name: c.summary.steady_position for name, c in candidates_by_name.items()}
     assert steady[comparison.REFINEMENT] < min(steady[comparison.CASCADE], steady[comparison.EKF_TRUTH])
     assert candidates_by_name[comparison.REFINEMENT].outcome.startswith("converged after")
+    assert candidates_by_name[comparison.CASCADE].outcome.startswith("within 0.3 m from t = ")
     for c in candidates_by_name.values():
         assert c.estimate.state.shape == of.truth.state.shape
         assert c.estimate.innovation.shape == of.estimate.innovation.shape
@@ -32,7 +33,7 @@ def test_the_refinement_is_best_and_all_judge_the_same_record():
 def test_the_text_names_a_wrong_place():
     candidates_by_name = candidates("soft")
     assert candidates_by_name[comparison.EKF].outcome.startswith("in a wrong place: ")
-    assert candidates_by_name[comparison.CASCADE].outcome.startswith("within 0.3 m from t = ")
+    assert candidates_by_name[comparison.CASCADE].outcome.startswith("not settled: ")  # below 0.3 m for 0.26 s at most
 
 
 def test_a_refinement_that_converged_to_the_mirror_image_says_so():

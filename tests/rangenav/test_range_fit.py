@@ -52,6 +52,20 @@ def test_constant_gains_are_judged_by_mean_and_whiteness(innovation: np.ndarray)
     assert range_fit.of(estimate(innovation, CONSTANT)).word == "correlated"
 
 
+def test_an_estimator_without_phases_is_judged_by_the_size_of_its_innovations():
+    """The extended Kalman filter's gains follow the noise, as noise-matched ones do."""
+    ekf = replace(estimate(2.0 * noise(), CONSTANT), phase=None)
+    assert range_fit.of(ekf).word == "overconfident"
+
+
+def test_many_runs_are_counted_by_word_with_the_span_of_their_factors():
+    fits = [range_fit.of(estimate(factor * noise(seed), MATCHED)) for seed, factor in enumerate([1.0, 1.0, 1.5, 3.0])]
+    over = f"2 overconfident ×{fits[2].factor:.2g} to ×{fits[3].factor:.2g}"
+    fits += [range_fit.of(estimate(noise(), LOST))]
+    assert range_fit.counted(fits, blind=False) == f"2 consistent, {over}, 1 lost"
+    assert range_fit.counted(fits, blind=True) == f"2 {range_fit.BLIND}, {over}, 1 lost"
+
+
 def test_lost_few_ranges_and_blind_motions_say_so():
     assert range_fit.of(estimate(noise(), LOST)).word == "lost"
     assert range_fit.of(estimate(noise()[:40], MATCHED)).word == "not judged"

@@ -8,7 +8,9 @@ from explorer.model import palette
 from explorer.model.comparison import Baseline
 from explorer.model.compute import Picture
 from explorer.model.consistency import RunConsistency
+from rangenav import range_fit
 from rangenav.ensemble import Ensemble, spread
+from rangenav.model import STATES
 from rangenav.number_format import NEVER, percent, quantity, significant
 from rangenav.record import Summary
 
@@ -65,7 +67,8 @@ def seeds(picture: Picture, runs: Ensemble | None, message: str) -> str:
         for name, statistics, unit in ((name, spread(values), unit) for name, values, unit in rows)
     )
     return BLOCK.format(
-        f"{seed_text}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude."
+        f"{seed_text}<br>{band}{TABLE.format(lines)}{settled} of {count} settle in position and attitude.<br>"
+        f"On their ranges: {range_fit.counted(list(runs.fit), blind=_blind(picture))}."
     )
 
 
@@ -79,7 +82,7 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
     lines = _head(["", "settled", "steady", "time"]) + _estimator_row(
         "cascade", palette.ESTIMATE, picture.summary, steps, cascade_duration
     )
-    texts = []
+    texts = [_on_ranges("cascade", picture.summary, picture)]
     for name, candidate in shown:
         color = palette.ESTIMATORS[name]
         if candidate is None:
@@ -87,6 +90,8 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
         else:
             lines += _estimator_row(name, color, candidate.summary, steps, cascade_duration)
             texts.append(f"<b>{name}</b>: {html.escape(candidate.outcome)}")
+            if name == "EKF":  # the refinement has no innovations: it is made of all ranges at once
+                texts.append(_on_ranges(name, candidate.summary, picture))
     texts += [f"⚠ {html.escape(sentence)}" for sentence in refusals]
     return BLOCK.format(TABLE.format(lines) + "<br>".join(texts))
 
@@ -124,6 +129,14 @@ def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int
         text += " With constant gains P follows from q and V, not from the noise: it promises nothing."
     text += " Predictions know one window of ranges and perfect IMU; the observer also remembers what came before."
     return BLOCK.format(TABLE.format(lines) + GREY.format(text))
+
+
+def _on_ranges(name: str, summary: Summary, picture: Picture) -> str:
+    return f"<b>{name}</b>, on its ranges: {summary.fit.summary(blind=_blind(picture))}"
+
+
+def _blind(picture: Picture) -> bool:
+    return picture.analysis.rank < STATES
 
 
 def _run(picture: Picture) -> str:

@@ -149,20 +149,21 @@ def report(source: str, flight_report: FlightReport) -> str:
     text = bullets(filter(None, lines)) + table((), rows)
     if flight_report.observer is None:
         return text + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
-    return text + _observers(flight_report.observer)
+    return text + _observers(flight_report.observer, blind=whole.blind)
 
 
 def _counts(counts: dict[str, int]) -> str:
     return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
-def _observers(observer: ObserverSummary) -> str:
+def _observers(observer: ObserverSummary, *, blind: bool) -> str:
     position = ", ".join(_number(value) for value in observer.final_position)
     rows: list[tuple[str, ...]] = []
     for label, errors in (("position error (m)", observer.position), ("attitude error (°)", observer.attitude)):
         if errors is not None:
             rows.append((label, *(_number(value) for value in (*errors.quarters, errors.median))))
     text = bullets((f"ends at {position} m; innovations {_number(observer.innovation_rms, 'm²')} rms",))
+    text += bullets((f"on its ranges: {observer.fit.summary(blind=blind)}",))
     if observer.diverged is not None:
         text += bullets((f"the observer has diverged: {observer.diverged}",))
     if not rows:

@@ -30,7 +30,7 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
         groups=(
             *group("what ran", _run(answer)),
             *group("settles", _settling(answer["settle"])),
-            *group("ranges", answer["fit"]["words"]),
+            *group("ranges", answer.get("fits", answer["fit"]["words"])),
             *group("steady error", _errors(answer["steady"], "_rmse"), "root mean square over the last quarter"),
             *group("at the end", _errors(answer["final"], "")),
             *group("why", answer.get("note"), answer.get("reason", "").removeprefix("null: ")),
@@ -65,7 +65,7 @@ def _settling(settle: Json) -> list[str]:
     for what, limit in LIMITS.items():
         since = settle[f"{what}_s"]
         lines.append(
-            f"✗ {what}: does not stay below {limit} to the end"
+            f"✗ {what}: does not stay below {limit} over the last tenth of the run"
             if since is None
             else f"✓ {what}: below {limit} from {quantity(since, 's')}"
         )

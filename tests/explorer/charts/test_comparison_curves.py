@@ -14,7 +14,7 @@ from explorer.model.settings import Settings
 from explorer.panels.compare import text
 from explorer.scene import Scene
 from rangenav import comparison as estimators
-from rangenav import ensemble, record
+from rangenav import ensemble, range_fit, record
 from rangenav.gains import Gains
 from rangenav.provenance import Source, fingerprint
 from tests.support.pictures import astronomic, check_drawable, picture
@@ -247,6 +247,20 @@ def test_seeds_that_never_settle_are_said_so_without_a_unit(slow: Picture, crowd
     html_text = text.seeds(slow, never, "")
     assert "never – never<" in html_text
     assert "0 of 12 settle" in html_text
+
+
+def test_every_run_that_is_compared_has_the_fit_of_its_ranges_in_the_text(slow: Picture, crowd: Comparison) -> None:
+    assert crowd.seeds is not None
+    counts = range_fit.counted(list(crowd.seeds.fit), blind=False)
+    assert f"On their ranges: {counts}." in text.seeds(slow, crowd.seeds, "")
+    shown = text.baselines(slow, crowd.baselines, [])
+    for name, candidate in crowd.baselines:
+        assert candidate is not None
+        fit = candidate.summary.fit.summary(blind=False)
+        assert (f"<b>{name}</b>, on its ranges: {fit}" in shown) == (name == "EKF")
+    assert f"<b>cascade</b>, on its ranges: {slow.summary.fit.summary(blind=False)}" in shown
+    blind = picture("circle")
+    assert f"on its ranges: {slow.summary.fit.word} → {range_fit.BLIND}" in differences.figures(slow, blind)
 
 
 def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_later(

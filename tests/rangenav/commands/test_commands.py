@@ -179,6 +179,7 @@ def test_several_runs_are_told_by_their_medians(answer, short):
     single = [answer("simulate", short, "--seed", seed) for seed in (5, 6, 7)]
     together = answer("simulate", short, "--seed", "5", "--runs", "3")
     assert together["runs"] == 3
+    assert together["fits"] == "3 consistent"
     for part in ("peak", "steady", "final", "settle"):
         for key, value in together[part].items():
             assert value == pytest.approx(sorted(one[part][key] for one in single)[1])

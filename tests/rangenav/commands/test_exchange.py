@@ -171,6 +171,7 @@ def test_a_log_of_our_own_is_judged_and_observed_without_a_question(answer, tmp_
     assert len(said["informative"]["eigenvalues"]) == 13
     assert said["observer"]["position"]["quarters_rmse"][-1] < 1.0
     assert said["observer"]["attitude_deg"]["quarters_rmse"][-1] < 5.0
+    assert said["observer"]["fit"]["word"] == said["observer"]["fit"]["words"] == "consistent"
     assert said["world"]["anchor"] == [0.0, 0.0, 1.5]
 
 
@@ -196,6 +197,7 @@ def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
     answer("export", "hover", "--to", "log", "-o", tmp_path / "x.csv")
     report = answer("log", tmp_path / "x.csv")
     assert (report["verdict"], report["informative"]["position"]) == ("blind", None)
+    assert report["observer"]["fit"]["words"] == "fits the ranges, position cannot be told"
     assert report["informative"]["reason"].startswith("null:")
     rows = (tmp_path / "x.csv").read_text().splitlines()
     k = next(j for j, row in enumerate(rows) if not row.startswith("#"))

@@ -109,6 +109,7 @@ def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing
     page.tab.wait_for_text("rms by quarters")
     assert "windows" in page.tab.text()
     assert "as the file says" in page.tab.text()
+    assert "on its ranges: " in page.tab.text()
     page.set("from (s)", 12.0)
     page.press("Was it informative?")
     page.tab.wait_for(lambda: any(float(at) >= 12 for at in WORST.findall(page.tab.text())), "a later worst window")
