@@ -29,8 +29,9 @@ HARMONICS, TURNS = (1.0, 1.5, 2.0, 2.5, 3.0), (2.0, 3.0)
 """Candidate frequencies: multiples of the path's own `pace`, and multiples of the slowest, LEAST_TURN / window."""
 SPREAD = (1.0, 1.5, 2.0)
 """Frequencies of two or three added tones, relative to each other."""
-LEAST_AMPLITUDE, MOST_AMPLITUDE = 1e-3, 4.0
-"""m; a controller does not follow smaller tones, and larger ones make another path."""
+LEAST_AMPLITUDE, MOST_AMPLITUDE, MOST_OF_PATH = 1e-3, 4.0, 0.25
+"""m, m, and a share of a path's longest side: a controller does not follow smaller tones, and tones larger than the
+larger of the two make another path."""
 WORK, WORK_PER_TRY, WORK_PER_OPERATION = 1e8, 1e5, 4e4
 """The work of a search, of one trial, and of one operation of a formula; a long formula is tried less often."""
 FINE = 1.04
@@ -135,9 +136,16 @@ def pace(preset: Preset) -> float:
     return math.sqrt(sizes[1] / sizes[0]) if min(sizes) > 1e-9 else 2 * LEAST_TURN / preset.requirement.window
 
 
+def longest_side(preset: Preset) -> float:
+    """m, of the box around the path."""
+    return float(np.ptp(preset.path(np.linspace(0, preset.duration, 401)), axis=0).max())
+
+
 def _smallest(preset: Preset, directions: tuple[Array, ...], w: float, tries: Iterator[int]) -> Added | None:
     """The smallest amplitude at these frequencies, rounded up to two digits; None if no amplitude is enough."""
     frequencies = tuple(float(f"{w * factor:.12g}") for factor in SPREAD[: len(directions)])
+
+    most = max(MOST_AMPLITUDE, MOST_OF_PATH * longest_side(preset))
 
     def trial(amplitude: float) -> Added | None:
         return None if next(tries, None) is None else attempt(preset, directions, frequencies, amplitude)
@@ -146,7 +154,7 @@ def _smallest(preset: Preset, directions: tuple[Array, ...], w: float, tries: It
     best = trial(high)
     while not _serves(best, preset):
         low, high = high, high * 3
-        if best is None or best.figures.worst_excess > 0 or high > MOST_AMPLITUDE:
+        if best is None or best.figures.worst_excess > 0 or high > most:
             return None  # already beyond the vehicle's limits
         best = trial(high)
     while high / low > FINE:

@@ -10,8 +10,6 @@ from collections.abc import Iterator
 
 import msgspec
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray as Array
 
 from rangenav import provenance
 from rangenav.certificate import Certificate, remedy
@@ -20,11 +18,11 @@ from rangenav.inputs import require
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
-from rangenav.repair import path_changes, tones
+from rangenav.repair import confirmed, path_changes, tones
 from rangenav.repair.change import KINDS, Change, ChangeKind
 from rangenav.repair.outcome import (
-    NOWHERE,
     CannotRepairError,
+    Refused,
     Repair,
     certificate_of,
     changed_preset,
@@ -32,15 +30,13 @@ from rangenav.repair.outcome import (
     outcome,
     report,
 )
-from rangenav.repair.search import Budget, Search, Trial, least, sharpest
+from rangenav.repair.search import Budget, Search, Trial, sharpest
 from rangenav.vehicle import CRAZYFLIE, FREE
 
 EVALUATIONS = 1500
 """Motions that a search may try, about 4 ms each."""
 WORK = 3e8
 """The work of a whole search, in the units of `remedy`; a long formula is tried less often."""
-MARGINS = (0.05, 0.12, 0.25)
-"""log; the margins by which samples must exceed the requirement, tried in this order until a certificate confirms."""
 STAND_IN = CRAZYFLIE
 """If a preset's vehicle has no limits, a repair keeps the limits of this one where it can."""
 IMPROVEMENT = 0.9
@@ -80,13 +76,16 @@ def repair(
     _refuse_hopeless(preset, by, before)
     _refuse_unjudged(preset, by, before)
     nearest_trials: list[Trial] = []
+    refused: list[Refused] = []
     for limited in _limited(preset, by, budget):
-        solution = _smallest(limited, by, before.excitation.at, budget, nearest_trials)
+        solution = confirmed.smallest(
+            _changes(limited, by, before.excitation.at, budget), budget, nearest_trials=nearest_trials, refused=refused
+        )
         if solution is not None:
             change, theta = solution
             after = changed_preset(change, theta, preset, REPAIRED)
             return outcome(preset, after, by, change.description(theta), change.effort(theta), budget)
-    raise CannotRepairError(failure_reason(preset, by, budget, nearest_trials))
+    raise CannotRepairError(failure_reason(preset, by, budget, nearest_trials, refused))
 
 
 def improve(
@@ -114,7 +113,7 @@ def improve(
     limit = MOST_EFFORT[by] if most_effort is None else most_effort
     for limited in _limited(preset, by, budget):
         change = _wide(limited, by)
-        search = Search(change=change, budget=budget, margin=MARGINS[0], needs=("excitation",))
+        search = Search(change=change, budget=budget, margin=confirmed.MARGINS[0], needs=("excitation",))
         theta = sharpest(search, limit)
         if theta is None:
             continue
@@ -173,27 +172,6 @@ def _refuse_unjudged(preset: Preset, by: ChangeKind, before: Certificate) -> Non
     why = provenance.restriction(preset.source, preset.path)
     if why is not None and all(one.met for one in before.checks if one.name != "source"):
         raise CannotRepairError(f"{by}: {why}; as a design it meets its requirement already: {provenance.ADOPT}")
-
-
-def _smallest(
-    preset: Preset, by: ChangeKind, at: float, budget: Budget, nearest_trials: list[Trial]
-) -> tuple[Change, Float[Array, "n"]] | None:
-    """The smallest change that the certificate confirms, with more margin each time that it does not."""
-    for margin in MARGINS:
-        for change in _changes(preset, by, at, budget):
-            search = Search(change=change, budget=budget, margin=margin)
-            theta = least(search)
-            nearest_trials.append(min(search.trials.values(), key=lambda trial: trial.violation, default=NOWHERE))
-            if theta is None:
-                continue
-            rounded = change.rounded(theta)
-            theta = rounded if search.evaluate(rounded).violation <= margin / 2 else theta
-            if certificate_of(change.make(theta)).meets:
-                return change, theta
-            break  # a θ was found, but its certificate does not confirm it: try again with more margin
-        else:
-            return None
-    return None
 
 
 def _changes(preset: Preset, by: ChangeKind, at: float, budget: Budget) -> Iterator[Change]:

@@ -1,5 +1,6 @@
 """The result of a repair: the changed preset with its certificate, or the reason why there is none."""
 
+import math
 from typing import Any
 
 import msgspec
@@ -13,11 +14,17 @@ from rangenav.certificate import Certificate
 from rangenav.certificate.figures import BLIND_MU, Figures, figures
 from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
 from rangenav.repair.change import Change, ChangeKind
-from rangenav.repair.search import Budget, Trial
+from rangenav.repair.search import NOWHERE, Budget, Trial
 from rangenav.results import result
 from rangenav.vehicle import WORDS
 
-NOWHERE = Trial(figures=None, violation=np.inf)
+
+@result
+class Refused:
+    """A change that meets the requirement on samples, and what its certificate says against it."""
+
+    description: str
+    sentences: tuple[str, ...]
 
 
 class CannotRepairError(ValueError):
@@ -103,9 +110,25 @@ def report(repair: Repair, *, name: str) -> dict[str, Any]:
     }
 
 
-def failure_reason(preset: Preset, by: ChangeKind, budget: Budget, nearest_trials: list[Trial]) -> str:
-    trial = min(nearest_trials, key=lambda one: one.violation, default=NOWHERE)
+def missed(certificate: Certificate, sampled: Figures) -> float:
+    """log: by how much more a certificate misses μ or σ than samples do; 0 if it misses something else."""
+    needed, reached = certificate.excitation, certificate.accuracy.lifted.end.position
+    lower = needed.found if needed.lower is None else needed.lower
+    short = {check.name for check in certificate.checks if not check.met}
+    of_mu = math.log(sampled.mu / lower) if "excitation" in short and lower else 0.0
+    of_sigma = math.log(reached / sampled.sigma) if "accuracy" in short and reached and sampled.sigma > 0 else 0.0
+    return max(of_mu, of_sigma, 0.0)
+
+
+def failure_reason(
+    preset: Preset, by: ChangeKind, budget: Budget, nearest_trials: list[Trial], refused: list[Refused]
+) -> str:
+    """Why there is no repair: what the certificate of the last change says against it, or how near the search came."""
     reason = f"{by}: no change that meets the requirement was found among {budget.used} motions"
+    if refused:
+        against = "; ".join(refused[-1].sentences)
+        return f"{reason}; on samples this one meets it: {refused[-1].description}; but {against}"
+    trial = min(nearest_trials, key=lambda one: one.violation, default=NOWHERE)
     if trial.figures is None:
         return reason
     sigma, needed = trial.figures.sigma, preset.requirement

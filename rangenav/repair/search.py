@@ -15,7 +15,6 @@ from numpy import ndarray as Array
 from scipy.optimize import differential_evolution, minimize
 
 from rangenav.certificate.figures import Figures, figures, shortfall
-from rangenav.preset import Preset
 from rangenav.progress import Cancelled, CancelledError, Progress
 from rangenav.repair.path_changes import Change
 from rangenav.results import result
@@ -27,6 +26,8 @@ POPULATION, SEED = 5, 1
 """Differential evolution: members per unknown, and the seed, which makes every search repeatable."""
 WIDE_SHARE, POLISH = 0.6, 120
 """The share of the remaining trials that a wide search may use, and the number of trials that a polish may use."""
+POLISH_SHARE = 0.5
+"""The most of the remaining trials that a polish may use, so that a certificate that refuses its result is heeded."""
 WALL = 1e3
 """The violation of a θ for which there is no preset."""
 EXCESS_MARGIN = 0.01
@@ -63,7 +64,20 @@ class Trial:
     """The figures of one θ, and by how much it violates the requirements."""
 
     figures: Figures | None
+    missing: float
+    """log; the largest shortfall of what is required, without margin."""
+    excess: float
+    """How far the vehicle's limits are exceeded, or nearly so."""
     violation: float
+
+    @property
+    def meets(self) -> bool:
+        """Whether everything is met on samples, without margin."""
+        return max(self.missing, self.excess) <= 0
+
+
+NOWHERE = Trial(figures=None, missing=WALL, excess=WALL, violation=WALL)
+"""A θ for which there is no preset."""
 
 
 @dataclass(eq=False, kw_only=True)
@@ -92,15 +106,21 @@ class Search:
             preset = self.change.make(theta)
             reached = figures(preset)
         except ValueError:
-            return Trial(figures=None, violation=WALL)
-        return Trial(figures=reached, violation=self.violation(reached, preset))
+            return NOWHERE
+        missing = max(value for name, value in shortfall(reached, preset).items() if name in self.needs)
+        return self._trial(reached, missing, reached.worst_excess + EXCESS_MARGIN)
 
-    def violation(self, reached: Figures, preset: Preset) -> float:
-        """The largest shortfall or excess; the requirements are met at 0 or below."""
-        missing = [
-            value for name, value in shortfall(reached, preset, margin=self.margin).items() if name in self.needs
-        ]
-        return min(WALL, max(*missing, reached.worst_excess + EXCESS_MARGIN, -WALL))
+    def _trial(self, reached: Figures, missing: float, excess: float) -> Trial:
+        """The violation is the largest shortfall or excess; the requirements are met at 0 or below."""
+        violation = min(WALL, max(missing + self.margin, excess, -WALL))
+        return Trial(figures=reached, missing=missing, excess=excess, violation=violation)
+
+    def require(self, margin: float) -> None:
+        """Ask for another margin, of what was tried already, too."""
+        self.margin = margin
+        for key, trial in self.trials.items():
+            if trial.figures is not None:
+                self.trials[key] = self._trial(trial.figures, trial.missing, trial.excess)
 
 
 def least(search: Search) -> Float[Array, "n"] | None:
@@ -144,7 +164,7 @@ def polished(search: Search, theta: Float[Array, "n"], aim: Callable[[Array], fl
         start,
         method="COBYLA",
         constraints=[{"type": "ineq", "fun": lambda u: -search.evaluate(u * span).violation}],
-        options={"rhobeg": 0.05, "maxiter": min(POLISH, search.budget.left), "tol": 1e-4},
+        options={"rhobeg": 0.05, "maxiter": min(POLISH, int(POLISH_SHARE * search.budget.left)), "tol": 1e-4},
     )
     met = [np.frombuffer(key) for key, trial in search.trials.items() if trial.violation <= 0]
     return min([theta, *met], key=aim)
