@@ -132,14 +132,15 @@ def _least(eigenvalue: float, floor: float) -> str:
 
 
 def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
-    summary = picture.summary
+    summary, blind = picture.summary, picture.analysis.rank < STATES
+    fit = ("ranges", summary.fit.summary(blind=blind))
     if summary.diverged:
-        return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing")]
-    if picture.analysis.rank < STATES:
+        return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing"), fit]
+    if blind:
         errors = f"position {number(summary.steady_position, 'm')}, attitude {number(summary.steady_attitude_deg)}°"
         return [
             ("this run", f"steady error {errors}: along what cannot be told it is this start's luck, no accuracy"),
-            ("ranges", summary.fit.summary(blind=True)),
+            fit,
         ]
     settled = (
         f"position {_since(summary.settle_position_s, '0.3 m')}; attitude {_since(summary.settle_attitude_s, '5°')}"
@@ -149,7 +150,7 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
         f"{number(summary.steady_gravity, 'm/s²')}, <b>{number(summary.steady_attitude_deg)}°</b>; "
         f"peak {number(summary.peak_position, 'm')}"
     )
-    return [("settled", settled), ("ranges", summary.fit.summary(blind=False)), ("steady error", steady)]
+    return [("settled", settled), fit, ("steady error", steady)]
 
 
 def _since(seconds: float | None, limit: str) -> str:

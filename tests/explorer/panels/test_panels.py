@@ -23,9 +23,10 @@ from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial, LogDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
-from rangenav import analysis, certificate, preset, sensors
+from rangenav import analysis, certificate, preset, range_fit, sensors
 from rangenav.attitude import Schedule
 from rangenav.certificate.figures import Figures
+from rangenav.range_fit import RangeFit
 from rangenav.repair import Repair
 from rangenav.sensors import Noise, Sensors
 from rangenav.sensors.sensor_sets import CATALOGUE, SensorSet
@@ -226,6 +227,16 @@ def test_a_diverged_covariance_is_reported_instead_of_errors():
     assert "unobservable, covariance diverges" in _row(diverged, "observer")
     assert "steady error" not in dict(verdict.rows(diverged))
     assert "covariance diverges" in verdict.chips(diverged)
+
+
+def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_something():
+    """Settled, not settled, blind, diverged, lost."""
+    blind, seen = _computed("hover"), _computed("paper-slow")
+    diverged = dataclasses.replace(blind, summary=dataclasses.replace(blind.summary, diverged=True))
+    lost = RangeFit(word="lost", factor=None)
+    assert _row(blind, "ranges") == _row(diverged, "ranges") == range_fit.BLIND
+    assert _row(seen, "ranges") == "consistent"
+    assert _row(dataclasses.replace(seen, summary=dataclasses.replace(seen.summary, fit=lost)), "ranges") == "lost"
 
 
 def test_an_eigenvalue_below_the_noise_floor_is_not_given_as_a_number():
