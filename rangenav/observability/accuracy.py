@@ -69,6 +69,12 @@ def ranged(path: Signal, start: float, window: float, rate: float) -> PathSample
     return rows.sample_at(path, starts, window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
 
+def held(path: Signal, start: float, window: float, rate: float, *, first: int, last: int) -> PathSamples:
+    """Samples of one window (s) at the ranges that it holds, which are measured at first/rate to last/rate (Hz)."""
+    tau = np.arange(first, last + 1)[None] / rate - start
+    return rows.sample_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+
+
 def of_ranges(
     samples: PathSamples, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0
 ) -> Accuracy:

@@ -46,19 +46,35 @@ def errors(
 ) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
     """R₂₂⁻¹ of each window, whose rows are the errors (m) of p, Tv and T²g, and whether the window determines them.
 
-    A column that the cubics leave less of than its rounding is zero. The rest are scaled to one length, and their least
-    singular value must exceed the rounding of the worst column, relative to what is left of it.
+    A column of which the cubics leave less than its rounding is zero. The others are scaled to one length, and their
+    least singular value must exceed the rounding of the worst column, relative to what is left of it. The rows are NaN
+    where this does not hold.
     """
+    equal, length, floor = _equal(triangle, amplitude)
+    determined = np.linalg.svd(equal, compute_uv=False)[:, -1] > floor
+    inverse = np.full(equal.shape, np.nan)
+    inverse[determined] = np.linalg.inv(equal[determined]) / length[determined][..., None]
+    return inverse, determined
+
+
+def determined_errors(
+    triangle: Float[Array, "13 13"], amplitude: float
+) -> tuple[Float[Array, "9 9"], Float[Array, "9 _"]]:
+    """For one window that may be blind: the errors of what it determines, and what it does not see (unit columns)."""
+    equal, length, floor = (one[0] for one in _equal(triangle[None], np.array([amplitude])))
+    _, singular, right = np.linalg.svd(equal)
+    seen = singular > floor
+    scaled = right.T / length[:, None]
+    unseen = scaled[:, ~seen] / np.linalg.norm(scaled[:, ~seen], axis=0)
+    return np.where(seen, scaled / np.where(seen, singular, 1.0), 0.0), unseen
+
+
+def _equal(triangle: Array, amplitude: Array) -> tuple[Array, Array, Array]:
+    """R₂₂ with columns of length 1 (or 0), these lengths (1 for 0), and the rounding of its singular values."""
     left = triangle[:, CUBICS:, CUBICS:]
     before = np.linalg.norm(triangle[:, :, CUBICS:], axis=1) + np.abs(triangle[:, 0, :1]) * amplitude[:, None]
     size = np.linalg.norm(left, axis=1)
-    determined = np.all(size > ROUNDING * before, axis=1)
-    inverse = np.full(left.shape, np.nan)
-    if determined.any():
-        some, length = left[determined], size[determined]
-        equal = some / length[:, None]
-        floor = ROUNDING * (before[determined] / length).max(axis=1)
-        regular = np.linalg.svd(equal, compute_uv=False)[:, -1] > floor
-        inverse[np.flatnonzero(determined)[regular]] = np.linalg.inv(equal[regular]) / length[regular][..., None]
-        determined[determined] = regular
-    return inverse, determined
+    zero = size <= ROUNDING * before
+    length = np.where(zero, 1.0, size)
+    floor = ROUNDING * np.where(zero, 1.0, before / length).max(axis=1)
+    return np.where(zero[:, None], 0.0, left / length[:, None]), length, floor
