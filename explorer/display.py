@@ -1,7 +1,8 @@
 """What one visitor sees: a picture is drawn in plots, controls and scene, and all of it follows the playhead.
 
 draw(picture)      plots and verdict in one batch, then the scene
-draw_details       when nothing has changed for a moment, because the details take as long to compute as all the rest
+draw_details       when nothing has changed for a moment, because the details take as long to compute as all the rest;
+                   then the verdict, which is the sampled windows' until then, is proven in a job
 animate            moves cursors and scene to the playhead; it computes nothing
 """
 
@@ -104,6 +105,7 @@ class Display:
             self._dock.twin.draw(details.twin)
             self._charts.draw_details(picture)
             self._scene.draw_details(picture, details)
+        self._dock.prove(picture)
 
     def _only_twin_turned(self, settings: Settings) -> bool:
         """Whether the turned twin is all that has changed since the details were drawn; it is then redrawn at once."""

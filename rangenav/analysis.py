@@ -1,5 +1,11 @@
-"""Observability of a preset's motion from one range: sliding windows, the worst of them, blind directions, verdict."""
+"""Observability of a preset's motion from one range: sliding windows, the worst of them, blind directions, verdict.
 
+analyse(preset)     the worst of all windows, as certificates have it: what `analyze` and the page at rest show
+sampled(preset)     the worst of 101 windows, some ten times as fast: for a page while a hand moves
+"""
+
+import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,16 +19,20 @@ from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
 from rangenav.observability.rows import PathSamples
+from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
+from rangenav.observability.worst_excitation import EVERY, WorstExcitation, worst_excitation
+from rangenav.observability.worst_rank import WorstRank, worst_rank
 from rangenav.preset import Preset, Requirement
 from rangenav.provenance import Source
 from rangenav.results import result
 from rangenav.signals import Signal
-from rangenav.verdict import Verdict, judge, restriction
+from rangenav.verdict import Verdict, for_these_ranges, judge, restriction
 
 WINDOWS = 101
 """Start times at which spectra are computed: enough for a smooth curve; 101 windows of 13 columns take 5 ms."""
 FINE_WINDOWS = 401
 """Start times for the worst excitation, which is far cheaper than a Gramian."""
+Arguments = tuple[Signal, World, float, Requirement, float, float, float, Source | None]
 CACHED, CACHED_SAMPLES = 8, 2
 """Cached results of each stage: enough for undo and for A/B, few enough for many visitors. Samples take most memory."""
 
@@ -53,8 +63,20 @@ class Windows:
 
 
 @result
+class Proof:
+    """The worst windows among all: what is proven of every window, and what is sampled, as each of them says."""
+
+    excitation: WorstExcitation
+    rank: WorstRank
+    accuracy: WorstAccuracy
+
+
+@result
 class Analysis:
     """The analysis of one preset. Every number without a window of its own is that of a worst window."""
+
+    proof: Proof | None
+    """What the worst windows come from; None where they are the worst of the sampled windows."""
 
     windows: Windows
     mu: float
@@ -77,6 +99,7 @@ class Analysis:
     nonlinear_at: float
     nonlinear: Float[Array, "9"]
     nonlinear_floor: float
+    """Nonlinear eigenvalues below it are rounding."""
     nonlinear_rank: int
     directions: tuple[Direction, ...]
     accuracy_at: float
@@ -85,6 +108,8 @@ class Analysis:
     lifted_end: Accuracy
     nonlinear_start: Accuracy
     nonlinear_end: Accuracy
+    ranges: int
+    """How many ranges that window holds."""
     reduced_min: float
     """The least eigenvalue of the reduced pair (Proposition 1) on the worst window."""
     reduced_floor: float
@@ -109,9 +134,18 @@ class MotionAnalysis:
 
 
 def analyse(preset: Preset) -> Analysis:
-    """Analyse a preset over its own window."""
+    """Analyse a preset over its own window: the worst of all windows."""
+    return _proven(*_arguments(preset))
+
+
+def sampled(preset: Preset) -> Analysis:
+    """Analyse a preset over its own window: the worst of sampled windows."""
+    return analysis(*_arguments(preset))
+
+
+def _arguments(preset: Preset) -> Arguments:
     sensors = preset.sensors
-    return analysis(
+    return (
         preset.path,
         preset.world,
         preset.duration,
@@ -163,7 +197,7 @@ def analysis(
     arriving: float = 1.0,
     source: Source | None = None,
 ) -> Analysis:
-    """The whole analysis. What depends on neither anchor nor noise comes from `motion_analysis`.
+    """The analysis by sampled windows. What depends on neither anchor nor noise comes from `motion_analysis`.
 
     `arriving` is the share of ranges that random drop-outs leave. `source` is the file that the path was imported from.
     """
@@ -174,13 +208,15 @@ def analysis(
     k, j = lifted.worst, spectrum.worst(local)
     windows = _windows(samples, world, lifted, local, range_sigma, range_rate, arriving)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
-    ranges = accuracy.ranged(path, at, window, range_rate)
+    first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)
+    ranges = accuracy.held(path, at, window, range_rate, first=first, last=last)
 
     def predicted(kind: accuracy.Problem, moment: rows.Moment) -> Accuracy:
         return accuracy.of_ranges(ranges, world, sigma=range_sigma, kind=kind, at=moment, share=arriving)
 
     lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
     return Analysis(
+        proof=None,
         windows=windows,
         mu=float(lifted.least[0]),
         mu_at=lifted.least_at,
@@ -202,6 +238,7 @@ def analysis(
         lifted_end=lifted_end,
         nonlinear_start=predicted("nonlinear", "start"),
         nonlinear_end=predicted("nonlinear", "end"),
+        ranges=last - first + 1,
         reduced_min=lifted.reduced_min,
         reduced_floor=lifted.reduced_floor,
         verdict=judge(
@@ -209,7 +246,82 @@ def analysis(
             lifted_end.position,
             requirement.position_sigma,
             restriction=restriction(path, source, duration),
+            ranges=for_these_ranges(last - first + 1, at, window, path.period),
         ),
+    )
+
+
+@lru_cache(maxsize=CACHED)
+def _proven(
+    path: Signal,
+    world: World,
+    duration: float,
+    requirement: Requirement,
+    range_sigma: float,
+    range_rate: float,
+    arriving: float,
+    source: Source | None,
+) -> Analysis:
+    """The analysis by sampled windows, with the worst of all windows in place of the worst sampled one."""
+    window = requirement.window
+    few = analysis(path, world, duration, requirement, range_sigma, range_rate, arriving, source)
+    proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving)
+    excited, rank, worst = proof.excitation, proof.rank, proof.accuracy
+    values = excitation.eigenvalues(path, np.array([excited.at]), window)[0]
+    reduced_min, reduced_floor = reduced.least_eigenvalue(path, world.gravity, rank.at, window)
+    return replace(
+        few,
+        proof=proof,
+        mu=float(values[0]),
+        mu_at=excited.at,
+        excitation=values,
+        mu_floor=excited.floor,
+        bound_for_all_t=excited.lower if excited.starts == EVERY else None,
+        gramian_at=rank.at,
+        gramian=rank.eigenvalues,
+        floor=rank.floor,
+        rank=rank.rank,
+        tolerance=rank.tolerance,
+        nonlinear_at=rank.nonlinear_at,
+        nonlinear=rank.nonlinear_eigenvalues,
+        nonlinear_floor=rank.nonlinear_floor,
+        nonlinear_rank=rank.nonlinear,
+        directions=rank.directions,
+        accuracy_at=worst.windows.at,
+        lifted_start=worst.lifted_start,
+        lifted_end=worst.lifted_end,
+        nonlinear_start=worst.nonlinear_start,
+        nonlinear_end=worst.nonlinear_end,
+        ranges=worst.windows.ranges,
+        reduced_min=reduced_min,
+        reduced_floor=reduced_floor,
+        verdict=judge(
+            rank.rank,
+            worst.windows.bound,
+            requirement.position_sigma,
+            restriction=restriction(path, source, duration),
+            ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period),
+        ),
+    )
+
+
+def prove(
+    path: Signal,
+    world: World,
+    duration: float,
+    requirement: Requirement,
+    range_sigma: float,
+    range_rate: float,
+    arriving: float = 1.0,
+) -> Proof:
+    """The worst windows among all; each part is cached by its own inputs. Certificates take them from here."""
+    window = requirement.window
+    excited = worst_excitation(path, window, duration, requirement.mu)
+    period = path.period if excited.starts == EVERY else None
+    return Proof(
+        excitation=excited,
+        rank=worst_rank(path, world, window, period or duration - window),
+        accuracy=worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving),
     )
 
 

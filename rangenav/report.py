@@ -51,6 +51,7 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             "range_rate": preset.sensors.range_rate,
             "lifted": {"start": _accuracy(analysis.lifted_start), "end": _accuracy(analysis.lifted_end)},
             "nonlinear": {"start": _accuracy(analysis.nonlinear_start), "end": _accuracy(analysis.nonlinear_end)},
+            **_every_window(analysis),
             **_ignored(preset),
         },
         **_jumps(preset),
@@ -69,7 +70,8 @@ def verdict(preset: Preset, analysis: Analysis) -> Json:
     """The verdict; null, and why, of a path that was fitted to a record or that jumps."""
     source = {} if preset.source is None else {"source": msgspec.to_builtins(preset.source)}
     if analysis.verdict.judged:
-        return {"verdict": analysis.verdict.word, **source}
+        reason = {"verdict_reason": str(analysis.verdict)} if analysis.verdict.reason else {}
+        return {"verdict": analysis.verdict.word, **reason, **source}
     return {"verdict": None, "verdict_reason": f"null: {analysis.verdict}", **source}
 
 
@@ -132,8 +134,29 @@ def _excitation(analysis: Analysis, truth: motion.Motion, window: float) -> Json
             "eigenvalues": printed[least].tolist(),
         },
     }
-    if analysis.bound_for_all_t is None:
-        report["bound_reason"] = "no common period, so no grid covers all t, or no known bound of snap and its rate"
+    if analysis.proof is not None:
+        found = analysis.proof.excitation
+        report |= {"proven": found.bounds is not None, "starts": found.starts, "lower": found.lower}
+        if found.reason is not None:
+            report["reason"] = (
+                f"{'lower: null, sampled only' if found.lower is None else 'not every t'}: {found.reason}"
+            )
+        if analysis.bound_for_all_t is None:
+            report["bound_reason"] = f"null: {found.reason}"
+    return report
+
+
+def _every_window(analysis: Analysis) -> Json:
+    """How many ranges the worst window holds, and the σ that no window of the flight exceeds."""
+    report: Json = {"ranges": analysis.ranges}
+    if analysis.proof is not None:
+        found = analysis.proof.accuracy
+        bound = found.windows.bound
+        report |= {"proven": True, "starts": found.starts, "bound": bound if math.isfinite(bound) else None}
+        sentences = [f"not every t: {found.reason}"] if found.reason is not None else []
+        if not math.isfinite(bound):
+            sentences.append("bound: null, the worst window does not determine the position")
+        report |= {"reason": "; ".join(sentences)} if sentences else {}
     return report
 
 

@@ -20,9 +20,10 @@ class Verdict:
     """What one range can tell of a motion."""
 
     word: Word
-    """blind: rank below 13; weak: full rank, but the predicted error exceeds the requirement; observable: neither."""
+    """blind: rank below 13, or ranges that do not determine the position; weak: neither, but the predicted error
+    exceeds the requirement; observable: none of these."""
     reason: str = ""
-    """One clause that says why the motion is not judged; empty where it is."""
+    """One clause that says why the motion is not judged, or why it is blind for its ranges; empty otherwise."""
 
     @property
     def judged(self) -> bool:
@@ -30,23 +31,37 @@ class Verdict:
         return self.word != "not judged"
 
     def __str__(self) -> str:
-        return self.word if self.judged else f"{self.word}: {self.reason}"
+        return f"{self.word}: {self.reason}" if self.reason else self.word
 
 
-def judge(rank: int, position_sigma: float | None, required_sigma: float, *, restriction: str | None = None) -> Verdict:
+def judge(
+    rank: int, position_sigma: float | None, required_sigma: float, *, restriction: str | None = None, ranges: str = ""
+) -> Verdict:
     """The verdict on a motion.
 
     rank: of the lifted Gramian (of 13) on the worst window.
-    position_sigma: predicted 1-σ position error (m) at the end of the worst window; None or NaN if undetermined.
+    position_sigma: predicted 1-σ position error (m) at the end of the worst window; None, NaN or infinite where its
+    ranges do not determine the position: then even a motion of full rank is blind, for these ranges.
     required_sigma: the largest error (m) that the requirement allows.
     restriction: why the motion is not judged at all, if it is not; see `restriction`.
+    ranges: a clause on the ranges of the worst window, for the reason; see `for_these_ranges`.
     """
     if restriction is not None:
         return Verdict(word="not judged", reason=restriction)
     if rank < STATES:
         return Verdict(word="blind")
-    accurate = position_sigma is not None and math.isfinite(position_sigma) and position_sigma <= required_sigma
-    return Verdict(word="observable" if accurate else "weak")
+    if position_sigma is None or not math.isfinite(position_sigma):
+        return Verdict(word="blind", reason=f"for these ranges: {ranges or 'they do not determine the position'}")
+    return Verdict(word="observable" if position_sigma <= required_sigma else "weak")
+
+
+def for_these_ranges(count: int, start: float, window: float, period: float | None) -> str:
+    """Why `count` ranges in a window (s) from `start` (s) do not determine the position along a path of full rank."""
+    where = f"the {window:g} s from t = {start:.4g} s"
+    if count < STATES:
+        return f"{where} hold {count} of them, and {STATES} are needed"
+    repeats = f", which repeats every {period:.4g} s" if period else ""
+    return f"the {count} in {where} fall on too few places of the path{repeats}"
 
 
 def restriction(path: Signal, source: Source | None, duration: float) -> str | None:

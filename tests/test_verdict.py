@@ -1,5 +1,6 @@
 """There is one verdict: the page, the command line, the certificate and the library give the same one."""
 
+import math
 from pathlib import Path
 from unittest.mock import MagicMock
 
@@ -25,7 +26,7 @@ SOFT = preset.load("soft")
 def of_page(p: Preset) -> str:
     """The word at the head of the page's verdict block, in lower case."""
     gui = MagicMock()
-    VerdictPanel(gui).draw(compute(Settings(origin="", preset=p)))
+    VerdictPanel(gui).draw(compute(Settings(origin="", preset=p)).proven())
     html = gui.add_html.return_value.content
     (word,) = (word for word in ("observable", "weak", "blind", "not judged") if f" {word.upper()}</div>" in html)
     return word
@@ -85,8 +86,15 @@ def test_page_command_line_and_library_agree_on_a_recorded_flight(answer, tmp_pa
 
 @pytest.mark.parametrize(
     ("rank", "sigma", "word"),
-    [(12, 0.1, "blind"), (13, 0.5, "observable"), (13, 0.51, "weak"), (13, None, "weak"), (13, float("nan"), "weak")],
+    [
+        (12, 0.1, "blind"),
+        (13, 0.5, "observable"),
+        (13, 0.51, "weak"),
+        (13, None, "blind"),
+        (13, math.nan, "blind"),
+        (13, math.inf, "blind"),
+    ],
 )
 def test_the_verdict_follows_rank_and_predicted_error(rank: int, sigma: float | None, word: verdict.Word):
-    assert verdict.judge(rank, sigma, 0.5) == verdict.Verdict(word=word)
+    assert verdict.judge(rank, sigma, 0.5).word == word
     assert not verdict.judge(rank, sigma, 0.5, restriction="it jumps").judged

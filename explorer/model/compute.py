@@ -11,7 +11,7 @@ details       <- see `details`; computed at its first use
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -22,7 +22,7 @@ from explorer.model import details
 from explorer.model.details import Details
 from explorer.model.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record, vehicle
-from rangenav.analysis import WINDOWS, Analysis, analyse
+from rangenav.analysis import WINDOWS, Analysis, analyse, sampled
 from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
 from rangenav.model import ModelForm
@@ -53,7 +53,9 @@ class Picture:
     phi_printed: Float[Array, "n 3"]
     """The printed φ, body axes."""
     analysis: Analysis
-    """Spectra over sliding windows, worst windows, blind directions, predicted accuracy and verdict (derived forms)."""
+    """Spectra over sliding windows, the worst of them, blind directions, accuracy and verdict (derived forms).
+
+    `proven` puts the worst of all windows in place of the worst sampled ones."""
     printed_excitation: Float[Array, "w 3"]
     """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
     measurements: Measurements
@@ -74,11 +76,16 @@ class Picture:
         together, and the page draws it when nothing has changed for a moment."""
         return details.details(self.preset, turn=self.settings.twin_turn)
 
+    def proven(self) -> "Picture":
+        """The same picture with the worst of all windows. It takes a tenth of a second to some seconds, for which the
+        page has a job."""
+        return replace(self, analysis=analyse(self.preset))
+
 
 def compute(settings: Settings) -> Picture:
     """Compute everything the page draws. Raises ValueError with one sentence if no picture is possible."""
     p, printed = effective(settings), settings.printed
-    inputs, analysis = truth_inputs(p), analyse(p)
+    inputs, analysis = truth_inputs(p), sampled(p)
     phi, phi_printed = _phi(inputs)
     outcome, position = _observed(
         inputs, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"

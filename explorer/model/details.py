@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from rangenav import record, twin
-from rangenav.analysis import WINDOWS, analyse, how_long, motion_analysis
+from rangenav.analysis import WINDOWS, how_long, motion_analysis, sampled
 from rangenav.inputs import Vec3
 from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.observability.ellipsoid import Ellipsoid
@@ -51,7 +51,7 @@ class Details:
 
 def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
     """The details of a preset; `turn` (rad, about the anchor) turns a twin that may be turned."""
-    analysis, requirement = analyse(preset), preset.requirement
+    analysis, requirement = sampled(preset), preset.requirement
     return Details(
         spectrum=motion_analysis(preset.path, preset.world.gravity, preset.duration, requirement.window).spectrum,
         horizon=how_long(preset),
@@ -87,7 +87,7 @@ def frozen_summary(preset: Preset) -> str:
     """Frozen-time ranks at the start of the window of least rank, and its own rank; empty until `import_control`."""
     if not LOADED.is_set():
         return ""
-    analysis = analyse(preset)
+    analysis = sampled(preset)
     return _frozen(record.truth_inputs(preset), analysis.gramian_at, analysis.rank)
 
 

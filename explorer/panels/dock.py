@@ -56,6 +56,7 @@ class Dock:
     ) -> None:
         """`name` is the preset that is shown first."""
         self.form, gui, self._presets = form, form.gui, catalog.presets
+        self._proofs = form.new_jobs()
         self._chosen: Settings | InvalidInputError | ValueError
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
@@ -181,8 +182,18 @@ class Dock:
         with suppress(InvalidInputError, ValueError):  # `read` raises it
             self.refresh()
 
+    def prove(self, picture: Picture) -> None:
+        """Show the verdict on every window as soon as it is computed, in place of that on the sampled windows."""
+        self._proofs.start(
+            "the worst of all windows",
+            lambda _progress, _cancelled: picture.proven(),
+            self.verdict.draw,
+            self.verdict.complaint.say,
+        )
+
     def draw(self, picture: Picture) -> None:
         """Show the verdict, and what follows from the picture in each panel."""
+        self._proofs.cancel()
         self.verdict.draw(picture)
         self.motion.draw(picture.settings.time_scale)
         self.vehicle.draw(picture)

@@ -50,7 +50,7 @@ class VerdictPanel:
         self._bar_line.content = f"Compiling the observers (once per machine): {html.escape(what)}"
 
     def draw(self, picture: Picture) -> None:
-        """Show the verdict on a picture."""
+        """Show the verdict on a picture; ≈ marks what is that of sampled windows, and not yet of all."""
         shape, colour, word, meaning = _head(picture)
         head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{chips(picture)}</div>'
         table = "".join(ROW.format(name, text) for name, text in rows(picture))
@@ -69,9 +69,16 @@ def _head(picture: Picture) -> tuple[str, str, str, str]:
         reason = html.escape(verdict.reason)
         return *NOT_JUDGED, f"{reason}; what follows is the curve's own, and proves nothing about the flight"
     shape, colour, word, meaning = VERDICT_STYLES[verdict.word]
+    if verdict.reason:
+        meaning = html.escape(verdict.reason)
     if picture.analysis.mu < picture.preset.requirement.mu:
         meaning += "; <b>✕ the required μ is not met</b>"
-    return shape, colour, word, meaning
+    return shape, colour, f"{_about(picture)}{word}", meaning
+
+
+def _about(picture: Picture) -> str:
+    """The mark of what comes from sampled windows; empty once all windows are judged."""
+    return "≈ " if picture.analysis.proof is None else ""
 
 
 def number(value: float, unit: str = "") -> str:
@@ -100,15 +107,15 @@ def rows(picture: Picture) -> list[tuple[str, str]]:
 
 def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     analysis, needed = picture.analysis, picture.preset.requirement
-    nonlinear = f"nonlinear {analysis.nonlinear_rank} of 9"
-    rank = f"<b>{analysis.rank} of 13</b>, {nonlinear}; worst window from {significant(analysis.gramian_at)} s"
+    about, nonlinear = _about(picture), f"nonlinear {analysis.nonlinear_rank} of 9"
+    rank = f"<b>{about}{analysis.rank} of 13</b>, {nonlinear}; worst window from {significant(analysis.gramian_at)} s"
     rows = [("rank", rank)]
     if analysis.directions:
         rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.summary)}" for direction in analysis.directions)))
     met = "✓" if analysis.mu >= needed.mu else "✕"
     where = f"over δ = {needed.window:g} s from {significant(analysis.mu_at)} s"
     mu = (
-        f"<b>{number(analysis.mu)}</b> m²/s⁷"
+        f"<b>{about}{number(analysis.mu)}</b> m²/s⁷"
         if analysis.mu >= analysis.mu_floor
         else "<b>0</b> (below the noise floor)"
     )
@@ -119,7 +126,9 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
         ("lifted", analysis.lifted_start, analysis.lifted_end),
         ("nonlinear", analysis.nonlinear_start, analysis.nonlinear_end),
     ):
-        text = f"position {number(start.position, 'm')} at its start, <b>{number(end.position, 'm')}</b> at its end"
+        text = (
+            f"position {number(start.position, 'm')} at its start, <b>{about}{number(end.position, 'm')}</b> at its end"
+        )
         undetermined = math.isnan(start.position) and math.isnan(end.position)
         rows.append((f"σ {name}", "position not determined" if undetermined else text))
     return rows

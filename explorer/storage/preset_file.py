@@ -5,6 +5,7 @@ The verdict is computed from the TOML text of the same file.
 
 from explorer.model.settings import Settings, effective
 from rangenav import analysis, preset
+from rangenav.analysis import Analysis
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 from rangenav.sensors import noise_assumption
@@ -32,22 +33,32 @@ def verdict_comments(shown: Preset) -> str:
     motion_analysis, requirement = analysis.analyse(shown), shown.requirement
     if not motion_analysis.verdict.judged:
         return UNJUDGED
-    met = "met" if motion_analysis.mu >= requirement.mu else "NOT met"
+    met, windows = _excited(motion_analysis, requirement.mu)
     lifted, nonlinear = (
         quantity(end.position, "m", digits=4) for end in (motion_analysis.lifted_end, motion_analysis.nonlinear_end)
     )
     lines = [
         f"verdict: {motion_analysis.verdict.word}; rank {motion_analysis.rank} of 13 "
         f"(nonlinear {motion_analysis.nonlinear_rank} of 9); required mu {met}",
-        f"mu = {motion_analysis.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over every window of "
+        f"mu = {motion_analysis.mu:.6g} m²/s⁷, the least eigenvalue of ∫p⁗p⁗ᵀ over {windows} of "
         f"{requirement.window:g} s (worst from t = {motion_analysis.mu_at:.3g} s); "
         f"required: {requirement.mu:.6g}: {met}",
         f"predicted 1-sigma position at the end of the worst window: {lifted} lifted, "
         f"{nonlinear} nonlinear; required {requirement.position_sigma:g} m",
         f"it assumes {noise_assumption(shown.sensors)}",
     ]
+    if motion_analysis.verdict.reason:
+        lines.append(str(motion_analysis.verdict))
     lines += [f"blind: {direction.summary}" for direction in motion_analysis.directions]
     return "".join(f"# {line}\n" for line in lines)
+
+
+def _excited(shown: Analysis, required: float) -> tuple[str, str]:
+    """Whether the required μ is met, and by which windows: "every window" is written of what is proven alone."""
+    proven = None if shown.proof is None else shown.proof.excitation.meets(required)
+    if proven is None:
+        return ("met on these" if shown.mu >= required else "NOT met"), "sampled windows"
+    return ("met" if proven else "NOT met"), "every window"
 
 
 def file_name(name: str, shown: Preset, shipped: Preset) -> str:

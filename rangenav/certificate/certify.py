@@ -1,8 +1,9 @@
 """The certificate of a file, computed from its bytes and never from the object in memory that was written to the file.
 
-The chain is bytes → preset (read again) → bounds of μ, ranks, predicted accuracy, limits, jumps → checks. A number that
-cannot be bounded is null, with the reason in a field next to it. A number that comes from samples says so. Nothing in a
-certificate depends on the time or the place of its computation.
+The chain is bytes → preset (read again) → worst windows for μ, rank and predicted accuracy, limits, jumps → checks.
+Each of the three figures says whether it is proven of every window or sampled, and on which interval. A number that
+cannot be bounded is null, with the reason in a field next to it. Nothing in a certificate depends on the time or the
+place of its computation.
 """
 
 import hashlib
@@ -16,11 +17,11 @@ import msgspec
 import numpy as np
 
 import rangenav
+from rangenav import analysis
 from rangenav import preset as presets
-from rangenav import verdict
-from rangenav.certificate import motion_sections, remedy, requirements, sections
+from rangenav.certificate import motion_sections, requirements, sections, version_1
 from rangenav.certificate.files import read_bytes
-from rangenav.certificate.schema import Artifact, Certificate, Tool
+from rangenav.certificate.schema import VERSION, Artifact, Certificate, Tool
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -60,18 +61,22 @@ def certify(
     form: str = "preset",
     context: Preset | None = None,
     readers: Mapping[str, Reader] = READERS,
+    version: int = VERSION,
 ) -> Certificate:
     """The certificate of a file's bytes. Raises ValueError if the bytes cannot be read.
 
     source: the file's name in error messages. form: the file's format. context: for a file that holds only a path, the
-    preset whose world, sensors, requirement and vehicle judge that path.
+    preset whose world, sensors, requirement and vehicle judge that path. version: of the certificate; the first one is
+    computed to verify an old certificate.
     """
     require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
     contents = readers[form](content, source, context)
     digest = hashlib.sha256(content).hexdigest()
     artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=contents.covers)
     context_text = msgspec.UNSET if context is None else presets.dumps(context)
-    return msgspec.structs.replace(_without_artifact(contents.preset), artifact=artifact, context=context_text)
+    issued = _without_artifact(contents.preset)
+    issued = issued if version == VERSION else version_1.as_version_1(contents.preset, issued)
+    return msgspec.structs.replace(issued, artifact=artifact, context=context_text)
 
 
 def certify_file(name_or_path: str | Path) -> Certificate:
@@ -83,29 +88,25 @@ def certify_file(name_or_path: str | Path) -> Certificate:
 @lru_cache(maxsize=CACHED)
 def _without_artifact(preset: Preset) -> Certificate:
     """The certificate without its artifact, which is the same for every format that the preset is written in."""
-    claim, excitation = sections.excitation_section(preset)
-    rank = sections.rank_section(preset, claim)
-    accuracy = sections.accuracy_section(preset)
+    proof, needed = sections.proof_of(preset), preset.requirement
+    excitation = sections.excitation_section(proof.excitation, needed.mu)
+    rank = sections.rank_section(proof.rank, proof.accuracy)
+    accuracy = sections.accuracy_section(preset, proof.accuracy)
     limits, flyability = motion_sections.limits_section(preset)
     jumps = motion_sections.jumps_section(preset)
     checks = requirements.requirements(excitation, rank, accuracy, jumps, flyability, preset)
-    failures = requirements.failures(checks, excitation, preset.expect)
-    meets = all(check.met for check in checks)
+    failures = requirements.failures(checks, excitation, preset.expect, undetermined=accuracy.bound is None)
+    judged = analysis.analyse(preset).verdict
     return Certificate(
         title=preset.title,
         expect=preset.expect,
         certified=not failures,
-        meets=meets,
-        verdict=verdict.judge(
-            rank.rank,
-            accuracy.lifted.end.position,
-            accuracy.required,
-            restriction=verdict.restriction(preset.path, preset.source, preset.duration),
-        ).word,
+        meets=all(check.met for check in checks),
+        verdict=judged.word,
+        verdict_reason=judged.reason or msgspec.UNSET,
         checks=checks,
         failures=failures,
-        remedy=msgspec.UNSET if meets else remedy.remedy(preset, excitation.at) or msgspec.UNSET,
-        claim=claim,
+        claim=sections.claim_section(preset, proof.excitation),
         excitation=excitation,
         rank=rank,
         accuracy=accuracy,

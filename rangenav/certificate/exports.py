@@ -25,7 +25,7 @@ import numpy as np
 from rangenav import formats, provenance
 from rangenav import preset as presets
 from rangenav.axes import upright
-from rangenav.certificate import files, requirements
+from rangenav.certificate import files, remedy, requirements
 from rangenav.certificate.certify import READERS, FileContents, Reader, certify, read_preset
 from rangenav.certificate.encoding import dumps
 from rangenav.certificate.files import path_for, read_bytes
@@ -85,13 +85,15 @@ def certified(
 
 @lru_cache(maxsize=CACHED)
 def gate(preset: Preset, form: str = "preset") -> str | None:
-    """Why a preset may not be exported in a format, one sentence; None if it may.
+    """Why a preset may not be exported in a format and what would help, one sentence; None if it may.
 
     What is to be flown must meet every requirement; of a preset and of a run it is enough that the preset is what it
     says it is, so that a hover can be studied.
     """
     issued = certify(presets.dumps(preset).encode(), source="preset")
-    return None if issued.certified and formats.row(form).gate == "claim" else requirements.gate(issued)
+    refused = None if issued.certified and formats.row(form).gate == "claim" else requirements.gate(issued)
+    helps = None if refused is None else remedy.remedy(preset, issued.excitation.at)
+    return refused if helps is None else f"{refused}; it would do to {helps}"
 
 
 def write_certificate(certificate: Certificate, path: Path) -> Path:

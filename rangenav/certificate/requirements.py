@@ -33,12 +33,16 @@ def requirements(
     )
 
 
-def failures(checks: tuple[Check, ...], excitation: schema.Excitation, expect: Expectation) -> tuple[str, ...]:
+def failures(
+    checks: tuple[Check, ...], excitation: schema.Excitation, expect: Expectation, *, undetermined: bool
+) -> tuple[str, ...]:
     """Why the checks differ from what the preset expects, one sentence each; none if they agree.
 
     observable: every check must be met.
-    weak: excitation and rank must be met, and the accuracy must be missed.
-    unobservable: the excitation must be missed (by a bound, where one is known), or the rank must be below 13.
+    weak: excitation and rank must be met, and the accuracy must be missed, by an error that is determined.
+    unobservable: the excitation must be missed (by a bound, where one is known), or the rank must be below 13, or the
+    ranges of a window must leave the position undetermined.
+    undetermined: whether the ranges of a window leave the position undetermined; version 1 did not ask.
     A path that jumps, or that the preset's vehicle cannot fly, is a failure whatever is expected.
     """
     check = {one.name: one for one in checks}
@@ -51,17 +55,17 @@ def failures(checks: tuple[Check, ...], excitation: schema.Excitation, expect: E
     excited, full_rank = check["excitation"], check["rank"]
     if expect == "weak":
         wrong += [one.words for one in (excited, full_rank) if not one.met]
-        if check["accuracy"].met:
+        if check["accuracy"].met or undetermined:
             wrong.append(f"expected weak, but {check['accuracy'].words}")
         return tuple(wrong)
     unexcited = not excited.met and (excited.proven or excitation.upper is None)
-    if not unexcited and full_rank.met:
+    if not unexcited and full_rank.met and not undetermined:
         wrong.append(f"expected unobservable, but {excited.words}, and {full_rank.words}")
     return tuple(wrong)
 
 
 def gate(certificate: Certificate) -> str | None:
-    """None if the preset may be exported; else one sentence: what is missing, where, by how much, and a remedy."""
+    """None if the preset may be exported; else one sentence: what is missing, where and by how much."""
     if certificate.meets:
         return None
     missed = [one for one in certificate.checks if not one.met]
@@ -70,8 +74,7 @@ def gate(certificate: Certificate) -> str | None:
     blind = "rank" in [one.name for one in missed]
     # of a blind motion no accuracy can be predicted, so that sentence would add nothing
     sentences = "; ".join(one.words for one in missed if not (blind and one.name == "accuracy"))
-    helps = "" if certificate.remedy is msgspec.UNSET else f"; it would do to {certificate.remedy}"
-    return f"{certificate.title}: refused: {sentences}{helps}"
+    return f"{certificate.title}: refused: {sentences}"
 
 
 def _excitation(excitation: schema.Excitation, window: float) -> Check:
@@ -99,26 +102,30 @@ def _excitation(excitation: schema.Excitation, window: float) -> Check:
 
 def _rank(rank: schema.Rank, window: float) -> Check:
     met = rank.rank == STATES
+    proven = met and rank.scope is not msgspec.UNSET and rank.scope.basis == "proven"
     words = f"the rank is {rank.rank} of {STATES}"
+    if met and rank.scope is not msgspec.UNSET:
+        words += " on every window" if proven else " on sampled windows"
     if not met:
         directions = f": {'; '.join(rank.blind)}" if rank.blind else ""
         words += f" on the {window:g} s from t = {rank.at:.4g} s{directions}"
-    return Check(name="rank", met=met, proven=False, words=words)
-
-
-def _accurate(accuracy: schema.Accuracy) -> bool:
-    sigma = accuracy.lifted.end.position
-    return sigma is not None and sigma <= accuracy.required
+    return Check(name="rank", met=met, proven=proven, words=words)
 
 
 def _accuracy(accuracy: schema.Accuracy, window: float) -> Check:
-    sigma = accuracy.lifted.end.position
+    sigma, noise = accuracy.lifted.end.position, f"{accuracy.required:.3g} m required, by {accuracy.noise}"
+    bound = None if accuracy.bound is msgspec.UNSET else accuracy.bound
+    if bound is not None and bound <= accuracy.required:
+        words = f"position is predicted to {bound:.3g} m (1-σ) or better after every window of {window:g} s, {noise}"
+        return Check(name="accuracy", met=True, proven=True, words=words)
+    where, within = f"the {window:g} s from t = {accuracy.at:.4g} s", sigma is not None and sigma <= accuracy.required
     prediction = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
-    words = (
-        f"position {prediction} after the {window:g} s from t = {accuracy.at:.4g} s, "
-        f"{accuracy.required:.3g} m required, by {accuracy.noise}"
-    )
-    return Check(name="accuracy", met=_accurate(accuracy), proven=False, words=words)
+    words = f"position {prediction} after {where}, {noise}"
+    if accuracy.scope is msgspec.UNSET:  # version 1: by the worst sampled window
+        return Check(name="accuracy", met=within, proven=False, words=words)
+    if within:
+        words = f"position is only known to be predicted to {bound or 0:.3g} m (1-σ) or better, {noise}"
+    return Check(name="accuracy", met=False, proven=not within, words=words)
 
 
 def _smooth(jumps: schema.Jumps) -> Check:

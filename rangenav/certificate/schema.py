@@ -11,10 +11,11 @@ import msgspec
 
 from rangenav.inputs import Vec3
 
-FORMAT, VERSION = "rangenav-certificate", 1
+FORMAT, VERSION = "rangenav-certificate", 2
 DIGITS = 8
 """Of every figure: more would differ between processors, fewer would not tell presets apart."""
 Expectation = Literal["observable", "weak", "unobservable"]
+Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
 Names = Literal["excitation", "rank", "accuracy", "smooth", "vehicle", "source"]
 
 
@@ -55,11 +56,21 @@ class Frame(Part, frozen=True, kw_only=True):
 class Claim(Part, frozen=True, kw_only=True):
     """For which windows the excitation is bounded."""
 
-    starts: Literal["every t >= 0", "every t in [0, duration - window]"]
+    starts: Starts
     window: float
     duration: float
     period: float | None
     reason: str | msgspec.UnsetType = msgspec.UNSET
+
+
+class Scope(Part, frozen=True, kw_only=True):
+    """Which windows a figure speaks of, and whether it is proven of all of them. Version 1 has none."""
+
+    basis: Literal["proven", "sampled"]
+    """Sampled: between the starts that were evaluated nothing is claimed."""
+    starts: Starts
+    reason: str | msgspec.UnsetType = msgspec.UNSET
+    """Why it is not said of every t >= 0."""
 
 
 class Excitation(Part, frozen=True, kw_only=True):
@@ -81,11 +92,12 @@ class Excitation(Part, frozen=True, kw_only=True):
     """Along it that window is excited least."""
     starts: int
     """Points of the grid between which the bound holds."""
+    scope: Scope | msgspec.UnsetType = msgspec.UNSET
     reason: str | msgspec.UnsetType = msgspec.UNSET
 
 
 class Rank(Part, frozen=True, kw_only=True):
-    """Of the lifted Gramian, on sampled windows: between their starts it is not bounded."""
+    """Of the lifted Gramian. It is sampled, and proven where every window's ranges determine all 13 coordinates."""
 
     rank: int
     of: int
@@ -97,9 +109,11 @@ class Rank(Part, frozen=True, kw_only=True):
     nonlinear: int
     """Rank of the nonlinear problem, of 9, on its worst window."""
     windows: int
-    """Sampled; between their starts nothing is claimed."""
+    """Sampled; between their starts the other figures of this section claim nothing."""
     blind: tuple[str, ...]
     """What the worst window cannot tell, in words."""
+    scope: Scope | msgspec.UnsetType = msgspec.UNSET
+    """Of the rank."""
     reason: str | msgspec.UnsetType = msgspec.UNSET
 
 
@@ -123,15 +137,25 @@ class Ends(Part, frozen=True, kw_only=True):
 
 
 class Accuracy(Part, frozen=True, kw_only=True):
-    """Predicted on the sampled window worst for the lifted position at its end, from its ranges alone."""
+    """Predicted on the window worst for the lifted position at its end, from its ranges alone.
+
+    In version 1 that is the worst sampled window, with a range at its start.
+    """
 
     required: float
     """m, of the lifted position at the window's end."""
     at: float
+    ranges: int | msgspec.UnsetType = msgspec.UNSET
+    """In that window, of those that are measured at k / range_rate."""
+    bound: float | msgspec.UnsetType | None = msgspec.UNSET
+    """m; no window predicts more for the lifted position at its end."""
+    scope: Scope | msgspec.UnsetType = msgspec.UNSET
+    """Of the bound."""
     range_sigma: float
     range_rate: float
     """Hz"""
     noise: str
+    reason: str | msgspec.UnsetType = msgspec.UNSET
     lifted: Ends
     nonlinear: Ends
 
@@ -203,7 +227,8 @@ class Certificate(Part, frozen=True, kw_only=True):
     """All that was recomputed from the bytes of one file."""
 
     format: Literal["rangenav-certificate"] = FORMAT
-    version: Literal[1] = VERSION
+    version: Literal[1, 2] = VERSION
+    """Version 1 sampled the rank and the accuracy; it is verified by what it claimed."""
     title: str
     expect: Expectation
     certified: bool
@@ -212,11 +237,13 @@ class Certificate(Part, frozen=True, kw_only=True):
     """Whether all requirements are met, whatever the preset expects. An export needs this."""
     verdict: Literal["blind", "weak", "observable", "not judged"]
     """Not judged: what the figures below say is about a fit, or about a path that jumps."""
+    verdict_reason: str | msgspec.UnsetType = msgspec.UNSET
+    """Why it is not judged, or blind although its rank is 13."""
     checks: tuple[Check, ...]
     failures: tuple[str, ...]
     """Why it is not certified, a sentence each."""
     remedy: str | msgspec.UnsetType = msgspec.UNSET
-    """What change would meet the requirements, where one is asked for and was found."""
+    """Version 1 only: a change that would meet the requirements. A search found it; no certificate proves it."""
     claim: Claim
     excitation: Excitation
     rank: Rank

@@ -1,194 +1,128 @@
-"""The sections of a certificate on observability: excitation, rank and accuracy."""
+"""The sections of a certificate on observability: excitation, rank and accuracy, each with its scope."""
 
-from typing import Literal
+import math
 
 import msgspec
-import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav import analysis
+from rangenav.analysis import Proof
 from rangenav.certificate import schema
-from rangenav.certificate.schema import Claim, figure, known
+from rangenav.certificate.schema import Claim, Scope, figure, known
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
-from rangenav.observability import accuracy, blindness, derivative_bounds, excitation, spectrum
-from rangenav.observability.derivative_bounds import UnboundedDerivativeError
-from rangenav.observability.excitation_bound import TIE, ExcitationBounds, excitation_bounds, oriented
+from rangenav.observability import accuracy
+from rangenav.observability.worst_accuracy import WorstAccuracy
+from rangenav.observability.worst_excitation import WorstExcitation
+from rangenav.observability.worst_rank import WorstRank
 from rangenav.preset import Preset
 from rangenav.sensors import noise_assumption
 
-WINDOWS = 201
-"""Start times at which ranks and accuracy are sampled; added are those at which a knot enters or leaves the window."""
-MAX_EVENTS = 100
-Starts = Literal["every t >= 0", "every t in [0, duration - window]"]
-EVERY: Starts = "every t >= 0"
-FLIGHT: Starts = "every t in [0, duration - window]"
-SIGMA_TIE = 1e-3
-"""Predicted errors that differ by less than this share are equally bad: they come from an integral over the ranges."""
+UNDETERMINED = "null: blind, this window does not determine it"
 
 
-def excitation_section(preset: Preset) -> tuple[Claim, schema.Excitation]:
-    """Bounds of μ over every window at any t ≥ 0 if the path is periodic, else over every window of the flight."""
-    period, why, needed = preset.path.period, "the path does not repeat", preset.requirement.mu
-    of_period: ExcitationBounds | None = None
-    if period is not None:
-        try:
-            end = period or _last(preset)  # a period of 0: a straight path, whose windows are all alike
-            of_period = excitation_bounds(preset.path, preset.requirement.window, end)
-            if of_period.lower >= needed or of_period.least < needed:
-                return _bounded(preset, of_period, EVERY, None)
-            why = f"over the period of {period:.4g} s no less than {of_period.lower:.4g} m²/s⁷ can be shown"
-        except UnboundedDerivativeError as error:
-            why = str(error)
-    try:
-        of_flight = excitation_bounds(preset.path, preset.requirement.window, _last(preset))
-    except UnboundedDerivativeError as error:
-        return _sampled(preset, str(error))
-    if of_period is not None and of_flight.lower < needed:
-        return _bounded(preset, of_period, EVERY, None)
-    return _bounded(preset, of_flight, FLIGHT, why)
+def proof_of(preset: Preset) -> Proof:
+    """The worst windows of a preset, as its analysis has them."""
+    sensors = preset.sensors
+    return analysis.prove(
+        preset.path,
+        preset.world,
+        preset.duration,
+        preset.requirement,
+        sensors.sigma.range,
+        sensors.range_rate,
+        sensors.arriving,
+    )
 
 
-def _last(preset: Preset) -> float:
-    """The last start of a window within the flight (s)."""
-    return preset.duration - preset.requirement.window
-
-
-def _claim(preset: Preset, starts: Starts, why: str | None) -> Claim:
+def claim_section(preset: Preset, found: WorstExcitation) -> Claim:
+    """The windows for which the excitation is bounded or sampled."""
     return Claim(
-        starts=starts,
+        starts=found.starts,
         window=preset.requirement.window,
         duration=preset.duration,
         period=None if preset.path.period is None else figure(preset.path.period),
-        reason=msgspec.UNSET if why is None else f"not every t: {why}",
+        reason=msgspec.UNSET if found.reason is None else f"not every t: {found.reason}",
     )
 
 
-def _bounded(
-    preset: Preset, bounds: ExcitationBounds, starts: Starts, why: str | None
-) -> tuple[Claim, schema.Excitation]:
-    blind = bounds.least <= bounds.floor
-    part = schema.Excitation(
-        required=preset.requirement.mu,
-        lower=figure(bounds.lower, toward=-1),
-        upper=figure(bounds.upper, toward=1),
-        upper_everywhere=figure(bounds.upper_everywhere, toward=1),
-        found=None if blind else figure(bounds.least),
-        floor=figure(bounds.floor, toward=1),
-        at=figure(bounds.at),
-        direction=_vec(bounds.direction),
-        starts=bounds.starts,
-        reason="found: null, below the floor of rounding" if blind else msgspec.UNSET,
+def excitation_section(found: WorstExcitation, required: float) -> schema.Excitation:
+    """μ and its bounds; null bounds where it is sampled."""
+    bounds, blind = found.bounds, found.mu <= found.floor
+    sampled = [] if bounds is not None else [f"lower, upper: null, sampled only, as {found.reason}"]
+    reasons = [*sampled, *(["found: null, below the floor of rounding"] if blind else [])]
+    return schema.Excitation(
+        required=required,
+        lower=None if bounds is None else figure(bounds.lower, toward=-1),
+        upper=None if bounds is None else figure(bounds.upper, toward=1),
+        upper_everywhere=None if bounds is None else figure(bounds.upper_everywhere, toward=1),
+        found=None if blind else figure(found.mu),
+        floor=figure(found.floor, toward=1),
+        at=figure(found.at),
+        direction=vec(found.direction),
+        starts=found.count,
+        scope=_scope(bounds is not None, found.starts, found.reason),
+        reason="; ".join(reasons) or msgspec.UNSET,
     )
-    return _claim(preset, starts, why), part
 
 
-def _sampled(preset: Preset, why: str) -> tuple[Claim, schema.Excitation]:
-    """The section without a bound: μ on sampled windows, and the reason why there is no bound."""
-    path, window = preset.path, preset.requirement.window
-    start = _starts(preset, _last(preset))
-    every = excitation.eigenvalues(path, start, window)[:, 0]
-    k = int(np.argmin(every))
-    mu, at = float(every[k]), float(start[k])
-    values, axes = excitation.directions(path, at, window)
-    floor = excitation.floor(values[None])
-    part = schema.Excitation(
-        required=preset.requirement.mu,
-        lower=None,
-        upper=None,
-        upper_everywhere=None,
-        found=figure(mu) if mu > floor else None,
-        floor=figure(floor, toward=1),
-        at=figure(at),
-        direction=_vec(oriented(axes[:, 0])),
-        starts=len(start),
-        reason=f"lower, upper: null, sampled only, as {why}" + ("" if mu > floor else "; found: null, below the floor"),
-    )
-    return _claim(preset, FLIGHT, why), part
-
-
-def _starts(preset: Preset, end: float) -> Float[Array, "w"]:
-    """Start times in [0, end]: evenly spaced ones, and those at which a knot enters or leaves the window."""
-    window = preset.requirement.window
-    try:
-        edges = derivative_bounds.knots_until(preset.path, end + window)
-    except UnboundedDerivativeError:
-        edges = np.zeros(0)
-    edges = edges[:: 1 + 2 * len(edges) // MAX_EVENTS]
-    events = np.concatenate([edges, edges - window])
-    return np.union1d(np.linspace(0, end, WINDOWS), events[(events > 0) & (events < end)])
-
-
-def rank_section(preset: Preset, claim: Claim) -> schema.Rank:
-    """The least ranks of the lifted and of the nonlinear Gramian over sampled windows, and the blind directions."""
-    path, window, world = preset.path, preset.requirement.window, preset.world
-    period = preset.path.period if claim.starts == EVERY else None
-    start = _starts(preset, period or _last(preset))
-    lifted = spectrum.window_spectra(path, world.gravity, start, window)
-    local = spectrum.nonlinear_spectra(path, world.anchor, start, window)
-    rank = int(lifted.rank.min())
-    least = np.where(lifted.rank == rank, lifted.scaled[:, STATES - 1] if rank == STATES else 0.0, np.inf)
-    k = _first_near(least, float(least.min()), TIE)
-    values, axes = excitation.directions(path, float(start[k]), window)
-    blind = blindness.directions(spectrum.null_basis(lifted, k), values, axes) if rank < STATES else ()
+def rank_section(found: WorstRank, of_ranges: WorstAccuracy) -> schema.Rank:
+    """The least ranks; 13 is proven where the ranges of every window determine all coordinates."""
+    full = found.rank == STATES
+    proven = full and math.isfinite(of_ranges.windows.bound)
+    why = of_ranges.reason if proven or not full else "not every window's ranges determine all 13 coordinates"
     return schema.Rank(
-        rank=rank,
+        rank=found.rank,
         of=STATES,
-        tolerance=figure(float(lifted.tolerance[k] / lifted.scaled[k, 0])),
-        smallest_singular=figure(float(lifted.scaled[k, -1])) if rank == STATES else None,
-        at=figure(float(start[k])),
-        nonlinear=int(local.rank.min()),
-        windows=len(start),
-        blind=tuple(direction.summary for direction in blind),
-        reason=msgspec.UNSET if rank == STATES else "smallest_singular: null, below the tolerance",
+        tolerance=figure(found.tolerance),
+        smallest_singular=figure(found.smallest) if full else None,
+        at=figure(found.at),
+        nonlinear=found.nonlinear,
+        windows=found.count,
+        blind=tuple(direction.summary for direction in found.directions),
+        scope=_scope(proven, of_ranges.starts, why),
+        reason=msgspec.UNSET if full else "smallest_singular: null, below the tolerance",
     )
 
 
-def accuracy_section(preset: Preset) -> schema.Accuracy:
-    """Predicted σ on the sampled window of the flight that is worst for the lifted position at its end."""
-    path, window, world, sensors = preset.path, preset.requirement.window, preset.world, preset.sensors
-    sigma, rate, share = sensors.sigma.range, sensors.range_rate, sensors.arriving
-    start = _starts(preset, _last(preset))
-    curve = accuracy.end_sigmas(path, world, start, window, sigma=sigma, rate=rate, kind="lifted", share=share)[:, 0]
-    curve = np.nan_to_num(curve, nan=np.inf)
-    worst = float(curve.max())
-    k = int(np.argmax(curve >= worst * (1 - SIGMA_TIE)))
-    at = float(start[k])
-
-    def ends(kind: accuracy.Problem) -> schema.Ends:
-        both = [
-            accuracy.predict(path, world, at, window, sigma=sigma, rate=rate, kind=kind, at=end, share=share)
-            for end in ("start", "end")
-        ]
-        return schema.Ends(start=_sigma(both[0]), end=_sigma(both[1]))
-
+def accuracy_section(preset: Preset, found: WorstAccuracy) -> schema.Accuracy:
+    """Predicted σ on the window of the flight that is worst for the lifted position at its end, and its bound."""
+    windows, sensors = found.windows, preset.sensors
+    bounded = math.isfinite(windows.bound)
     return schema.Accuracy(
         required=preset.requirement.position_sigma,
-        at=figure(at),
-        range_sigma=sigma,
-        range_rate=rate,
+        at=figure(windows.at),
+        ranges=windows.ranges,
+        bound=figure(windows.bound, toward=1) if bounded else None,
+        scope=_scope(True, found.starts, found.reason),
+        range_sigma=sensors.sigma.range,
+        range_rate=sensors.range_rate,
         noise=noise_assumption(sensors),
-        lifted=ends("lifted"),
-        nonlinear=ends("nonlinear"),
+        reason=msgspec.UNSET if bounded else "bound: null, the worst window does not determine the position",
+        lifted=schema.Ends(start=sigma(found.lifted_start), end=sigma(found.lifted_end)),
+        nonlinear=schema.Ends(start=sigma(found.nonlinear_start), end=sigma(found.nonlinear_end)),
     )
 
 
-def _sigma(predicted: accuracy.Accuracy) -> schema.Sigma:
+def _scope(proven: bool, starts: schema.Starts, reason: str | None) -> Scope:
+    said = msgspec.UNSET if reason is None else f"not every t: {reason}"
+    return Scope(basis="proven" if proven else "sampled", starts=starts, reason=said)
+
+
+def sigma(predicted: accuracy.Accuracy) -> schema.Sigma:
+    """One accuracy with its reason where it is not determined."""
     position, velocity, gravity = known(predicted.position), known(predicted.velocity), known(predicted.gravity)
     blind = None in (position, velocity, gravity)
     return schema.Sigma(
         position=position,
         velocity=velocity,
         gravity=gravity,
-        reason="null: blind, this window does not determine it" if blind else msgspec.UNSET,
+        reason=UNDETERMINED if blind else msgspec.UNSET,
     )
 
 
-def _first_near(values: Float[Array, "n"], target: float, share: float) -> int:
-    """Index of the first value within a share of the target, so that rounding does not choose among equal ones."""
-    return int(np.argmax(values <= target + share * abs(target)))
-
-
-def _vec(vector: Float[Array, "3"]) -> Vec3:
+def vec(vector: Float[Array, "3"]) -> Vec3:
+    """A unit vector in eight digits; what is rounding is 0."""
     x, y, z = (figure(float(value)) if abs(value) > 1e-9 else 0.0 for value in vector)
     return (x, y, z)

@@ -78,7 +78,8 @@ def verify(
         context = (
             None if stored.context is msgspec.UNSET else presets.loads(stored.context, source=f"{source}, context")
         )
-        computed = certify(content, source=source, form=stored.artifact.format, context=context, readers=readers)
+        form = stored.artifact.format
+        computed = certify(content, source=source, form=form, context=context, readers=readers, version=stored.version)
     except ValueError as error:
         return (str(error),)
     sentences = (*differences(stored, computed), *computed.failures)

@@ -16,7 +16,8 @@ from rangenav.inputs import require
 from rangenav.motion import World
 from rangenav.observability import gramian_rank, rows, windows
 from rangenav.observability.gramian_rank import Remainders
-from rangenav.observability.rows import Moment, PathSamples
+from rangenav.observability.rows import Moment as Moment
+from rangenav.observability.rows import PathSamples
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
 from rangenav.signals import Signal
 

@@ -29,6 +29,8 @@ from rangenav.signals import Signal
 
 SAME = 1e-9
 """Share of the time between two ranges; events nearer than this are one event."""
+TIE = 1e-6
+"""Windows whose σ differs by less than this share are equally bad, and the first one is named."""
 BLOCKS, FINER = 2500, 4
 """A flight of more ranges is searched in so many blocks first, then in blocks with a fourth of the ranges each time."""
 MAX_WINDOW, MAX_SETS = 4096, 50_000
@@ -42,7 +44,7 @@ class RangeWindows:
     sigma: float
     """Of the worst window; infinite where its ranges do not determine the position."""
     bound: float
-    """No window has more. Equal to sigma, but for flights of very many ranges."""
+    """No window has more. It exceeds sigma by a share of 1e-6 at most, but for flights of very many ranges."""
     at: float
     """s, where the worst window starts; there a range may enter or leave, and the limit on one side counts."""
     first: int
@@ -93,15 +95,16 @@ def _search(ranging: Ranging, end: float) -> RangeWindows:
         if sets and len(level.start) > MAX_SETS:
             break
         value, at = greatest(ranging, level)
-        k, sets, bound = int(np.argmax(value)), sets + len(value), float(value.max())
+        sets, bound = sets + len(value), float(value.max())
+        k = int(np.argmax(value >= bound * (1 - TIE)))
         if size == 1:
-            return _result(level, k, float(at[k]), bound, bound=bound, sets=sets)
+            return _result(level, k, float(at[k]), float(value[k]), bound=bound, sets=sets)
         one = single.some(_overlapping(single, level.some(np.array([k])))[:1])
         if ranging.window * ranging.rate <= MAX_WINDOW:
             real, moment = greatest(ranging, one)
             if reached is None or real[0] > reached.sigma:
                 reached = _result(one, 0, float(moment[0]), float(real[0]), bound=bound, sets=sets)
-            left = level.some(value >= reached.sigma)
+            left = level.some(value >= reached.sigma * (1 - TIE))
         else:
             reached = _result(one, 0, float(one.start[0]), bound, bound=bound, sets=sets)
     assert reached is not None

@@ -16,11 +16,14 @@ from numpy import ndarray as Array
 
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import remainder
+from rangenav.observability import range_rows, rounding
 from rangenav.signals import Signal, curved_part
 
 BERNSTEIN = np.array([[math.comb(j, i) / math.comb(4, i) for j in range(5)] for i in range(5)])
 """From the coefficients of a polynomial of degree 4 to numbers that it does not exceed on [0, 1]."""
+UNEVEN, OWN = 16.0, 1.0
+"""Margins of a column's rounding: in joined triangles, whose unit of time is the window but which hold half of it, and
+in the rows of one window, whose unit is half the window."""
 AGAIN = 16
 """Sets that are decomposed from their own rows at once."""
 CHUNK = 120_000
@@ -93,17 +96,16 @@ def _of_pivots(
     ranging: Ranging, stretches: Stretches, pivot: Int[Array, "i"]
 ) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
     """As `greatest`, of stretches whose blocks include one of a few pivots."""
-    size = stretches.size
     pivots, own = np.unique(pivot, return_inverse=True)
     before, after = int((pivot - stretches.first).max()) + 1, int((stretches.last - pivot).max())
-    stamp = (pivots + 1) * size - 1
-    index = stamp[:, None] + np.arange(1 - before * size, after * size + 1)
+    stamp = (pivots + 1) * stretches.size - 1
+    index = stamp[:, None] + np.arange(1 - before * stretches.size, after * stretches.size + 1)
     reference = stamp / ranging.rate
-    rows, amplitude = _rows(ranging, index, reference, ranging.window)
-    blocks = rows.reshape(len(pivots), before + after, size, STATES)
+    rows, size = _rows(ranging, index, reference, ranging.window)
+    blocks = rows.reshape(len(pivots), before + after, stretches.size, STATES)
     backward, forward = _grown(blocks[:, before - 1 :: -1]), _grown(blocks[:, before:])
     both = np.concatenate([backward[pivot - stretches.first + 1, own], forward[stretches.last - pivot, own]], axis=1)
-    return _of_rows(ranging, stretches, both, amplitude[own], reference[own], ranging.window)
+    return _of_rows(ranging, stretches, both, size[own], reference[own], ranging.window, UNEVEN)
 
 
 def _of_own_rows(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
@@ -111,42 +113,48 @@ def _of_own_rows(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "
     first, last = stretches.first * stretches.size, (stretches.last + 1) * stretches.size - 1
     index = np.minimum(first[:, None] + np.arange(int((last - first).max()) + 1), last[:, None] + 1)
     middle = (first + last) / 2 / ranging.rate
-    rows, amplitude = _rows(ranging, index, middle, ranging.window / 2)
+    rows, size = _rows(ranging, index, middle, ranging.window / 2)
     rows[index > last[:, None]] = 0.0
-    return _of_rows(ranging, stretches, rows, amplitude, middle, ranging.window / 2)
+    return _of_rows(ranging, stretches, rows, size, middle, ranging.window / 2, OWN)
 
 
 def _of_rows(
     ranging: Ranging,
     stretches: Stretches,
     rows: Float[Array, "i k 13"],
-    amplitude: Float[Array, "i"],
+    size: Float[Array, "i 9"],
     reference: Float[Array, "i"],
     unit: float,
+    margin: float,
 ) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
-    """As `greatest`, from the weighted rows of each set, which refer to u = (time − reference)/unit."""
-    inverse, known = remainder.errors(np.asarray(np.linalg.qr(rows, mode="r")), amplitude)
+    """As `greatest`, from the weighted rows of each set, which refer to u = (time − reference)/unit.
+
+    σ is made larger by its relative rounding, so that it stays a bound.
+    """
+    inverse, loss, known = range_rows.errors(np.asarray(np.linalg.qr(rows, mode="r")), size, margin)
     value, at = np.full(len(rows), np.inf), stretches.start.copy()
     length = (stretches.stop - stretches.start)[known]
     u = (stretches.start[known] + ranging.window - reference[known]) / unit
     largest, share = _largest(inverse[known], u, length / unit)
-    value[known] = np.sqrt(largest)
+    value[known] = np.sqrt(largest) * (1 + loss[known])
     at[known] += share * length
     return value, at
 
 
 def _rows(
     ranging: Ranging, index: Int[Array, "p k"], reference: Float[Array, "p"], unit: float
-) -> tuple[Float[Array, "p k 13"], Float[Array, "p"]]:
+) -> tuple[Float[Array, "p k 13"], Float[Array, "p 9"]]:
     """The weighted rows of ranges by their indices, in u = (time − reference)/unit; zeros outside the flight."""
     within = np.clip(index, 0, ranging.count - 1)
     time = within / ranging.rate
-    curved = np.ascontiguousarray(curved_part(ranging.path)(time).swapaxes(1, 2))
+    curve, position = curved_part(ranging.path), ranging.path(time)
+    curved, ends = np.ascontiguousarray(curve(time).swapaxes(1, 2)), np.stack([time[:, 0], time[:, -1]])
+    amplitude = rounding.sizes(ranging.path, ends, position.swapaxes(1, 2), curved, curve(ends, 1))
     u = (time - reference[:, None]) / unit
-    rows, amplitude = remainder.columns(u, curved, ranging.world.gravity, unit)
-    distance2 = np.sum((ranging.path(time) - np.asarray(ranging.world.anchor)) ** 2, axis=-1)
+    rows, large = range_rows.columns(u, curved, ranging.world.gravity, unit)
+    distance2 = np.sum((position - np.asarray(ranging.world.anchor)) ** 2, axis=-1)
     weight = ranging.share / (distance2 * ranging.noise**2 + ranging.noise**4 / 2)
-    return rows * np.sqrt(weight * (within == index))[..., None], amplitude
+    return rows * np.sqrt(weight * (within == index))[..., None], amplitude[:, None] + large
 
 
 def _grown(blocks: Float[Array, "p l s 13"]) -> Float[Array, "m p 13 13"]:

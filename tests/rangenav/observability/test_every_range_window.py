@@ -70,7 +70,7 @@ def test_the_worst_window_has_the_sigma_of_least_squares_in_sixty_digits(path, d
     found = every_range_window.worst(path, WORLD, duration, window, sigma=0.1, rate=rate)
     stamps = [mp.mpf(k) / mp.mpf(rate) for k in range(found.first, found.last + 1)]
     assert found.sigma == pytest.approx(precise(path, found.at, window, stamps, 0.1), rel=1e-3)
-    assert found.bound == found.sigma
+    assert found.sigma <= found.bound <= found.sigma * (1 + 1e-6)
 
 
 def plain(path: Multisine, t: float, window: float, rate: float) -> float:
@@ -126,8 +126,8 @@ def test_a_long_flight_of_equal_rounds_is_no_worse_than_three_of_them():
         return every_range_window.worst(loop, WORLD, duration, 6.1, sigma=0.1, rate=50.0)
 
     few, many = of(16.0), of(240.0)
-    assert many.sigma == pytest.approx(few.sigma, rel=1e-9)
-    assert many.bound == many.sigma
+    assert many.sigma == pytest.approx(few.sigma, rel=2e-6)
+    assert many.bound <= many.sigma * (1 + 1e-6)
     assert many.sets < 5 * 60 * 400
 
 
