@@ -26,6 +26,8 @@ def certify(
         json: Print the certificate as one JSON object.
     """
     from rangenav import certificate
+    from rangenav import preset as presets
+    from rangenav.certificate import remedy
     from rangenav.commands.text import certificates as text
     from rangenav.commands.text import layout
 
@@ -37,7 +39,8 @@ def certify(
     if json:
         print_json(certificate.to_builtins(issued))
     else:
-        layout.show(text.certified(issued, name=preset, written=output))
+        helps = None if issued.meets else remedy.remedy(presets.load(preset), issued.excitation.at)
+        layout.show(text.certified(issued, name=preset, written=output, helps=helps))
     if not issued.certified:
         for sentence in issued.failures:
             print(f"{preset}: {sentence}", file=sys.stderr)

@@ -43,9 +43,9 @@ def errors(
 ) -> tuple[Float[Array, "w 9 9"], Float[Array, "w"], Bool[Array, "w"]]:
     """R₂₂⁻¹ of each window, whose rows are the errors (m) of p, Tv and T²g; its relative rounding; and whether it is.
 
-    size: of what is subtracted in each column (m). A column's floor is its rounding, ROUNDING · size per unit of weight,
-    times a margin for what the decomposition adds. Where a singular value of R₂₂ in units of these floors does not
-    exceed 1, the window does not determine the nine, and its rows are NaN.
+    size: of what is subtracted in each column (m). A column's floor is its rounding, ROUNDING · size by the weights of
+    the rows, times a margin for what the decomposition adds. Where a singular value of R₂₂ in units of these floors
+    does not exceed 1, the window does not determine the nine, and its rows are NaN.
     """
     left = triangle[:, CUBIC:, CUBIC:]
     floor = (

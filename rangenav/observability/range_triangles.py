@@ -24,6 +24,8 @@ BERNSTEIN = np.array([[math.comb(j, i) / math.comb(4, i) for j in range(5)] for 
 UNEVEN, OWN = 16.0, 1.0
 """Margins of a column's rounding: in joined triangles, whose unit of time is the window but which hold half of it, and
 in the rows of one window, whose unit is half the window."""
+ROUNDED = 1e-5
+"""The most that σ from joined triangles may be rounded by."""
 AGAIN = 16
 """Sets that are decomposed from their own rows at once."""
 CHUNK = 120_000
@@ -63,8 +65,8 @@ class Stretches:
 def greatest(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
     """The largest σ (m) on each stretch, infinite where undetermined, and the start (s) at which it is reached.
 
-    What the joined triangles leave undetermined is decomposed from its own rows, whose unit is half the window: that
-    saves three digits. Once a set remains undetermined, so do those that were not decomposed again.
+    What the joined triangles leave undetermined or rounded is decomposed from its own rows, whose unit is half the
+    window: that saves three digits. Once a set remains undetermined, so do those that were not decomposed again.
     """
     value, at = np.full(len(stretches.start), np.inf), stretches.start.copy()
     enough = (stretches.last - stretches.first + 1) * stretches.size >= STATES
@@ -105,7 +107,8 @@ def _of_pivots(
     blocks = rows.reshape(len(pivots), before + after, stretches.size, STATES)
     backward, forward = _grown(blocks[:, before - 1 :: -1]), _grown(blocks[:, before:])
     both = np.concatenate([backward[pivot - stretches.first + 1, own], forward[stretches.last - pivot, own]], axis=1)
-    return _of_rows(ranging, stretches, both, size[own], reference[own], ranging.window, UNEVEN)
+    value, at, loss = _of_rows(ranging, stretches, both, size[own], reference[own], ranging.window, UNEVEN)
+    return np.where(loss < ROUNDED, value, np.inf), at
 
 
 def _of_own_rows(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
@@ -115,7 +118,7 @@ def _of_own_rows(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "
     middle = (first + last) / 2 / ranging.rate
     rows, size = _rows(ranging, index, middle, ranging.window / 2)
     rows[index > last[:, None]] = 0.0
-    return _of_rows(ranging, stretches, rows, size, middle, ranging.window / 2, OWN)
+    return _of_rows(ranging, stretches, rows, size, middle, ranging.window / 2, OWN)[:2]
 
 
 def _of_rows(
@@ -126,10 +129,10 @@ def _of_rows(
     reference: Float[Array, "i"],
     unit: float,
     margin: float,
-) -> tuple[Float[Array, "i"], Float[Array, "i"]]:
+) -> tuple[Float[Array, "i"], Float[Array, "i"], Float[Array, "i"]]:
     """As `greatest`, from the weighted rows of each set, which refer to u = (time − reference)/unit.
 
-    σ is made larger by its relative rounding, so that it stays a bound.
+    σ is made larger by its relative rounding, which is the third result, so that it stays a bound.
     """
     inverse, loss, known = range_rows.errors(np.asarray(np.linalg.qr(rows, mode="r")), size, margin)
     value, at = np.full(len(rows), np.inf), stretches.start.copy()
@@ -138,7 +141,7 @@ def _of_rows(
     largest, share = _largest(inverse[known], u, length / unit)
     value[known] = np.sqrt(largest) * (1 + loss[known])
     at[known] += share * length
-    return value, at
+    return value, at, loss
 
 
 def _rows(

@@ -15,8 +15,8 @@ DIGITS = 12
 """Of a SHA-256 that are shown."""
 
 
-def certified(certificate: Certificate, *, name: str, written: Path | None) -> Report:
-    """What was asked of a preset and what it is proven or computed to do."""
+def certified(certificate: Certificate, *, name: str, written: Path | None, helps: str | None) -> Report:
+    """What was asked of a preset and what it is proven or computed to do; helps: a change that would meet it all."""
     typed = layout.argument(name)
     kept = written or f"{Path(name).stem}.certificate.json"
     following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(kept)}"
@@ -36,7 +36,7 @@ def certified(certificate: Certificate, *, name: str, written: Path | None) -> R
         title=certificate.title,
         groups=(
             *group("requirements", (_check(one.met, one.proven, one.words) for one in certificate.checks)),
-            *group("would help", certificate.remedy if isinstance(certificate.remedy, str) else None),
+            *group("would help", helps),
             *group("what it covers", *coverage(certificate)),
             *group("the file", f"SHA-256 {certificate.artifact.sha256[:DIGITS]}…, {certificate.artifact.bytes} bytes"),
             *group("written", str(written) if written else None),
@@ -69,7 +69,13 @@ def coverage(certificate: Certificate) -> tuple[str, ...]:
     starts = certificate.claim.starts.replace(">=", "≥")
     bounded = "μ is bounded" if certificate.excitation.lower is not None else "μ is sampled"
     windows = f"{bounded} for windows of {quantity(certificate.claim.window, 's')}, {starts}"
-    return (windows, *(() if certificate.artifact.covers is msgspec.UNSET else (certificate.artifact.covers,)))
+    others = (
+        f"{name} is {part.scope.basis}, {part.scope.starts.replace('>=', '≥')}"
+        for name, part in (("rank", certificate.rank), ("σ", certificate.accuracy))
+        if part.scope is not msgspec.UNSET
+    )
+    covers = certificate.artifact.covers
+    return (windows, *others, *(() if covers is msgspec.UNSET else (covers,)))
 
 
 def claim(certificate: Certificate) -> tuple[Group, ...]:
