@@ -19,10 +19,9 @@ from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
 from rangenav.observability.rows import PathSamples
-from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
-from rangenav.observability.worst_excitation import EVERY, WorstExcitation, worst_excitation
-from rangenav.observability.worst_rank import WorstRank, worst_rank
+from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset, Requirement
+from rangenav.proof import Proof, prove
 from rangenav.provenance import Source
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -60,15 +59,6 @@ class Windows:
     sigma_lifted: Float[Array, "w"]
     """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
     sigma_nonlinear: Float[Array, "w"]
-
-
-@result
-class Proof:
-    """The worst windows among all: what is proven of every window, and what is sampled, as each of them says."""
-
-    excitation: WorstExcitation
-    rank: WorstRank
-    accuracy: WorstAccuracy
 
 
 @result
@@ -302,26 +292,6 @@ def _proven(
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period),
         ),
-    )
-
-
-def prove(
-    path: Signal,
-    world: World,
-    duration: float,
-    requirement: Requirement,
-    range_sigma: float,
-    range_rate: float,
-    arriving: float = 1.0,
-) -> Proof:
-    """The worst windows among all; each part is cached by its own inputs. Certificates take them from here."""
-    window = requirement.window
-    excited = worst_excitation(path, window, duration, requirement.mu)
-    period = path.period if excited.starts == EVERY else None
-    return Proof(
-        excitation=excited,
-        rank=worst_rank(path, world, window, period or duration - window),
-        accuracy=worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving),
     )
 
 

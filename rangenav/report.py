@@ -35,6 +35,7 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             "rank": analysis.rank,
             "tolerance": analysis.tolerance,
             "floor": analysis.floor,
+            **_rank_claimed(analysis),
         },
         "nonlinear": {
             "window": window,
@@ -144,6 +145,13 @@ def _excitation(analysis: Analysis, truth: motion.Motion, window: float) -> Json
         if analysis.bound_for_all_t is None:
             report["bound_reason"] = f"null: {found.reason}"
     return report
+
+
+def _rank_claimed(analysis: Analysis) -> Json:
+    """Whether the rank is proven of every window, or that of sampled windows."""
+    if analysis.proof is None:
+        return {}
+    return {"proven": analysis.proof.rank_proven, "starts": analysis.proof.rank_starts}
 
 
 def _every_window(analysis: Analysis) -> Json:

@@ -90,7 +90,7 @@ def _without_artifact(preset: Preset) -> Certificate:
     """The certificate without its artifact, which is the same for every format that the preset is written in."""
     proof, needed = sections.proof_of(preset), preset.requirement
     excitation = sections.excitation_section(proof.excitation, needed.mu)
-    rank = sections.rank_section(proof.rank, proof.accuracy)
+    rank = sections.rank_section(proof)
     accuracy = sections.accuracy_section(preset, proof.accuracy)
     limits, flyability = motion_sections.limits_section(preset)
     jumps = motion_sections.jumps_section(preset)

@@ -6,17 +6,15 @@ import msgspec
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import analysis
-from rangenav.analysis import Proof
 from rangenav.certificate import schema
 from rangenav.certificate.schema import Claim, Scope, figure, known
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.observability import accuracy
 from rangenav.observability.worst_accuracy import WorstAccuracy
-from rangenav.observability.worst_excitation import WorstExcitation
-from rangenav.observability.worst_rank import WorstRank
+from rangenav.observability.worst_excitation import EVERY, WorstExcitation
 from rangenav.preset import Preset
+from rangenav.proof import Proof, prove
 from rangenav.sensors import noise_assumption
 
 UNDETERMINED = "null: blind, this window does not determine it"
@@ -25,7 +23,7 @@ UNDETERMINED = "null: blind, this window does not determine it"
 def proof_of(preset: Preset) -> Proof:
     """The worst windows of a preset, as its analysis has them."""
     sensors = preset.sensors
-    return analysis.prove(
+    return prove(
         preset.path,
         preset.world,
         preset.duration,
@@ -67,11 +65,10 @@ def excitation_section(found: WorstExcitation, required: float) -> schema.Excita
     )
 
 
-def rank_section(found: WorstRank, of_ranges: WorstAccuracy) -> schema.Rank:
+def rank_section(proof: Proof) -> schema.Rank:
     """The least ranks; 13 is proven where the ranges of every window determine all coordinates."""
-    full = found.rank == STATES
-    proven = full and math.isfinite(of_ranges.windows.bound)
-    why = of_ranges.reason if proven or not full else "not every window's ranges determine all 13 coordinates"
+    found, full = proof.rank, proof.rank.rank == STATES
+    why = None if proof.rank_starts == EVERY else "the flight has no window from each phase of a loop"
     return schema.Rank(
         rank=found.rank,
         of=STATES,
@@ -81,7 +78,7 @@ def rank_section(found: WorstRank, of_ranges: WorstAccuracy) -> schema.Rank:
         nonlinear=found.nonlinear,
         windows=found.count,
         blind=tuple(direction.summary for direction in found.directions),
-        scope=_scope(proven, of_ranges.starts, why),
+        scope=_scope(proof.rank_proven, proof.rank_starts, why),
         reason=msgspec.UNSET if full else "smallest_singular: null, below the tolerance",
     )
 

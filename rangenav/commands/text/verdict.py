@@ -23,7 +23,9 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
         "observable": f"observable in every window of {window} (weakest from {at})",
         "weak": f"weak: rank {STATES} in every window of {window}, but the predicted error "
         f"{quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}",
-        "blind": f"blind: rank {analysis.rank} of {STATES} in the window of {window} from {at}",
+        "blind": str(analysis.verdict)
+        if analysis.verdict.reason
+        else f"blind: rank {analysis.rank} of {STATES} in the window of {window} from {at}",
         "not judged": str(analysis.verdict),
     }
     sign: Sign = SIGNS[analysis.verdict.word]  # pyright: ignore[reportAssignmentType]

@@ -52,8 +52,14 @@ ANALYZE = {
         "floor": None,
         "bound_for_all_t": None,
         "printed": {"mu": None, "at": None, "eigenvalues": 3},
+        "proven": None,
+        "starts": None,
+        "lower": None,
     },
-    "gramian": {"window": None, "at": None, "eigenvalues": 13, "rank": None, "tolerance": None, "floor": None},
+    "gramian": {
+        **dict.fromkeys(("window", "at", "rank", "tolerance", "floor", "proven", "starts")),
+        "eigenvalues": 13,
+    },
     "nonlinear": {"window": None, "at": None, "eigenvalues": 9, "rank": None, "floor": None},
     "blind_directions": 0,
     "accuracy": {
@@ -63,6 +69,7 @@ ANALYZE = {
         "range_rate": None,
         "lifted": {"start": BLOCKS, "end": BLOCKS},
         "nonlinear": {"start": BLOCKS, "end": BLOCKS},
+        **dict.fromkeys(("ranges", "proven", "starts", "bound", "reason")),
     },
     "verdict": None,
 }
@@ -116,7 +123,7 @@ def test_a_path_without_a_common_period_says_why_there_is_no_bound_for_all_t(ans
     preset.save(msgspec.structs.replace(SHORT, path=Multisine(tones=tones)), tmp_path / "free.toml")
     output = answer("analyze", tmp_path / "free.toml")
     assert output["excitation"]["bound_for_all_t"] is None
-    assert "no common period" in output["excitation"]["bound_reason"]
+    assert "does not repeat" in output["excitation"]["bound_reason"]
     assert nulls_without_reason(output) == []
 
 

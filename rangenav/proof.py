@@ -1,0 +1,53 @@
+"""The worst windows among all, for μ, rank and σ, and of which of them it is proven that no window is worse.
+
+Analysis, certificates and the page at rest take them from here, so that all name the same window and the same verdict.
+"""
+
+import math
+
+from rangenav.model import STATES
+from rangenav.motion import World
+from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
+from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts, WorstExcitation, worst_excitation
+from rangenav.observability.worst_rank import WorstRank, worst_rank
+from rangenav.preset import Requirement
+from rangenav.results import result
+from rangenav.signals import Signal
+
+
+@result
+class Proof:
+    """The worst windows among all: what is proven of every window, and what is sampled, as each of them says."""
+
+    excitation: WorstExcitation
+    rank: WorstRank
+    rank_starts: Starts
+    """For which windows a rank of 13 is proven, if it is: for all if the flight has one from each phase of its loop."""
+    accuracy: WorstAccuracy
+
+    @property
+    def rank_proven(self) -> bool:
+        """Whether every window has rank 13: the ranges in it, fewer than all its times, determine all coordinates."""
+        return self.rank.rank == STATES and math.isfinite(self.accuracy.windows.bound)
+
+
+def prove(
+    path: Signal,
+    world: World,
+    duration: float,
+    requirement: Requirement,
+    range_sigma: float,
+    range_rate: float,
+    arriving: float = 1.0,
+) -> Proof:
+    """The worst windows among all; each part is cached by its own inputs. Certificates take them from here."""
+    window = requirement.window
+    excited = worst_excitation(path, window, duration, requirement.mu)
+    period = path.period if excited.starts == EVERY else None
+    repeats = path.period is not None and path.period <= duration - window
+    return Proof(
+        excitation=excited,
+        rank_starts=EVERY if repeats else FLIGHT,
+        rank=worst_rank(path, world, window, period or duration - window),
+        accuracy=worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving),
+    )
