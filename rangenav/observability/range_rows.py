@@ -5,7 +5,7 @@ A row 𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ] begins with the
 Any cubic may be added to the last nine, the path may be replaced with what a cubic fit c₀ + c₁u + c₂u² + c₃u³ leaves of
 it, q, and u⁴, u⁵ with the monic Legendre polynomials ℓ₄, ℓ₅. With u = τ/T the nine columns are
     qᵢ,   u qᵢ + c₃ᵢ ℓ₄,   ½u² qᵢ + ½(c₂ − ½gT²)ᵢ ℓ₄ + ½c₃ᵢ ℓ₅          for (p, Tv, T²g) at u = 0.
-`remainders` does the same for windows of their own, and says why.
+`gramian_rank` does the same for windows of their own, and says why.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.observability.remainders import CUBIC, ROUNDING, UNKNOWNS
+from rangenav.observability.gramian_rank import CUBIC, ROUNDING, UNKNOWNS
 
 
 def columns(
