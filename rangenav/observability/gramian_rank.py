@@ -126,6 +126,15 @@ def inverse(of: Remainders) -> Float[Array, "w 9 9"]:
     return right.swapaxes(1, 2) @ (reciprocal[..., None] * left.swapaxes(1, 2)) / of.floor[..., None]
 
 
+def pseudoinverse(of: Remainders) -> Float[Array, "w 13 13"]:
+    """M⁻¹R⁺, where remainders that do not count are zero."""
+    result = np.zeros_like(of.triangle)
+    outer, inner = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC]), inverse(of)
+    result[:, :CUBIC, :CUBIC], result[:, CUBIC:, CUBIC:] = outer, inner
+    result[:, :CUBIC, CUBIC:] = -outer @ of.triangle[:, :CUBIC, CUBIC:] @ inner
+    return of.states @ result
+
+
 def _powers(s: float) -> Float[Array, "3 3"]:
     """1, τ/δ and ½(τ/δ)² in powers of u: τ/δ = (u + s)/2."""
     return np.array([[1.0, s / 2, s * s / 8], [0.0, 0.5, s / 4], [0.0, 0.0, 0.125]])

@@ -117,7 +117,7 @@ def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
     """Spectra of the 13-state lifted Gramian of windows whose remainders are known."""
     units = of.window ** LIFTED_TIME_POWERS.astype(float)
     unseen, in_si = gramian_rank.unseen(of, np.ones_like(units)), gramian_rank.unseen(of, units)
-    forward, inverse = of.triangle @ np.linalg.inv(of.states), _pseudoinverse(of)
+    forward, inverse = of.triangle @ np.linalg.inv(of.states), gramian_rank.pseudoinverse(of)
     direct, small = np.linalg.svd(forward, compute_uv=False), _reciprocals(inverse, unseen)
     tolerance = np.maximum(RANK_TOLERANCE * direct[:, 0], rounding)
     scaled, tolerance = _resolved(direct, small, tolerance, of)
@@ -136,15 +136,6 @@ def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
 def _floor(singular: Float[Array, "w n"], window: float, rounding: float) -> Float[Array, "w"]:
     """Singular values (SI) below it are rounding of the rows or of their SVD."""
     return np.maximum(RANK_TOLERANCE * singular[:, 0], rounding * max(1.0, window**2 / 2))
-
-
-def _pseudoinverse(of: Remainders) -> Float[Array, "w 13 13"]:
-    """M⁻¹R⁺, where remainders that do not count are zero."""
-    result = np.zeros_like(of.triangle)
-    outer, inner = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC]), gramian_rank.inverse(of)
-    result[:, :CUBIC, :CUBIC], result[:, CUBIC:, CUBIC:] = outer, inner
-    result[:, :CUBIC, CUBIC:] = -outer @ of.triangle[:, :CUBIC, CUBIC:] @ inner
-    return of.states @ result
 
 
 def _reciprocals(inverse: Float[Array, "w 13 13"], unseen: Float[Array, "w 13 13"]) -> Float[Array, "w 13"]:
