@@ -23,6 +23,8 @@ FLAGS = [
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
     "--disable-accelerated-2d-canvas",  # without it one plot drops the page to 8 frames per second
+    "--disable-gpu-rasterization",  # the emulation of a GPU draws the scene alone: text and panels take twice as long
+    "--disable-gpu-compositing",
     "--disable-quic",
     "--no-first-run",
     "--disable-background-networking",
