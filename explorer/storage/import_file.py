@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 import msgspec
 
 from explorer.storage.library import slug
-from rangenav import formats, preset, record_checks
+from rangenav import formats, preset, record_questions
 from rangenav.formats import ImportResult, archives
 from rangenav.formats.path_preset import as_preset
 from rangenav.inputs import Vec3, require
@@ -52,11 +52,14 @@ def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], an
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
         copy = Path(folder) / (slug(path.stem) + "." + slug(path.suffix))
         copy.write_bytes(file.content)
+
+        def read(answers: Mapping[str, str]) -> ImportResult:
+            return replace(formats.read(copy, format_name, confirm=answers), source=file.name)
+
         try:
-            result = formats.read(copy, format_name, confirm=confirm)
+            result = record_questions.read(read, confirm).imported
         except ValueError as error:
             raise ValueError(str(error).replace(copy.name, file.name)) from None  # the name that the visitor knows
-    result = record_checks.checked(replace(result, source=file.name), confirm)
     if result.questions or result.path is None:
         return Interpretation(result, None)
     imported = as_preset(result, anchor=anchor)

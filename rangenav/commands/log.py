@@ -29,15 +29,9 @@ else:
     FormatName = Literal[tuple(row.name for row in formats.holding("flight"))]
 WINDOW = (0.1, MAX_DURATION)
 """s: limits of the length of a window."""
-MOST_NOISE = 100.0
-"""rad/s or m/s², per sample."""
 NO_ANSWERS = Answers()
-ROUNDED = 1e-5
-"""Vectors that differ by less are the same: a direction is made a unit vector."""
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 """m; stands for the anchor where a record has no ranges, and none is used."""
-SHORTEST_DIRECTION = 1e-3
-"""A shorter vector is no direction."""
 
 
 def log(
@@ -91,7 +85,7 @@ def log(
         json: Print one JSON object.
     """
     typed = _typed(locals())
-    from rangenav import logs, rest
+    from rangenav import logs, record_questions, rest
     from rangenav.commands import log_inputs
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
@@ -104,20 +98,17 @@ def log(
     format_name = from_ or _format(file)
     if list_columns:
         return _list_columns(file, format_name, answers.confirm(), json=json)
-    imported = log_inputs.checked(file, format_name, answers, vectors, anchor, measured=synthetic_ranges is None)
-    asked = log_inputs.open_anchor(imported)
-    flight = formats.settled(imported, also=asked if imported.questions else ()).flight
+    asked = log_inputs.checked(file, format_name, answers, vectors, anchor, measured=synthetic_ranges is None)
+    imported, still, synthetic = asked.imported, world == "still", synthetic_ranges is not None
+    of_world = record_questions.of_world(asked, vectors=vectors, still=still, synthetic=synthetic)
+    flight = formats.settled(imported, also=of_world).flight
     assert flight is not None
     if synthetic_ranges is not None:
         flight, range_sigma = log_inputs.with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
     stands = flight.anchor or ORIGIN
-    world_model, questions, world_source = rest.world_of(
-        flight, anchor=stands, vectors=vectors, confirmed=world == "still"
-    )
-    if len(flight.range):
-        formats.settled(imported, also=(*questions, *asked))
+    world_model, _, world_source = rest.world_of(flight, anchor=stands, vectors=vectors, confirmed=still)
     noise = log_inputs.noise(rest.noise_at_rest(flight), gyro_noise, accel_noise, gyro_bias)
-    flight = log_inputs.part(flight, begin, end)
+    flight = log_inputs.part(flight, begin, end, source=imported.source)
     source = ranges_source(flight, stands, synthetic=synthetic_ranges, anchor_given=anchor is not None)
     judged_by = {"range_sigma": range_sigma, "requirement": position_sigma, "noise": noise}
     with working(f"judging {imported.source}"):

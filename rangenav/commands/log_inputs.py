@@ -2,9 +2,10 @@
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
-from rangenav import formats, record_checks
+from rangenav import formats, record_questions
 from rangenav.commands.log_answers import Answers
 from rangenav.commands.progress import working
 from rangenav.formats import recorded_flight
@@ -31,22 +32,29 @@ def checked(
     anchor: Vec3 | None,
     *,
     measured: bool,
-) -> formats.ImportResult:
+) -> record_questions.Asked:
     """The file, with gravity and field (`vectors`) and anchor as a person states them, and the checks of its record.
 
     measured: whether the ranges in the file are used. Raises ValueError for a file that holds no flight.
     """
-    confirm = answers.confirm()
-    imported = as_given(formats.read(file, format_name, confirm=confirm), vectors, measured=measured)
-    with working(f"checking {imported.source}"):
-        return record_checks.checked(imported, confirm, anchor=anchor)
+
+    def read(confirm: Mapping[str, str]) -> formats.ImportResult:
+        return as_given(formats.read(file, format_name, confirm=confirm), vectors, measured=measured)
+
+    with working(f"checking {file.name}"):
+        return record_questions.read(read, answers.confirm(), anchor=anchor)
 
 
-def part(flight: Flight, begin: float | None, end: float | None) -> Flight:
-    """The record from `begin` to `end` (s), each None for its own end."""
+def part(flight: Flight, begin: float | None, end: float | None, *, source: str) -> Flight:
+    """The record from `begin` to `end` (s), each None for its own end. source: the file's name, for messages."""
     if begin is None and end is None:
         return flight
-    return recorded_flight.between(flight, begin if begin is not None else 0.0, end if end is not None else math.inf)
+    first, last = (begin if begin is not None else 0.0), (end if end is not None else math.inf)
+    require(first < last, f"--begin must be before --end, got {first:g} s and {last:g} s")
+    try:
+        return recorded_flight.between(flight, first, last)
+    except ValueError as error:
+        raise ValueError(f"{source}: --begin, --end: {error}") from None
 
 
 def noise(
@@ -88,13 +96,6 @@ def as_given(
     return dataclasses.replace(imported, flight=flight, findings=tuple(findings))
 
 
-def open_anchor(imported: formats.ImportResult) -> tuple[formats.Question, ...]:
-    """The question where the anchor stands, if there are ranges and nothing says it."""
-    flight = imported.flight
-    known = flight is None or flight.anchor is not None or not len(flight.range)
-    return () if known else (_anchor_question(),)
-
-
 def with_ranges(flight: Flight, anchor: Vec3 | None, sigma: float, seed: int) -> Flight:
     """The flight with synthetic ranges of its true positions to the anchor; sigma, their noise (m)."""
     if anchor is None:
@@ -115,14 +116,3 @@ def world_vectors(world: str | None, gravity: Vec3 | None, magnetic: Vec3 | None
     require(math.isfinite(length) and length > SHORTEST_DIRECTION, f"--magnetic must be a direction, got {magnetic}")
     x, y, z = (value / length for value in magnetic)
     return gravity, (x, y, z)
-
-
-def _anchor_question() -> formats.Question:
-    return formats.Question(
-        key="anchor",
-        flag="--anchor",
-        asks="where does the anchor stand",
-        options=("X Y Z",),
-        suggestion=None,
-        evidence="the file does not say",
-    )

@@ -4,13 +4,22 @@
 """
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path, PurePath
 
 from rangenav.formats import text
+from rangenav.formats.entries import BrokenLinesError
 from rangenav.formats.format import Format, ReadOptions
-from rangenav.formats.import_result import ImportResult, OpenQuestionsError, Question, settled, typed_flag
+from rangenav.formats.import_result import (
+    ImportResult,
+    OpenQuestionsError,
+    Question,
+    broken_lines,
+    settled,
+    typed_flag,
+    unread,
+)
 from rangenav.formats.output_files import OutputFile, marked
 from rangenav.formats.recorded_flight import Flight
 from rangenav.formats.sampled_rows import FLIGHT, Part
@@ -59,8 +68,10 @@ def read(
     Raises ValueError with one sentence naming file and line for what cannot be read at all.
     """
     path, answers, chosen = Path(path), dict(confirm or {}), _readable(format)
-    if chosen.folder_reader is not None and path.is_dir():
-        return chosen.folder_reader(path, ReadOptions(source=path.name, confirm=answers, knots=knots, part=part))
+    folder_reader = chosen.folder_reader
+    if folder_reader is not None and path.is_dir():
+        options = ReadOptions(source=path.name, confirm=answers, knots=knots, part=part)
+        return _asked(format, path.name, lambda: folder_reader(path, options))
     data = text.contents(path, limit=chosen.max_bytes)
     return parse(data, format, source=path.name, confirm=answers, knots=knots, part=part)
 
@@ -77,8 +88,18 @@ def parse(
     """Understand the bytes of a file, as `read` does. `source` names the file in messages."""
     reader = _readable(format).reader
     assert reader is not None
-    result = reader(data, ReadOptions(source=source, confirm=confirm, knots=knots, part=part))
+    options = ReadOptions(source=source, confirm=confirm, knots=knots, part=part)
+    result = _asked(format, source, lambda: reader(data, options))
     return replace(result, sha256=hashlib.sha256(data).hexdigest())
+
+
+def _asked(format: str, source: str, reader: Callable[[], ImportResult]) -> ImportResult:
+    """What a reader returns; where lines of a table are broken, the question what to do with them."""
+    try:
+        return reader()
+    except BrokenLinesError as error:
+        evidence = error.evidence if error.source == source else f"{error.source}, {error.evidence}"  # of a folder
+        return unread(source, format, questions=broken_lines(evidence, {}, []))
 
 
 def guess(name: str, head: str) -> str:

@@ -73,14 +73,20 @@ def counted(lines: Sequence[str], dialect: Dialect, width: int) -> bool:
     return [row[0] for row in rows] == [str(int(rows[0][0]) + k) for k in range(len(rows))]
 
 
-def texts(lines: Sequence[str], dialect: Dialect) -> dict[int, str]:
-    """The columns (from 0) without a number in these lines, each with one of the entries that are text."""
-    found: dict[int, str] = {}
+def filled(lines: Sequence[str], dialect: Dialect) -> dict[int, list[str]]:
+    """The entries of each column (from 0) in these lines that are not empty."""
+    found: dict[int, list[str]] = {}
     for row in split(dialect, lines):
         for k, entry in enumerate(row):
             if entry.strip():
-                found[k] = "" if is_number(entry) else found.get(k, entry.strip())
-    return {k: entry for k, entry in sorted(found.items()) if entry}
+                found.setdefault(k, []).append(entry)
+    return found
+
+
+def texts(lines: Sequence[str], dialect: Dialect) -> dict[int, str]:
+    """The columns (from 0) without a number in these lines, each with one of the entries that are text."""
+    columns = sorted(filled(lines, dialect).items())
+    return {k: entries[0].strip() for k, entries in columns if not any(map(is_number, entries))}
 
 
 def _worth(dialect: Dialect, lines: Sequence[str]) -> tuple[bool, int, bool, int]:

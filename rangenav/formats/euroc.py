@@ -73,9 +73,10 @@ def read_folder(path: Path, *, confirm: Mapping[str, str]) -> ImportResult:
 
 def parse(files: Mapping[str, bytes], *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a folder; `files` holds the content of each file by the name of its sensor."""
-    imu = _table(files[IMU], f"{source}/{IMU}")
+    drop = "lines" in confirm
+    imu = _table(files[IMU], f"{source}/{IMU}", drop=drop)
     time = _stamps(imu)
-    sides = {name: _table(files[name], f"{source}/{name}") for name in (TRUTH, MAG, UWB) if name in files}
+    sides = {name: _table(files[name], f"{source}/{name}", drop=drop) for name in (TRUTH, MAG, UWB) if name in files}
     rotation = position = None
     world = world_comments.vectors(sides[UWB]) if UWB in sides else {}
     if TRUTH in sides:
@@ -107,7 +108,7 @@ def parse_truth(
     data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None, part: Part = FLIGHT
 ) -> ImportResult:
     """The path of a ground-truth file, as a curve through knots."""
-    table = _table(data, source)
+    table = _table(data, source, drop="lines" in confirm)
     text.refuse_missing(np.column_stack([_stamps(table), _columns(table, POSITION)]), table, "a stamp or position")
     findings = list(table.remarks)
     rows = sampled_rows.sampled(
@@ -158,8 +159,8 @@ def write(preset: Preset, path: Path) -> OutputFile:
     return OutputFile(files=tuple(files), frame="z-up", notes=notes, figures={"rows": len(run.time)})
 
 
-def _table(data: bytes, source: str) -> Table:
-    return text.table(data, source=source, marked=True)
+def _table(data: bytes, source: str, *, drop: bool | None = None) -> Table:
+    return text.table(data, source=source, marked=True, drop=drop)
 
 
 def _stamps(table: Table) -> Array:

@@ -66,7 +66,7 @@ class FlightColumns:
 def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     """The flight, or the questions that are open. Raises ValueError for faults that no answer can correct."""
     table, questions, findings = raw.table, list(raw.questions), list(raw.findings)
-    require(len(raw.time) >= LEAST_ROWS, f"{table.source}: {len(raw.time)} rows are no record")
+    _require_rows(len(raw.time), "", table.source)
     for name in ("gyro", "accel", "mag", "range"):
         values = getattr(raw, name)
         if values is not None:
@@ -77,7 +77,7 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
     imu = np.column_stack([raw.gyro, raw.accel])
     rows = used_rows(table, raw.time, imu, raw.range, others, confirm, questions, findings)
     kept = rows.imu
-    require(int(kept.sum()) >= LEAST_ROWS, f"{table.source}: {int(kept.sum())} usable rows are no record")
+    _require_rows(int(kept.sum()), " with a stamp, gyro and accelerometer", table.source)
     raw = _with_own_rows(raw, rows)
     chosen = _units(raw, kept, confirm, questions, findings)
     frame = _frame(raw, kept, confirm, questions)
@@ -101,6 +101,11 @@ def flight(raw: FlightColumns, confirm: Mapping[str, str]) -> ImportResult:
         questions=tuple(questions),
         flight=recorded,
     )
+
+
+def _require_rows(count: int, kind: str, source: str) -> None:
+    there = f"1 row{kind} is" if count == 1 else f"{count} rows{kind} are"
+    require(count >= LEAST_ROWS, f"{source}: {there} no record, which has {LEAST_ROWS} rows at least")
 
 
 def _unwrapped(
@@ -139,7 +144,10 @@ def _with_own_rows(raw: FlightColumns, rows: FlightRows) -> FlightColumns:
 def _units(
     raw: FlightColumns, kept: Array, confirm: Mapping[str, str], questions: list[Question], findings: list[str]
 ) -> dict[str, str]:
-    """The unit of each quantity. A stated SI unit is used; every other unit must be confirmed."""
+    """The unit of each quantity. A stated SI unit is used if nothing contradicts it, another unit if the data agree.
+
+    Every other unit must be confirmed. The magnetometer is divided by its own length, so that its unit changes nothing.
+    """
     used, time, seconds = {}, raw.time[kept], raw.time[kept]
     turning = raw.mag if raw.mag is not None and np.isfinite(raw.mag).any() else raw.accel
     turning_name = "the field" if turning is raw.mag else "gravity"
@@ -151,8 +159,9 @@ def _units(
         columns = values[kept] if values.ndim == 2 else values[kept][:, None]
         guess = units.guess(kind, columns, time=seconds, turning=turning[kept], turning_name=turning_name)
         chosen = answered or stated
-        usual = kind in raw.of_format or stated == units.SI[kind]
-        if answered is None and (not usual or _doubtful(kind, stated, guess)):
+        usual = kind in raw.of_format or stated == units.SI[kind] or (kind == "mag" and stated in known)
+        agreed = stated is not None and stated in known and stated == guess.unit
+        if answered is None and not agreed and (not usual or _doubtful(kind, stated, guess)):
             questions.append(_unit_question(kind, stated, guess))
             chosen = stated or guess.unit
         used[kind] = chosen if chosen in known else units.SI[kind]
@@ -160,6 +169,8 @@ def _units(
             seconds = time * known[used[kind]]
         other = f' instead of "{stated}" in the file' if answered and stated in known and stated != answered else ""
         how = "as confirmed" if answered else f'the file says "{stated}"' if stated else "not stated"
+        if answered is None and stated in known and stated != units.SI[kind] and kind not in raw.of_format:
+            how = f"as the file states; {guess.evidence}"
         findings.append(f"{units.WORDS[kind]}: {chosen or 'unit unknown'}{other}, {how}")
     return used
 

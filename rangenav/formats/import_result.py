@@ -88,6 +88,20 @@ class ImportResult:
     """SHA-256 of the file's bytes; empty for a folder."""
 
 
+def unread(source: str, format: str, *, questions: tuple[Question, ...], rows: int = 0) -> ImportResult:
+    """The result for a file that cannot be read before its questions are answered: there is nothing but them."""
+    return ImportResult(
+        source=source,
+        format=format,
+        rows=rows,
+        rate=None,
+        duration=0.0,
+        frame="z-up",
+        findings=(),
+        questions=questions,
+    )
+
+
 class OpenQuestionsError(ValueError):
     """A file is not used, because it leaves something open; the sentence has every question, its evidence and flag."""
 

@@ -28,6 +28,8 @@ BINARY = {
     b"\x1f\x8b": "a gzip archive",
 }
 """First bytes of formats that hold no text, and what they are."""
+WINDOWS, AROUND = "cp1252", 20
+"""An encoding that is common and is not read, and the bytes beside a wrong one that must be text in it."""
 PART = 2**20
 """Bytes that are decoded at a time."""
 Row = tuple[int, list[str]]
@@ -93,6 +95,15 @@ def encoding(data: bytes) -> str:
     return "utf-16" if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)) else "utf-8-sig"
 
 
+def _other_encoding(data: bytes, byte: int) -> str:
+    """What the byte is in Windows-1252, in which spreadsheets save on Windows, and what to do; empty if it is none."""
+    around = data[max(0, byte - AROUND) : byte + AROUND].decode(WINDOWS, "replace")
+    character = data[byte : byte + 1].decode(WINDOWS, "replace")
+    if not character.isprintable() or not all(one.isprintable() or one.isspace() for one in around):
+        return ""
+    return f"; this byte is {character!r} in Windows-1252: save the file again with the encoding UTF-8"
+
+
 def _refuse_undecodable(data: bytes, source: str) -> None:
     """Raise ValueError naming the first byte that is no text; a part is decoded at a time, for it may take four times
     as much memory as its bytes."""
@@ -102,4 +113,5 @@ def _refuse_undecodable(data: bytes, source: str) -> None:
         try:
             decoder.decode(data[at : at + PART], final=at + PART >= len(data))
         except UnicodeDecodeError as error:
-            raise ValueError(f"{source}: not UTF-8 text (byte {at - left_over + error.start})") from None
+            byte = at - left_over + error.start
+            raise ValueError(f"{source}: not UTF-8 text (byte {byte}){_other_encoding(data, byte)}") from None

@@ -17,7 +17,7 @@ from numpy import ndarray as Array
 from rangenav.formats import flight_columns, frames, log_columns, text, world_comments
 from rangenav.formats.exported_run import quaternions, run_of
 from rangenav.formats.flight_columns import FlightColumns
-from rangenav.formats.import_result import ImportResult
+from rangenav.formats.import_result import ImportResult, unread
 from rangenav.formats.output_files import OutputFile, write_text
 from rangenav.inputs import require
 from rangenav.preset import Preset
@@ -30,15 +30,19 @@ NAMED, SHOWN = 10, 40
 
 def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResult:
     """The flight of a file, or its questions. Raises ValueError naming line and column."""
-    table = text.table(data, source=source, header=HEADER)
+    table = text.table(data, source=source, header=HEADER, drop="lines" in confirm)
     columns = log_columns.columns(table, confirm)
     values = {kind: columns.values(table, kind) for kind in log_columns.NAMES}
-    for kind in ("time", "gyro", "accel"):
-        there = columns.groups[kind].columns if kind in columns.groups else {}
-        missing = [axis for axis in log_columns.AXES[kind] if axis not in there]
-        named = "the time" if kind == "time" else f"{kind} {', '.join(missing)}"
-        require(values[kind] is not None, f"{source}: no column for {named}; {text.listed(table)}")
-    findings = [*table.remarks, *_unused(columns.unused)]
+    lacking = [kind for kind in log_columns.NEEDED if values[kind] is None]
+    asked = {question.key for question in columns.questions}
+    for kind in lacking:
+        missing = log_columns.lacking_text(kind, columns.groups.get(kind))
+        known = log_columns.columns_key(kind) in asked
+        require(known, f"{source}: no column for {missing}; {text.listed(table)}")
+    if lacking:
+        rows = len(table.values)
+        return replace(unread(source, "log", questions=columns.questions, rows=rows), columns=columns.uses)
+    findings = [*table.remarks, *_unused(columns.unused), *columns.findings]
     time, gyro, accel = values["time"], values["gyro"], values["accel"]
     assert time is not None
     assert gyro is not None
@@ -64,12 +68,12 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
         unconfirmed=columns.unconfirmed,
         questions=columns.questions,
     )
-    return replace(flight_columns.flight(raw, confirm), columns=columns.uses)
+    return replace(flight_columns.flight(raw, confirm), columns=columns.uses, applied=columns.applied)
 
 
 def uses(data: bytes, *, source: str, confirm: Mapping[str, str]) -> tuple[tuple[str, str], ...]:
     """Every column of a table, and the quantity that it is used for; empty if it is not used."""
-    return log_columns.columns(text.table(data, source=source, header=HEADER), confirm).uses
+    return log_columns.columns(text.table(data, source=source, header=HEADER, drop=True), confirm).uses
 
 
 def write(preset: Preset, path: Path) -> OutputFile:

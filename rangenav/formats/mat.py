@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy import ndarray as Array
 
-from rangenav.formats import flight_columns, log, mat5, text
+from rangenav.formats import entries, flight_columns, log, mat5
 from rangenav.formats.flight_columns import FlightColumns
 from rangenav.formats.import_result import ImportResult
 from rangenav.formats.text import Table
@@ -38,14 +38,14 @@ def parse(data: bytes, *, source: str, confirm: Mapping[str, str]) -> ImportResu
     variables = mat5.arrays(data, source=source)
     parts = {kind: _named(variables, kind, source) for kind in NAMES}
     for kind, values in parts.items():
-        bounded = values is None or _largest(values) <= text.LARGEST
-        require(bounded, f"{source}: {kind} must be finite and not exceed {text.LARGEST:g}")
+        bounded = values is None or _largest(values) <= entries.LARGEST
+        require(bounded, f"{source}: {kind} must be finite and not exceed {entries.LARGEST:g}")
     gyro, accel = _wide(parts["gyro"], 3, "gyro", source), _wide(parts["accel"], 3, "accel", source)
     names = ", ".join(sorted(variables)[:12]) or "none"
     if gyro is None or accel is None:
         raise ValueError(f"{source}: no arrays for gyro and accel; its numeric variables are {names}")
     count = len(gyro)
-    require(0 < count <= text.MAX_ROWS, f"{source}: {count} rows, of 1 to {text.MAX_ROWS} that are read")
+    require(0 < count <= entries.MAX_ROWS, f"{source}: {count} rows, of 1 to {entries.MAX_ROWS} that are read")
     vectors = {
         kind: _wide(parts[kind], width, kind, source)
         for kind, width in (("mag", 3), ("position", 3), ("quaternion", 4))

@@ -83,9 +83,12 @@ def with_ranges(flight: Flight, anchor: Vec3, *, sigma: float, seed: int, rate: 
 
 
 def between(flight: Flight, begin: float, end: float) -> Flight:
-    """The part of a record from begin to end (s); its own stamps are kept."""
+    """The part of a record from begin to end (s); its own stamps are kept. Raises ValueError for no part of it."""
+    require(begin < end, f"the part must begin before it ends, got {begin:g} s to {end:g} s")
     inside = (flight.time >= begin) & (flight.time <= end)
-    require(int(inside.sum()) >= 2, f"no samples between {begin:g} s and {end:g} s")
+    until = f"to {end:g} s" if np.isfinite(end) else "on"
+    record = f"the record goes from {flight.time[0]:.4g} s to {flight.time[-1]:.4g} s"
+    require(int(inside.sum()) >= 2, f"no two samples from {begin:g} s {until}: {record}")
     flight = with_some_ranges(flight, (flight.range_time >= begin) & (flight.range_time <= end))
     optional = {
         name: None if getattr(flight, name) is None else getattr(flight, name)[inside]

@@ -7,7 +7,6 @@ of a table decides about it.
 """
 
 import csv
-from array import array
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
 from pathlib import Path
@@ -16,20 +15,17 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
-from rangenav.formats import dialect
+from rangenav.formats import dialect, entries
+from rangenav.formats.dates import Dates
 from rangenav.formats.dialect import Dialect
+from rangenav.formats.entries import BrokenLinesError, trimmed
 from rangenav.formats.lines import Lines, Row, begins_with_mark
 from rangenav.inputs import require
 from rangenav.results import result
 
 MAX_BYTES = 64_000_000
 """An hour of ten columns at 100 Hz; parsing takes some 0.1 s per million bytes."""
-MAX_ROWS = 1_000_000
-MAX_NUMBERS = 20_000_000
-"""In all rows together: the eighteen columns of an own log of ten minutes at 1 kHz are eleven million."""
 MAX_COLUMNS = 200
-LARGEST = 1e20
-"""Nanoseconds since 1970 are 2e18; no measured number is larger, and the square of this is finite."""
 SHOWN = 24
 """Most characters of a wrong entry that a message repeats."""
 LISTED, NAME_SHOWN = 40, 48
@@ -55,6 +51,8 @@ class Table:
     """How the file was understood, a clause for each thing that is unusual."""
     texts: tuple[str, ...] = ()
     """Names of columns that hold text and are not in the table, each with an entry."""
+    dated: tuple[str, ...] = ()
+    """Names of columns that hold dates, which are seconds in the table."""
 
 
 def contents(path: str | Path, *, limit: int = MAX_BYTES) -> bytes:
@@ -81,12 +79,16 @@ def table(
     names: tuple[str, ...] | None = None,
     marked: bool = False,
     header: str = "",
+    drop: bool | None = None,
 ) -> Table:
     """Numbers in columns. The first line that is no comment names the columns, unless `names` does.
 
     If that line holds numbers, the last comment before it with as many entries names the columns. `marked` says that
     the format has its header in a comment (`#timestamp [ns],...`), and `separator` which one it has; any other is read
-    as well, and remarked. `header` is an example of the first line, for the message that there is none.
+    as well, and remarked. `header` is an example of the first line, for the message that there is none. `drop` says
+    whether lines that are no rows may be left out, None that nobody can be asked.
+
+    Raises BrokenLinesError if there are such lines and `drop` is False, ValueError for what cannot be read at all.
     """
     lines = Lines(data, source)
     first: list[str] = []
@@ -96,7 +98,7 @@ def table(
     require(bool(first), f"{source}: no rows of numbers")
     layout = dialect.measured(first)
     remarks = [*(("a byte order mark in front",) if begins_with_mark(data) else ()), *layout.remarks(separator)]
-    rows, texts = _rows(first, lines, layout), {}
+    rows, texts, dates = _rows(first, lines, layout), {}, Dates({})
     if names is None:
         number, first_row = next(rows)
         named_before = _comment_with_names(lines, layout, first_row, header)
@@ -106,22 +108,35 @@ def table(
             rows = chain([next(_rows(first, lines, layout))], rows)
         samples = first if named_before is not None else first[1:]
         names = _names(first_row, samples, layout, f"{source}, line {number}")
+        dates = Dates(dialect.filled(samples, layout))
         texts = {k: entry for k, entry in dialect.texts(samples, layout).items() if k < len(names) and names[k]}
+        texts = {k: entry for k, entry in texts.items() if k not in dates.columns}
         remarks += [f"column {k} has no name and is not used" for k, name in enumerate(names, 1) if not name]
         remarks += [f"column {names[k][:NAME_SHOWN]} holds text and is not used" for k in texts]
     kept = [k for k, name in enumerate(names) if name and k not in texts]
-    values, numbers = _parsed(rows, names, kept, layout, lines)
-    table_values, named = values.reshape(len(numbers), len(kept)), tuple(names[k] for k in kept)
-    _refuse_large(table_values, named, numbers, source)
+    numbers = entries.parsed(rows, names, kept, lines, comma=layout.decimal_comma, dates=dates)
+    remarks += [*dates.remarks(names), *_left_out(numbers.broken, drop, source)]
     return Table(
         source=source,
-        names=named,
+        names=tuple(names[k] for k in kept),
         comments=tuple(comment for _, (comment,) in lines.comments),
-        values=table_values,
-        lines=np.array(numbers, dtype=int),
+        values=numbers.values,
+        lines=np.array(numbers.numbers, dtype=int),
         remarks=tuple(remarks),
         texts=tuple(f"{names[k][:NAME_SHOWN]} ({entry[:SHOWN]!r})" for k, entry in texts.items()),
+        dated=tuple(names[k] for k in dates.columns),
     )
+
+
+def _left_out(broken: entries.Broken, drop: bool | None, source: str) -> list[str]:
+    """What is said of broken lines that are left out. Raises ValueError where they may not be."""
+    if not broken.numbers:
+        return []
+    if drop is None:
+        raise ValueError(f"{source}, {broken.reasons[0]}")
+    if not drop:
+        raise BrokenLinesError(source, broken)
+    return [f"{broken.summary}: dropped, as asked"]
 
 
 def _rows(first: Sequence[str], lines: Lines, layout: Dialect) -> Iterator[Row]:
@@ -146,8 +161,8 @@ def _comment_with_names(lines: Lines, layout: Dialect, row: Sequence[str], heade
     numbers = sum(map(dialect.is_number, filled))
     if numbers == 0:
         return None
-    width = len(_trimmed(row))
-    split = [(number, _trimmed(entries)) for number, text in lines.comments for entries in dialect.split(layout, text)]
+    width = len(trimmed(row))
+    split = [(number, trimmed(entries)) for number, text in lines.comments for entries in dialect.split(layout, text)]
     fitting = [(number, entries) for number, entries in split if len(entries) in (width, len(row)) and width > 1]
     rule = f"{lines.source}, line {lines.numbers[0]}: holds numbers, and no line before it names the columns"
     rule += f"; put a header before it: {header}" if header else ""
@@ -157,7 +172,7 @@ def _comment_with_names(lines: Lines, layout: Dialect, row: Sequence[str], heade
 
 def _names(header: Sequence[str], samples: Sequence[str], layout: Dialect, place: str) -> tuple[str, ...]:
     """The names of the columns; "" for a column without one."""
-    names = [" ".join(name.split()) for name in _trimmed(header)]
+    names = [" ".join(name.split()) for name in trimmed(header)]
     if dialect.counted(samples, layout, len(names) + 1):
         names.insert(0, "")
     require(len(names) <= MAX_COLUMNS, f"{place}: more than {MAX_COLUMNS} columns")
@@ -166,70 +181,6 @@ def _names(header: Sequence[str], samples: Sequence[str], layout: Dialect, place
         require(name.isprintable(), f"{place}: column {k + 1} has no name that can be read")
         require(not name or name not in names[:k], f"{place}: two columns are named {name[:SHOWN]!r}")
     return tuple(names)
-
-
-def _trimmed(row: Sequence[str]) -> list[str]:
-    """A row without the empty entries at its end, which trailing separators make."""
-    end = next((k for k in range(len(row), 0, -1) if row[k - 1].strip()), 0)
-    return list(row[:end])
-
-
-def _parsed(
-    rows: Iterator[Row], names: Sequence[str], kept: Sequence[int], layout: Dialect, lines: Lines
-) -> tuple[Float[Array, " numbers"], Int[Array, " rows"]]:
-    """The numbers of the named columns, row after row, and the line number of each row."""
-    values, numbers = array("d"), array("q")
-    width, every, source = len(names), len(kept) == len(names), lines.source
-    for number, row in rows:
-        if len(row) != width:
-            row = _as_wide(row, width, f"{source}, line {number}")
-        entries = row if every else [row[k] for k in kept]
-        if layout.decimal_comma:
-            entries = [entry.replace(",", ".") for entry in entries]
-        try:
-            if number in lines.underscored:
-                raise ValueError
-            if "" in entries:
-                values.extend([float(entry) if entry else np.nan for entry in entries])
-            else:
-                values.extend(list(map(float, entries)))
-        except ValueError:
-            place = f"{source}, line {number}"
-            values.extend([_number(entry.strip(), names[k], place) for entry, k in zip(entries, kept, strict=True)])
-        numbers.append(number)
-        if len(numbers) > MAX_ROWS:
-            raise ValueError(f"{source}: more than {MAX_ROWS} rows")
-        if len(values) > MAX_NUMBERS:
-            raise ValueError(f"{source}: more than {MAX_NUMBERS} numbers")
-    require(len(numbers) > 0, f"{lines.source}: no rows of numbers")
-    return np.frombuffer(values), np.frombuffer(numbers, dtype=np.int64)
-
-
-def _as_wide(row: list[str], width: int, place: str) -> list[str]:
-    """The row without empty entries behind the last column. Raises ValueError for another number of entries."""
-    trimmed = row if len(row) < width else [*row[:width], *_trimmed(row[width:])]
-    require(len(trimmed) == width, f"{place}: {len(trimmed)} entries where {width} columns are named")
-    return trimmed
-
-
-def _number(entry: str, name: str, place: str) -> float:
-    """One entry, NaN if it is empty. Raises ValueError for what is no number."""
-    try:
-        if "_" in entry:
-            raise ValueError
-        return float(entry) if entry else np.nan
-    except ValueError:
-        mangled = "; spreadsheets mangle stamps into times of day" if ":" in entry or "/" in entry else ""
-        message = f"{place}: {name[:SHOWN]} must be a number, got {entry[:SHOWN]!r}{mangled}"
-        raise ValueError(message) from None
-
-
-def _refuse_large(values: Float[Array, "n c"], names: Sequence[str], numbers: Int[Array, " n"], source: str) -> None:
-    low, high = (ends.reduce(values, axis=None, initial=0.0) for ends in (np.fmin, np.fmax))  # pass over NaN
-    if max(-low, high) > LARGEST:
-        row, column = np.argwhere(np.abs(values) > LARGEST)[0]
-        size = f"must not exceed {LARGEST:g}, got {values[row, column]:.3g}"
-        raise ValueError(f"{source}, line {numbers[row]}: {names[column][:SHOWN]} {size}")
 
 
 def columns(table: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:

@@ -27,7 +27,7 @@ def parse(
     data: bytes, *, source: str, confirm: Mapping[str, str], knots: float | None = None, part: Part = FLIGHT
 ) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
-    table = text.table(data, source=source, separator=" ", names=NAMES)
+    table = text.table(data, source=source, separator=" ", names=NAMES, drop="lines" in confirm)
     text.refuse_missing(table.values, table, "a number")
     findings = list(table.remarks)
     rows = sampled_rows.sampled(

@@ -111,7 +111,7 @@ def checked(imported: ImportResult, confirm: Mapping[str, str], *, anchor: Vec3 
         flight=after_checks.flight,
         findings=(*imported.findings, *_other_anchor(imported.flight, anchor), *after_checks.findings),
         questions=(*imported.questions, *after_checks.questions),
-        applied=after_checks.applied,
+        applied=(*imported.applied, *after_checks.applied),
         unjudged=after_checks.restriction,
     )
 

@@ -216,7 +216,7 @@ def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
         (("--range-sigma", "0"), "--range-sigma must lie between 0.001 and 100 m, got 0"),
         (("--window", "99"), "the window must be shorter than the record's 20 s"),
         (("--window", "nan"), "--window: must be a finite number"),
-        (("--begin", "50"), "no samples between 50 s and inf s"),
+        (("--begin", "50"), "x.csv: --begin, --end: no two samples from 50 s on: the record goes from 0 s to 20 s"),
         (("--anchor", "nan", "0", "0"), "Error parsing --anchor"),
     ],
 )

@@ -147,8 +147,80 @@ def test_where_two_groups_of_columns_would_do_a_person_chooses_and_all_others_ar
         "time [s]", *axes("Linear Acceleration * (m/s^2)"), "gx", *others
     ]  # fmt: skip
     assert any("battery 4 … (20 in all)" in one for one in imported.findings), imported.findings
-    with pytest.raises(ValueError, match="accel-columns must be one of accel=acceleration, accel=linear_acceleration"):
+    with pytest.raises(
+        ValueError, match=r"accel=gravity: no columns of that name with x, y, z; the file's columns are"
+    ):
         read(data, **{"accel-columns": "accel=gravity"})
+
+
+NAMELESS = ["stamp of the sensor", "roll rate (deg/s)", "pitch rate (deg/s)", "yaw rate (deg/s)", *axes("body.force.*")]
+"""Columns whose names tell no quantity."""
+
+
+@pytest.mark.parametrize(
+    ("gyro", "accel"),
+    [
+        ("roll rate (deg/s),pitch rate (deg/s),yaw rate (deg/s)", "body.force"),
+        ("roll rate,PITCH RATE,yaw_rate", "body_force"),
+        ("roll rate,pitch rate,yaw rate", "body.force.x,body.force.y,body.force.z"),
+    ],
+)
+def test_a_person_may_name_any_column_or_what_stands_before_the_axes(gyro, accel):
+    t, turning, force, _ = spun(60)
+    data = csv([*NAMELESS, "UWB to post 7 (cm)"], t, np.degrees(turning), force, 100 + t)
+    chosen = {"time-columns": "time=stamp of the sensor", "gyro-columns": f"gyro={gyro}"}
+    chosen |= {"accel-columns": f"accel={accel}", "range-columns": "range=UWB to post 7"}
+    imported = read(data, frame="z-up", time="s", accel="m/s2", gyro="deg/s", range="cm", **chosen)
+    flight = present(formats.settled(imported).flight)
+    np.testing.assert_allclose(flight.gyro, turning)
+    np.testing.assert_allclose(flight.accel, force)
+    np.testing.assert_allclose(flight.range, 1 + t / 100)
+    assert (
+        "columns of the gyro: roll rate (deg/s), pitch rate (deg/s), yaw rate (deg/s), as confirmed"
+        in imported.findings
+    )
+    assert not any("not understood" in one for one in imported.findings)
+
+
+def test_columns_that_no_name_tells_are_asked_for_with_what_the_table_offers():
+    """Nothing is asked where the table has too few columns for a flight; what may be absent is asked without a need."""
+    t, turning, force, _ = spun(60)
+    imported = read(csv([NAMELESS[0], *NAMELESS[1:4], *axes("acc_*")], t, turning, force))
+    assert imported.flight is None
+    clock, gyro = imported.questions
+    assert clock.options[0] == "time=stamp of the sensor"
+    assert gyro.options[-1] == "gyro=roll rate (deg/s),pitch rate (deg/s),yaw rate (deg/s)"
+    assert "the file's columns are stamp of the sensor, roll rate (deg/s)" in clock.evidence
+    whole = read(csv([*STATED[:7], "to post 7"], t, turning, force, t), frame="z-up")
+    assert [(one.key, one.suggestion) for one in whole.applied] == [("range-columns", "range=none")]
+    assert len(present(whole.flight).range) == 0
+    taken = read(
+        csv([*STATED[:7], "to post 7"], t, turning, force, t),
+        frame="z-up",
+        **{"range-columns": whole.applied[0].options[1]},
+    )
+    assert asked(taken) == {"range": None}
+
+
+def test_ranges_to_two_anchors_are_asked_about_and_the_other_ones_are_not_used():
+    t, turning, force, _ = spun(60)
+    data = csv([*STATED[:7], "range_1 [m]", "range_2 [m]"], t, turning, force, 1 + t, 2 + t)
+    assert [question.options for question in read(data, frame="z-up").questions] == [("range=range_1", "range=range_2")]
+    second = read(data, frame="z-up", **{"range-columns": "range=range_2"})
+    np.testing.assert_allclose(present(second.flight).range, 2 + t)
+    assert dict(second.columns)["range_1 [m]"] == ""
+
+
+def test_stamps_of_iso_8601_are_seconds_from_the_first_in_utc():
+    t, turning, force, _ = spun(60)
+    rows = csv(["when", *STATED[1:7]], t, turning, force).decode().splitlines()
+    for zone, shown in (("", "08:00:00 UTC, as they name no zone"), ("Z", "08:00:00 UTC"), ("+02:00", "06:00:00 UTC")):
+        dates = [f"2024-05-01T08:00:{k // 100:02d}.{10 * (k % 100):03d}{zone}" for k in range(60)]
+        dated = [",".join([date, *row.split(",")[1:]]) for date, row in zip(dates, rows[1:], strict=True)]
+        data = "\n".join([rows[0].replace("when", "timestamp"), *dated]).encode()
+        imported = read(data, frame="z-up")
+        np.testing.assert_allclose(present(formats.settled(imported).flight).time, np.arange(60) / 100, atol=1e-9)
+        assert f"column timestamp holds dates: read as seconds from 2024-05-01 {shown}" in imported.findings
 
 
 @pytest.mark.parametrize(("period", "unit", "factor"), [(2.0**32, "us", 1e6), (604_800.0, "s", 1.0)])
@@ -253,17 +325,36 @@ def test_a_range_may_have_a_row_of_its_own():
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("0.05,1,2", "x.csv, line 4: 3 entries where 7 columns are named"),
-        ("0.05,1,2,3,4,5,six", "x.csv, line 4: accel_z must be a number, got 'six'"),
-        ("00:05.1,1,2,3,4,5,6", "x.csv, line 4: t must be a number, got '00:05.1'; " + MANGLED),
-        ("0.05,1,2,3,4,5,1_0", "x.csv, line 4: accel_z must be a number, got '1_0'"),
-        ("0.05,1,2,3,4,5,inf", "x.csv, line 4: accel_z must not exceed 1e+20, got inf"),
-        ("0.05,1,2,3,4,5,1e999", "x.csv, line 4: accel_z must not exceed 1e+20, got inf"),
+        ("0.05,1,2", "3 entries where 7 columns are named"),
+        ("0.05,1,2,3,4,5,six", "accel_z must be a number, got 'six'"),
+        ("00:05.1,1,2,3,4,5,6", "t must be a number, got '00:05.1'; " + MANGLED),
+        ("0.05,1,2,3,4,5,1_0", "accel_z must be a number, got '1_0'"),
+        ("0.05,1,2,3,4,5,inf", "accel_z must not exceed 1e+20, got inf"),
+        ("0.05,1,2,3,4,5,1e999", "accel_z must not exceed 1e+20, got inf"),
+        (",".join(["t", *axes("gyro_*", "accel_*")]), "the header once more"),
     ],
 )  # fmt: skip
-def test_what_is_no_number_is_refused_with_line_and_column(line, said):
-    good = "0.0,1,2,3,4,5,6"
-    data = "\n".join([",".join(["t", *axes("gyro_*", "accel_*")]), good, good, line]).encode()
+def test_a_line_that_is_no_row_is_asked_about_with_its_number_and_left_out_once_that_is_confirmed(line, said):
+    rows = [f"{k / 50},0,0,0,0,0,9.81" for k in range(12)]
+    header = ",".join(["t", *axes("gyro_*", "accel_*")])
+    data = "\n".join([header, *rows[:2], line, *rows[2:]]).encode()
+    imported = read(data)
+    assert [(one.key, one.flag, one.suggestion) for one in imported.questions] == [("lines", "--lines", "drop")]
+    assert imported.questions[0].evidence == f"line 4: {said}"
+    units = {"time": "s", "gyro": "rad/s", "accel": "m/s2", "frame": "z-up"}
+    flight = present(formats.settled(read(data, lines="drop", **units)).flight)
+    np.testing.assert_allclose(flight.time, np.arange(12) / 50)
+    assert f"line 4: {said}: dropped, as asked" in read(data, lines="drop", **units).findings
+    most = "\n".join([header, *rows[:9], *[line] * 3]).encode()
+    with pytest.raises(ValueError, match=exactly(f"x.csv, line 11: {said} (3 of 12 lines are broken)")):
+        read(most)
+
+
+def test_a_text_of_windows_is_refused_with_the_way_out():
+    data = csv(["t [s]", *axes("gyro_* [°/s]", "accel_* [m/s2]")], np.zeros((20, 7))).decode().encode("cp1252")
+    said = (
+        "x.csv: not UTF-8 text (byte 14); this byte is '°' in Windows-1252: save the file again with the encoding UTF-8"
+    )
     with pytest.raises(ValueError, match=exactly(said)):
         read(data)
 
