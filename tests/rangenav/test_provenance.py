@@ -1,6 +1,8 @@
 """Imported paths: they know their file, what was fitted is not judged, and what a person changes is a design."""
 
+import functools
 import hashlib
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -40,26 +42,35 @@ def without(file: Path, *words: str) -> None:
     file.write_text("\n".join(",".join(row[k] for k in kept) for row in rows) + "\n")
 
 
-def imported(folder: Path, kind: str) -> tuple[Path, Preset]:
-    """A file of `soft` and what it is imported as."""
-    form = kind if kind in ("tum", "euroc", "polynomial") else "reference"
-    file = folder / f"{kind}.csv"
-    if kind == "euroc":
-        formats.export(SOFT, "euroc", folder / "record")
-        file = folder / "record" / "mav0" / "state_groundtruth_estimate0" / "data.csv"
-    else:
-        formats.export(SOFT, form, file)
-    if kind == "positions":
-        without(file, "v_", "a_lin", "jerk", "snap", "a_x", "a_y", "a_z")
-    if kind == "jerk":
-        without(file, "snap")
-    imported = formats.read(file, form, confirm={"frame": "z-up"} if form == "tum" else {})
-    return file, as_preset(imported)
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], tuple[Path, Preset]]:
+    """imported(kind) -> a file of `soft` and what it is imported as; each kind is written and read once."""
+
+    @functools.cache
+    def of_kind(kind: str) -> tuple[Path, Preset]:
+        folder = tmp_path_factory.mktemp(kind)
+        form = kind if kind in ("tum", "euroc", "polynomial") else "reference"
+        file = folder / f"{kind}.csv"
+        if kind == "euroc":
+            formats.export(SOFT, "euroc", folder / "record")
+            file = folder / "record" / "mav0" / "state_groundtruth_estimate0" / "data.csv"
+        else:
+            formats.export(SOFT, form, file)
+        if kind == "positions":
+            without(file, "v_", "a_lin", "jerk", "snap", "a_x", "a_y", "a_z")
+        if kind == "jerk":
+            without(file, "snap")
+        read = formats.read(file, form, confirm={"frame": "z-up"} if form == "tum" else {})
+        return file, as_preset(read)
+
+    return of_kind
 
 
 @pytest.mark.parametrize("kind", RECORDS)
-def test_a_path_whose_snap_was_not_in_its_file_is_not_judged_and_not_certified(answer, tmp_path: Path, kind: str):
-    file, made = imported(tmp_path, kind)
+def test_a_path_whose_snap_was_not_in_its_file_is_not_judged_and_not_certified(
+    imported, answer, tmp_path: Path, kind: str
+):
+    file, made = imported(kind)
     assert made.source is not None
     assert (made.source.derivatives, made.source.file) == ("fit", file.name)
     assert made.source.sha256 == hashlib.sha256(file.read_bytes()).hexdigest()
@@ -76,8 +87,8 @@ def test_a_path_whose_snap_was_not_in_its_file_is_not_judged_and_not_certified(a
 
 
 @pytest.mark.parametrize("kind", ["reference", "polynomial"])
-def test_a_path_whose_snap_was_in_its_file_is_certified_as_what_it_is(answer, tmp_path: Path, kind: str):
-    file, made = imported(tmp_path, kind)
+def test_a_path_whose_snap_was_in_its_file_is_certified_as_what_it_is(imported, answer, tmp_path: Path, kind: str):
+    file, made = imported(kind)
     assert made.source is not None
     assert (made.source.derivatives, made.source.unjudged) == ("file", "")
     issued = certified(made)
@@ -103,9 +114,9 @@ def test_snap_columns_that_the_pieces_cannot_follow_are_not_theirs(tmp_path: Pat
     assert str(imported.unjudged).startswith("of the snap in the file the pieces miss ")
 
 
-def test_an_import_tells_where_the_snap_is_from(answer, tmp_path: Path):
+def test_an_import_tells_where_the_snap_is_from(imported, answer, tmp_path: Path):
     for kind in ("reference", "jerk"):
-        file, _ = imported(tmp_path, kind)
+        file, _ = imported(kind)
         said = answer("import", file, "--from", "reference", "-o", tmp_path / "y.toml")
         fit = kind == "jerk"
         assert said["snap_from"] == ("a fit: it is not in the file" if fit else "the file")
@@ -114,8 +125,8 @@ def test_an_import_tells_where_the_snap_is_from(answer, tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", ["tum", "polynomial"])
-def test_the_source_is_kept_by_every_file_and_a_design_has_none(answer, tmp_path: Path, kind: str):
-    _, made = imported(tmp_path, kind)
+def test_the_source_is_kept_by_every_file_and_a_design_has_none(imported, answer, tmp_path: Path, kind: str):
+    _, made = imported(kind)
     assert preset.loads(preset.dumps(made), source="x") == made
     preset.save(made, tmp_path / "one.toml")
     answer("import", tmp_path / "one.toml", "--from", "preset", "-o", tmp_path / "two.toml")
@@ -124,8 +135,8 @@ def test_the_source_is_kept_by_every_file_and_a_design_has_none(answer, tmp_path
     assert preset.loads(preset.dumps(SOFT), source="x").source is None
 
 
-def test_whoever_changes_the_path_has_designed_one_and_whoever_undoes_it_has_not(tmp_path: Path):
-    _, made = imported(tmp_path, "tum")
+def test_whoever_changes_the_path_has_designed_one_and_whoever_undoes_it_has_not(imported):
+    _, made = imported("tum")
     changed = replace(made, path=signals.scaled(made.path, 1.01, about=(0.0, 0.0, 0.0)))
     issued = certified(changed)
     assert issued.verdict != "not judged"
@@ -142,8 +153,8 @@ def test_whoever_changes_the_path_has_designed_one_and_whoever_undoes_it_has_not
     assert effective(Settings(preset=made)).path == made.path
 
 
-def test_whoever_deletes_the_source_has_made_the_curve_a_design(tmp_path: Path):
-    _, made = imported(tmp_path, "tum")
+def test_whoever_deletes_the_source_has_made_the_curve_a_design(imported):
+    _, made = imported("tum")
     text = preset.dumps(made)
     head, _, rest = text.partition("[source]\n")
     after = rest.partition("\n[")
@@ -152,8 +163,8 @@ def test_whoever_deletes_the_source_has_made_the_curve_a_design(tmp_path: Path):
     assert verdict.restriction(adopted.path, adopted.source, adopted.duration) is None
 
 
-def test_the_gate_and_repair_say_what_would_help(complaint, run, tmp_path: Path):
-    _, made = imported(tmp_path, "jerk")
+def test_the_gate_and_repair_say_what_would_help(imported, complaint, run, tmp_path: Path):
+    _, made = imported("jerk")
     easy = replace(made, requirement=replace(made.requirement, mu=1e-6, position_sigma=1e4))
     for form in ("preset", "polynomial", "log"):
         said = exports.gate(easy, form)
@@ -216,8 +227,8 @@ def test_a_source_that_says_too_little_is_refused(change: dict[str, str], said: 
         replace(good, **change)
 
 
-def test_the_page_remembers_the_visitors_own_name_of_the_file(tmp_path: Path):
-    file, _ = imported(tmp_path, "reference")
+def test_the_page_remembers_the_visitors_own_name_of_the_file(imported):
+    file, _ = imported("reference")
     content = file.read_bytes()
     made = import_file.interpret(
         import_file.ImportFile("Tour Süd 1.csv", content), "reference", {}, (0.0, 0.0, 0.0)
@@ -227,8 +238,8 @@ def test_the_page_remembers_the_visitors_own_name_of_the_file(tmp_path: Path):
     assert (made.source.file, made.source.sha256) == ("Tour Süd 1.csv", hashlib.sha256(content).hexdigest())
 
 
-def test_naming_the_axes_anew_makes_no_design_of_a_fit(tmp_path: Path):
-    _, made = imported(tmp_path, "tum")
+def test_naming_the_axes_anew_makes_no_design_of_a_fit(imported):
+    _, made = imported("tum")
     turned = axes.flipped(made)
     assert provenance.restriction(turned.source, turned.path) == provenance.restriction(made.source, made.path)
     assert (certified(turned).certified, certified(turned).verdict) == (False, "not judged")
@@ -237,8 +248,8 @@ def test_naming_the_axes_anew_makes_no_design_of_a_fit(tmp_path: Path):
     assert axes.flipped(design).source == design.source
 
 
-def test_a_download_of_a_fit_states_no_verdict(tmp_path: Path):
-    _, made = imported(tmp_path, "tum")
+def test_a_download_of_a_fit_states_no_verdict(imported):
+    _, made = imported("tum")
     comments = [line for line in preset_file.document(Settings(preset=made)).decode().splitlines() if line[:1] == "#"]
     assert len(comments) == 1
     assert comments[0].startswith("# verdict: none, not judged")
@@ -261,9 +272,9 @@ def test_pieces_put_through_a_fit_are_certified_as_little_as_the_fit(tmp_path: P
 
 
 @pytest.mark.parametrize("amplitude", [None, 0.0, 1e-3])
-def test_a_wiggle_that_does_nothing_makes_no_design_of_a_fit(tmp_path: Path, amplitude: float | None):
+def test_a_wiggle_that_does_nothing_makes_no_design_of_a_fit(imported, amplitude: float | None):
     """As when “plus a wiggle” is switched on and no tone of it is set."""
-    _, made = imported(tmp_path, "tum")
+    _, made = imported("tum")
     tones = () if amplitude is None else (Tone(axis="z", amplitude=amplitude, frequency=2.0),)
     assert not isinstance(made.path, signals.Sum)
     wiggled = replace(made, path=signals.Sum(base=made.path, wiggle=Multisine(tones=tones)))

@@ -1,5 +1,6 @@
 """Repair: what comes out is certified, flyable and small; what cannot be done is refused with the reason."""
 
+import functools
 import math
 
 import msgspec
@@ -57,6 +58,12 @@ def flown(path: Signal, **fields: object) -> Preset:
     return replace(SOFT, path=path, **fields)
 
 
+@functools.cache
+def repaired_planar(name: str) -> repair.Repair:
+    """The repair of one of the planar paths."""
+    return repair.repair(flown(PLANAR[name]))
+
+
 def held(repaired: repair.Repair, limits: Preset) -> None:
     """The new preset meets every requirement, certified from its own bytes, and the vehicle of `limits` can fly it."""
     again = certificate.certify(preset.dumps(repaired.after).encode(), source="after")
@@ -73,8 +80,7 @@ def held(repaired: repair.Repair, limits: Preset) -> None:
 
 @pytest.mark.parametrize("name", PLANAR)
 def test_a_planar_figure_eight_of_any_family_is_repaired_by_a_tone(name: str):
-    p = flown(PLANAR[name])
-    repaired = repair.repair(p)
+    p, repaired = flown(PLANAR[name]), repaired_planar(name)
     held(repaired, p)
     added = repaired.after.path.wiggle if isinstance(repaired.after.path, Sum) else repaired.after.path
     assert isinstance(added, Multisine)
@@ -95,8 +101,7 @@ def test_the_circle_is_repaired_within_a_small_vehicles_limits():
 
 
 def test_a_repair_is_not_larger_than_it_must_be():
-    p = flown(EIGHT)
-    repaired = repair.repair(p)
+    p, repaired = flown(EIGHT), repaired_planar("multisine")
     tones = repaired.after.path.tones  # pyright: ignore
     smaller = tuple(replace(tone, amplitude=0.85 * tone.amplitude) if tone.axis == "z" else tone for tone in tones)
     assert not certificate.certify(
@@ -280,7 +285,7 @@ def test_what_cannot_be_improved_is_refused():
 
 
 def test_a_report_says_before_and_after():
-    report = repair.report(repair.repair(flown(EIGHT)), name="eight")
+    report = repair.report(repaired_planar("multisine"), name="eight")
     assert report["before"]["position_sigma"] is None
     assert report["before"]["reason"] == "position_sigma: null, blind"
     assert report["after"]["certified"]
