@@ -18,11 +18,16 @@ def twice_integrated(flight: Flight) -> CubicHermiteSpline:
     h = np.diff(flight.time)[:, None]
     turns = so3.exp(h * (flight.gyro[1:] + flight.gyro[:-1]) / 2)
     rotation = motion.cumulative_product(np.concatenate([np.eye(3)[None], turns]))
-    force = motion.to_inertial(rotation, flight.accel)
-    velocity = np.concatenate([np.zeros((1, 3)), np.cumsum(h * (force[1:] + force[:-1]) / 2, axis=0)])
-    steps = h * velocity[:-1] + h**2 * (2 * force[:-1] + force[1:]) / 6
-    position = np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
-    return CubicHermiteSpline(flight.time, position, velocity)
+    return twice(flight.time, motion.to_inertial(rotation, flight.accel))
+
+
+def twice(time: Float[Array, "n"], values: Float[Array, "n k"]) -> CubicHermiteSpline:
+    """The second integral of values that are linear between the stamps; it begins with zero, and so does its rate."""
+    h = np.diff(time)[:, None]
+    none = np.zeros((1, values.shape[1]))
+    velocity = np.concatenate([none, np.cumsum(h * (values[1:] + values[:-1]) / 2, axis=0)])
+    steps = h * velocity[:-1] + h**2 * (2 * values[:-1] + values[1:]) / 6
+    return CubicHermiteSpline(time, np.concatenate([none, np.cumsum(steps, axis=0)]), velocity)
 
 
 def displacement(

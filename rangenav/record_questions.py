@@ -19,6 +19,7 @@ ROUNDS = 4
 """Most times that a file is read again: broken lines, columns, units, and one more."""
 ORIGIN: Vec3 = (0.0, 0.0, 0.0)
 """m; stands for an anchor that is not known, where none is used."""
+Part = Callable[[Flight], Flight]
 Reader = Callable[[Mapping[str, str]], ImportResult]
 
 
@@ -30,17 +31,31 @@ class Asked:
     """With every question that is open."""
     preview: Flight | None
     """The flight as the suggested answers would give it; None if there is none."""
+    whole: Flight | None
+    """The same before a part of it is cut out: its start at rest tells gravity, field and noise of every part."""
     certain: bool
     """Whether every question of the reader has a suggested answer. If not, the first option was taken for the preview,
     whose checks mean nothing."""
 
 
-def read(reader: Reader, confirm: Mapping[str, str], *, anchor: Vec3 | None = None) -> Asked:
+def read(reader: Reader, confirm: Mapping[str, str], *, anchor: Vec3 | None = None, part: Part | None = None) -> Asked:
     """Read and check a file with the answers `confirm`. Raises ValueError for what cannot be read at all.
 
     reader: reads the file with answers by the keys of their questions. anchor: see `record_checks.checked`.
+    part: cuts the part out that is used; the whole is used if it is None.
     """
-    imported = preview = record_checks.checked(reader(confirm), confirm, anchor=anchor)
+
+    def checked(answers: Mapping[str, str]) -> tuple[ImportResult, Flight | None]:
+        read = reader(answers)
+        if read.flight is None:
+            return read, None
+        used = read if part is None else replace(read, flight=part(read.flight))
+        result = record_checks.checked(used, answers, anchor=anchor)
+        suggested = {question.key: question.suggestion for question in result.questions if question.suggestion}
+        return result, record_checks.corrected(read.flight, {**suggested, **answers})
+
+    imported, whole = checked(confirm)
+    preview = imported
     questions = {question.key: question for question in imported.questions}
     answers, certain = dict(confirm), True
     for _ in range(ROUNDS):
@@ -49,13 +64,13 @@ def read(reader: Reader, confirm: Mapping[str, str], *, anchor: Vec3 | None = No
         certain = certain and all(question.suggestion for question in preview.questions)
         answers |= {question.key: question.suggestion or question.options[0] for question in preview.questions}
         try:
-            preview = record_checks.checked(reader(answers), answers, anchor=anchor)
+            preview, whole = checked(answers)
         except ValueError:  # it will be said once these answers are confirmed
             break
         if certain:
             questions |= {question.key: question for question in preview.questions if question.key not in questions}
     every = replace(imported, questions=tuple(questions.values()))
-    return Asked(imported=every, preview=preview.flight, certain=certain)
+    return Asked(imported=every, preview=preview.flight, whole=whole, certain=certain)
 
 
 def of_world(
@@ -67,9 +82,9 @@ def of_world(
     whether ranges to an anchor that was given are made for it.
     """
     flight = asked.preview
-    if flight is None or not (len(flight.range) or synthetic):
+    if flight is None or asked.whole is None or not (len(flight.range) or synthetic):
         return ()
-    _, world, _ = rest.world_of(flight, anchor=flight.anchor or ORIGIN, vectors=vectors, confirmed=still)
+    _, world, _ = rest.world_of(asked.whole, anchor=flight.anchor or ORIGIN, vectors=vectors, confirmed=still)
     anchor = () if synthetic or flight.anchor is not None else (_ANCHOR,)
     return (*(world if asked.certain else ()), *anchor)
 

@@ -98,17 +98,18 @@ def log(
     format_name = from_ or _format(file)
     if list_columns:
         return _list_columns(file, format_name, answers.confirm(), json=json)
-    asked = log_inputs.checked(file, format_name, answers, vectors, anchor, measured=synthetic_ranges is None)
+    limits, measured = (begin, end), synthetic_ranges is None
+    asked = log_inputs.checked(file, format_name, answers, vectors, anchor, limits, measured=measured)
     imported, still, synthetic = asked.imported, world == "still", synthetic_ranges is not None
     of_world = record_questions.of_world(asked, vectors=vectors, still=still, synthetic=synthetic)
     flight = formats.settled(imported, also=of_world).flight
     assert flight is not None
+    assert asked.whole is not None
     if synthetic_ranges is not None:
         flight, range_sigma = log_inputs.with_ranges(flight, anchor, synthetic_ranges, seed), synthetic_ranges
     stands = flight.anchor or ORIGIN
-    world_model, _, world_source = rest.world_of(flight, anchor=stands, vectors=vectors, confirmed=still)
-    noise = log_inputs.noise(rest.noise_at_rest(flight), gyro_noise, accel_noise, gyro_bias)
-    flight = log_inputs.part(flight, begin, end, source=imported.source)
+    world_model, _, world_source = rest.world_of(asked.whole, anchor=stands, vectors=vectors, confirmed=still)
+    noise = log_inputs.noise(rest.noise_at_rest(asked.whole), gyro_noise, accel_noise, gyro_bias)
     source = ranges_source(flight, stands, synthetic=synthetic_ranges, anchor_given=anchor is not None)
     judged_by = {"range_sigma": range_sigma, "requirement": position_sigma, "noise": noise}
     with working(f"judging {imported.source}"):

@@ -42,8 +42,10 @@ class Answers:
     """Chooses columns where several would do: accel=linear_acceleration."""
     truth: Literal["yes", "no"] | None = None
     """Whether poses whose names do not say so are the truth."""
-    attitude: Literal["inverse", "ignore", "keep"] | None = None
-    """Take the inverse of the file's attitude, no attitude, or the attitude as it is."""
+    gaps: Literal["longest", "bridge"] | None = None
+    """Use the longest part without a gap of the IMU, or the record with its gaps."""
+    attitude: Literal["inverse", "xyzw", "wxyz", "ignore", "keep"] | None = None
+    """Take the inverse of the file's attitude, its quaternion in another order, no attitude, or it as it is."""
     poses: Literal["drop", "keep"] | None = None
     """Whether positions of 0 0 0 far from their neighbours are used."""
     body_axes: Axes = None
@@ -56,14 +58,22 @@ class Answers:
     """Axes of the magnetometer, likewise."""
     accel_scale: float | None = None
     """Factor of the accelerometer; 1 takes it as it is."""
+    gyro_offset: Vector = None
+    """Constant that is subtracted from the gyro (rad/s); 0 0 0 takes it as it is."""
+    accel_offset: Vector = None
+    """Constant that is subtracted from the accelerometer (m/s²), likewise."""
     mag_offset: Vector = None
     """Constant that is subtracted from the magnetometer, in its own unit; 0 0 0 takes it as it is."""
     range_values: Literal["drop", "keep"] | None = None
     """Whether ranges that are no distances (zeros, sentinels) are used."""
+    range_outliers: Literal["drop", "keep"] | None = None
+    """Whether single ranges that are far off are used."""
     held_ranges: Literal["once", "each"] | None = None
     """How often a range counts that stands on several rows."""
     range_delay: float | None = None
     """By how many seconds the stamps of the ranges are late; 0 takes them as they are."""
+    range_offset: float | None = None
+    """Constant that is subtracted from the ranges (m); 0 takes them as they are."""
 
     def confirm(self) -> dict[str, str]:
         """The answers that were given, by the keys of their questions."""

@@ -16,6 +16,8 @@ from rangenav.number_format import vector
 
 RANGE_SIGMA = (1e-3, 1e2)
 """m: limits of the noise of ranges, recorded or synthetic."""
+Limits = tuple[float | None, float | None]
+"""Begin and end (s) of what is used; None: there is no limit."""
 MOST_NOISE = 100.0
 """rad/s or m/s², per sample."""
 ROUNDED = 1e-5
@@ -30,19 +32,23 @@ def checked(
     answers: Answers,
     vectors: tuple[Vec3, Vec3] | None,
     anchor: Vec3 | None,
+    limits: Limits,
     *,
     measured: bool,
 ) -> record_questions.Asked:
     """The file, with gravity and field (`vectors`) and anchor as a person states them, and the checks of its record.
 
-    measured: whether the ranges in the file are used. Raises ValueError for a file that holds no flight.
+    limits: begin and end (s) of the part that is used; only this part is checked. measured: whether the ranges in the
+    file are used. Raises ValueError for a file that holds no flight.
     """
 
     def read(confirm: Mapping[str, str]) -> formats.ImportResult:
         return as_given(formats.read(file, format_name, confirm=confirm), vectors, measured=measured)
 
     with working(f"checking {file.name}"):
-        return record_questions.read(read, answers.confirm(), anchor=anchor)
+        return record_questions.read(
+            read, answers.confirm(), anchor=anchor, part=lambda flight: part(flight, *limits, source=file.name)
+        )
 
 
 def part(flight: Flight, begin: float | None, end: float | None, *, source: str) -> Flight:
@@ -98,8 +104,9 @@ def as_given(
 
 def with_ranges(flight: Flight, anchor: Vec3 | None, sigma: float, seed: int) -> Flight:
     """The flight with synthetic ranges of its true positions to the anchor; sigma, their noise (m)."""
+    anchor = anchor or flight.anchor
     if anchor is None:
-        raise ValueError("--synthetic-ranges needs --anchor X Y Z")
+        raise ValueError("--synthetic-ranges needs --anchor X Y Z: the file does not say where the anchor stands")
     require_within("--synthetic-ranges", sigma, *RANGE_SIGMA, "m")
     require(seed >= 0, f"--seed must not be negative, got {seed}")
     return recorded_flight.with_ranges(flight, anchor, sigma=sigma, seed=seed)

@@ -177,7 +177,7 @@ def _units(
 
 def _doubtful(kind: str, stated: str | None, guess: units.Guess) -> bool:
     """Whether the data contradict a usual unit: the step of the stamps, the size of gravity, the turn of the field."""
-    return kind in ("time", "accel", "gyro") and guess.unit is not None and guess.unit != stated
+    return kind in ("time", "accel", "gyro") and guess.unit not in (None, stated) and stated not in guess.possible
 
 
 def _unit_question(kind: str, stated: str | None, guess: units.Guess) -> Question:

@@ -16,6 +16,8 @@ from rangenav.formats.text import Table
 from rangenav.inputs import require
 from rangenav.results import result
 
+MOSTLY = 0.9
+"""The share of steps back of rows that run backwards; of rows out of order it is about one half."""
 ROUNDED = 0.2
 """Largest share of repeated stamps. With more of them, dropping lines would not repair the record."""
 
@@ -60,8 +62,7 @@ def used_rows(
     for rows in (~(missing | own | twice), own & ranged):
         again[rows] = repeated(time[rows])
     share = float(again.mean())
-    rule = f"{table.source}: {share:.0%} of the stamps repeat or go back: rounded, as spreadsheets do, or no clock"
-    require(share <= ROUNDED, rule)
+    require(share <= ROUNDED, f"{table.source}: {share:.0%} of the stamps {_disorder(time[~(missing | own | twice)])}")
     faults = []
     if missing.any():
         faults.append(f"numbers are missing on {lines(table.lines[missing])}")
@@ -90,3 +91,14 @@ def with_own_rows(time: Float[Array, "n"], values: Array, rows: FlightRows) -> A
 
 def _known(values: Array) -> Bool[Array, "n"]:
     return np.asarray(np.isfinite(values).reshape(len(values), -1).all(axis=-1))
+
+
+def _disorder(time: Array) -> str:
+    """What is wrong with stamps most of which repeat or go back, as the end of a sentence."""
+    steps = np.diff(time)
+    back = float(np.mean(steps < 0))
+    if back > MOSTLY:
+        return "go back: the rows run backwards in time; sort them by their stamps"
+    if back > MOSTLY / 4:
+        return "repeat or go back: the rows are out of order; sort them by their stamps"
+    return "repeat or go back: rounded, as spreadsheets do, or no clock"

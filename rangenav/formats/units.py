@@ -47,6 +47,9 @@ STEADY, REMOVED = 25, 0.2
 LAG = 0.05
 """s between the two magnetic vectors that are compared."""
 PAIRS = 4000
+USUAL_STEPS = {"s": (1e-4, 0.5), "ms": (0.5, 500.0), "us": (500.0, 5e5), "ns": (5e5, 1e9)}
+SLOWEST = 2.0
+"""The least and the largest usual step of an IMU's stamps in each unit, and the largest in s if the file states it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +60,8 @@ class Guess:
     evidence: str
     denied: bool = False
     """Whether the numbers contradict every unit, so that none is suggested, nor the one that the file states."""
+    possible: tuple[str, ...] = ()
+    """Units that the numbers do not suggest, and do not contradict if the file states them."""
 
 
 def split(name: str) -> tuple[str, str | None]:
@@ -130,9 +135,12 @@ def _mag(size: float) -> Guess:
 
 def _time(time: Array) -> Guess:
     step = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    for unit, (low, high) in {"s": (1e-4, 0.5), "ms": (0.5, 500.0), "us": (500.0, 5e5), "ns": (5e5, 1e9)}.items():
+    for unit, (low, high) in USUAL_STEPS.items():
         if low <= step < high:
-            return Guess(unit=unit, evidence=f"their usual step is {step:.3g}, a usual rate in {unit}")
+            rate = 1 / (step * UNITS["time"][unit])
+            slow = ("s",) if unit == "ms" and step <= SLOWEST else ()
+            evidence = f"their usual step is {step:.3g}, in {unit} a rate of {rate:.3g} Hz"
+            return Guess(unit=unit, evidence=evidence, possible=slow)
     return Guess(unit=None, evidence=f"their usual step is {step:.3g}")
 
 

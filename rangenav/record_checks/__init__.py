@@ -44,16 +44,20 @@ class Checked:
 
 def check(flight: Flight, confirm: Mapping[str, str]) -> Checked:
     """Check a record. `confirm` holds answers by the keys of the questions. Raises ValueError for what is no answer."""
-    flight, findings = _corrected(flight, confirm)
+    flight, findings = _answered(flight, confirm)
     questions: dict[str, Question] = {}
     applied: list[Question] = []
     doubts: list[str] = []
     uncertain: set[str] = set()
     for row in CHECKS:
-        if row.key in questions or uncertain.intersection((row.about, *row.uses)):
+        if row.key in questions or uncertain.intersection(("time", row.about, *row.uses)):
             continue
         evidence = row.find(flight)
         if evidence is None:
+            continue
+        if not row.key:
+            doubts.append(evidence.text)
+            uncertain.add(row.about)
             continue
         answered = confirm.get(row.key)
         if row.default:
@@ -83,15 +87,20 @@ DEFAULTS = {"drop": "not used", "once": "counted once"}
 """What is said of an answer that is applied without a question."""
 
 
-def _corrected(flight: Flight, confirm: Mapping[str, str]) -> tuple[Flight, list[str]]:
+def corrected(flight: Flight, confirm: Mapping[str, str]) -> Flight:
+    """The whole record with the answers applied: gravity, field and noise at its start are those of its sensors."""
+    return _answered(flight, {key: answer for key, answer in confirm.items() if key != "gaps"})[0]
+
+
+def _answered(flight: Flight, confirm: Mapping[str, str]) -> tuple[Flight, list[str]]:
     findings = []
-    for row in {row.key: row for row in CHECKS}.values():
+    for row in {row.key: row for row in CHECKS if row.key}.values():
         answered = confirm.get(row.key)
         if answered is None or row.at_reading:
             continue
         before, flight = flight, row.correct(flight, answered)
         if row.key != "anchor" or before.anchor != flight.anchor:  # it may come from a person who was not asked
-            findings.append(f"{row.name} {answered}, as confirmed")
+            findings.append(f"{row.confirmed(answered)}, as confirmed")
     return flight, findings
 
 
@@ -127,11 +136,11 @@ def restriction(flight: Flight) -> str | None:
     """The evidence against a record as it stands, as one clause; None if nothing speaks against it."""
     doubts, uncertain = [], set()
     for row in CHECKS:
-        evidence = None if uncertain.intersection((row.about, *row.uses)) else row.find(flight)
+        evidence = None if uncertain.intersection(("time", row.about, *row.uses)) else row.find(flight)
         if evidence is not None:
             doubts.append(evidence.text)
             uncertain.add(row.about)
     return "; ".join(doubts[:NAMED]) or None
 
 
-__all__ = ["CHECKS", "Check", "Checked", "Evidence", "check", "checked", "markdown", "restriction"]
+__all__ = ["CHECKS", "Check", "Checked", "Evidence", "check", "checked", "corrected", "markdown", "restriction"]

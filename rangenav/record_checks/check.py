@@ -1,15 +1,15 @@
 """One check of a recorded flight: a pure function of the record, its question, and the flag that answers it."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Literal
 
 from rangenav.formats import units
 from rangenav.formats.import_result import Question
 from rangenav.formats.recorded_flight import Flight
 
-Quantity = Literal["gyro", "accel", "mag", "attitude", "position", "range"]
-"""What a check is about, and what it relies on."""
+Quantity = Literal["time", "gyro", "accel", "mag", "attitude", "position", "range"]
+"""What a check is about, and what it relies on. Every check relies on the time."""
 NEAR = 0.2
 """Relative: a factor this near to that of a unit suggests the unit."""
 
@@ -26,6 +26,10 @@ Find = Callable[[Flight], Evidence | None]
 """The evidence against a record; None if there is none, or the record cannot tell."""
 
 
+def _as_it_is(flight: Flight, _: str) -> Flight:
+    return flight
+
+
 @dataclass(frozen=True, kw_only=True)
 class Check:
     """One row of the table of checks."""
@@ -39,20 +43,28 @@ class Check:
     uses: tuple[Quantity, ...] = ()
     """What else must be free of doubt for the check to mean anything."""
     find: Find
-    key: str
-    """Of the question, in `confirm`."""
-    flag: str
-    asks: str
-    options: tuple[str, ...]
+    key: str = ""
+    """Of the question, in `confirm`; empty where no answer helps, and the record is not judged."""
+    flag: str = ""
+    asks: str = ""
+    options: tuple[str, ...] = ()
     """Answers that are always possible. The last one takes the record as it is."""
-    correct: Callable[[Flight, str], Flight]
+    correct: Callable[[Flight, str], Flight] = _as_it_is
     """The record with an answer applied. Raises ValueError for a text that is no answer."""
+    unit: str = ""
+    """Of an answer that is a number, or several."""
+    said: Mapping[str, str] = field(default_factory=dict)
+    """What is said of answers that the name does not explain."""
     at_reading: bool = False
     """Whether the reader of the file applies the answer, as it does for units."""
     confirmable: bool = False
     """Whether a record that is taken as it is may be judged: a person knows more than the file."""
     default: str = ""
     """The answer that is applied and said without a question; empty where there is a question."""
+
+    def confirmed(self, answer: str) -> str:
+        """An answer as a clause."""
+        return self.said.get(answer, f"{self.name} {answer}{f' {self.unit}' if self.unit else ''}")
 
     def question(self, evidence: Evidence) -> Question:
         """The question with its evidence; the suggestion is one of the options."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from rangenav.formats.recorded_flight import Flight, with_some_ranges
 from rangenav.inputs import Vec3, require
-from rangenav.record_checks import axes, poses, ranges
+from rangenav.record_checks import axes, clock, order, outliers, poses, ranges
 from rangenav.record_checks.check import unit_factor
 
 Correction = Callable[[Flight, str], Flight]
@@ -48,6 +48,21 @@ def accel_scale(flight: Flight, answer: str) -> Flight:
     return replace(flight, accel=factor * flight.accel)
 
 
+def gaps(flight: Flight, answer: str) -> Flight:
+    """The longest part of the record without a gap, or the record with its gaps."""
+    return clock.without_gaps(flight) if answer == "longest" else flight
+
+
+def gyro_offset(flight: Flight, answer: str) -> Flight:
+    """The record without a constant (rad/s) of the gyro."""
+    return replace(flight, gyro=flight.gyro - np.array(numbers(answer, 3, "the offset of the gyro")))
+
+
+def accel_offset(flight: Flight, answer: str) -> Flight:
+    """The record without a constant (m/s²) of the accelerometer."""
+    return replace(flight, accel=flight.accel - np.array(numbers(answer, 3, "the offset of the accelerometer")))
+
+
 def mag_offset(flight: Flight, answer: str) -> Flight:
     """The record without a constant (in the unit of the file) of the magnetometer."""
     offset = np.array(numbers(answer, 3, "the offset of the magnetometer"))
@@ -60,9 +75,11 @@ def mag_offset(flight: Flight, answer: str) -> Flight:
 
 
 def attitude(flight: Flight, answer: str) -> Flight:
-    """The record with the inverse attitude of the file, or without any."""
-    if flight.rotation is None or answer not in ("inverse", "ignore"):
+    """The record with the inverse attitude of the file, with its quaternion in another order, or without any."""
+    if flight.rotation is None or answer == "keep":
         return flight
+    if answer in order.ORDERS:
+        return replace(flight, rotation=order.reordered(flight.rotation, answer))
     return replace(flight, rotation=np.swapaxes(flight.rotation, -1, -2) if answer == "inverse" else None)
 
 
@@ -90,6 +107,17 @@ def lost_poses(flight: Flight, answer: str) -> Flight:
 def range_values(flight: Flight, answer: str) -> Flight:
     """The record without ranges that are no distances."""
     return with_some_ranges(flight, ~ranges.no_distances(flight)) if answer == "drop" else flight
+
+
+def range_outliers(flight: Flight, answer: str) -> Flight:
+    """The record without single ranges that are far off."""
+    return with_some_ranges(flight, ~outliers.is_outlier(flight)) if answer == "drop" else flight
+
+
+def range_offset(flight: Flight, answer: str) -> Flight:
+    """The record without a constant (m) of its ranges."""
+    (constant,) = numbers(answer, 1, "the offset of the ranges")
+    return replace(flight, range=flight.range - constant)
 
 
 def held_ranges(flight: Flight, answer: str) -> Flight:

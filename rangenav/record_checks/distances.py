@@ -6,6 +6,8 @@ Both are linear but for the delay, which is found on a grid. What is left is the
 anchor are right.
 """
 
+import math
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -179,23 +181,10 @@ def anchor(flight: Flight) -> Evidence | None:
 
     Directions in which the positions do not determine the anchor do not count.
     """
-    known = known_positions(flight)
-    if known is None or flight.anchor is None or len(flight.range) < LEAST:
+    fit = best_anchor(flight)
+    if fit is None or flight.anchor is None:
         return None
-    stamps, distance = _inside(flight, known[0])
-    if len(stamps) < LEAST:
-        return None
-    position = np.stack([np.interp(stamps, known[0], axis) for axis in known[1].T], axis=-1)
-    asked = np.asarray(flight.anchor, dtype=float)
-    residual = distance - np.linalg.norm(position - asked, axis=-1)
-    starts = (asked, _to_anchor(position, distance)[0])
-    fits = [
-        fit for start in starts if np.all(np.abs(start) < FARTHEST) and (fit := _nearest(position, distance, start))
-    ]
-    if not fits:
-        return None
-    fit = min(fits, key=lambda one: one.left)
-    off = float(np.sqrt(np.mean(residual**2)))
+    asked, off = np.asarray(flight.anchor, dtype=float), fit.asked
     if off < fit.left or not np.all(np.abs(fit.place) < FARTHEST):
         return None
     along = fit.directions.T @ (asked - fit.place)
@@ -207,6 +196,31 @@ def anchor(flight: Flight) -> Evidence | None:
         f"within {significant(fit.left)} m for one at {vector(fit.place)}"
     )
     return Evidence(text=text, suggestion=" ".join(f"{round(value, 3) + 0.0:.3f}" for value in fit.place))
+
+
+@lru_cache(maxsize=KEPT)
+def best_anchor(flight: Flight) -> "AnchorFit | None":
+    """The anchor that fits the ranges to the true positions best; None without them."""
+    known = known_positions(flight)
+    if known is None or len(flight.range) < LEAST:
+        return None
+    stamps, distance = _inside(flight, known[0])
+    if len(stamps) < LEAST:
+        return None
+    position = np.stack([np.interp(stamps, known[0], axis) for axis in known[1].T], axis=-1)
+    starts = [_to_anchor(position, distance)[0]]
+    if flight.anchor is not None:
+        starts.append(np.asarray(flight.anchor, dtype=float))
+    fits = [
+        fit for start in starts if np.all(np.abs(start) < FARTHEST) and (fit := _nearest(position, distance, start))
+    ]
+    if not fits:
+        return None
+    fit = min(fits, key=lambda one: one.left)
+    if flight.anchor is None:
+        return fit
+    residual = distance - np.linalg.norm(position - np.asarray(flight.anchor, dtype=float), axis=-1)
+    return replace(fit, asked=float(np.sqrt(np.mean(residual**2))))
 
 
 @result
@@ -221,6 +235,8 @@ class AnchorFit:
     """In columns."""
     sigma: Float[Array, "3"]
     """m, along each direction; residuals that resemble their neighbours count as fewer."""
+    asked: float = math.nan
+    """m rms of the ranges for the anchor in question; NaN if there is none."""
 
 
 def _nearest(position: Float[Array, "m 3"], distance: Float[Array, "m"], start: Float[Array, "3"]) -> AnchorFit | None:

@@ -3,6 +3,8 @@
 |d(s) − d(t)| ≤ |p(s) − p(t)|       whatever the anchor
 """
 
+import math
+
 import numpy as np
 from numpy import ndarray as Array
 
@@ -11,6 +13,7 @@ from rangenav.imu_motion import twice_integrated
 from rangenav.number_format import significant
 from rangenav.record_checks.check import Evidence, unit_factor, unit_for
 from rangenav.record_checks.distances import LEAST, delay_by_imu, known_positions
+from rangenav.record_checks.force import GRAVITY
 
 FAST, FASTER = 100.0, 20.0
 """m/s of change of a range over half a second, and times the change of velocity by the IMU, that nothing reaches."""
@@ -20,6 +23,10 @@ NEAREST, FARTHEST, USUAL = 0.3, 100.0, 20.0
 """m, between which the median of ranges lies in their own unit, and m/s that they change by at most."""
 WIDER, MARGIN = 5.0, 5.0
 """Times the extent of the true positions, and m, that the ranges' extent exceeds if their unit is finer."""
+BENT, FEWEST, SURE = 2.0, 8, 5.0
+"""s over which the second derivative of ranges is taken, the fewest ranges for it, and its standard deviations."""
+BENDS = 1.2
+"""Times the largest acceleration of the body: beyond it no distance is bent towards the anchor."""
 TWICE = 2.0
 """Factor between ranges and true distances that no bias explains."""
 
@@ -31,7 +38,7 @@ def unit(flight: Flight) -> Evidence | None:
     known = known_positions(flight)
     if known is not None:
         return _unit_by_truth(flight, *known)
-    return _unit_by_speed(flight) or _unit_by_scatter(flight)
+    return _unit_by_speed(flight) or _unit_by_bend(flight) or _unit_by_scatter(flight)
 
 
 def _unit_by_truth(flight: Flight, time: Array, position: Array) -> Evidence | None:
@@ -71,6 +78,35 @@ def _unit_by_speed(flight: Flight) -> Evidence | None:
     )
     delay = delay_by_imu(flight)
     return Evidence(text=text, suggestion=_finer(flight, 0.0 if delay is None else delay.now, speed))
+
+
+def _unit_by_bend(flight: Flight) -> Evidence | None:
+    """Ranges that are accelerated towards the anchor more than the body is: d̈ ≥ −|p̈|, whatever the motion."""
+    bends = [_bend(flight, begin) for begin in np.arange(flight.time[0], flight.time[-1] - BENT, BENT / 2)]
+    surely = [value + SURE * sigma for value, sigma in bends if np.isfinite(sigma)]
+    limit = BENDS * (float(np.quantile(np.linalg.norm(flight.accel, axis=-1), 0.99)) + GRAVITY)
+    if not surely or -min(surely) < limit:
+        return None
+    delay = delay_by_imu(flight)
+    text = (
+        f"the ranges are accelerated towards the anchor by at least {significant(-min(surely))} m/s², and the body by "
+        f"at most {significant(limit / BENDS)} m/s² according to the accelerometer"
+    )
+    return Evidence(text=text, suggestion=_finer(flight, 0.0 if delay is None else delay.now))
+
+
+def _bend(flight: Flight, begin: float) -> tuple[float, float]:
+    """The second derivative of the ranges over BENT seconds (m/s²) and its σ; no number with too few of them."""
+    first, last = np.searchsorted(flight.range_time, [begin, begin + BENT])
+    if last - first < FEWEST:
+        return math.nan, math.nan
+    tau, distance = flight.range_time[first:last] - begin - BENT / 2, flight.range[first:last]
+    design = np.column_stack([tau**0, tau, tau**2 / 2])
+    if np.ptp(tau) < BENT / 2:
+        return math.nan, math.nan
+    solution, *_ = np.linalg.lstsq(design, distance, rcond=None)
+    variance = float(np.sum((distance - design @ solution) ** 2)) / (last - first - 3)
+    return float(solution[2]), math.sqrt(variance * float(np.linalg.inv(design.T @ design)[2, 2]))
 
 
 def _unit_by_scatter(flight: Flight) -> Evidence | None:

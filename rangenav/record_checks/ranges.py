@@ -36,12 +36,14 @@ def no_distances(flight: Flight) -> Bool[Array, "m"]:
     bad = np.asarray(distance <= 0)
     if len(distance) > 2 * NEIGHBOURS and bad.any():
         _, place, count = np.unique(distance, return_inverse=True, return_counts=True)
-        bad &= (count[place.reshape(-1)] > 1) | (_away(distance) > NOISE)  # else the noise of a pass of the anchor
+        bad &= (count[place.reshape(-1)] > 1) | (
+            from_neighbours(distance) > NOISE
+        )  # else the noise of a pass of the anchor
     if (~bad).sum() < LEAST:
         return bad
     for _ in range(2):  # the second time without what the first found, which may outnumber the neighbours
         good = np.flatnonzero(~bad)
-        away = _away(distance[good])
+        away = from_neighbours(distance[good])
         limit = max(BEYOND, SPREADS * float(np.median(away)))
         _, place, count = np.unique(distance[good], return_inverse=True, return_counts=True)
         returning = (count[place.reshape(-1)] >= AGAIN) & (away > max(APART, SPREADS * float(np.median(away))))
@@ -51,8 +53,8 @@ def no_distances(flight: Flight) -> Bool[Array, "m"]:
     return bad
 
 
-def _away(distance: Float[Array, "m"]) -> Float[Array, "m"]:
-    """m of each range from the median of its neighbours."""
+def from_neighbours(distance: Float[Array, "m"]) -> Float[Array, "m"]:
+    """How far each range (m) is from the median of its neighbours and itself."""
     padded = np.pad(distance, NEIGHBOURS, mode="reflect" if len(distance) > NEIGHBOURS else "edge")
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1)
     return np.abs(distance - np.median(around, axis=-1))

@@ -7,22 +7,46 @@ settled.
 
 from rangenav.record_checks import (
     accel_axes,
+    biases,
+    clock,
     corrections,
     distances,
     field,
     force,
+    order,
+    outliers,
     poses,
     range_unit,
     ranges,
+    residuals,
     rows,
     truth,
     turning,
 )
 from rangenav.record_checks.check import Check
 
-ATTITUDE = ("inverse", "ignore", "keep")
+ATTITUDE = ("inverse", "xyzw", "wxyz", "ignore", "keep")
+ATTITUDE_SAID = {
+    "inverse": "the inverse of the attitude in the file",
+    "xyzw": "the quaternion in the order x y z w",
+    "wxyz": "the quaternion in the order w x y z",
+    "ignore": "the attitude in the file not used",
+    "keep": "the attitude in the file as it is",
+}
 
 CHECKS: tuple[Check, ...] = (
+    Check(
+        name="gaps of the IMU",
+        compares="each step of the stamps with the usual one",
+        about="time",
+        find=clock.gaps,
+        key="gaps",
+        flag="--gaps",
+        asks="what to do with gaps of the IMU",
+        options=("longest", "bridge"),
+        correct=corrections.gaps,
+        said={"longest": "the longest part without a gap of the IMU", "bridge": "gaps of the IMU bridged"},
+    ),
     Check(
         name="lost poses",
         compares="positions that are 0 0 0 with their neighbours",
@@ -45,7 +69,20 @@ CHECKS: tuple[Check, ...] = (
         asks="are the poses in the file the truth",
         options=("no", "yes"),
         correct=corrections.truth,
+        said={"no": "the poses in the file are not the truth", "yes": "the poses in the file are the truth"},
         confirmable=True,
+    ),
+    Check(
+        name="order of the quaternion",
+        compares="the turns of the file's attitude, and gravity and field in it, with the sensors', in every order",
+        about="attitude",
+        find=order.attitude_order,
+        key="attitude",
+        flag="--attitude",
+        asks="in which order is the quaternion in the file",
+        options=ATTITUDE,
+        correct=corrections.attitude,
+        said=ATTITUDE_SAID,
     ),
     Check(
         name="direction of the attitude",
@@ -57,6 +94,19 @@ CHECKS: tuple[Check, ...] = (
         asks="is the attitude in the file from body to inertial axes",
         options=ATTITUDE,
         correct=corrections.attitude,
+        said=ATTITUDE_SAID,
+    ),
+    Check(
+        name="attitude that contradicts the sensors",
+        compares="the axes in which the file's attitude follows the gyro with gravity and field, turned by it",
+        about="attitude",
+        find=order.attitude_in_doubt,
+        key="attitude",
+        flag="--attitude",
+        asks="is the attitude in the file the truth",
+        options=ATTITUDE,
+        correct=corrections.attitude,
+        said=ATTITUDE_SAID,
     ),
     rows.unit(
         "gyro",
@@ -106,6 +156,12 @@ CHECKS: tuple[Check, ...] = (
         about="gyro",
         uses=("accel",),
         compares="the mean specific force in axes turned by the gyro with gravity, for each unit",
+    ),
+    Check(
+        name="rate of the IMU",
+        compares="the turn of the body between two samples with what can be integrated",
+        about="time",
+        find=clock.rate,
     ),
     rows.axes(
         "accel",
@@ -157,6 +213,33 @@ CHECKS: tuple[Check, ...] = (
         asks="is the attitude in the file the truth",
         options=ATTITUDE,
         correct=corrections.attitude,
+        said=ATTITUDE_SAID,
+    ),
+    Check(
+        name="offset of the gyro",
+        compares="the turns by the gyro with those of the file's attitude: the constant that explains the difference",
+        about="gyro",
+        uses=("attitude",),
+        find=biases.gyro_offset,
+        key="gyro-offset",
+        flag="--gyro-offset",
+        asks="which constant is to be subtracted from the gyro",
+        options=("0 0 0",),
+        correct=corrections.gyro_offset,
+        unit="rad/s",
+    ),
+    Check(
+        name="offset of the accelerometer",
+        compares="the specific force, turned by the file's attitude, with gravity and the bend of the file's positions",
+        about="accel",
+        uses=("attitude", "position"),
+        find=biases.accel_offset,
+        key="accel-offset",
+        flag="--accel-offset",
+        asks="which constant is to be subtracted from the accelerometer",
+        options=("0 0 0",),
+        correct=corrections.accel_offset,
+        unit="m/s²",
     ),
     rows.axes(
         "mag",
@@ -201,6 +284,18 @@ CHECKS: tuple[Check, ...] = (
         correct=corrections.held_ranges,
         default="once",
     ),
+    Check(
+        name="outliers of the ranges",
+        compares="each range with the distance from the true position, or with its neighbours",
+        about="range",
+        find=outliers.outliers,
+        key="range-outliers",
+        flag="--range-outliers",
+        asks="what to do with single ranges that are far off",
+        options=("drop", "keep"),
+        correct=corrections.range_outliers,
+        default="drop",
+    ),
     rows.unit(
         "range",
         range_unit.unit,
@@ -219,6 +314,20 @@ CHECKS: tuple[Check, ...] = (
         asks="by how many seconds are the stamps of the ranges late",
         options=("0",),
         correct=corrections.range_delay,
+        unit="s",
+    ),
+    Check(
+        name="offset of the ranges",
+        compares="the ranges with the distances from the true positions to the anchor: a constant difference",
+        about="range",
+        uses=("position",),
+        find=residuals.offset,
+        key="range-offset",
+        flag="--range-offset",
+        asks="which constant is to be subtracted from the ranges",
+        options=("0",),
+        correct=corrections.range_offset,
+        unit="m",
     ),
     Check(
         name="anchor",
@@ -231,6 +340,14 @@ CHECKS: tuple[Check, ...] = (
         asks="where does the anchor stand",
         options=(),
         correct=corrections.anchor,
+        unit="m",
+    ),
+    Check(
+        name="fit of the ranges",
+        compares="the ranges with the true positions, after unit, clock, offset and anchor",
+        about="range",
+        uses=("position",),
+        find=residuals.disagreement,
     ),
 )
 """In the order in which they are made."""
@@ -245,5 +362,8 @@ def markdown() -> str:
         if len(row.options) == 1:
             answers = f"a value; {answers}: as it is"
         taken = f"{answers}; without a question `{row.default}`" if row.default else answers
+        if not row.key:
+            rows.append((row.name, row.compares, "–", "none: the record is not judged"))
+            continue
         rows.append((row.name, row.compares, f"`{row.flag}`", taken))
     return "".join(f"| {' | '.join(row)} |\n" for row in rows)

@@ -25,6 +25,8 @@ LEAST = 2.0
 """s of known attitudes."""
 LEVEL = 2.0
 """s, windows over which the specific force is averaged before it is compared with gravity."""
+AS_LEVEL = 1.1
+"""Axes of the body leave at most this many times as much of gravity, if it is the field that they turn right."""
 SAME, DIFFERS = 0.9, 0.1
 """The least correlation of turns that are the same, and by how much it is larger than that of other axes."""
 
@@ -63,8 +65,11 @@ def tilt(flight: Flight) -> float | None:
     return _angle(force, upwards(flight)) if np.linalg.norm(force) > 0 else None
 
 
-def turned_from_field(flight: Flight) -> float | None:
-    """Degrees between the file's field and the mean reading of the magnetometer, turned by the file's attitude."""
+def turned_from_field(flight: Flight, turn: Float[Array, "3 3"] | None = None) -> float | None:
+    """Degrees between the file's field and the mean reading of the magnetometer, turned by the file's attitude.
+
+    turn: from the axes of the magnetometer to those of the body; None if they are the same.
+    """
     attitudes, mag = known_attitudes(flight), blocks(flight).mag
     if attitudes is None or mag is None or flight.magnetic is None:
         return None
@@ -72,7 +77,8 @@ def turned_from_field(flight: Flight) -> float | None:
     known = known & np.isfinite(mag).all(axis=-1)
     if not known.any():
         return None
-    return _angle(motion.to_inertial(rotation[known], mag[known]).mean(axis=0), np.asarray(flight.magnetic))
+    readings = mag[known] if turn is None else mag[known] @ turn.T
+    return _angle(motion.to_inertial(rotation[known], readings).mean(axis=0), np.asarray(flight.magnetic))
 
 
 def frame(flight: Flight) -> Evidence | None:
@@ -142,15 +148,22 @@ def level(flight: Flight) -> Float[Array, "48"] | None:
 
 
 def body_axes(flight: Flight) -> Evidence | None:
-    """Axes in which gyro and accelerometer both agree with the file's attitude, where neither does in its own."""
+    """Axes in which gyro, and accelerometer or magnetometer, agree with the file's attitude, and not in their own."""
     fit, levels = follows(flight), level(flight)
     if fit is None or levels is None or fit.axes == axes.AS_IT_IS or fit.own > fit.correlation - DIFFERS:
         return None
     as_it_is, chosen = float(levels[0]), float(levels[axes.EVERY.index(fit.axes)])
-    if fit.correlation < SAME or chosen > as_it_is / 2:
+    if fit.correlation < SAME:
         return None
-    text = (
-        f"gyro and accelerometer agree with the file's attitude in the axes {fit.axes}: the mean specific force is "
-        f"then {significant(chosen)} m/s² from −g, and {significant(as_it_is)} m/s² in their own axes"
-    )
+    text = f"gyro and accelerometer agree with the file's attitude in the axes {fit.axes}: "
+    if chosen <= as_it_is / 2:
+        text += (
+            f"the mean specific force is then {significant(chosen)} m/s² from −g, and {significant(as_it_is)} m/s² in "
+            "their own axes"
+        )
+        return Evidence(text=text + axes.handedness(fit.axes), suggestion=fit.axes)
+    own, turned = turned_from_field(flight), turned_from_field(flight, axes.matrix(fit.axes))
+    if own is None or turned is None or own <= BESIDE or turned > BESIDE or chosen > AS_LEVEL * as_it_is:
+        return None
+    text += f"the magnetometer is then {turned:.0f}° from the field that is stated, and {own:.0f}° in its own axes"
     return Evidence(text=text + axes.handedness(fit.axes), suggestion=fit.axes)

@@ -10,10 +10,11 @@ import pytest
 
 from rangenav import formats, logs, preset, record, record_checks
 from rangenav.commands.log_answers import KEYS, Answers
+from rangenav.formats import frames
 from rangenav.formats.import_result import ImportResult
 from rangenav.formats.recorded_flight import Flight
 from rangenav.motion import to_body
-from rangenav.record_checks import axes, distances
+from rangenav.record_checks import axes, clock, distances, outliers
 from rangenav.sensors import Noise
 from tests.support.real_files import shared
 
@@ -35,6 +36,11 @@ KEEP = {
     "mag-offset": "0 0 0",
     "range-delay": "0",
     "attitude": "keep",
+    "gaps": "bridge",
+    "gyro-offset": "0 0 0",
+    "accel-offset": "0 0 0",
+    "range-offset": "0",
+    "range-outliers": "keep",
     "poses": "keep",
     "range-values": "keep",
     "held-ranges": "each",
@@ -120,6 +126,23 @@ def with_iron(flight: Flight) -> Flight:
     return replace(flight, mag=mag / length, field_length=length)
 
 
+def with_gap(flight: Flight) -> Flight:
+    """A record in which the IMU is silent for 3 s, after more than half of it."""
+    kept = (flight.time < 9.0) | (flight.time > 12.0)
+    parts = {name: getattr(flight, name)[kept] for name in ("time", "gyro", "accel", "mag", "rotation", "position")}
+    return replace(flight, **parts)
+
+
+def in_order(named: tuple[int, int, int, int]) -> Callable[[Flight], Flight]:
+    """The attitude that is read where w, x, y, z stand in another order: `named` says which of them each name holds."""
+
+    def reordered(flight: Flight) -> Flight:
+        quaternion = frames.from_rotation(flight.rotation)[:, list(named)]
+        return replace(flight, rotation=frames.to_rotation(quaternion))
+
+    return reordered
+
+
 FAULTS: dict[str, tuple[Callable[[Flight], Flight], str, str | None]] = {
     "degrees, against the attitude": (lambda f: replace(f, gyro=np.degrees(f.gyro)), "gyro", "deg/s"),
     "degrees, against the field": (lambda f: without_truth(replace(f, gyro=np.degrees(f.gyro))), "gyro", "deg/s"),
@@ -150,6 +173,13 @@ FAULTS: dict[str, tuple[Callable[[Flight], Flight], str, str | None]] = {
     "a frame against its gravity": (lambda f: replace(without_truth(f), frame="z-down" if f.frame == "z-up" else "z-up",
         gravity=(0.0, 0.0, -9.81 if f.frame == "z-up" else 9.81)), "frame", "z-up"),
     "an anchor 1 m away": (anchor_moved(1.0), "anchor", None),
+    "ranges 0.8 m long": (lambda f: replace(f, range=f.range + 0.8), "range-offset", None),
+    "x y z w under the names w x y z": (in_order((1, 2, 3, 0)), "attitude", "xyzw"),
+    "w x y z under the names x y z w": (in_order((3, 0, 1, 2)), "attitude", "wxyz"),
+    "a gap of the IMU": (with_gap, "gaps", "longest"),
+    "biased gyro": (lambda f: replace(f, gyro=f.gyro + np.array([0.0, 0.1, 0.2])), "gyro-offset", "0 0.1 0.2"),
+    "biased accelerometer": (lambda f: replace(f, accel=f.accel + np.array([0.5, 0, 1])), "accel-offset", "0.5 0 1"),
+    "ranges in cm, against the IMU": (lambda f: without_truth(replace(f, range=100 * f.range)), "range", "cm"),
     "another anchor": (lambda f: replace(f, anchor=(5.0, 5.0, 5.0)), "anchor", None),
 }  # fmt: skip
 
@@ -168,6 +198,11 @@ def test_each_fault_is_asked_with_its_evidence_and_the_answer_that_corrects_it(h
     elif suggestion is not None and key == "mag-offset":
         offset = [float(part) for part in (question.suggestion or "").split()]
         assert offset == pytest.approx([120.0, -160.0, 250.0], rel=0.02)
+    elif key in ("gyro-offset", "accel-offset"):
+        constant = [float(part) for part in (question.suggestion or "").split()]
+        assert constant == pytest.approx([float(part) for part in (suggestion or "").split()], abs=0.03)
+    elif key == "range-offset":
+        assert float(question.suggestion or "nan") == pytest.approx(0.8, abs=0.02)
     elif key == "anchor":
         place = [float(part) for part in (question.suggestion or "").split()]
         assert place == pytest.approx(hand_held.anchor, abs=0.1)
@@ -255,6 +290,78 @@ def test_ranges_that_are_all_the_same_are_none(hand_held: Flight, value: float):
     assert (seen.verdict, seen.rank) == ("too few ranges", 0)
 
 
+@pytest.mark.parametrize("every", [10, 97])
+@pytest.mark.parametrize("truth", [True, False])
+def test_single_ranges_that_are_far_off_are_not_used_and_named_by_count_size_and_line(
+    hand_held: Flight, every: int, truth: bool
+):
+    """By the truth, or by neighbours; either knows nothing of the σ of the ranges."""
+    distance = hand_held.range.copy()
+    distance[7::every] += 3.0
+    spoilt = replace(hand_held, range=distance, range_lines=np.arange(len(distance)) + 2)
+    after = record_checks.check(spoilt if truth else without_truth(spoilt), {})
+    bad = distance != hand_held.range
+    assert (after.questions, after.doubts) == ((), ())
+    np.testing.assert_array_equal(after.flight.range, distance[~bad])
+    (said,) = after.findings
+    assert said.startswith(f"{bad.sum()} of {len(distance)} ranges are ")
+    assert "on lines 9, " in said
+    assert "--range-outliers keep" in said
+    kept = record_checks.check(spoilt, {"range-outliers": "keep"})
+    assert len(kept.flight.range) == len(distance)
+    assert kept.restriction is not None
+
+
+def test_a_fast_pass_of_the_anchor_has_no_outliers():
+    """Distances of a line through the anchor turn within a sample, at any speed."""
+    time = np.arange(0.0, 10.0, 0.05)
+    for speed in (1.0, 30.0, 300.0):
+        distance = np.abs(speed * (time - 5.01)) + 0.02 * np.random.default_rng(3).standard_normal(len(time))
+        flight = Flight(
+            time=time, gyro=np.zeros((len(time), 3)), accel=np.tile([0.0, 0.0, 9.81], (len(time), 1)), mag=None,
+            range_time=time, range=distance,
+        )  # fmt: skip
+        assert outliers.outliers(flight) is None
+
+
+def test_ranges_that_fit_the_truth_nowhere_are_not_judged(hand_held: Flight):
+    """Distances to an anchor that moves about: no unit, delay, offset or place explains them."""
+    spoilt = replace(hand_held, range=hand_held.range + 0.8 * (1 + np.sin(5 * hand_held.range_time)))
+    after = record_checks.check(spoilt, {})
+    assert after.questions == ()
+    assert after.restriction is not None
+    assert "disagree with the true positions by" in after.restriction
+    assert "for any anchor" in str(record_checks.check(replace(spoilt, anchor=None), {}).restriction)
+
+
+def test_an_imu_that_is_sampled_too_rarely_for_its_turns_is_not_judged(hand_held: Flight):
+    """The rule is about the turn per step: the same record at a quarter of its turns is not doubted."""
+    names = ("time", "gyro", "accel", "mag", "rotation", "position")
+    slow = replace(hand_held, **{name: getattr(hand_held, name)[::100] for name in names})
+    assert "rate of 1 Hz is too low for this motion" in str(record_checks.check(slow, {}).restriction)
+    assert clock.rate(replace(slow, gyro=slow.gyro / 10)) is None
+
+
+def test_with_a_gap_the_part_without_it_is_used_and_nothing_else_is_asked(hand_held: Flight):
+    after = record_checks.check(with_gap(hand_held), {"gaps": "longest"})
+    assert (after.questions, after.doubts) == ((), ())
+    assert after.flight.time[-1] < 9.0
+    assert after.flight.range_time[-1] < 9.0
+    whole = record_checks.corrected(with_gap(hand_held), {"gaps": "longest"})
+    assert whole.time[-1] == hand_held.time[-1]
+    (question,) = record_checks.check(replace(with_gap(hand_held), lines=np.arange(1300) + 2), {}).questions
+    assert "no rows of the IMU for 3.02 s between line 901 at 8.99 s and line 902 at 12.01 s" in question.evidence
+
+
+def test_sensors_are_not_turned_by_an_attitude_that_is_in_doubt_itself(hand_held: Flight):
+    """An attitude in axes of its own: it follows the gyro in other axes, and turns gravity and field away."""
+    assert hand_held.rotation is not None
+    turn = axes.matrix("+z+x+y")
+    spoilt = replace(hand_held, rotation=turn @ hand_held.rotation @ axes.matrix("+x-z+y"))
+    (question,) = record_checks.check(spoilt, {}).questions
+    assert (question.key, question.suggestion) == ("attitude", "ignore")
+
+
 def test_a_range_that_is_held_over_rows_counts_once(hand_held: Flight):
     """A logger writes the last range on every row: predicted errors must not shrink with the rate of the rows."""
     rows = np.repeat(hand_held.range, 4)[: len(hand_held.time)]
@@ -315,7 +422,7 @@ def test_every_check_has_a_flag_of_the_command_line_with_all_its_answers():
     flags = {f"--{field.name.replace('_', '-')}": field for field in dataclasses.fields(Answers)}
     keys = {KEYS.get(field.name, field.name.replace("_", "-")) for field in flags.values()}
     for row in record_checks.CHECKS:
-        if row.key == "anchor":
+        if row.key in ("anchor", ""):
             continue
         assert row.flag in flags, row.flag
         assert row.key in keys, row.key
@@ -329,8 +436,9 @@ def test_every_check_has_a_flag_of_the_command_line_with_all_its_answers():
 
 def test_every_check_is_made_and_every_key_of_a_question_is_one_of_the_table():
     """A row that no fault above reaches would be a row that nobody has seen work."""
-    reached = {key for _, key, _ in FAULTS.values()} | {"poses", "range-values", "held-ranges"}
-    assert reached == {row.key for row in record_checks.CHECKS}
+    reached = {key for _, key, _ in FAULTS.values()} | {"poses", "range-values", "held-ranges", "range-outliers"}
+    assert reached == {row.key for row in record_checks.CHECKS if row.key}
+    assert {row.name for row in record_checks.CHECKS if not row.key} == {"rate of the IMU", "fit of the ranges"}
 
 
 def test_axes_are_48_signed_permutations_and_anything_else_is_refused():
