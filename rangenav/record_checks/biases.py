@@ -89,7 +89,7 @@ def accel_bias(flight: Flight) -> Bias | None:
     """The constant of the accelerometer by the file's attitude and positions; None without them."""
     if flight.rotation is None or flight.position is None:
         return None
-    known = np.isfinite(flight.rotation).all(axis=(1, 2)) & np.isfinite(flight.position).all(axis=-1)
+    known = np.asarray(np.isfinite(flight.rotation).all(axis=(1, 2)) & np.isfinite(flight.position).all(axis=-1))
     time, span = flight.time, float(flight.time[-1] - flight.time[0])
     if known.sum() < FEWEST or span < 4 * HALF:
         return None

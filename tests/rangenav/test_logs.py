@@ -192,7 +192,7 @@ def test_windows_that_do_not_fit_and_parts_that_are_empty_are_refused():
     _, flight = flown("soft")
     with pytest.raises(ValueError, match=exactly("the window must be shorter than the record's 20 s, got 20 s")):
         seen(flight, 20.0)
-    with pytest.raises(ValueError, match="no samples between 30 s and 40 s"):
+    with pytest.raises(ValueError, match="no two samples from 30 s to 40 s"):
         recorded_flight.between(flight, 30.0, 40.0)
     none, soft = recorded_flight.replace(flight, range=np.empty(0), range_time=np.empty(0)), preset.load("soft")
     with pytest.raises(ValueError, match="no ranges"):

@@ -137,6 +137,7 @@ def in_order(named: tuple[int, int, int, int]) -> Callable[[Flight], Flight]:
     """The attitude that is read where w, x, y, z stand in another order: `named` says which of them each name holds."""
 
     def reordered(flight: Flight) -> Flight:
+        assert flight.rotation is not None
         quaternion = frames.from_rotation(flight.rotation)[:, list(named)]
         return replace(flight, rotation=frames.to_rotation(quaternion))
 
