@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
 from scipy.special import gammaincinv
 
-from rangenav import consistency
 from rangenav.acquisition import COLLECTING, CONSTANT, LOST
 from rangenav.cascade import Estimate
 from rangenav.kernels.layout import GATE
@@ -25,6 +26,8 @@ DEVIATIONS = 5.0
 """Standard deviations of mean and correlation, by chance exceeded in 6e-7 of the runs."""
 MOST_OUTLIERS = 1 / 3
 """A larger share of innovations above the gate are no outliers."""
+TINY = 1e-100
+"""Below the innovations of any run: without noise they may all be 0."""
 BLIND = "fits the ranges, position cannot be told"
 COLLECTED = "fits the ranges, which contradict the guess and have not determined the position yet: constant gains"
 
@@ -73,27 +76,30 @@ def of(estimate: Estimate) -> RangeFit:
     part = estimate.innovation[3 * len(estimate.innovation) // 4 :]
     part = part[np.isfinite(part).all(axis=1) & (part[:, 1] > 0)]
     phase = None if estimate.phase is None else int(estimate.phase[-1])
-    if phase == LOST:
+    with np.errstate(over="ignore"):
+        normalised = part[:, 0] / np.sqrt(part[:, 1])
+    if phase == LOST or not np.isfinite(estimate.state[-1]).all() or not np.isfinite(normalised).all():
         return RangeFit(word="lost", factor=None)
     if len(part) < FEWEST:
         return RangeFit(word="not judged", factor=None)
     if phase not in (CONSTANT, COLLECTING):
-        return _matched(part)
-    normalised = part[:, 0] / np.sqrt(part[:, 1])
-    centred, root = normalised - normalised.mean(), np.sqrt(len(normalised))
-    size = float(np.sqrt(np.mean(centred**2)))
-    collecting = phase == COLLECTING
-    if size == 0:
-        return RangeFit(word="consistent", factor=None, collecting=collecting)
-    mean, correlation = normalised.mean() / size * root, np.mean(centred[1:] * centred[:-1]) / size**2 * root
-    white = abs(mean) <= DEVIATIONS and abs(correlation) <= DEVIATIONS
-    return RangeFit(word="consistent" if white else "correlated", factor=None, collecting=collecting)
+        return _by_size(normalised)
+    return RangeFit(word=_by_whiteness(normalised), factor=None, collecting=phase == COLLECTING)
 
 
-def _matched(part: np.ndarray) -> RangeFit:
-    square = consistency.innovations(part)
-    within = square[square <= GATE]
-    kept = within if len(within) >= (1 - MOST_OUTLIERS) * len(square) else square
-    mean, n = float(np.mean(kept)), len(kept)
-    sure = mean > 2 * gammaincinv(n / 2, 1 - CHANCE) / n
-    return RangeFit(word="overconfident" if sure else "consistent", factor=float(np.sqrt(mean)))
+def _by_whiteness(normalised: Float[Array, "r"]) -> Literal["consistent", "correlated"]:
+    scaled = normalised / max(float(np.abs(normalised).max()), TINY)  # squares of what is left do not overflow
+    centred, root = scaled - scaled.mean(), np.sqrt(len(scaled))
+    size = max(float(np.sqrt(np.mean(centred**2))), TINY)
+    mean, correlation = scaled.mean() / size * root, np.mean(centred[1:] * centred[:-1]) / size / size * root
+    return "consistent" if abs(mean) <= DEVIATIONS and abs(correlation) <= DEVIATIONS else "correlated"
+
+
+def _by_size(normalised: Float[Array, "r"]) -> RangeFit:
+    size = np.abs(normalised)
+    within = size[size <= np.sqrt(GATE)]
+    kept = within if len(within) >= (1 - MOST_OUTLIERS) * len(size) else size
+    largest, n = max(float(kept.max()), TINY), len(kept)
+    factor = largest * float(np.sqrt(np.mean((kept / largest) ** 2)))
+    sure = factor > np.sqrt(2 * gammaincinv(n / 2, 1 - CHANCE) / n)
+    return RangeFit(word="overconfident" if sure else "consistent", factor=factor)

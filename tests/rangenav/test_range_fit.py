@@ -66,6 +66,18 @@ def test_many_runs_are_counted_by_word_with_the_span_of_their_factors():
     assert range_fit.counted(fits, blind=True) == f"2 {range_fit.BLIND}, {over}, 1 lost"
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("phase", [CONSTANT, COLLECTING, MATCHED])
+def test_innovations_of_any_size_are_judged_without_overflow(phase: int):
+    """An estimate that runs away has innovations of 1e200 σ, and one without noise of 0."""
+    huge = range_fit.of(estimate(1e200 * np.abs(noise()), phase))
+    assert huge.word == ("overconfident" if phase == MATCHED else "correlated")
+    assert huge.factor is None or np.isfinite(huge.factor)
+    assert range_fit.of(estimate(0.0 * noise(), phase)).word == "consistent"
+    gone = estimate(noise(), phase)
+    assert range_fit.of(replace(gone, state=np.full_like(gone.state, np.inf))).word == "lost"
+
+
 def test_lost_few_ranges_and_blind_motions_say_so():
     assert range_fit.of(estimate(noise(), LOST)).word == "lost"
     assert range_fit.of(estimate(noise()[:40], MATCHED)).word == "not judged"
