@@ -10,7 +10,7 @@ from numpy import ndarray as Array
 
 from rangenav.signals import Signal, knots, piecewise
 from rangenav.signals.piecewise import Pieces
-from rangenav.signals.polynomials import COMPLAINTS, Polynomials, complaints
+from rangenav.signals.polynomials import COMPLAINTS, Polynomials
 
 DERIVATIVES = (("position", "m"), ("velocity", "m/s"), ("acceleration", "m/s²"), ("jerk", "m/s³"), ("snap", "m/s⁴"))
 SNAP = 4
@@ -18,6 +18,11 @@ NOTED = 2e-3
 """Share of a derivative's bound: smaller jumps are rounding of printed coefficients."""
 LISTED = 4
 """Most jumps of one derivative that a sentence lists; of more it says the largest and the number."""
+JOIN = (
+    "let position, velocity and acceleration of neighbouring pieces agree at their knots, or draw the path again "
+    "through waypoints, which a minimum-snap curve joins"
+)
+"""What a person can do about a path that jumps."""
 CACHED = 16
 SAME_TIME = 1e-9
 """Share of the flight. A knot nearer than that to the flight's beginning or end counts as its beginning or end."""
@@ -110,5 +115,20 @@ def discontinuity(path: Signal, duration: float) -> str | None:
     jump = unflyable_jump(*flight_jumps(path, duration).sizes[:3])
     if jump is None:
         return None
-    located = complaints(path, inside=(0, duration)) if isinstance(path, Polynomials) else ()
-    return f"{located[0]}, which nothing can follow" if located else jump
+    located = _largest(path, duration) if isinstance(path, Polynomials) else None
+    return jump if located is None else f"{located}, which nothing can follow"
+
+
+def _largest(path: Signal, duration: float) -> str | None:
+    """The largest jump of the lowest derivative that jumps too much, with its time, as one clause."""
+    for order, (name, least, unit) in COMPLAINTS.items():
+        jumping = [
+            (float(sizes[k, order]), float(time[k]))
+            for _, time, sizes in _inside(path, duration)
+            for k in range(len(time))
+            if sizes[k, order] >= least
+        ]
+        if jumping:
+            size, at = max(jumping)
+            return f"{name} jumps by {size:.2g} {unit} at t = {at:.4g} s"
+    return None

@@ -54,6 +54,15 @@ def write(
     Raises ValueError, and leaves nothing written, if the gate refuses the preset (unless `uncertified`), if the format
     cannot hold it, or if what was written fails its certificate.
     """
+    try:
+        return _written(preset, format_name, output, name, attitude, uncertified=uncertified, otherwise=otherwise)
+    except ValueError as error:
+        raise error if str(error).startswith(f"{name}:") else ValueError(f"{name}: {error}") from None
+
+
+def _written(
+    preset: Preset, format_name: str, output: Path, name: str, attitude: str, *, uncertified: bool, otherwise: str
+) -> CertifiedExport:
     row = formats.row(format_name)
     complaint = None if row.unsupported else exports.gate(preset, format_name)
     if complaint is not None and not uncertified:

@@ -13,7 +13,7 @@ import scipy.linalg
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import provenance, signals
+from rangenav import continuity, provenance, signals
 from rangenav.certificate.figures import Figures, demanded, excess, figures, shortfall
 from rangenav.observability import blindness, excitation
 from rangenav.observability.derivative_bounds import UnboundedDerivativeError
@@ -60,6 +60,8 @@ def remedy(preset: Preset, at: float) -> str | None:
     """A clause on what would meet the requirements, None if nothing does. at: start (s) of the least excited window."""
     if provenance.restriction(preset.source, preset.path) is not None:
         return provenance.ADOPT
+    if continuity.discontinuity(preset.path, preset.duration) is not None:
+        return continuity.JOIN
     try:
         reached = figures(preset)
     except UnboundedDerivativeError:

@@ -42,6 +42,8 @@ def certify(
         helps = None if issued.meets else remedy.remedy(presets.load(preset), issued.excitation.at)
         layout.show(text.certified(issued, name=preset, written=output, helps=helps))
     if not issued.certified:
-        for sentence in issued.failures:
+        missed = ", ".join(one.name for one in issued.checks if not one.met)
+        short = [f"not certified; not met: {missed}"] if missed and not json else issued.failures
+        for sentence in short:  # the report has the sentences
             print(f"{preset}: {sentence}", file=sys.stderr)
         raise SystemExit(1)

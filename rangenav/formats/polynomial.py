@@ -67,7 +67,7 @@ def parse(data: bytes, *, source: str, part: Part = FLIGHT) -> ImportResult:
     complaints = polynomials.complaints(path)
     findings += complaints[:MOST_COMPLAINTS]
     findings += continuity.jump_sentences(path, length)
-    alone = continuity.pieces_alone(path, length)
+    alone, jump = continuity.pieces_alone(path, length), continuity.discontinuity(path, length)
     findings += [] if alone is None else [alone]
     if np.any(values[:, 25:]):
         findings.append("yaw is not zero and is kept with the pieces, but the path does not use it")
@@ -80,9 +80,7 @@ def parse(data: bytes, *, source: str, part: Part = FLIGHT) -> ImportResult:
         frame="z-up",
         findings=tuple(findings),
         path=path,
-        unjudged=f"{complaints[0]}: no vehicle flies that, so its snap is not what a flight would excite"
-        if complaints
-        else None,
+        unjudged=None if jump is None else f"{jump}, so its snap is not what a flight would excite",
     )
 
 
@@ -164,15 +162,21 @@ def fitted(preset: Preset) -> tuple[HoverRamps, Polynomials]:
     course = hover_ramps.with_ramps(path, preset.duration, window=window)
     ramp_pieces = max(RAMP_PIECES, int(np.ceil(course.ramp / step))) if course.ramp else 0
     left = MAX_SEGMENTS - 2 * ramp_pieces
-    longest = max(left, 0) * step
-    rule = (
-        f"{MAX_SEGMENTS} pieces, each {step:.2g} s of this path, hold no window of {window:g} s between two ramps: "
-        "it turns too fast for the format"
-    )
-    require(longest >= window * (1 - 1e-9), rule)
+    longest, sampled = max(left, 0) * step, isinstance(path, Polynomials)  # cut as finely as its samples
+    require(longest >= window * (1 - 1e-9), _too_short(step, longest, window, sampled=sampled))
     if longest < preset.duration - course.ramp:
         course = HoverRamps(path=path, duration=longest + course.ramp, ramp=course.ramp)
     return course, _hermite(course, preset, ramp_pieces, left, step)
+
+
+def _too_short(step: float, longest: float, window: float, *, sampled: bool) -> str:
+    """That the pieces the format holds are too short for one window, and the ways out."""
+    between = f"make {longest:.3g} s between the ramps" if longest > 0 else "leave none between the ramps"
+    ways = ["export it as reference"]
+    ways += ["export the preset itself whose samples were read"] if sampled else []
+    ways += [f"give it a window of {longest:.3g} s or less"] if longest > 0 else []
+    pieces = f"{MAX_SEGMENTS} pieces of at most {step:.2g} s, as this path needs them, {between}"
+    return f"{pieces}, and its window has {window:g} s: it turns too fast for the format; {', or '.join(ways)}"
 
 
 def _hermite(course: HoverRamps, preset: Preset, ramp_pieces: int, left: int, step: float) -> Polynomials:

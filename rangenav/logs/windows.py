@@ -74,13 +74,12 @@ class Informative:
 
     @property
     def summary(self) -> str:
-        """In how many windows the record was informative, and the times around which it was blind."""
+        """In how many windows the record was informative, and the times at which its blind windows begin."""
         if self.restriction is not None:
             return f"not judged: {self.restriction}"
         blind = np.array([one == "blind" for one in self.each])
         if blind.all():
             return f"nowhere informative: no window of {self.window:g} s reaches rank {model.STATES}"
-        middle = self.start + self.window / 2
         counts = " and ".join(f"{count} {word}" for word in WORDS if (count := self.each.count(word)))
         parts = [f"{counts} of {len(self.each)} windows of {self.window:g} s"]
         if FEW in self.each:
@@ -88,8 +87,8 @@ class Informative:
             span = f"{number.min()}" if np.ptp(number) == 0 else f"{number.min()} to {number.max()}"
             parts.append(f"{span} of the {model.STATES} ranges that a window needs")
         if blind.any():
-            places = ", ".join(f"{a:.4g} to {b:.4g} s" for a, b in _stretches(middle, blind))
-            parts.append(f"blind around {places}")
+            places = ", ".join(f"{a:.4g} to {b:.4g} s" for a, b in _stretches(self.start, blind))
+            parts.append(f"blind where they begin at {places}")
         return "; ".join(parts)
 
 

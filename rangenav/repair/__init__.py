@@ -21,6 +21,7 @@ from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.repair import confirmed, path_changes, tones
 from rangenav.repair.change import KINDS, Change, ChangeKind
 from rangenav.repair.outcome import (
+    STAND_IN,
     CannotRepairError,
     Refused,
     Repair,
@@ -31,14 +32,12 @@ from rangenav.repair.outcome import (
     report,
 )
 from rangenav.repair.search import Budget, Search, Trial, sharpest
-from rangenav.vehicle import CRAZYFLIE, FREE
+from rangenav.vehicle import FREE
 
 EVALUATIONS = 1500
 """Motions that a search may try, about 4 ms each."""
 WORK = 3e8
 """The work of a whole search, in the units of `remedy`; a long formula is tried less often."""
-STAND_IN = CRAZYFLIE
-"""If a preset's vehicle has no limits, a repair keeps the limits of this one where it can."""
 IMPROVEMENT = 0.9
 """An improvement must lower σ to this share or below."""
 MOST_EFFORT: dict[ChangeKind, float] = {

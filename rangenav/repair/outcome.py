@@ -16,7 +16,10 @@ from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
 from rangenav.repair.change import Change, ChangeKind
 from rangenav.repair.search import NOWHERE, Budget, Trial
 from rangenav.results import result
-from rangenav.vehicle import WORDS
+from rangenav.vehicle import CRAZYFLIE, FREE, WORDS
+
+STAND_IN = CRAZYFLIE
+"""If a preset's vehicle has no limits, a repair keeps the limits of this one where it can."""
 
 
 @result
@@ -137,5 +140,7 @@ def failure_reason(
     reason += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
     excess = trial.figures.excess
     if trial.figures.worst_excess > 0:
-        reason += f", and is too much for the vehicle ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+        stand_in = f"a {STAND_IN.name}, whose limits a repair keeps where no vehicle is chosen"
+        vehicle = stand_in if preset.vehicle == FREE else preset.vehicle.name
+        reason += f", and is too much for {vehicle} ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
     return reason

@@ -189,7 +189,7 @@ def test_a_jump_is_named_with_its_time_wherever_a_verdict_is_asked(answer, tmp_p
     said = answer("analyze", tmp_path / "x.toml")
     assert said["verdict"] is None
     assert said["verdict_reason"].startswith("null: not judged: position jumps by ")
-    assert f" at t = {piece.duration:.2f} s, which nothing can follow" in said["verdict_reason"]
+    assert f" at t = {piece.duration:.4g} s, which nothing can follow" in said["verdict_reason"]
     assert certified(made).verdict == "not judged"
 
 

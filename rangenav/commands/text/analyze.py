@@ -5,7 +5,7 @@ from rangenav.analysis import Analysis
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group, met
 from rangenav.commands.text.spectrum_bar import spectrum_bar
-from rangenav.commands.text.verdict import accuracy_lines, flight_lines, headline
+from rangenav.commands.text.verdict import accuracy_lines, flight_lines, headline, unjudged_help
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
@@ -20,6 +20,8 @@ def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
     typed = layout.argument(name)
     lacking = analysis.verdict.word in ("blind", "weak")
     following = (f"repair {typed} -o repaired.toml",) if lacking else (f"simulate {typed}", f"certify {typed}")
+    if not analysis.verdict.judged:
+        following = (f"simulate {typed}", "log RECORD.csv")
     return Report(
         subject=layout.subject(name),
         sign=sign,
@@ -30,6 +32,7 @@ def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
             *group("why not", (f"✗ {direction.summary}" for direction in analysis.directions)),
             *group("how well", accuracy_lines(preset, analysis)),
             *group("can it be flown", flight_lines(preset)),
+            *group("would help", unjudged_help(preset)),
             *group("spectrum", spectrum_bar(analysis.gramian.tolist(), analysis.floor)),
             *group("nonlinear", spectrum_bar(analysis.nonlinear.tolist(), analysis.nonlinear_floor)),
             *layout.next_commands(f"explain {typed}", *following),

@@ -13,6 +13,8 @@ from rangenav.number_format import quantity, significant
 
 DIGITS = 12
 """Of a SHA-256 that are shown."""
+SOURCE = "source"
+"""The check whether the path's snap was in its file, which is known and needs no proof."""
 
 
 def certified(certificate: Certificate, *, name: str, written: Path | None, helps: str | None) -> Report:
@@ -21,7 +23,8 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
     kept = written or f"{Path(name).stem}.certificate.json"
     following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(kept)}"
     if not certificate.certified:
-        following = f"repair {typed} -o repaired.toml"
+        of_source = any(one.name == SOURCE and not one.met for one in certificate.checks)
+        following = "log RECORD.csv" if of_source else f"repair {typed} -o repaired.toml"
     expected = (
         f", as its preset expects ({certificate.expect})"
         if certificate.certified and certificate.expect != "observable"
@@ -35,7 +38,10 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
         else f"NOT certified: {_refusal(certificate)}",
         title=certificate.title,
         groups=(
-            *group("requirements", (_check(one.met, one.proven, one.words) for one in certificate.checks)),
+            *group(
+                "requirements",
+                (_check(one.met, one.proven and one.name != SOURCE, one.words) for one in certificate.checks),
+            ),
             *group("would help", helps),
             *group("what it covers", *coverage(certificate)),
             *group("the file", f"SHA-256 {certificate.artifact.sha256[:DIGITS]}…, {certificate.artifact.bytes} bytes"),

@@ -158,9 +158,11 @@ def _accuracy(windows: Json, required: float) -> list[str]:
         return []
     if median is None:
         return [f"no window of {length} predicts a position error"]
+    count = windows["windows"]["observable"] + windows["windows"]["weak"]
+    of = "the only one of rank 13" if count == 1 else f"median of the {count} of rank 13"
     at_worst = "the worst predicts none" if worst is None else f"{plus_minus(worst)} after the worst"
     return [
-        f"after windows of {length}: position {plus_minus(median)} (median of those of rank 13), {at_worst}",
+        f"after windows of {length}: position {plus_minus(median)} ({of}), {at_worst}",
         f"required {plus_minus(required)} after each of them: {met(worst is not None and worst <= required)}",
     ]
 

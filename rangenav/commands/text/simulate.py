@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 from rangenav import record
+from rangenav.analysis import analyse
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, Sign, group
 from rangenav.commands.text.verdict import Json
@@ -20,6 +21,9 @@ LIMITS = {
 def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Report:
     """How well the cascaded observer does on a preset; `answer` is the command's JSON object."""
     sign, said = _headline(answer)
+    verdict = analyse(preset).verdict
+    if not verdict.judged:
+        sign, said = "?", f"{verdict}; this run {said}"
     typed = layout.argument(name)
     following = (f"explain {typed}",) if "note" in answer else (f"analyze {typed}", f"tune {typed}")
     return Report(

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from rangenav import continuity, motion, record, vehicle
+from rangenav import continuity, motion, provenance, record, vehicle
 from rangenav.analysis import Analysis
 from rangenav.commands.text.layout import SIGNS, Sign, met
 from rangenav.model import STATES
@@ -13,6 +13,8 @@ from rangenav.preset import Preset
 from rangenav.sensors import noise_assumption
 
 Json = dict[str, Any]
+CHOOSE = "a table [vehicle] in the preset, or the page under World, chooses one"
+"""How a vehicle comes into a preset."""
 
 
 def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
@@ -30,6 +32,13 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     }
     sign: Sign = SIGNS[analysis.verdict.word]  # pyright: ignore[reportAssignmentType]
     return sign, texts[analysis.verdict.word]
+
+
+def unjudged_help(preset: Preset) -> str | None:
+    """What to do about a path that is not judged, one clause; None for a path that is."""
+    if provenance.restriction(preset.source, preset.path) is not None:
+        return provenance.ADOPT
+    return None if continuity.discontinuity(preset.path, preset.duration) is None else continuity.JOIN
 
 
 def accuracy_lines(preset: Preset, analysis: Analysis) -> list[str]:
@@ -73,7 +82,7 @@ def flight_lines(preset: Preset) -> list[str]:
     if jump is not None:
         answer = ["✗ by no vehicle", f"✗ {jump}", *(f"✗ {one.summary}" for one in broken)]
     elif preset.vehicle == vehicle.FREE:
-        answer = ["no vehicle is chosen, so no limit applies"]
+        answer = [f"no vehicle is chosen, so no limit applies ({CHOOSE})"]
     elif broken:
         answer = [f"✗ not by {name}", *(f"✗ {one.summary}" for one in broken)]
     else:

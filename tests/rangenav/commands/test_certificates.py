@@ -63,8 +63,14 @@ def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(ru
     soft.write_text(soft.read_text().replace("mu = 50.0", "mu = 500.0"))
     code, out, err = run("certify", soft, "-o", certificate.path_for(soft))
     assert (code, out.startswith("soft.toml   ✗ NOT certified: ")) == (1, True)
-    assert err.startswith(f"{soft}: the excitation along ")
-    assert err.endswith("500 m²/s⁷ required\n")
+    assert err == f"{soft}: not certified; not met: excitation\n"
+    assert "✗ the excitation along " in out
+    code, _, err = run("certify", soft, "--json")
+    assert (code, err.startswith(f"{soft}: the excitation along "), err.endswith("500 m²/s⁷ required\n")) == (
+        1,
+        True,
+        True,
+    )
     code, out, err = run("verify", soft)  # the certificate says so as well, and that is no reason to accept it
     assert (code, out) == (1, "soft.toml   ✗ does not hold\n")
     assert err.startswith("soft.toml: the excitation along ")
