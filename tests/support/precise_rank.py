@@ -1,12 +1,14 @@
 """The rank of the 13 functions and predicted errors in 60 digits, from the functions themselves at Chebyshev nodes."""
 
+import math
 from typing import Any
 
 import mpmath as mp
 import numpy as np
 
 from rangenav.inputs import Vec3
-from rangenav.signals import Multisine
+from rangenav.signals import Multisine, Tone
+from rangenav.signals.multisine import LETTERS, Axis
 
 NODES, LENGTH = 30, 60
 """Nodes of a window: independent functions are independent at 30 of them, unless they turn there dozens of times."""
@@ -68,6 +70,38 @@ def position(path: Multisine, t: Real, order: int) -> list[Real]:
         sine = (mp.sin if order == 0 else mp.cos)(w * t + mp.mpf(tone.phase))
         value["xyz".index(tone.axis)] += mp.mpf(tone.amplitude) * w**order * sine
     return value
+
+
+def motions(length: float, rng: np.random.Generator) -> dict[str, Multisine]:
+    """Degenerate and random motions that turn 1 to 6 times in a window of this length (s)."""
+    w, A = 2 * math.pi * rng.uniform(1.0, 3.0) / length, 10 ** rng.uniform(-1, 1)
+    axes: tuple[Axis, ...] = (*LETTERS, *LETTERS)
+    sizes = [(A * rng.uniform(0.3, 1), w * rng.uniform(0.9, 2), rng.uniform(-3, 3)) for _ in axes]
+    return {
+        "hover": Multisine(offset=(1.0, 2.0, 3.0)),
+        "line": Multisine(offset=(1.0, 2.0, 3.0), drift=(A / length, 0.3, -0.1)),
+        "back and forth": Multisine(tones=tones(("x", A, w, 0.3), ("x", A / 3, 2.3 * w, 1.0))),
+        "circle": Multisine(tones=circle(("x", "y"), A, w), offset=(3.0, 0.0, 1.0)),
+        "vertical circle": Multisine(tones=circle(("x", "z"), A, w)),
+        "helix": Multisine(tones=circle(("x", "y"), A, w), drift=(0.0, 0.0, A / length)),
+        "one frequency": Multisine(tones=(*circle(("x", "y"), A, w), *tones(("z", A / 2, w, 0.7)))),
+        "planar": Multisine(
+            tones=(*circle(("x", "y"), A, w), *tones(("x", A / 2, 2 * w, 0.4), ("y", A, 1.6 * w, 2.0)))
+        ),
+        "random": Multisine(
+            tones=tuple(
+                Tone(axis=a, amplitude=s[0], frequency=s[1], phase=s[2]) for a, s in zip(axes, sizes, strict=True)
+            )
+        ),
+    }
+
+
+def tones(*each: tuple[Axis, float, float, float]) -> tuple[Tone, ...]:
+    return tuple(Tone(axis=axis, amplitude=a, frequency=w, phase=phase) for axis, a, w, phase in each)
+
+
+def circle(plane: tuple[Axis, Axis], amplitude: float, w: float) -> tuple[Tone, ...]:
+    return tones((plane[0], amplitude, w, math.pi / 2), (plane[1], amplitude, w, 0.0))
 
 
 def _unit(column: list[Real]) -> list[Real]:

@@ -1,6 +1,5 @@
 """The rank of slow and long motions: decided by what polynomials leave of the 13 functions, against 60 digits."""
 
-import math
 
 import numpy as np
 import pytest
@@ -12,20 +11,12 @@ from rangenav.motion import World
 from rangenav.observability import accuracy, functions, gramian_rank, rows, spectrum
 from rangenav.preset import Preset, Requirement
 from rangenav.sensors import Noise, Sensors
-from rangenav.signals import Formula, Multisine, Signal, Tone, rotated
-from rangenav.signals.multisine import LETTERS, Axis
+from rangenav.signals import Formula, Multisine, Signal, rotated
 from tests.support import precise_rank
+from tests.support.precise_rank import circle, motions, tones
 
 GRAVITY: Vec3 = (0.0, 0.0, 9.81)
 ANCHOR: Vec3 = (0.0, 0.0, 0.1)
-
-
-def tones(*each: tuple[Axis, float, float, float]) -> tuple[Tone, ...]:
-    return tuple(Tone(axis=axis, amplitude=a, frequency=w, phase=phase) for axis, a, w, phase in each)
-
-
-def circle(plane: tuple[Axis, Axis], amplitude: float, w: float) -> tuple[Tone, ...]:
-    return tones((plane[0], amplitude, w, math.pi / 2), (plane[1], amplitude, w, 0.0))
 
 
 INDOORS = Multisine(tones=tones(("x", 0.4, 0.1, 0.0), ("y", 0.3, 0.2, 0.0), ("z", 0.1, 0.25, 0.0)), offset=(0, 0, 1.0))
@@ -47,30 +38,6 @@ def test_slow_motions_of_three_frequencies_have_rank_13_and_no_relation(path: Mu
         assert precise_rank.rank(path, GRAVITY, start, window) == 13
         seen = functions.functions(path, GRAVITY, start, window)
         assert (seen.rank, seen.relations, seen.unseen) == (13, (), ())
-
-
-def motions(length: float, rng: np.random.Generator) -> dict[str, Multisine]:
-    """Degenerate and random motions that turn 1 to 6 times in a window of this length (s)."""
-    w, A = 2 * math.pi * rng.uniform(1.0, 3.0) / length, 10 ** rng.uniform(-1, 1)
-    axes: tuple[Axis, ...] = (*LETTERS, *LETTERS)
-    sizes = [(A * rng.uniform(0.3, 1), w * rng.uniform(0.9, 2), rng.uniform(-3, 3)) for _ in axes]
-    return {
-        "hover": Multisine(offset=(1.0, 2.0, 3.0)),
-        "line": Multisine(offset=(1.0, 2.0, 3.0), drift=(A / length, 0.3, -0.1)),
-        "back and forth": Multisine(tones=tones(("x", A, w, 0.3), ("x", A / 3, 2.3 * w, 1.0))),
-        "circle": Multisine(tones=circle(("x", "y"), A, w), offset=(3.0, 0.0, 1.0)),
-        "vertical circle": Multisine(tones=circle(("x", "z"), A, w)),
-        "helix": Multisine(tones=circle(("x", "y"), A, w), drift=(0.0, 0.0, A / length)),
-        "one frequency": Multisine(tones=(*circle(("x", "y"), A, w), *tones(("z", A / 2, w, 0.7)))),
-        "planar": Multisine(
-            tones=(*circle(("x", "y"), A, w), *tones(("x", A / 2, 2 * w, 0.4), ("y", A, 1.6 * w, 2.0)))
-        ),
-        "random": Multisine(
-            tones=tuple(
-                Tone(axis=a, amplitude=s[0], frequency=s[1], phase=s[2]) for a, s in zip(axes, sizes, strict=True)
-            )
-        ),
-    }
 
 
 @pytest.mark.parametrize("window", [0.2, 6.0, 60.0, 600.0])
