@@ -164,6 +164,8 @@ class Visitor:
         self.wait_for_text(self._says)
         self.tab("Motion")
         self.page.evaluate(BLUR)
+        self.page.keyboard.press("Home")
+        self.page.wait_for_function("text => document.body.innerHTML.includes(text)", arg="<b>0.00 s</b>")
 
     @contextmanager
     def reconnecting(self) -> Iterator[None]:
