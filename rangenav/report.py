@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from rangenav import continuity, motion, range_fit, record
+from rangenav import verdict as verdicts
 from rangenav.analysis import Analysis, analyse
 from rangenav.model import STATES
 from rangenav.observability import excitation
@@ -56,8 +57,14 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             **_ignored(preset),
         },
         **_jumps(preset),
+        **_caveats(preset),
         **verdict(preset, analysis),
     }
+
+
+def _caveats(preset: Preset) -> Json:
+    sentences = verdicts.caveats(preset.world.gravity, preset.sensors.sigma.range)
+    return {"caveats": list(sentences)} if sentences else {}
 
 
 def _jumps(preset: Preset) -> Json:

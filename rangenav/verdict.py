@@ -8,10 +8,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rangenav import continuity, provenance
+from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.provenance import Source
 from rangenav.signals import Signal
 
+LEAST_GRAVITY, MOST_GRAVITY = 1.0, 30.0
+"""m/s²; the Moon has 1.6, Jupiter 24.8."""
 Word = Literal["blind", "weak", "observable", "not judged"]
 
 
@@ -62,6 +65,19 @@ def for_these_ranges(count: int, start: float, window: float, period: float | No
         return f"{where} hold {count} of them, and {STATES} are needed"
     repeats = f", which repeats every {period:.4g} s" if period else ""
     return f"the {count} in {where} fall on too few places of the path{repeats}"
+
+
+def caveats(gravity: Vec3, range_sigma: float) -> tuple[str, ...]:
+    """Why a verdict holds of no real flight, one sentence each: ranges without noise, a gravity that no planet has.
+
+    gravity: m/s². range_sigma: m.
+    """
+    size, sentences = math.hypot(*gravity), []
+    if range_sigma == 0:
+        sentences.append("The ranges have no noise, so every position that they determine is exact.")
+    if not LEAST_GRAVITY <= size <= MOST_GRAVITY:
+        sentences.append(f"Gravity is {size:.3g} m/s², which is no planet's; the verdict holds for this gravity alone.")
+    return tuple(sentences)
 
 
 def restriction(path: Signal, source: Source | None, duration: float) -> str | None:

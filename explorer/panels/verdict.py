@@ -9,6 +9,7 @@ from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.widgets.complaint import Complaint
 from rangenav import continuity, sensors
+from rangenav import verdict as verdicts
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
@@ -99,6 +100,9 @@ def chips(picture: Picture) -> str:
 def rows(picture: Picture) -> list[tuple[str, str]]:
     """Name and text of every row of the verdict's table."""
     rows = [*_observability_rows(picture), *_observer_rows(picture)]
+    caveats = verdicts.caveats(picture.preset.world.gravity, picture.preset.sensors.sigma.range)
+    if caveats:
+        rows.append(("mind", "<br>".join(f"▲ {sentence}" for sentence in caveats)))
     sentences = sensors.effect_sentences(picture.preset.sensors)
     if sentences:
         rows.append(("sensors", "<br>".join(f"▲ {html.escape(sentence)}" for sentence in sentences)))

@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 
 import rangenav
-from rangenav import analysis
+from rangenav import analysis, verdict
 from rangenav import preset as presets
 from rangenav.certificate import motion_sections, requirements, sections, version_1
 from rangenav.certificate.files import read_bytes
@@ -103,6 +103,7 @@ def _without_artifact(preset: Preset) -> Certificate:
         certified=not failures,
         meets=all(check.met for check in checks),
         verdict=judged.word,
+        caveats=verdict.caveats(preset.world.gravity, preset.sensors.sigma.range) or msgspec.UNSET,
         verdict_reason=judged.reason or msgspec.UNSET,
         checks=checks,
         failures=failures,

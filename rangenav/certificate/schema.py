@@ -237,6 +237,8 @@ class Certificate(Part, frozen=True, kw_only=True):
     """Whether all requirements are met, whatever the preset expects. An export needs this."""
     verdict: Literal["blind", "weak", "observable", "not judged"]
     """Not judged: what the figures below say is about a fit, or about a path that jumps."""
+    caveats: tuple[str, ...] | msgspec.UnsetType = msgspec.UNSET
+    """Why the verdict holds of no real flight, a sentence each."""
     verdict_reason: str | msgspec.UnsetType = msgspec.UNSET
     """Why it is not judged, or blind although its rank is 13."""
     checks: tuple[Check, ...]

@@ -38,6 +38,7 @@ def as_version_1(preset: Preset, current: Certificate) -> Certificate:
         meets=meets,
         verdict=_word(rank, accuracy_part, preset),
         verdict_reason=msgspec.UNSET,
+        caveats=msgspec.UNSET,
         checks=checks,
         failures=failures,
         remedy=msgspec.UNSET if meets else remedy.remedy(preset, excitation_part.at) or msgspec.UNSET,

@@ -1,6 +1,7 @@
 """The result of a repair: the changed preset with its certificate, or the reason why there is none."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import msgspec
@@ -47,7 +48,7 @@ class Repair:
     """The size of the change: m and weights of acceleration for tones, m for waypoints, log factors for the rest."""
     evaluations: int
     figures_before: Figures
-    """Sampled; σ is infinite where blind."""
+    """μ and σ are those of the worst of all windows, as certificates have them; σ is infinite where blind."""
     figures_after: Figures
     certificate: Certificate
     """Of the preset after, from its written bytes."""
@@ -74,10 +75,18 @@ def outcome(before: Preset, after: Preset, by: ChangeKind, description: str, eff
         description=description,
         effort=effort,
         evaluations=budget.used,
-        figures_before=figures(before),
-        figures_after=figures(after),
+        figures_before=_certified(before),
+        figures_after=_certified(after),
         certificate=certificate_of(after),
     )
+
+
+def _certified(preset: Preset) -> Figures:
+    """The figures of a preset, with μ and σ from its certificate in place of the search's samples."""
+    issued = certificate_of(preset)
+    bound = issued.accuracy.bound
+    sigma = bound if isinstance(bound, float) else math.inf
+    return replace(figures(preset), mu=max(BLIND_MU, issued.excitation.found or 0.0), sigma=sigma)
 
 
 def certificate_of(preset: Preset) -> Certificate:

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from rangenav import continuity, motion, provenance, record, vehicle
+from rangenav import continuity, motion, provenance, record, vehicle, verdict
 from rangenav.analysis import Analysis
 from rangenav.commands.text.layout import SIGNS, Sign, met
 from rangenav.model import STATES
@@ -49,6 +49,7 @@ def accuracy_lines(preset: Preset, analysis: Analysis) -> list[str]:
         *_rates(analysis.lifted_end),
         f"required {plus_minus(needed)}: {met(end <= needed)}",
         f"assumed: {noise_assumption(preset.sensors)}",
+        *verdict.caveats(preset.world.gravity, preset.sensors.sigma.range),
     ]
 
 
