@@ -8,7 +8,7 @@ import math
 from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
-from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts, WorstExcitation, worst_excitation
+from rangenav.observability.worst_excitation import FLIGHT, WorstExcitation, worst_excitation
 from rangenav.observability.worst_rank import WorstRank, worst_rank
 from rangenav.preset import Requirement
 from rangenav.results import result
@@ -21,14 +21,14 @@ class Proof:
 
     excitation: WorstExcitation
     rank: WorstRank
-    rank_starts: Starts
-    """For which windows a rank of 13 is proven, if it is: for all if the flight has one from each phase of its loop."""
     accuracy: WorstAccuracy
 
     @property
     def rank_proven(self) -> bool:
-        """Whether every window has rank 13: the ranges in it, fewer than all its times, determine all coordinates."""
-        return self.rank.rank == STATES and math.isfinite(self.accuracy.windows.bound)
+        """Whether no window has a lower rank: by cores, or of rank 13 because the ranges in each determine it all."""
+        by_cores = self.rank.proof is not None and self.rank.proof.proved
+        by_ranges = self.rank.rank == STATES and self.rank.starts == FLIGHT
+        return by_cores or (by_ranges and math.isfinite(self.accuracy.windows.bound))
 
 
 def prove(
@@ -43,11 +43,8 @@ def prove(
     """The worst windows among all; each part is cached by its own inputs. Certificates take them from here."""
     window = requirement.window
     excited = worst_excitation(path, window, duration, requirement.mu)
-    period = path.period if excited.starts == EVERY else None
-    repeats = path.period is not None and path.period <= duration - window
     return Proof(
         excitation=excited,
-        rank_starts=EVERY if repeats else FLIGHT,
-        rank=worst_rank(path, world, window, period or duration - window),
+        rank=worst_rank(path, world, duration, window),
         accuracy=worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving),
     )

@@ -158,7 +158,10 @@ def _rank_claimed(analysis: Analysis) -> Json:
     """Whether the rank is proven of every window, or that of sampled windows."""
     if analysis.proof is None:
         return {}
-    return {"proven": analysis.proof.rank_proven, "starts": analysis.proof.rank_starts}
+    proven, found = analysis.proof.rank_proven, analysis.proof.rank
+    claimed: Json = {"proven": proven, "starts": found.starts, "rank_bound": found.rank if proven else None}
+    why = "" if found.reason is None else f": {found.reason}"
+    return claimed if proven else {**claimed, "reason": f"rank_bound: null, sampled only{why}"}
 
 
 def _every_window(analysis: Analysis) -> Json:

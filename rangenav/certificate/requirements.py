@@ -102,7 +102,7 @@ def _excitation(excitation: schema.Excitation, window: float) -> Check:
 
 def _rank(rank: schema.Rank, window: float) -> Check:
     met = rank.rank == STATES
-    proven = met and rank.scope is not msgspec.UNSET and rank.scope.basis == "proven"
+    proven = rank.scope is not msgspec.UNSET and rank.scope.basis == "proven"
     words = f"the rank is {rank.rank} of {STATES}"
     if met and rank.scope is not msgspec.UNSET:
         words += " on every window" if proven else " on sampled windows"

@@ -97,7 +97,7 @@ class Excitation(Part, frozen=True, kw_only=True):
 
 
 class Rank(Part, frozen=True, kw_only=True):
-    """Of the lifted Gramian. It is sampled, and proven where every window's ranges determine all 13 coordinates."""
+    """Of the lifted Gramian, on the window where it is least. In version 1 it is that of sampled windows."""
 
     rank: int
     of: int
@@ -105,11 +105,13 @@ class Rank(Part, frozen=True, kw_only=True):
     """A scaled singular value counts above this share of the largest."""
     smallest_singular: float | None
     """The thirteenth on the worst window, in units of 1 m and δ; null where it does not count."""
+    smallest_bound: float | msgspec.UnsetType | None = msgspec.UNSET
+    """No window has a smaller thirteenth singular value."""
     at: float
     nonlinear: int
     """Rank of the nonlinear problem, of 9, on its worst window."""
     windows: int
-    """Sampled; between their starts the other figures of this section claim nothing."""
+    """Evaluated: windows in version 1, windows and their cores from version 2 on. The nonlinear rank is sampled."""
     blind: tuple[str, ...]
     """What the worst window cannot tell, in words."""
     scope: Scope | msgspec.UnsetType = msgspec.UNSET

@@ -12,7 +12,7 @@ from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.observability import accuracy
 from rangenav.observability.worst_accuracy import WorstAccuracy
-from rangenav.observability.worst_excitation import EVERY, WorstExcitation
+from rangenav.observability.worst_excitation import WorstExcitation
 from rangenav.preset import Preset
 from rangenav.proof import Proof, prove
 from rangenav.sensors import noise_assumption
@@ -66,20 +66,23 @@ def excitation_section(found: WorstExcitation, required: float) -> schema.Excita
 
 
 def rank_section(proof: Proof) -> schema.Rank:
-    """The least ranks; 13 is proven where the ranges of every window determine all coordinates."""
+    """The least ranks, and a bound of the thirteenth singular value where one is known."""
     found, full = proof.rank, proof.rank.rank == STATES
-    why = None if proof.rank_starts == EVERY else "the flight has no window from each phase of a loop"
+    bound = None if found.proof is None else found.proof.smallest_singular
+    reasons = [] if full else ["smallest_singular: null, below the tolerance"]
+    reasons += ["smallest_bound: null, not bounded"] if bound is None else []
     return schema.Rank(
         rank=found.rank,
         of=STATES,
         tolerance=figure(found.tolerance),
         smallest_singular=figure(found.smallest) if full else None,
+        smallest_bound=None if bound is None else figure(bound, toward=-1),
         at=figure(found.at),
         nonlinear=found.nonlinear,
         windows=found.count,
         blind=tuple(direction.summary for direction in found.directions),
-        scope=_scope(proof.rank_proven, proof.rank_starts, why),
-        reason=msgspec.UNSET if full else "smallest_singular: null, below the tolerance",
+        scope=_scope(proof.rank_proven, found.starts, found.reason),
+        reason="; ".join(reasons) or msgspec.UNSET,
     )
 
 

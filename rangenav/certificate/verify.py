@@ -23,12 +23,15 @@ RELATIVE = 1e-4
 ABSOLUTE = {
     "at": 1e-3,  # s: a grid of starts may round differently
     "direction": 1e-3,  # cosines
+    "smallest_bound": 1e-11,
     "smallest_singular": 1e-11,  # rounding of rows is 1e-13 of a largest one of some tens
 }
 """An absolute tolerance that is added, by key."""
 LOOSE = {
     "floor": 0.5,  # an allowance, not a figure
+    "smallest_bound": 0.1,  # which stretch is halved last may depend on rounding
     "starts": 0.1,  # points of a grid, whose refinement rounds upwards
+    "windows": 0.1,  # likewise
     "remedy": 0.3,  # what a search ends with
 }
 """Relative tolerances that replace the usual one, by key."""

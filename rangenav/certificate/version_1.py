@@ -88,7 +88,7 @@ def _without_scope(found: WorstExcitation, required: float) -> schema.Excitation
 def _rank(preset: Preset, claim: Claim) -> schema.Rank:
     period, last = preset.path.period, preset.duration - preset.requirement.window
     end = (period or last) if claim.starts == EVERY else last
-    found = worst_rank.worst_rank(preset.path, preset.world, preset.requirement.window, end)
+    found = worst_rank.sampled_rank(preset.path, preset.world, preset.requirement.window, end)
     return schema.Rank(
         rank=found.rank,
         of=STATES,

@@ -1,4 +1,4 @@
-"""The window of least rank, among sampled windows, with its spectrum, and what it cannot tell.
+"""The window of least rank, with its spectrum and what it cannot tell: of every window where that can be proven.
 
 The analysis, the certificates and the page take the rank from here, so they name the same window.
 """
@@ -13,18 +13,26 @@ from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import blindness, excitation, rows, spectrum
 from rangenav.observability.blindness import Direction
+from rangenav.observability.every_window import RankProof, rank_over_every_window
 from rangenav.observability.excitation_bound import TIE
-from rangenav.observability.worst_excitation import sampled_starts
+from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts, sampled_starts
 from rangenav.results import result
 from rangenav.signals import Signal
 
 CACHED = 8
+LONGEST = 4.0
+"""The longest loop, in flights, on which the rank is proven at every t ≥ 0; of a longer one it is the flight's."""
 
 
 @result
 class WorstRank:
     """Of the lifted Gramian on the window of least rank, and then of least thirteenth singular value."""
 
+    starts: Starts
+    reason: str | None
+    """Why not at every t ≥ 0; None if it is."""
+    proof: RankProof | None
+    """What is proven of the rank; None where only windows were sampled."""
     rank: int
     at: float
     """s, where that window starts."""
@@ -39,26 +47,64 @@ class WorstRank:
     directions: tuple[Direction, ...]
     """What that window cannot tell; none for rank 13."""
     nonlinear: int
-    """The least rank of the nonlinear problem, of 9."""
+    """The least rank of the nonlinear problem, of 9, on sampled windows."""
     nonlinear_at: float
     nonlinear_eigenvalues: Float[Array, "9"]
     nonlinear_floor: float
     count: int
-    """Windows evaluated; between their starts nothing is claimed."""
+    """Windows and cores evaluated."""
 
 
 @lru_cache(maxsize=CACHED)
-def worst_rank(path: Signal, world: World, window: float, end: float) -> WorstRank:
-    """The least ranks over sampled windows (s) that start in [0, end] (s)."""
+def worst_rank(path: Signal, world: World, duration: float, window: float) -> WorstRank:
+    """The least rank over windows (s) at any t ≥ 0 if the path is periodic, else over those of the flight (s)."""
+    period, starts, reason = path.period, EVERY, None
+    until = window + period if period else duration
+    if period is None:
+        starts, reason = FLIGHT, "the path does not repeat"
+    elif until > LONGEST * duration:
+        starts, reason, until = FLIGHT, f"a loop takes {period:.4g} s", duration
+    try:
+        proof = rank_over_every_window(path, world.gravity, until, window)
+    except ValueError as error:  # too much work
+        return sampled_rank(path, world, window, duration - window, reason=str(error))
+    start = np.array([proof.at])
+    lifted = spectrum.window_spectra(path, world.gravity, start, window)
+    return _worst(path, world, window, lifted, 0, start, until - window, starts=starts, reason=reason, proof=proof)
+
+
+def sampled_rank(path: Signal, world: World, window: float, end: float, *, reason: str | None = None) -> WorstRank:
+    """The least ranks over sampled windows (s) that start in [0, end] (s); reason: why they are not proven."""
     start = sampled_starts(path, window, end)
-    samples = rows.sample(path, start, window)
-    lifted = spectrum.lifted_spectra(samples, world.gravity)
-    local = spectrum.local_spectra(samples, world.anchor)
+    lifted = spectrum.window_spectra(path, world.gravity, start, window)
     rank = int(lifted.rank.min())
     least = np.where(lifted.rank == rank, lifted.scaled[:, STATES - 1] if rank == STATES else 0.0, np.inf)
-    k, j = first_near(least, float(least.min()), TIE), spectrum.worst(local)
+    k = _first_near(least, float(least.min()), TIE)
+    return _worst(path, world, window, lifted, k, start, end, starts=FLIGHT, reason=reason, proof=None)
+
+
+def _worst(
+    path: Signal,
+    world: World,
+    window: float,
+    lifted: spectrum.Spectrum,
+    k: int,
+    start: Float[Array, "w"],
+    end: float,
+    *,
+    starts: Starts,
+    reason: str | None,
+    proof: RankProof | None,
+) -> WorstRank:
+    """Of window k among those that start at `start`; the nonlinear ranks are those of sampled windows from [0, end]."""
+    every = sampled_starts(path, window, end)
+    local = spectrum.local_spectra(rows.sample(path, every, window), world.anchor)
+    j, rank = spectrum.worst(local), int(lifted.rank[k])
     values, axes = excitation.directions(path, float(start[k]), window)
     return WorstRank(
+        starts=starts,
+        reason=reason,
+        proof=proof,
         rank=rank,
         at=float(start[k]),
         smallest=float(lifted.scaled[k, -1]),
@@ -67,13 +113,13 @@ def worst_rank(path: Signal, world: World, window: float, end: float) -> WorstRa
         floor=float(lifted.floor[k]),
         directions=blindness.directions(spectrum.null_basis(lifted, k), values, axes) if rank < STATES else (),
         nonlinear=int(local.rank.min()),
-        nonlinear_at=float(start[j]),
+        nonlinear_at=float(every[j]),
         nonlinear_eigenvalues=local.eigenvalues[j],
         nonlinear_floor=float(local.floor[j]),
-        count=len(start),
+        count=len(start) if proof is None else proof.decomposed,
     )
 
 
-def first_near(values: Float[Array, "n"], target: float, share: float) -> int:
+def _first_near(values: Float[Array, "n"], target: float, share: float) -> int:
     """Index of the first value within a share of the target, so that rounding does not choose among equal ones."""
     return int(np.argmax(values <= target + share * abs(target)))

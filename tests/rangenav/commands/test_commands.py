@@ -57,7 +57,7 @@ ANALYZE = {
         "lower": None,
     },
     "gramian": {
-        **dict.fromkeys(("window", "at", "rank", "tolerance", "floor", "proven", "starts")),
+        **dict.fromkeys(("window", "at", "rank", "tolerance", "floor", "proven", "starts", "rank_bound")),
         "eigenvalues": 13,
     },
     "nonlinear": {"window": None, "at": None, "eigenvalues": 9, "rank": None, "floor": None},
