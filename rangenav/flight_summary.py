@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import consistency, range_fit
+from rangenav import range_fit
 from rangenav.formats.recorded_flight import Flight
 from rangenav.inputs import Vec3
 from rangenav.logs import FEW, WORDS, Informative, Observed
@@ -18,8 +18,10 @@ from rangenav.record import DIVERGED_STD
 
 QUARTERS = 4
 """Errors are summed up over each quarter of a record; the last one tells the steady errors."""
-DIVERGED_NIS = 10.0
-"""Mean square of the innovations over their own variance, in the second half, beyond which an observer has diverged."""
+DIVERGED_FACTOR = 10**0.5
+"""Innovations that exceed their own σ by this factor on the average, in the last quarter: the observer has diverged."""
+SETTLING = 3.0
+"""Multiples of the required position error within which an observer that starts from zero may still be settling."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,29 +123,46 @@ def summarise_windows(windows: Informative) -> WindowSummary:
 
 def summarise_observer(observed: Observed) -> ObserverSummary:
     """Where the observers end, and their errors by quarters where the record has a truth."""
+    fit = range_fit.of(observed.estimate)
     degrees = None if observed.attitude_error is None else np.degrees(observed.attitude_error)
     return ObserverSummary(
         final_position=tuple(_finite(float(value)) for value in observed.position[-1]),
         innovation_rms=_rms(observed.estimate.innovation[:, 0]),
-        diverged=_diverged(observed),
+        diverged=_diverged(observed, fit),
         position=None if observed.position_error is None else _errors(observed.position_error),
         attitude=None if degrees is None else _errors(degrees),
-        fit=range_fit.of(observed.estimate),
+        fit=fit,
     )
 
 
-def _diverged(observed: Observed) -> str | None:
+def failure(observer: ObserverSummary, required: float) -> str | None:
+    """Why the observer failed on a record, one clause; None if it did not. required: the position error asked for (m).
+
+    By its own account, by its ranges, or by the truth in the last quarter of the record.
+    """
+    if observer.diverged is not None:
+        return f"the observer has diverged: {observer.diverged}"
+    if not observer.complete:
+        return "the observer's estimate overflowed"
+    if observer.fit.word == "lost":
+        return "the observer is lost: the ranges contradict it again and again"
+    last = None if observer.position is None else observer.position.quarters[-1]
+    if last is not None and last > SETTLING * required:
+        return f"the observer is {quantity(last, 'm')} off in the last quarter of the record"
+    if observer.position is None and observer.fit.collecting:
+        return "the observer has not determined the position yet"
+    return None
+
+
+def _diverged(observed: Observed, fit: RangeFit) -> str | None:
     """The observer's own account of its position, and whether its innovations are as large as it expects."""
     variances = np.diagonal(observed.estimate.covariance[-1, 0])
     if not np.all((variances >= 0) & (variances < DIVERGED_STD**2)):
         finite = np.all(np.isfinite(variances)) and np.all(variances >= 0)
         size = f"{math.sqrt(float(variances.max())):.3g} m" if finite else "no number"
         return f"its own 1-σ of the position is {size} at the end"
-    squares = consistency.innovations(observed.estimate.innovation)
-    later = squares[len(squares) // 2 :]
-    later = later[np.isfinite(later)]
-    if len(later) and float(np.mean(later)) > DIVERGED_NIS:
-        return f"its innovations are {math.sqrt(float(np.mean(later))):.3g} times as large as it expects"
+    if fit.word == "overconfident" and fit.factor is not None and fit.factor > DIVERGED_FACTOR:
+        return f"its innovations are {fit.factor:.3g} times as large as it expects"
     return None
 
 

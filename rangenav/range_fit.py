@@ -28,6 +28,9 @@ MOST_OUTLIERS = 1 / 3
 """A larger share of innovations above the gate are no outliers."""
 TINY = 1e-100
 """Below the innovations of any run: without noise they may all be 0."""
+FAR = 10**0.5
+"""Multiples of √S: larger innovations of constant gains that wait for the ranges fit nothing, although S is a design
+quantity."""
 BLIND = "fits the ranges, position cannot be told"
 COLLECTED = "fits the ranges, which contradict the guess and have not determined the position yet: constant gains"
 
@@ -38,7 +41,7 @@ class RangeFit:
 
     word: Literal["consistent", "overconfident", "correlated", "lost", "not judged"]
     factor: float | None
-    """By how much its innovations exceed their σ; None without noise-matched gains."""
+    """By how much its innovations exceed their σ; None for constant gains whose innovations are not far above it."""
     collecting: bool = False
     """Whether constant gains run in place of noise-matched ones, until the ranges determine the position."""
 
@@ -84,7 +87,12 @@ def of(estimate: Estimate) -> RangeFit:
         return RangeFit(word="not judged", factor=None)
     if phase not in (CONSTANT, COLLECTING):
         return _by_size(normalised)
-    return RangeFit(word=_by_whiteness(normalised), factor=None, collecting=phase == COLLECTING)
+    collecting = phase == COLLECTING
+    largest = max(float(np.abs(normalised).max()), TINY)
+    exceeds = largest * float(np.sqrt(np.mean((normalised / largest) ** 2)))
+    if collecting and exceeds > FAR:
+        return RangeFit(word="overconfident", factor=exceeds, collecting=True)
+    return RangeFit(word=_by_whiteness(normalised), factor=None, collecting=collecting)
 
 
 def _by_whiteness(normalised: Float[Array, "r"]) -> Literal["consistent", "correlated"]:

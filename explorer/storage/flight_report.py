@@ -72,6 +72,8 @@ class FlightReport:
     """The ranges that were used, and where their anchor comes from, one clause; empty without ranges."""
     world_source: str
     """Where gravity and magnetic field come from, one sentence."""
+    failure: str | None
+    """Why the observer failed, one clause; None if it did not, or did not run."""
 
 
 def judge(flight: Flight, options: FlightOptions) -> FlightReport:
@@ -91,9 +93,9 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     if len(flight.range) and questions:
         raise ValueError(f"{questions[0].asks}? {questions[0].evidence}: choose above where they come from")
     given = {} if chosen is None else {"gravity": chosen[0], "magnetic": chosen[1]}
-    restriction = record_checks.restriction(replace(flight, anchor=anchor, **given))
     noise = rest.noise_at_rest(flight)  # from the whole record, like the world: the judged part may not be at rest
     flight = recorded_flight.between(flight, options.begin, math.inf if options.end is None else options.end)
+    restriction = record_checks.restriction(replace(flight, anchor=anchor, **given))
     ranges_source = flight_summary.ranges_source(
         flight, anchor, synthetic=synthetic, anchor_given=options.anchor is not None
     )
@@ -116,8 +118,9 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
     if len(flight.range) and world is not None:
         sensors = logs.sensors_of(flight, range_sigma=options.range_sigma)
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
+    failure = None if observed is None else flight_summary.failure(observed, options.position_sigma)
     return FlightReport(
-        whole, windows.summary, flight_summary.summarise_windows(windows), observed, ranges_source, source
+        whole, windows.summary, flight_summary.summarise_windows(windows), observed, ranges_source, source, failure
     )
 
 

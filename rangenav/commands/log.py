@@ -89,7 +89,7 @@ def log(
     from rangenav.commands import log_inputs
     from rangenav.commands.text import layout
     from rangenav.commands.text import log as text
-    from rangenav.flight_summary import ranges_source, summarise_observer, summarise_windows
+    from rangenav.flight_summary import failure, ranges_source, summarise_observer, summarise_windows
 
     vectors = log_inputs.world_vectors(world, gravity, magnetic)
     require_within("--range-sigma", range_sigma, *log_inputs.RANGE_SIGMA, "m")
@@ -126,7 +126,9 @@ def log(
         with working(f"running the observers on {imported.source}"):
             observed = logs.observe(flight, world_model, sensors=logs.sensors_of(flight, range_sigma=range_sigma))
         report["world"] = {name: list(getattr(world_model, name)) for name in ("gravity", "magnetic", "anchor")}
-        report["observer"] = observer_report(summarise_observer(observed), blind=whole.blind)
+        summary = summarise_observer(observed)
+        failed = failure(summary, position_sigma)
+        report["observer"] = observer_report(summary, blind=whole.blind, failure=failed)
     else:
         report["observer"], report["observer_reason"] = None, "null: no ranges (--synthetic-ranges makes some)"
     if json:

@@ -81,8 +81,11 @@ def windows_report(windows: "WindowSummary", informative: "Informative") -> dict
     return report
 
 
-def observer_report(observer: "ObserverSummary", *, blind: bool) -> dict[str, Any]:
-    """The observers' estimates; errors by quarters where the file has the true motion. blind: see `WholeRecord`."""
+def observer_report(observer: "ObserverSummary", *, blind: bool, failure: str | None) -> dict[str, Any]:
+    """The observers' estimates; errors by quarters where the file has the true motion. blind: see `WholeRecord`.
+
+    failure: why the observer failed, if it did; see `flight_summary.failure`.
+    """
     report: dict[str, Any] = {
         "final_position": list(observer.final_position),
         "innovation_rms": observer.innovation_rms,
@@ -98,6 +101,8 @@ def observer_report(observer: "ObserverSummary", *, blind: bool) -> dict[str, An
             report[name]["reason"] = "null: the estimate overflowed, or no truth there"
     if observer.diverged is not None:
         report["diverged_reason"] = observer.diverged
+    if failure is not None:
+        report["failure"] = failure
     if not observer.complete:
         report["reason"] = "null: the estimate overflowed"
     return report

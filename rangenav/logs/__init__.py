@@ -7,8 +7,9 @@ A record is checked first, by `record_checks`.
 """
 
 from rangenav.logs.observers import ACCEL_DENSITY, GYRO_DENSITY, K1, Observed, observe, sensors_of
+from rangenav.logs.sliding import informative
 from rangenav.logs.whole import WholeRecord, whole
-from rangenav.logs.windows import FEW, USUAL_NOISE, WORDS, Informative, RecordVerdict, WindowVerdict, informative
+from rangenav.logs.windows import FEW, USUAL_NOISE, WORDS, Informative, RecordVerdict, WindowVerdict
 
 __all__ = [
     "ACCEL_DENSITY",

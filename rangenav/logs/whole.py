@@ -7,18 +7,12 @@ highest rank.
 """
 
 import numpy as np
-from jaxtyping import Float
-from numpy import ndarray as Array
 
 from rangenav import model
 from rangenav.formats.recorded_flight import Flight
+from rangenav.logs.sliding import LENGTHS, looks, starts
 from rangenav.logs.windows import FEW, WINDOWS, Criteria, Curves, Informative, WindowVerdict, curves, judged
 from rangenav.results import result
-
-LENGTHS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0)
-"""s, the windows that are tried."""
-LOOKS = 13
-"""Windows of each length; a length that suffices in all of them is confirmed by as many as `informative` has."""
 
 
 @result
@@ -70,7 +64,7 @@ class WholeRecord:
             return f"{first}; windows of {self.suffices:g} s suffice wherever they lie"
         if self.shortest is not None:
             return f"{first}; some windows of {self.shortest:g} s suffice, and no length suffices everywhere"
-        return f"{first}; no shorter window suffices"
+        return f"{first}; no length of window suffices"
 
 
 def whole(
@@ -90,7 +84,7 @@ def whole(
     for window in LENGTHS if restriction is None else ():
         if window >= length or (suffices is not None and best.each[at] == "observable"):
             break
-        informative = judged(record, _starts(flight, window, LOOKS), window, criteria)
+        informative = looks(record, window, criteria)
         if shortest is None and "observable" in informative.each:
             shortest = window
         if suffices is None and informative.verdict == "observable" and _confirmed(record, flight, window, criteria):
@@ -114,12 +108,8 @@ def whole(
     )
 
 
-def _starts(flight: Flight, window: float, count: int) -> Float[Array, "w"]:
-    return flight.time[0] + np.linspace(0, float(flight.time[-1] - flight.time[0]) - window, count)
-
-
 def _confirmed(record: Curves, flight: Flight, window: float, criteria: Criteria) -> bool:
-    return judged(record, _starts(flight, window, WINDOWS), window, criteria).verdict == "observable"
+    return judged(record, starts(flight, window, WINDOWS), window, criteria).verdict == "observable"
 
 
 def _order(informative: Informative, k: int) -> tuple[float, ...]:

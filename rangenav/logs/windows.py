@@ -7,6 +7,7 @@ to the record; the part is the increase of the squared singular values, scaled b
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -17,7 +18,6 @@ from scipy.interpolate import CubicHermiteSpline
 from rangenav import model, verdict
 from rangenav.formats.recorded_flight import Flight
 from rangenav.imu_motion import lifted_rows, twice_integrated
-from rangenav.inputs import require
 from rangenav.observability import quadrature, spectrum
 from rangenav.results import result
 
@@ -25,6 +25,8 @@ WINDOWS = 51
 PANELS_PER_SECOND = 1.0
 """Panels of 32 nodes: rows are exact up to 36 rad/s; D, which is integrated twice, has no faster parts."""
 MOST_PANELS = 16
+KEPT = 2
+"""Records whose curves are kept: windows and the whole of a record are judged one after the other."""
 DRAWS, STRONGER = 4, 3.0
 """Number of disturbed records, and the size of the added noise in units of the record's own."""
 NOISE_SHARE = 0.25
@@ -92,29 +94,6 @@ class Informative:
         return "; ".join(parts)
 
 
-def informative(
-    flight: Flight,
-    *,
-    window: float,
-    range_sigma: float,
-    requirement: float,
-    noise: tuple[float, float, float] | None,
-    restriction: str | None = None,
-) -> Informative:
-    """Spectra, predicted errors and verdicts over sliding windows of `window` seconds.
-
-    range_sigma: m. requirement: the predicted position error (m) above which a window of full rank is weak.
-    noise: gyro (rad/s) and accelerometer (m/s²) per sample, gyro bias (rad/s), at rest; None if unknown.
-    restriction: why the record is not judged, if it is not; see `record_checks`.
-    Raises ValueError for a window that is not shorter than the record.
-    """
-    length = float(flight.time[-1] - flight.time[0])
-    require(0 < window < length, f"the window must be shorter than the record's {length:.4g} s, got {window:g} s")
-    start = flight.time[0] + np.linspace(0, length - window, WINDOWS)
-    criteria = Criteria(range_sigma=range_sigma, requirement=requirement, restriction=restriction)
-    return judged(curves(flight, noise), start, window, criteria)
-
-
 @dataclass(frozen=True, kw_only=True)
 class Criteria:
     """What the windows of a record are judged by."""
@@ -136,6 +115,7 @@ class Curves:
     disturbed: tuple[CubicHermiteSpline, ...]
 
 
+@lru_cache(maxsize=KEPT)
 def curves(flight: Flight, noise: tuple[float, float, float] | None) -> Curves:
     """The record, twice integrated. noise: as for `informative`."""
     known = noise or (*USUAL_NOISE, 0.0)
@@ -156,7 +136,7 @@ def judged(record: Curves, start: Float[Array, "w"], window: float, criteria: Cr
         noise_part += np.maximum(spectra(curve).scaled ** 2 - undisturbed.scaled**2, 0.0) / (DRAWS * STRONGER**2)
     counted = (undisturbed.scaled > undisturbed.tolerance[:, None]) & (noise_part < NOISE_SHARE * undisturbed.scaled**2)
     motion_rank = np.sum(np.logical_and.accumulate(counted, axis=-1), axis=-1)
-    ranged = [_ranged(record, float(t), window, criteria.range_sigma) for t in start]
+    ranged = [by_ranges(record, float(t), float(t) + window, criteria.range_sigma) for t in start]
     ranges, of_ranges, sigma = (np.array(values) for values in zip(*ranged, strict=True))
     rank = np.minimum(motion_rank, of_ranges)
     sigma[rank < model.STATES] = np.nan
@@ -170,8 +150,8 @@ def judged(record: Curves, start: Float[Array, "w"], window: float, criteria: Cr
         rank=rank,
         noise=np.sqrt(noise_part),
         sigma=sigma,
-        worst=_worst(rank, undisturbed.scaled, sigma),
-        each=tuple(_verdict(*one, criteria) for one in zip(motion_rank, ranges, rank, sigma, strict=True)),
+        worst=worst(rank, undisturbed.scaled, sigma),
+        each=tuple(judge(*one, criteria) for one in zip(motion_rank, ranges, rank, sigma, strict=True)),
         restriction=criteria.restriction,
     )
 
@@ -191,25 +171,28 @@ def _disturbed(flight: Flight, noise: tuple[float, float, float], seed: int) -> 
     return replace(flight, gyro=flight.gyro + STRONGER * turned, accel=flight.accel + STRONGER * shaken)
 
 
-def _worst(rank: Int[Array, "w"], scaled: Float[Array, "w 13"], sigma: Float[Array, "w"]) -> int:
+def worst(rank: Int[Array, "w"], scaled: Float[Array, "w 13"], sigma: Float[Array, "w"]) -> int:
     """The window of lowest rank, then of largest error, or of least singular value where no error is predicted."""
     error = np.where(np.isnan(sigma), 1 / np.maximum(scaled[:, -1], np.finfo(float).tiny), sigma)
     return int(np.lexsort((-error, rank))[0])
 
 
-def _ranged(record: Curves, start: float, window: float, range_sigma: float) -> tuple[int, int, float]:
-    """Number and rank of a window's ranges, and the 1-σ position (m) at its end, NaN where they determine none.
+def by_ranges(
+    record: Curves, begin: float, end: float, range_sigma: float, *, until: float | None = None
+) -> tuple[int, int, float]:
+    """Number and rank of the ranges from `begin` to `end`, and the 1-σ position (m) that they tell at `until` (s).
 
-    Each measured range d has the weight 1/(d²σ² + ½σ⁴).
+    until: the end, if None. The position is NaN where they determine none. Each measured range d has the weight
+    1/(d²σ² + ½σ⁴).
     """
-    flight, end = record.flight, start + window
-    first, last = (int(k) for k in np.searchsorted(flight.range_time, [start, end]))
+    flight, until = record.flight, end if until is None else until
+    first, last = (int(k) for k in np.searchsorted(flight.range_time, [begin, end]))
     if last - first < model.STATES:
         return last - first, last - first, np.nan
     stamps, distance = flight.range_time[first:last], flight.range[first:last]
     variance = distance**2 * range_sigma**2 + range_sigma**4 / 2
-    scale = window ** -spectrum.LIFTED_TIME_POWERS.astype(float)
-    rows = lifted_rows(record.curve, np.array([end]), stamps - end)[0]
+    scale = (until - begin) ** -spectrum.LIFTED_TIME_POWERS.astype(float)
+    rows = lifted_rows(record.curve, np.array([until]), stamps - until)[0]
     weighted = rows * scale / np.sqrt(variance)[:, None]
     _, singular, right = np.linalg.svd(np.linalg.qr(weighted, mode="r"))
     rank = int(np.sum(singular > spectrum.RANK_TOLERANCE * singular[0]))
@@ -224,7 +207,7 @@ def _stretches(time: Float[Array, "w"], where: Bool[Array, "w"]) -> list[tuple[f
     return [(float(time[a]), float(time[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _verdict(motion_rank: int, ranges: int, rank: int, sigma: float, criteria: Criteria) -> WindowVerdict:
+def judge(motion_rank: int, ranges: int, rank: int, sigma: float, criteria: Criteria) -> WindowVerdict:
     """The verdict on one window; sigma (m) is NaN where none is predicted."""
     if criteria.restriction is None and motion_rank == model.STATES > ranges:
         return FEW

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rangenav.flight_summary import more_ranges, ranges_source, summarise_observer, summarise_windows
+from rangenav.flight_summary import failure, more_ranges, ranges_source, summarise_observer, summarise_windows
 from rangenav.formats.recorded_flight import Flight
 from rangenav.logs import Informative, Observed
 from rangenav.motion import World
@@ -32,6 +32,27 @@ def test_a_constant_error_is_its_own_root_mean_square_in_every_quarter_and_its_o
     assert summary.position.median == pytest.approx(0.25)
     assert summary.attitude.quarters == pytest.approx((3.0,) * 4)
     assert summary.final_position == (1.0, 2.0, 3.0)
+
+
+def test_an_observer_that_ends_far_from_the_truth_has_failed_and_one_that_is_settling_has_not():
+    near, far = summarise_observer(observed(1.4)), summarise_observer(observed(9.0))
+    assert failure(near, required=0.5) is None
+    assert failure(far, required=0.5) == "the observer is 9 m off in the last quarter of the record"
+    assert (
+        failure(summarise_observer(observed(np.inf)), required=0.5) is None
+    )  # no truth there, and the estimate is sound
+
+
+def test_an_observer_whose_innovations_are_far_above_their_deviation_has_diverged_by_the_same_figure():
+    """Divergence and the fit of the ranges are one judgement: no estimate fits the ranges and has diverged by them."""
+    sound = observed(None)
+    innovation = sound.estimate.innovation.copy()
+    innovation[:, 0] = 20 * np.sqrt(innovation[:, 1])
+    summary = summarise_observer(replace(sound, estimate=replace(sound.estimate, innovation=innovation, phase=None)))
+    assert summary.fit.word == "overconfident"
+    assert summary.fit.factor == pytest.approx(20.0)
+    assert summary.diverged == "its innovations are 20 times as large as it expects"
+    assert "has diverged" in str(failure(summary, required=0.5))
 
 
 def test_without_a_truth_there_is_no_error_and_an_overflow_is_none_and_never_infinite():

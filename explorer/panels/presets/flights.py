@@ -135,6 +135,8 @@ def report(source: str, flight_report: FlightReport) -> str:
     windows, whole = flight_report.windows, flight_report.whole
     summary = whole.summary.removeprefix(f"{whole.verdict}: ")
     head = f"{source}: {SIGNS[whole.verdict]} {whole.verdict}: {summary}"
+    if flight_report.failure is not None and whole.verdict in ("observable", "weak"):
+        head = f"{source}: {SIGNS['weak']} {whole.verdict}: {summary}; but {flight_report.failure}"
     worst = f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"
     if windows.worst_rank < windows.motion_rank:
         ranges = "1 range" if windows.worst_ranges == 1 else f"{windows.worst_ranges} ranges"

@@ -35,13 +35,15 @@ def report(
     windows, observer = answer["informative"], answer["observer"]
     ranges, synthetic = answer["ranges_source"] or "", "--synthetic-ranges" in options
     few = more_ranges(windows["windows"])
-    sign: Sign = SIGNS[whole.verdict]  # pyright: ignore[reportAssignmentType]
+    failure = "" if observer is None or whole.verdict not in ("observable", "weak") else observer.get("failure", "")
+    sign: Sign = "!" if failure else SIGNS[whole.verdict]  # pyright: ignore[reportAssignmentType]
+    verdict = f"{_answer(whole, required)}, {ranges}" if synthetic else _answer(whole, required)
     shown, sensed = windows["eigenvalues"], windows["motion_rank"]
     noise = shown[len(shown) - sensed - 1] if sensed < len(shown) else 0.0
     return Report(
         subject=answer["file"],
         sign=sign,
-        answer=f"{_answer(whole, required)}, {ranges}" if synthetic else _answer(whole, required),
+        answer=f"{verdict}; but {failure}" if failure else verdict,
         groups=(
             *group("the file", _file(answer), "" if synthetic else ranges, _findings(answer["findings"])),
             *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows), few),
@@ -97,7 +99,7 @@ def _lengths(whole: WholeRecord) -> str:
     if whole.shortest is not None:
         length = quantity(whole.shortest, "s")
         return f"some windows of {length} are observable; no length is observable everywhere"
-    return "" if whole.restriction is not None or whole.verdict == FEW else "no shorter window is observable"
+    return "" if whole.restriction is not None or whole.verdict == FEW else "no length of window is observable"
 
 
 def _file(answer: Json) -> str:
