@@ -1,6 +1,5 @@
 """The rank of slow and long motions: decided by what polynomials leave of the 13 functions, against 60 digits."""
 
-
 import numpy as np
 import pytest
 from msgspec.structs import replace
