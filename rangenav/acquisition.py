@@ -26,10 +26,13 @@ Where they are already running, they go on instead, unless their position contra
 
     eᵀ(P_pp + P̂_pp)⁻¹e > 30.66,   e the difference of the two positions; probability 1e-6 where both are right
 
-A collection whose IMU noise outweighs its ranges begins anew; a range that the collected ones exclude at 6 σ is left
-out. Alarms begin a collection, unless one is going on, at most three times; gains given up after that are lost, and
-constant gains stay. The numbers and their reasons stand in `kernels.layout`. The functions below are the reference
-implementation, which is meant to be read and tests the compiled one.
+A range that the collected ones exclude at 6 σ is left out. A collection whose IMU noise outweighs its ranges begins
+anew. If no matched gains are running and few ranges were outliers, they then start from x̂ = (½d², 0, …) and a P that
+excludes no place at the distance d and no speed below σ_v, 10 σ_v or 100 σ_v of P(0), at the first, second and third
+time. Alarms begin a collection, unless one is going on. At most three times may a collection begin by an alarm or gains
+start in this way; gains given up after that are lost, and constant gains stay. The numbers and their reasons stand in
+`kernels.layout`. The functions below are the reference implementation, which is meant to be read and tests the compiled
+one.
 """
 
 from dataclasses import replace
@@ -185,9 +188,29 @@ def _misfit(of: Collection) -> float:
     return max(1.0, of.triangle[-1, -1] ** 2 / (of.count - model.STATES))
 
 
-def exhausted(of: Collection) -> bool:
-    """Whether another collection should begin: the IMU's noise outweighs the ranges, or too many are outliers."""
-    return of.weight > layout.IMU_SHARE * of.count or of.refused > layout.MOST_REFUSED + of.count / 2
+def outweighed(of: Collection) -> bool:
+    """Whether the IMU's noise outweighs the ranges: another collection should begin."""
+    return of.weight > layout.IMU_SHARE * of.count
+
+
+def refuted(of: Collection) -> bool:
+    """Whether too many of the ranges are outliers: another collection should begin."""
+    return of.refused > layout.MOST_REFUSED + of.count / 2
+
+
+def clean(of: Collection) -> bool:
+    """Whether the ranges fit a motion so well, and so few are outliers, that gains may start which exclude no place."""
+    fits = bool(of.triangle[-1, -1] ** 2 <= layout.LOOSEST_SCALE * of.count)
+    return fits and of.refused <= layout.CLEAN_SHARE * of.count
+
+
+def anywhere(square: float, p0: Float[Array, "13 13"], tried: int) -> tuple[Array, Array]:
+    """x̂ and P that exclude no place at a distance (square: m², its mean), and no speed below 10^tried times P(0)'s."""
+    speed, gravity = np.sqrt(p0[7, 7]) * 10.0**tried, np.sqrt(p0[10, 10])
+    x = np.zeros(model.STATES)
+    x[0] = square / 2
+    xi = [square, np.sqrt(square) * speed, speed**2 + np.sqrt(square) * gravity, 3 * speed * gravity]
+    return x, np.diag(np.square(xi + 3 * [np.sqrt(square)] + 3 * [speed] + 3 * [gravity]))
 
 
 def solved(of: Collection) -> tuple[Array, Array, float] | None:

@@ -19,7 +19,7 @@ class Gains(Input, frozen=True, kw_only=True):
     mode: Literal["constant", "noise-matched"] = "constant"
     """noise-matched: q and v follow from the sensors' noise at the current estimate, and the estimate is corrected with
     the constraint ξ1 = ½|p|², which the linear observer does not enforce. They start from x̂(0) and p0. Where the
-    ranges contradict these, constant gains run until the ranges alone determine the state (see `acquisition`). The
+    ranges contradict these, constant gains run until the matched ones can start without them (see `acquisition`). The
     theorem assumes constant gains and no such correction."""
     riccati: RiccatiGains = RiccatiGains()
     attitude: AttitudeGains = AttitudeGains()

@@ -179,7 +179,9 @@ class _Observer:
         return replace(now, reopened=now.reopened + 1, collection=acquisition.collection())
 
     def _started(self, now: _Now, of: Collection) -> _Now:
-        if acquisition.exhausted(of):
+        if acquisition.outweighed(of) and acquisition.clean(of) and now.phase == acquisition.COLLECTING:
+            return self._widened(now, of.mean_square)
+        if acquisition.outweighed(of) or acquisition.refuted(of):
             return replace(now, collection=acquisition.collection())
         if of.count <= STATES or of.elapsed < of.next_check:
             return now
@@ -196,6 +198,13 @@ class _Observer:
             return replace(now, collection=None)
         begun = {"phase": acquisition.MATCHED, "watch": acquisition.watch(misfit)}
         return replace(now, x=x, P=P, collection=None, **begun)
+
+    def _widened(self, now: _Now, square: float) -> _Now:
+        if now.reopened == layout.REOPENINGS:
+            return replace(now, phase=acquisition.LOST, collection=None)
+        x, P = acquisition.anywhere(square, self.p0, now.reopened)
+        begun = {"phase": acquisition.MATCHED, "watch": acquisition.watch(1.0), "collection": acquisition.collection()}
+        return replace(now, x=x, P=P, reopened=now.reopened + 1, **begun)
 
 
 def _due_at_start(z: Measurements, observer: _Observer, now: _Now) -> tuple[float, float] | None:

@@ -11,6 +11,7 @@ from rangenav.kernels.layout import (
     ALARM,
     ALARM_RANGES,
     CHECK_GROWTH,
+    CLEAN_SHARE,
     COLLECTING,
     COLLECTS,
     CONTRADICTION,
@@ -132,8 +133,12 @@ def start(a, x, P, p):
 
     Matched gains that run from the prior go on, unless their position contradicts that of the ranges.
     """
-    if a[WEIGHT] > IMU_SHARE * a[COUNT] or a[REFUSED] > MOST_REFUSED + a[COUNT] / 2:
+    outweighed = a[WEIGHT] > IMU_SHARE * a[COUNT]
+    if outweighed or a[REFUSED] > MOST_REFUSED + a[COUNT] / 2:
+        clean = a[FIT] <= LOOSEST_SCALE * a[COUNT] and a[REFUSED] <= CLEAN_SHARE * a[COUNT]
         collect_anew(a)
+        if outweighed and clean and a[PHASE] == COLLECTING:
+            _widen(a, x, P, p)
         return
     if a[COUNT] <= N or a[ELAPSED] < a[NEXT_CHECK]:
         return
@@ -165,6 +170,27 @@ def start(a, x, P, p):
         return
     x[:], P[:] = state, covariance
     a[PHASE], a[SCALE] = MATCHED, min(misfit, LOOSEST_SCALE)
+    a[WINDOW_COUNT] = a[WINDOW_SUM] = a[WINDOW_SIZE] = 0.0
+
+
+@kernel
+def _widen(a, x, P, p):
+    """Matched gains from x̂ and P that exclude no place at the measured distance, and no speed below 1, 10 or 100 times
+    that of P(0); lost at the fourth time."""
+    if a[REOPENED] == REOPENINGS:
+        a[PHASE], a[COLLECTS] = LOST, 0.0
+        return
+    square, speed, gravity = a[MEAN_SQUARE], np.sqrt(p.p0[2]) * 10.0 ** a[REOPENED], np.sqrt(p.p0[3])
+    distance = np.sqrt(square)
+    x[:], P[:] = 0.0, 0.0
+    x[0], P[0] = square / 2, square * square
+    P[N + 1] = square * speed * speed
+    P[2 * (N + 1)] = (speed * speed + distance * gravity) ** 2
+    P[3 * (N + 1)] = (3 * speed * gravity) ** 2
+    for i in range(3):
+        P[(N + 1) * (4 + i)], P[(N + 1) * (7 + i)], P[(N + 1) * (10 + i)] = square, speed * speed, gravity * gravity
+    a[REOPENED] += 1
+    a[PHASE], a[SCALE] = MATCHED, 1.0
     a[WINDOW_COUNT] = a[WINDOW_SUM] = a[WINDOW_SIZE] = 0.0
 
 

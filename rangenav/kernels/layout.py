@@ -30,9 +30,14 @@ and 5.6 s."""
 IMU_SHARE = 0.75
 """A collection begins anew when the IMU's noise is more than this share of the variance of its ranges on average: older
 ranges then no longer help. It also keeps blind motions blind: on ten of them, 300 s each, the 1-σ position never falls
-below the distance, although noise alone makes every triangle one of rank 13."""
+below the distance, although noise alone makes every triangle one of rank 13. Matched gains that are not running then
+start from a P that excludes nothing: on trial 21 of BROAD with an anchor 100 m away they are 9 m off after 105 s with
+an own σ of 10 m, where constant gains are 15 m off with .3 m."""
 MOST_REFUSED = 16
 """A collection begins anew when more ranges than these and half of the others are outliers: it began with one."""
+CLEAN_SHARE = 0.125
+"""Matched gains start from a P that excludes nothing only if no larger share of the ranges were outliers, and if χ²/m
+of the others is below LOOSEST_SCALE: otherwise they would follow outliers."""
 CHECK_GROWTH = 1.02
 """A collection is solved again when it has become this much longer: .1 µs a step on average."""
 GATE = 36.0
@@ -52,7 +57,8 @@ CONTRADICTION = 30.66
 """χ² with 3 degrees of freedom exceeds this with probability 1e-6: the position of the matched gains then contradicts
 the collected ranges."""
 REOPENINGS = 3
-"""Collections that alarms may begin; gains that are given up after these are lost."""
+"""Collections that alarms may begin, and starts from a P that excludes nothing; gains that are given up after these are
+lost."""
 MATCHED_V = (1e-6, 1e-6, 1e-6, 1e-6)
 """The floor of the process noise of matched gains, in the four blocks: the least v that is allowed."""
 
