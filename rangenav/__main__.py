@@ -44,7 +44,8 @@ def ask(error: OpenQuestionsError) -> NoReturn:
     Several questions end with the command that answers all of them as suggested.
     """
     several = len(error.questions) > 1
-    command = shlex.join([PROGRAM, *sys.argv[1:]]) + "".join(f" {one}" for one in answers(error.questions))
+    kept = _without_flags(sys.argv[1:], {question.flag for question in error.questions})
+    command = shlex.join([PROGRAM, *kept]) + "".join(f" {one}" for one in answers(error.questions))
     if not sys.stderr.isatty():
         fail(f"{error}; {IN_ONE} {command}" if several else str(error))
     for sentence in (error.rule, *(question.text for question in error.questions)):
@@ -52,6 +53,17 @@ def ask(error: OpenQuestionsError) -> NoReturn:
     if several:
         print(IN_ONE, *folded_command(command, COLUMNS), sep="\n", file=sys.stderr)
     raise SystemExit(2)
+
+
+def _without_flags(typed: list[str], flags: set[str]) -> list[str]:
+    """What was typed without flags whose values were no answer, so that the command does not have them twice."""
+    kept, dropping = [], False
+    for one in typed:
+        if one.startswith("--"):
+            dropping = one.partition("=")[0] in flags and one.partition("=")[0] != "--columns"
+        if not dropping:
+            kept.append(one)
+    return kept
 
 
 def answers(questions: Iterable[Question]) -> list[str]:

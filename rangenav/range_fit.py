@@ -32,6 +32,7 @@ FAR = 10**0.5
 """Multiples of √S: larger innovations of constant gains that wait for the ranges fit nothing, although S is a design
 quantity."""
 BLIND = "fits the ranges, position cannot be told"
+NOT_JUDGED = f"the fit is not judged: fewer than {FEWEST} ranges in the last quarter"
 COLLECTED = "fits the ranges, which contradict the guess and have not determined the position yet: constant gains"
 
 
@@ -55,7 +56,7 @@ class RangeFit:
             return f"overconfident ×{self.factor:.2g}"
         if self.word == "correlated":
             return "not settled on the ranges: the innovations have a mean or are correlated"
-        return "too few ranges to judge by" if self.word == "not judged" else self.word
+        return NOT_JUDGED if self.word == "not judged" else self.word
 
     def report(self, *, blind: bool) -> dict[str, str | float]:
         """As a JSON object; `factor` only where there is one."""

@@ -53,11 +53,12 @@ class Rest:
         """Gravity, field and gyro bias at rest, as one clause."""
         size, bias = float(np.linalg.norm(self.gravity)), np.degrees(np.linalg.norm(self.gyro_bias))
         dip = np.degrees(np.arcsin(np.clip(np.dot(self.gravity, self.magnetic) / size, -1, 1)))
+        side = "below" if dip >= 0 else "above"
         frame = "in the frame of the file's attitude" if self.aligned else "with x towards magnetic north"
         odd = "" if USUAL_GRAVITY[0] <= size <= USUAL_GRAVITY[1] else " (not the earth's: is the scale right?)"
         return (
-            f"the first {self.seconds:.3g} s are still and give gravity {size:.3f} m/s²{odd} and a field {dip:.1f}° "
-            f"below the horizon, {frame}; the gyro reads {bias:.2g}°/s at rest"
+            f"the first {self.seconds:.3g} s are still and give gravity {size:.3f} m/s²{odd} and a field "
+            f"{abs(dip):.1f}° {side} the horizon, {frame}; the gyro reads {bias:.2g}°/s at rest"
         )
 
 
@@ -147,11 +148,12 @@ def world_of(
 
 
 def _question(suggestion: str | None, evidence: str) -> Question:
+    """Where gravity and field point. The still start is an option only where it is suggested: else it tells neither."""
     return Question(
         key="world",
         flag="--world",
         asks="where do gravity and the magnetic field point",
-        options=("still", "given --gravity X Y Z --magnetic X Y Z"),
+        options=(*(("still",) if suggestion else ()), "given --gravity X Y Z --magnetic X Y Z"),
         suggestion=suggestion,
         evidence=evidence,
     )

@@ -172,12 +172,15 @@ def repeated(time: Float[Array, "n"]) -> Bool[Array, "n"]:
     return np.asarray(~(time > before))
 
 
-def lines(numbers: Array) -> str:
-    """Line numbers for a message: a few one by one, of many the first ones and the last."""
+def lines(numbers: Array, *, counted: bool = False) -> str:
+    """Line numbers for a message: a few one by one, of many the first ones and the last.
+
+    counted: whether the sentence has their count already.
+    """
     if len(numbers) <= NAMED:
         return ("line " if len(numbers) == 1 else "lines ") + ", ".join(str(int(number)) for number in numbers)
     named = ", ".join(str(int(number)) for number in numbers[:NAMED])
-    return f"lines {named} … {int(numbers[-1])} ({len(numbers)} in all)"
+    return f"lines {named} … {int(numbers[-1])}{'' if counted else f' ({len(numbers)} in all)'}"
 
 
 def increasing(time: Float[Array, "n"], table: Table) -> None:

@@ -67,7 +67,7 @@ def outliers(flight: Flight) -> Evidence | None:
     low, high = float(size[bad].min()), float(size[bad].max())
     span = significant(high) if significant(low) == significant(high) else f"{significant(low)} to {significant(high)}"
     by = "what their neighbours allow" if residuals(flight) is None else "the distance from the true position"
-    where = "" if flight.range_lines is None else f", on {lines(flight.range_lines[bad])}"
+    where = "" if flight.range_lines is None else f", on {lines(flight.range_lines[bad], counted=True)}"
     count = "1 of" if bad.sum() == 1 else f"{int(bad.sum())} of"
     is_off = "is" if bad.sum() == 1 else "are"
     text = f"{count} {len(bad)} ranges {is_off} {span} m off {by}{where}"

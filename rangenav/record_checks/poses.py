@@ -39,6 +39,6 @@ def lost_poses(flight: Flight) -> Evidence | None:
     rows = lost(flight)
     if not rows.any():
         return None
-    where = "" if flight.lines is None else f", on {lines(flight.lines[rows])}"
+    where = "" if flight.lines is None else f", on {lines(flight.lines[rows], counted=True)}"
     text = f"{int(rows.sum())} of {len(rows)} positions are 0 0 0 and far from their neighbours{where}"
     return Evidence(text=text, suggestion="drop")

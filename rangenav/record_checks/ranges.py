@@ -68,12 +68,14 @@ def values(flight: Flight) -> Evidence | None:
     if not bad.any():
         return None
     kinds, count = np.unique(flight.range[bad], return_counts=True)
+    where = "" if flight.range_lines is None else f", on {lines(flight.range_lines[bad], counted=True)}"
+    if bad.all() and len(kinds) == 1:
+        text = f"all {len(bad)} ranges are the same, {kinds[0]:g} m, and no distances of this motion{where}"
+        return Evidence(text=text, suggestion="drop")
     order = np.argsort(-count, kind="stable")[:NAMED]
     named = ", ".join(f"{count[k]} of {kinds[k]:g} m" for k in order)
     more = f" and {len(kinds) - NAMED} other values" if len(kinds) > NAMED else ""
-    where = "" if flight.range_lines is None else f", on {lines(flight.range_lines[bad])}"
-    same = "all the same, and " if bad.all() and len(kinds) == 1 else ""
-    text = f"{int(bad.sum())} of {len(bad)} ranges are {same}no distances of this motion: {named}{more}{where}"
+    text = f"{int(bad.sum())} of {len(bad)} ranges are no distances of this motion: {named}{more}{where}"
     return Evidence(text=text, suggestion="drop")
 
 

@@ -57,6 +57,7 @@ CHECKS: tuple[Check, ...] = (
         asks="what to do with positions of 0 0 0",
         options=("drop", "keep"),
         correct=corrections.lost_poses,
+        said={"drop": "positions of 0 0 0 not used", "keep": "positions of 0 0 0 used"},
         default="drop",
     ),
     Check(
@@ -270,6 +271,7 @@ CHECKS: tuple[Check, ...] = (
         asks="what to do with ranges that are no distances",
         options=("drop", "keep"),
         correct=corrections.range_values,
+        said={"drop": "ranges that are no distances not used", "keep": "ranges that are no distances used"},
         default="drop",
     ),
     Check(
@@ -282,6 +284,7 @@ CHECKS: tuple[Check, ...] = (
         asks="how often does a range count that stands on several rows",
         options=("once", "each"),
         correct=corrections.held_ranges,
+        said={"once": "held ranges counted once", "each": "held ranges counted on each row"},
         default="once",
     ),
     Check(
@@ -294,6 +297,7 @@ CHECKS: tuple[Check, ...] = (
         asks="what to do with single ranges that are far off",
         options=("drop", "keep"),
         correct=corrections.range_outliers,
+        said={"drop": "ranges that are far off not used", "keep": "ranges that are far off used"},
         default="drop",
     ),
     rows.unit(

@@ -1,6 +1,7 @@
 """Recorded flights: what their IMU alone tells of observability, what a rest tells of the world, and a real one."""
 
 import functools
+from dataclasses import replace
 
 import msgspec
 import numpy as np
@@ -379,3 +380,21 @@ def test_before_broads_motion_begins_no_window_is_informative():
     informative = seen(recorded_flight.between(broad(), 0.0, 35.0), 6.0, noise=noise)
     assert (informative.verdict, int(informative.motion_rank.max())) == ("blind", 5)
     assert informative.summary == "nowhere informative: no window of 6 s reaches rank 13"
+
+
+def test_the_still_start_is_offered_only_where_it_tells_gravity_and_field():
+    """A record in motion at its start, or one whose accelerometer reads no gravity, has to be told where they point."""
+    n = 400
+    time, still = np.arange(n) / 100, np.zeros((n, 3))
+    gravity, field = np.tile([0.0, 0.0, 9.81], (n, 1)), np.tile([0.6, 0.0, 0.8], (n, 1))
+    flight = Flight(time=time, gyro=still, accel=gravity, mag=field, range_time=time, range=1 + time)
+
+    def offered(record: Flight) -> tuple[tuple[str, ...], str]:
+        _, (question,), _ = rest.world_of(record, anchor=(0.0, 0.0, 0.0))
+        return question.options, question.evidence
+
+    given = "given --gravity X Y Z --magnetic X Y Z"
+    assert offered(flight)[0] == ("still", given)
+    assert "a field 53.1° above the horizon" in offered(flight)[1]
+    assert offered(replace(flight, accel=0.01 * gravity))[0] == (given,)
+    assert offered(replace(flight, gyro=still + 1.0))[0] == (given,)

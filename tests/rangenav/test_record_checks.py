@@ -286,7 +286,7 @@ def test_ranges_that_are_all_the_same_are_none(hand_held: Flight, value: float):
     """Zeros look perfect: the variance of ½d² vanishes at d = 0."""
     after = record_checks.check(replace(hand_held, range=np.full_like(hand_held.range, value)), {})
     assert len(after.flight.range) == 0
-    assert "all the same" in after.findings[0]
+    assert after.findings[0].startswith(f"all {len(hand_held.range)} ranges are the same, {value:g} m")
     seen = logs.whole(after.flight, range_sigma=0.1, requirement=0.5, noise=None)
     assert (seen.verdict, seen.rank) == ("too few ranges", 0)
 

@@ -554,3 +554,31 @@ def test_a_euroc_truth_in_nanoseconds_since_1970_keeps_its_microseconds():
     imported = euroc.parse_truth("\n".join([header, *rows]).encode(), source="data.csv", confirm={}, knots=0.1)
     assert imported.duration == pytest.approx(t[-1], abs=1e-6)
     assert imported.rate == pytest.approx(200, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("order", "said"),
+    [
+        (lambda n: np.arange(n)[::-1], "the rows run backwards in time"),
+        (lambda n: np.random.default_rng(5).permutation(n), "the rows are out of order"),
+        (lambda n: np.zeros(n, dtype=int), "rounded, as spreadsheets do, or no clock"),
+    ],
+)
+def test_rows_that_run_backwards_or_are_out_of_order_are_told_from_rounded_stamps(order, said):
+    rows = [f"{k / 50},0,0,0,0,0,9.81" for k in order(300)]
+    data = "\n".join(
+        ["t [s],gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],accel_x [m/s2],accel_y [m/s2],accel_z [m/s2]", *rows]
+    )
+    with pytest.raises(ValueError, match=said):
+        formats.parse(data.encode(), "log", source="x.csv", confirm={"frame": "z-up"})
+
+
+@pytest.mark.parametrize(("step", "asked"), [(0.02, False), (1.0, False), (20.0, True)])
+def test_a_slow_imu_in_stated_seconds_is_none_in_milliseconds(step, asked):
+    """1 Hz is slow and possible; 0.05 Hz is no rate of an IMU, and in ms it is 50 Hz."""
+    rows = [f"{step * k:g},0,0,0,0,0,9.81" for k in range(40)]
+    data = "\n".join(
+        ["t [s],gyro_x [rad/s],gyro_y [rad/s],gyro_z [rad/s],accel_x [m/s2],accel_y [m/s2],accel_z [m/s2]", *rows]
+    )
+    imported = formats.parse(data.encode(), "log", source="x.csv", confirm={"frame": "z-up"})
+    assert [(one.key, one.suggestion) for one in imported.questions] == ([("time", "ms")] if asked else [])
