@@ -81,13 +81,22 @@ def rank_over_every_window(path: Signal, gravity: Vec3, duration: float, window:
     duration = number("duration", duration)
     require(window <= duration, f"window must be no longer than the flight, {duration:g} s, got {window:g} s")
     last = duration - window
-    edges = _edges(path, last, window)
-    flight, sampled = cores.of_flight(path, gravity, last, window), _Sampled()
-    _sample(flight, np.linspace(0.0, last, FEW), sampled)
+    sampled = _Sampled()
+    if last > MOST * FIRST * window:
+        _sample(path, gravity, window, np.linspace(0.0, last, FEW), sampled)
+        return _only_sampled(sampled, last)
+    edges, flight = _edges(path, last, window), cores.of_flight(path, gravity, last, window)
+    _sample(path, gravity, window, np.linspace(0.0, last, FEW), sampled)
     proved, pending = _proved(flight, edges, sampled)
     if sampled.rank == STATES and len(pending.begin) == 0:
         weakest = np.argsort(cores.margin(proved, STATES))[:FEW]
-        _sample(flight, np.concatenate([proved.begin[weakest], proved.end[weakest]]), sampled)
+        _sample(
+            flight.path,
+            flight.gravity,
+            flight.window,
+            np.concatenate([proved.begin[weakest], proved.end[weakest]]),
+            sampled,
+        )
         proved = _tightened(flight, proved, sampled) if flight.bounded else proved
     every = proved.joined(pending)
     margin = cores.margin(every, sampled.rank)
@@ -123,13 +132,31 @@ def _edges(path: Signal, last: float, window: float) -> Float[Array, "n"]:
     return edges[np.diff(edges, prepend=-np.inf) > knots.SAME]
 
 
-def _sample(flight: Flight, starts: Array, sampled: _Sampled) -> None:
+def _only_sampled(sampled: _Sampled, last: float) -> RankProof:
+    """Of a flight of more windows than can be decomposed."""
+    full = sampled.rank == STATES
+    return RankProof(
+        rank=sampled.rank,
+        proved=False,
+        at=sampled.at,
+        unproved=((0.0, last),),
+        margin=0.0,
+        smallest_singular=None,
+        smallest_found=float(sampled.singular[0]) if full else None,
+        eigenvalue=None,
+        eigenvalue_found=float(sampled.singular[1] ** 2) if full else None,
+        quadrature=0.0,
+        decomposed=sampled.decomposed,
+    )
+
+
+def _sample(path: Signal, gravity: Vec3, window: float, starts: Array, sampled: _Sampled) -> None:
     """Take the weakest of the windows that start there."""
-    for part in cores.parts(flight.path, np.unique(starts), flight.window):
-        samples = rows.sample(flight.path, part, flight.window)
-        of = gramian_rank.of(samples, flight.gravity, samples.weight, "start")
+    for part in cores.parts(path, np.unique(starts), window):
+        samples = rows.sample(path, part, window)
+        of = gramian_rank.of(samples, gravity, samples.weight, "start")
         sampled.decomposed += len(part)
-        singular = cores.least_singular(of, flight.window, [np.zeros((7, 7))] * 2)
+        singular = cores.least_singular(of, window, [np.zeros((7, 7))] * 2)
         k = int(np.lexsort((singular[:, 0], of.rank))[0])
         if (of.rank[k], singular[k, 0]) < (sampled.rank, sampled.singular[0]):
             sampled.rank, sampled.at = int(of.rank[k]), float(part[k])
@@ -155,7 +182,7 @@ def _proved(flight: Flight, edges: Array, sampled: _Sampled) -> tuple[Stretches,
             break
         middle = (pending.begin + pending.end) / 2
         own = [pending.begin, pending.end] if halving == 0 else []
-        _sample(flight, np.concatenate([middle, *own]), sampled)
+        _sample(flight.path, flight.gravity, flight.window, np.concatenate([middle, *own]), sampled)
         open_ = cores.margin(pending, sampled.rank) <= 1.0
         proved, pending, middle = proved.joined(pending.some(~open_)), pending.some(open_), middle[open_]
         if len(pending.begin) == 0:
@@ -177,7 +204,7 @@ def _tightened(flight: Flight, proved: Stretches, sampled: _Sampled) -> Stretche
             break
         some = proved.some(widest)
         middle = (some.begin + some.end) / 2
-        _sample(flight, middle[np.argsort(some.least[:, 0])[:FEW]], sampled)
+        _sample(flight.path, flight.gravity, flight.window, middle[np.argsort(some.least[:, 0])[:FEW]], sampled)
         begin, end = np.concatenate([some.begin, middle]), np.concatenate([middle, some.end])
         proved = proved.some(~widest).joined(_cores(flight, begin, end, float(some.width[0]) / 2, sampled))
     return proved

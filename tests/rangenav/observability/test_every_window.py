@@ -4,15 +4,20 @@ import math
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
-from rangenav import preset
+from rangenav import analysis, preset
 from rangenav.inputs import Vec3
 from rangenav.observability import spectrum
 from rangenav.observability.every_window import rank_over_every_window
+from rangenav.preset import Requirement
 from rangenav.signals import Formula, Multisine, Polynomials, Signal, Sum, Tone, Waypoint, Waypoints
 from rangenav.signals.polynomials import Piece
 
+pytestmark = pytest.mark.slow
+
 GRAVITY: Vec3 = (0.0, 0.0, 9.81)
+SOFT = preset.load("soft")
 LISSAJOUS = Multisine(
     tones=(
         Tone(axis="x", amplitude=1.0, frequency=2.0),
@@ -133,3 +138,24 @@ def test_one_window_is_its_own_flight_and_what_fits_in_none_is_refused():
     assert rank_over_every_window(LISSAJOUS, GRAVITY, 6.0, 6.0).proved
     with pytest.raises(ValueError, match="window must be no longer than the flight, 5 s, got 6 s"):
         rank_over_every_window(LISSAJOUS, GRAVITY, 5.0, 6.0)
+
+
+def test_of_more_windows_than_can_be_decomposed_the_rank_is_sampled():
+    proof = rank_over_every_window(LISSAJOUS, GRAVITY, 1e6, 6.0)
+    assert (proof.rank, proof.proved, proof.unproved) == (13, False, ((0.0, 1e6 - 6.0),))
+    assert proof.smallest_singular is None
+
+
+def test_analysis_names_the_pause_between_its_samples():
+    """The worst of the sampled windows has rank 13; the analysis is blind where the path rests for one window."""
+    pausing = replace(
+        SOFT,
+        sensors=replace(SOFT.sensors, range_rate=5.0),
+        path=hops([HOP] * 401 + [4.0] + [HOP] * 719, 7),
+        duration=60.0,
+        angular_velocity=Multisine(),
+        requirement=Requirement(window=4.0, mu=1e-9),
+    )
+    found = analysis.analyse(pausing)
+    assert (found.verdict.word, found.rank) == ("blind", 5)
+    assert found.gramian_at == pytest.approx(401 * HOP, abs=1e-3)
