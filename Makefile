@@ -62,6 +62,7 @@ bench: $(VENV)/installed-bench
 	$(BIN)/python benchmarks/estimators.py
 	$(BIN)/python benchmarks/observability.py
 	$(BIN)/python benchmarks/rank.py
+	$(BIN)/python benchmarks/truth.py
 	$(BIN)/python benchmarks/ensemble.py
 	$(BIN)/python benchmarks/starts.py
 	$(BIN)/python benchmarks/live.py

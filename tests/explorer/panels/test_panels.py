@@ -3,7 +3,9 @@
 import dataclasses
 import html
 import math
+import time
 from typing import Any
+from unittest.mock import MagicMock
 
 import msgspec
 import pytest
@@ -277,6 +279,37 @@ def test_printed_switches_that_are_on_are_labelled():
 def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):
     assert off in MISPRINTS[switch].consequence(_computed("paper-slow"))
     assert on in MISPRINTS[switch].consequence(_computed("paper-slow", **{switch: True}))
+
+
+def _verdict_shown(picture: compute.Picture) -> str:
+    gui = MagicMock()
+    verdict.VerdictPanel(gui).draw(picture)
+    return gui.add_html.return_value.content
+
+
+def test_the_verdict_of_sampled_windows_is_marked_until_all_windows_are_judged():
+    moving = _computed("paper-slow")
+    assert moving.analysis.proof is None
+    sampled, proven = _verdict_shown(moving), _verdict_shown(moving.proven())
+    assert "● ≈ OBSERVABLE" in sampled
+    assert "≈" not in proven
+    assert "● OBSERVABLE" in proven
+    assert "1.81 m" in proven  # of the worst window, which no sample of 101 has
+    assert "1.81 m" not in sampled
+
+
+def test_the_dock_replaces_the_verdict_of_sampled_windows_as_soon_as_the_other_is_there(dock: Dock):
+    shown: list[compute.Picture] = []
+    dock.verdict.draw = shown.append  # pyright: ignore[reportAttributeAccessIssue]
+    picture = _computed("hover")
+    dock.prove(picture)
+    for _ in range(200):
+        dock.form.deliver()
+        if shown:
+            break
+        time.sleep(0.05)
+    assert [one.analysis.proof is not None for one in shown] == [True]
+    assert shown[0].settings == picture.settings
 
 
 def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_very_file():
