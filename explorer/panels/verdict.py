@@ -116,7 +116,8 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     rows = [("rank", rank)]
     if analysis.directions:
         rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.summary)}" for direction in analysis.directions)))
-    met = "✓" if analysis.mu >= needed.mu else "✕"
+    proven = None if analysis.proof is None else analysis.proof.excitation.meets(needed.mu)
+    met = "✕" if analysis.mu < needed.mu else "✓" if proven or analysis.proof is None else "? not proven:"
     where = f"over δ = {needed.window:g} s from {significant(analysis.mu_at)} s"
     mu = (
         f"<b>{about}{number(analysis.mu)}</b> m²/s⁷"

@@ -8,6 +8,7 @@ from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.commands.text.verdict import accuracy_lines, flight_lines, headline, unjudged_help
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
+from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset
 
 NONLINEAR_STATES = 9
@@ -50,8 +51,16 @@ def excitation_lines(preset: Preset, analysis: Analysis) -> list[str]:
     least = f"{quantity(analysis.mu, MU)} from {quantity(analysis.mu_at, 's')}"
     mu = f"excitation μ {least}" if excited else "no excitation (μ 0)"
     alone = continuity.pieces_alone(preset.path, preset.duration)
-    reached = f"{mu}, required {significant(needed)}: {met(analysis.mu >= needed)}"
-    lines = [reached, *([] if alone is None else [alone])]
-    if analysis.bound_for_all_t is None:
-        return [*lines, "μ is not bounded at every time: the path does not repeat, or its snap has no bound"]
-    return [*lines, f"μ is at least {quantity(analysis.bound_for_all_t, MU)} at every time"] if excited else lines
+    proven = None if analysis.proof is None else analysis.proof.excitation.meets(needed)
+    answer = "? met on sampled windows, not proven of all" if proven is None else met(proven)
+    reached = f"{mu}, required {significant(needed)}: {answer}"
+    return [reached, *([] if alone is None else [alone]), *(_bounded(analysis) if excited else [])]
+
+
+def _bounded(analysis: Analysis) -> list[str]:
+    """What no window falls below, and which windows that is said of."""
+    found = None if analysis.proof is None else analysis.proof.excitation
+    if found is None or found.lower is None:
+        return ["μ is sampled: nothing is known to bound the path's snap"]
+    where = "at every time" if found.starts == EVERY else "in every window of the flight"
+    return [f"μ is at least {quantity(found.lower, MU)} {where}"]

@@ -32,7 +32,8 @@ from rangenav.range_fit import RangeFit
 from rangenav.repair import Repair
 from rangenav.sensors import Noise, Sensors
 from rangenav.sensors.sensor_sets import CATALOGUE, SensorSet
-from rangenav.signals import Multisine, Tone
+from rangenav.signals import Formula, Multisine, Tone
+from rangenav.vehicle import FREE
 from tests.support.page_settings import EVERYTHING, SHIPPED
 from tests.support.refreshed import refreshed
 
@@ -321,6 +322,19 @@ def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_ve
     assert text.startswith(f"# verdict: {result.verdict.word}; rank {result.rank} of 13")
     assert f"mu = {result.mu:.6g}" in comments[1]
     assert "required: 500" in comments[1]
+
+
+def test_a_download_says_every_window_only_of_what_is_proven():
+    """Nothing bounds the snap of this formula, so its μ is that of sampled windows."""
+    x, y, z = (f"sin({w}*t)*(1 - exp(-sqrt((t - 9)*(t - 9) + 1e-3)**32))" for w in (2, 3, 5))
+    steep = Formula(x=x, y=y, z=z)
+    p = msgspec.structs.replace(SHIPPED["soft"], path=steep, angular_velocity=Multisine(), vehicle=FREE)
+    sampled = preset_file.verdict_comments(p)
+    assert "over sampled windows of 12 s" in sampled
+    assert "every window" not in sampled
+    proven = preset_file.verdict_comments(SHIPPED["soft"])
+    assert "over every window of 12 s" in proven
+    assert "required: 50: met" in proven
 
 
 def test_nothing_of_a_presets_own_text_reaches_the_comments_of_its_download():
