@@ -209,6 +209,19 @@ def test_the_reference_collects_starts_and_alarms_as_the_kernel_does(change: str
         np.testing.assert_allclose(one, other, rtol=0, atol=1e-7 * np.nanmax(np.abs(other)), err_msg=name)
 
 
+def test_one_sample_at_a_time_goes_through_the_same_phases_with_the_same_bits():
+    """A wrong guess, an alarm, constant gains, and matched ones that exclude no place."""
+    scene = records.scene("paper", duration=4.0, noise=Noise(gyro=0.3, accel=5.0, range=0.05))
+    z, setting, start = scene.measurements, scene.setting(GAINS), away([1e3, 0.0, 0.0], [0.0, 0.0, 0.0])
+    batch = cascade.observe(z, start, setting)
+    assert set(present(batch.phase)) == {COLLECTING, MATCHED}
+    state = cascade.begin(sample(z, 0), start, setting)
+    for k in range(1, len(z.time)):
+        state = cascade.step(state, sample(z, k))
+        np.testing.assert_array_equal(state.state, batch.state[k])
+        assert state.phase == acquisition.PHASES[present(batch.phase)[k]]
+
+
 def test_the_moments_are_the_integrals_that_they_are_said_to_be():
     """∫|D(s, r)|² dr against the sum over the ends r of all steps, with D from its definition."""
     rng = np.random.default_rng(4)
