@@ -326,7 +326,7 @@ def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_ve
 
 def test_a_download_says_every_window_only_of_what_is_proven():
     """Nothing bounds the snap of this formula, so its μ is that of sampled windows."""
-    x, y, z = (f"sin({w}*t)*(1 - exp(-sqrt((t - 9)*(t - 9) + 1e-3)**32))" for w in (2, 3, 5))
+    x, y, z = (f"sin({w}*t)*(1 - exp(-sqrt((t - 9)*(t - 9)/9 + 1e-3)**32))" for w in (2, 3, 5))
     steep = Formula(x=x, y=y, z=z)
     p = msgspec.structs.replace(SHIPPED["soft"], path=steep, angular_velocity=Multisine(), vehicle=FREE)
     sampled = preset_file.verdict_comments(p)
