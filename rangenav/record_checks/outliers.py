@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from numpy import ndarray as Array
 
 from rangenav.formats.import_result import lines
-from rangenav.formats.recorded_flight import Flight
+from rangenav.formats.recorded_flight import Flight, with_some_ranges
 from rangenav.number_format import significant
 from rangenav.record_checks import ranges
 from rangenav.record_checks.check import Evidence
@@ -18,12 +18,27 @@ from rangenav.record_checks.residuals import residuals
 
 LEAST, SPREADS = 1.0, 12.0
 """m, and usual distances from what the others say, beyond which a range is off."""
+MOST_ROUNDS = 20
 FEWEST = 20
 """Ranges, without which nothing is told."""
 
 
 def off(flight: Flight) -> Float[Array, "m"]:
-    """How far each range is off (m), by the truth or by its neighbours; zero where it is not."""
+    """How far each range is off (m), by the truth or by its neighbours; zero where it is not.
+
+    What is off is left out, and the others are compared again, until none of them is off.
+    """
+    size = np.zeros(len(flight.range))
+    for _ in range(MOST_ROUNDS):
+        kept = np.flatnonzero(size == 0)
+        found = _off_once(with_some_ranges(flight, size == 0))
+        if not found.any():
+            break
+        size[kept] = found
+    return size
+
+
+def _off_once(flight: Flight) -> Float[Array, "m"]:
     size = np.zeros(len(flight.range))
     if len(flight.range) < FEWEST:
         return size
