@@ -54,12 +54,18 @@ class VerdictPanel:
         """Show the verdict on a picture; ≈ marks what is that of sampled windows, and not yet of all."""
         shape, colour, word, meaning = _head(picture)
         head = f'<div style="color:{colour};font-weight:700;font-size:1.15em">{shape} {word}{chips(picture)}</div>'
+        subject = f'<div style="{DIMMED}">{html.escape(subject_of(picture))}</div>'
         table = "".join(ROW.format(name, text) for name, text in rows(picture))
         self._block.content = (
             '<div style="padding:0.5em 0.9em;font-size:0.82em;line-height:1.4;font-variant-numeric:tabular-nums">'
-            f'{head}<div style="{DIMMED};margin-bottom:0.4em">{meaning}</div>'
+            f'{subject}{head}<div style="{DIMMED};margin-bottom:0.4em">{meaning}</div>'
             f'<table style="border-collapse:collapse">{table}</table></div>'
         )
+
+
+def subject_of(picture: Picture) -> str:
+    """What the verdict is on: the motion that the page shows, and no recorded flight."""
+    return f"the motion “{picture.preset.title or picture.settings.origin}”, as on the page"
 
 
 def _head(picture: Picture) -> tuple[str, str, str, str]:

@@ -74,6 +74,8 @@ class FlightReport:
     """Where gravity and magnetic field come from, one sentence."""
     failure: str | None
     """Why the observer failed, one clause; None if it did not, or did not run."""
+    required: float
+    """m, the predicted position error above which a record or a window is weak."""
 
 
 def judge(flight: Flight, options: FlightOptions) -> FlightReport:
@@ -120,7 +122,14 @@ def judge(flight: Flight, options: FlightOptions) -> FlightReport:
         observed = flight_summary.summarise_observer(logs.observe(flight, world, sensors=sensors))
     failure = None if observed is None else flight_summary.failure(observed, options.position_sigma)
     return FlightReport(
-        whole, windows.summary, flight_summary.summarise_windows(windows), observed, ranges_source, source, failure
+        whole,
+        windows.summary,
+        flight_summary.summarise_windows(windows),
+        observed,
+        ranges_source,
+        source,
+        failure,
+        options.position_sigma,
     )
 
 

@@ -14,6 +14,7 @@ import msgspec
 from explorer.storage.library import slug
 from rangenav import formats, preset, record_questions
 from rangenav.formats import ImportResult, archives
+from rangenav.formats.lines import BINARY
 from rangenav.formats.path_preset import as_preset
 from rangenav.inputs import Vec3, require
 from rangenav.preset import MAX_TITLE, Preset
@@ -66,6 +67,11 @@ def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], an
     return Interpretation(
         result, msgspec.structs.replace(imported, title=path.stem[:MAX_TITLE].strip() or imported.title)
     )
+
+
+def is_binary(file: ImportFile | None) -> bool:
+    """Whether a file begins as a format that holds no text, so that no other choice of a format would read it."""
+    return file is not None and any(file.content.startswith(first) for first in BINARY)
 
 
 def is_preset_or_zip(file: ImportFile) -> bool:

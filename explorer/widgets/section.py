@@ -18,9 +18,12 @@ RESET_HINT = (
 class Section:
     """A folder of controls; without a label it has no frame. Controls created in its `with` block are in the folder."""
 
-    def __init__(self, form: Form, label: str | None = None, *, expanded: bool = True) -> None:
+    def __init__(
+        self, form: Form, label: str | None = None, *, expanded: bool = True, order: float | None = None
+    ) -> None:
+        """order: viser's, of the folder among its neighbours; the last one by default."""
         self.form, self.gui, self.wake = form, form.gui, form.wake
-        self._folder = self.gui.add_folder(label, expand_by_default=expanded)
+        self._folder = self.gui.add_folder(label, expand_by_default=expanded, order=order)
         self._controls: list[Resettable] = []
         with self._folder:
             self.complaint = Complaint(self.gui, order=COMPLAINTS)

@@ -28,6 +28,15 @@ BINARY = {
     b"\x1f\x8b": "a gzip archive",
 }
 """First bytes of formats that hold no text, and what they are."""
+CONVERT = {
+    b"ULog\x01\x12\x35": "ulog2csv (of pyulog) writes a CSV file for each of its topics: join those of the IMU, the "
+    "magnetometer and the ranges by their stamps into one table",
+    b"\xa3\x95": "mavlogdump.py (of pymavlink) writes a CSV file for each type of message: join those of the IMU, the "
+    "compass and the ranges by their stamps into one table",
+    b"PK\x03\x04": "unpack it, and read the file that is in it",
+    b"\x1f\x8b": "unpack it, and read the file that is in it",
+}
+"""How to make a table of some of them."""
 WINDOWS, AROUND = "cp1252", 20
 """An encoding that is common and is not read, and the bytes beside a wrong one that must be text in it."""
 PART = 2**20
@@ -41,7 +50,8 @@ class Lines:
 
     def __init__(self, data: bytes, source: str) -> None:
         for first, kind in BINARY.items():
-            require(not data.startswith(first), f"{source}: {kind} is not read; convert it to CSV")
+            how = CONVERT.get(first, "convert it to CSV")
+            require(not data.startswith(first), f"{source}: {kind} is not read; {how}")
         self.source = source
         self.numbers = array("q")
         """The line number of every line that was given out."""

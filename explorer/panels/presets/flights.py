@@ -1,9 +1,11 @@
 """A recorded flight: whether it was informative, and the errors of the observers on it."""
 
+import html
 import math
 from functools import partial
 from typing import Literal
 
+from explorer.model import palette
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import ORIGIN, FlightOptions, FlightReport, WorldSource, judge, world_evidence
 from explorer.widgets.controls import Choice, Number, Switch, Vector, when_moved
@@ -13,16 +15,27 @@ from explorer.widgets.section import Section
 from rangenav.flight_summary import ObserverSummary, more_ranges
 from rangenav.formats import Flight, ImportResult
 from rangenav.formats.import_result import gravity
+from rangenav.inputs import require
+from rangenav.logs import WholeRecord
 from rangenav.number_format import NOT_DETERMINED, quantity, significant, vector
 
+COLORS = {"observable": palette.GOOD, "weak": palette.WARNING, "blind": palette.ERROR}
 SIGNS = {"observable": "●", "weak": "▲", "too few ranges": "◆", "blind": "✕", "not judged": "?"}
 WORLD_SOURCES: dict[WorldSource, str] = {
     "": "as the file says",
     "still": "as its still start says",
     "given": "as given below",
 }
-AnchorSource = Literal["file", "given"]
+AnchorSource = Literal["", "file", "given"]
 ANCHOR_SOURCES: dict[AnchorSource, str] = {"file": "as the file says", "given": "as given below"}
+ASKED_ANCHOR: dict[AnchorSource, str] = {"": "choose", "given": "as given below"}
+"""Where the file does not say where the anchor of its ranges stands."""
+WHERE = (
+    "where does the anchor stand? the file does not say: choose “as given below” for “its anchor”, and give its place"
+)
+BLIND_FROM = "blind where they begin at "
+"""Before the times at which the blind windows of a record begin."""
+HEAD = '<div style="color:{};font-weight:700;font-size:1.15em">{}</div>'
 ANCHOR_HINT = "Where the anchor of the ranges stands: no log can tell, unless its file says so."
 PLACE_HINT = "m, in the inertial frame of the record."
 WORLD_HINT = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
@@ -78,9 +91,12 @@ class FlightPanel:
             return
         source, evidence = world_evidence(flight)
         self._source = import_result.source
-        self._evidence.content = NOTE.format(bullets((f"{import_result.source}: {_contents(flight)}", evidence)))
+        asked = flight.anchor is None and len(flight.range) > 0
+        sentences = (f"{import_result.source}: {_contents(flight)}", evidence, *((WHERE,) if asked else ()))
+        self._evidence.content = NOTE.format(bullets(sentences))
         defaults = FlightOptions()
-        self._anchor_source.show("file")
+        self._anchor_source.offer(ASKED_ANCHOR if asked else ANCHOR_SOURCES)
+        self._anchor_source.show("" if asked else "file")
         self._anchor.show(flight.anchor or ORIGIN)
         self._world.show(source)
         self._gravity.show(flight.gravity or gravity(flight.frame))
@@ -108,6 +124,7 @@ class FlightPanel:
         if flight is None:
             return
         with self._section.catching():
+            require(self._anchor_source.read() != "" or self._synthetic.read(), WHERE)
             options = FlightOptions(
                 anchor=self._anchor.read() if self._anchor_source.read() == "given" else None,
                 source=self._world.read(),
@@ -134,24 +151,43 @@ def report(source: str, flight_report: FlightReport) -> str:
     window, and the errors of the observers."""
     windows, whole = flight_report.windows, flight_report.whole
     summary = whole.summary.removeprefix(f"{whole.verdict}: ")
-    head = f"{source}: {SIGNS[whole.verdict]} {whole.verdict}: {summary}"
-    if flight_report.failure is not None and whole.verdict in ("observable", "weak"):
-        head = f"{source}: {SIGNS['weak']} {whole.verdict}: {summary}; but {flight_report.failure}"
+    failure = flight_report.failure if whole.verdict in ("observable", "weak") else None
+    sign = SIGNS["weak"] if failure is not None else SIGNS[whole.verdict]
+    color = palette.WARNING if failure is not None else COLORS.get(whole.verdict, palette.NEUTRAL)
+    head = f"{source}: {sign} {whole.verdict}: {summary}{'' if failure is None else f'; but {failure}'}"
     worst = f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"
     if windows.worst_rank < windows.motion_rank:
         ranges = "1 range" if windows.worst_ranges == 1 else f"{windows.worst_ranges} ranges"
         worst += f" from {ranges}; its motion has rank {windows.motion_rank}"
+    required = f"required ±{quantity(flight_report.required, 'm')}"
+    parts = [] if whole.restriction is not None else flight_report.summary.split("; ")
+    blind = [part.removeprefix(BLIND_FROM) for part in parts if part.startswith(BLIND_FROM)]
     rows = [
+        *_whole(whole, flight_report.required, required),
         (f"windows of {significant(windows.window)} s", _counts(windows.counts)),
+        *(("blind if they begin at", one) for one in blind),
         ("worst window", worst),
         ("σ there", _number(windows.worst_position, "m", "blind there, or with too few ranges")),
         ("σ, median", _number(windows.median_position, "m")),
+        (f"{required} after each", _met(windows.worst_position, flight_report.required)),
     ]
-    lines = (head, flight_report.ranges_source, flight_report.world_source, more_ranges(windows.counts))
-    text = bullets(filter(None, lines)) + table((), rows)
+    lines = (flight_report.ranges_source, flight_report.world_source, more_ranges(windows.counts))
+    text = HEAD.format(color, html.escape(head)) + bullets(filter(None, lines)) + table((), rows)
     if flight_report.observer is None:
         return text + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
     return text + _observers(flight_report.observer, blind=whole.blind)
+
+
+def _whole(whole: WholeRecord, needed: float, required: str) -> tuple[tuple[str, str], ...]:
+    """The predicted error of the whole record against the requirement, as a row; none where it is not predicted."""
+    if whole.position is None or whole.restriction is not None:
+        return ()
+    reached = f"±{quantity(whole.position, 'm')}, {required}: {_met(whole.position, needed)}"
+    return (("σ at the end of all of it" if whole.all_of_it else "σ at the end of that part", reached),)
+
+
+def _met(sigma: float | None, needed: float) -> str:
+    return "✓ met" if sigma is not None and sigma <= needed else "✗ not met"
 
 
 def _counts(counts: dict[str, int]) -> str:

@@ -4,13 +4,14 @@ A question shows the answer that the data suggest, with the evidence. A path bec
 saved yet. A recorded flight goes to the panel that judges flights.
 """
 
+import re
 from collections.abc import Callable
 from functools import partial
 
 from explorer.model.jobs import Jobs
 from explorer.storage import import_process
 from explorer.storage.catalog import Catalog
-from explorer.storage.import_file import ImportFile, Interpretation, guess, is_preset_or_zip
+from explorer.storage.import_file import ImportFile, Interpretation, guess, is_binary, is_preset_or_zip
 from explorer.web.uploads import Uploads
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form
@@ -28,6 +29,10 @@ FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choos
 CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have confirmed it."
 CONFIRM, OTHERS = "Confirm the answers", "Read it with these answers"
 OTHERS_HINT = "Reads the file once more, with the answers chosen above."
+FLAG = re.compile(r"--([a-z][a-z-]*?)(?:-unit)? ([^\s,;)]+)")
+"""An option of the command line and its value; the page's menu has the key of the question for a name."""
+BELOW = 0.5
+"""viser's order in a folder: between a control and the next one."""
 UNANSWERED = ""
 CHOOSE = "choose"
 
@@ -105,8 +110,8 @@ class ImportPanel:
         if self._file is not None:
             self._show_status(f"{self._file.name}: not read; the reason stands below")
         label = formats.row(format_name).read_label
-        advice = f"It was read as {label}: if it is none, choose another format and read it again"
-        self._section.complaint.say(f"{reason}. {advice}")
+        advice = "" if is_binary(self._file) else f". It was read as {label}: if it is none, choose another format"
+        self._section.complaint.say(f"{in_page(reason)}{advice}{' and read it again' if advice else ''}")
 
     def _take_interpretation(self, interpretation: Interpretation) -> None:
         result = interpretation.result
@@ -138,13 +143,14 @@ class ImportPanel:
             ("Questions before it is used", CONFIRM) if open_ones else ("Answers taken without a question", OTHERS)
         )
         with self._section:
-            self._questions_section = questions_section = Section(self._form, label)
+            order = self._status.order + BELOW  # above how the file was read, which may be long
+            self._questions_section = questions_section = Section(self._form, label, order=order)
         with questions_section:
             for k, question in enumerate(questions):
                 labels = {option: option for option in question.options}
                 if question.suggestion is None:
                     labels = {UNANSWERED: CHOOSE} | labels
-                sentences = f"{question.asks}? {question.evidence}"
+                sentences = in_page(f"{question.asks}? {question.evidence}")
                 if k >= open_ones:
                     sentences += f"; usually: {question.suggestion}"
                 elif question.suggestion is not None:
@@ -202,6 +208,8 @@ def every_column(result: ImportResult) -> str:
 
 def report(result: ImportResult) -> tuple[str, ...]:
     """Sentences that describe how a file was read: its format, rate, duration, frame and fit."""
+    if result.questions and result.flight is None and not result.findings:
+        return (f"{result.source}: not read yet; that takes the answers to the questions",)
     rate = "" if result.rate is None else f" at {significant(result.rate, 4)} Hz"
     duration = quantity(result.duration, "s", digits=4)
     sentences = [f"{result.source}: {result.format}, {result.rows} rows{rate}, {duration}, {result.frame}"]
@@ -210,4 +218,9 @@ def report(result: ImportResult) -> tuple[str, ...]:
     if result.unjudged is not None:
         what = "excitation" if result.flight is None else "the record"
         sentences.append(f"{what} is not judged: {result.unjudged}")
-    return (*sentences, *result.findings)
+    return tuple(map(in_page, (*sentences, *result.findings)))
+
+
+def in_page(sentence: str) -> str:
+    """A sentence with the name of the page's menu in place of an option of the command line: “range-values: keep”."""
+    return FLAG.sub(r"“\1: \2”", sentence)
