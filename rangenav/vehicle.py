@@ -84,6 +84,8 @@ HAND_HELD = Vehicle(
 )
 CATALOGUE = (FREE, HAND_HELD, CRAZYFLIE, FIVE_INCH)
 """The vehicles to choose from."""
+BY_NAME = {one.name.lower().replace(" ", "-"): one for one in CATALOGUE}
+"""The same by names without blanks, which are typed: crazyflie-2.1."""
 WORDS = {
     "thrust_to_weight": ("thrust", "times the weight"),
     "speed": ("speed", "m/s"),

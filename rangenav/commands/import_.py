@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
+import msgspec
 import tyro
 
 from rangenav import formats
@@ -10,10 +11,12 @@ from rangenav import preset as presets
 from rangenav.commands.output import print_json, require_place
 from rangenav.commands.progress import working
 from rangenav.inputs import Vec3
+from rangenav.vehicle import BY_NAME
 
 if TYPE_CHECKING:
-    FormatName = str
+    FormatName = VehicleName = str
 else:
+    VehicleName = Literal[tuple(BY_NAME)]
     FormatName = Literal[tuple(row.name for row in formats.rows() if row.reads)]
 
 
@@ -32,6 +35,7 @@ def import_(
     knots: float | None = None,
     anchor: Vec3 = (0.0, 0.0, 0.0),
     window: float | None = None,
+    vehicle: VehicleName | None = None,
     json: bool = False,
 ) -> None:
     """Make a preset of another tool's path, and say what its motion lets one range tell.
@@ -52,6 +56,7 @@ def import_(
         knots: Seconds between the knots through sampled poses; as wide as the samples allow by default.
         anchor: Where the anchor stands (m), which no path says.
         window: Window δ (s) over which the path is judged; 6 s by default, half the path if that is shorter.
+        vehicle: Vehicle whose limits the path is to keep; none by default.
         json: Print one JSON object.
     """
     from rangenav import analysis
@@ -70,6 +75,8 @@ def import_(
         preset = as_preset(imported, duration=duration, anchor=anchor)
         if window is not None:
             preset = presets.with_window(preset, window, source=f"{path}, --window")
+        if vehicle is not None:
+            preset = msgspec.structs.replace(preset, vehicle=BY_NAME[vehicle])
         answer = _report(imported, preset, output)
     presets.save(preset, output)
     if json:

@@ -80,7 +80,7 @@ def parse_csv(
 
     Which way z points is asked: a run is written in the frame of its preset. Raises ValueError naming line and column.
     """
-    table = text.table(data, source=source, header=reference.HEADER, drop="lines" in confirm)
+    table = text.with_si_names(text.table(data, source=source, header=reference.HEADER, drop="lines" in confirm))
     stamps = text.columns(table, ("t",))[:, 0]
     text.refuse_missing(np.column_stack([stamps, text.columns(table, reference.POSITION)]), table, "time or position")
     findings = list(table.remarks)

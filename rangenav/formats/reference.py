@@ -88,7 +88,7 @@ def parse(
 ) -> ImportResult:
     """The path of a file. Raises ValueError naming line and column."""
     drop = None if confirm is None else "lines" in confirm
-    table = text.table(data, source=source, header=HEADER, drop=drop)
+    table = text.with_si_names(text.table(data, source=source, header=HEADER, drop=drop))
     stamps = text.columns(table, ("t",))[:, 0]
     text.refuse_missing(np.column_stack([stamps, text.columns(table, POSITION)]), table, "time or position")
     findings = list(table.remarks)

@@ -8,6 +8,7 @@ of a table decides about it.
 
 import csv
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import chain, islice
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
-from rangenav.formats import dialect, entries
+from rangenav.formats import dialect, entries, units
 from rangenav.formats.dates import Dates
 from rangenav.formats.dialect import Dialect
 from rangenav.formats.entries import BrokenLinesError, trimmed
@@ -30,6 +31,8 @@ SHOWN = 24
 """Most characters of a wrong entry that a message repeats."""
 LISTED, NAME_SHOWN = 40, 48
 """Most names of columns that a message lists, and most characters of each."""
+SI = ("s", "m", "m/s", "m/s2", "m/s3", "m/s4", "rad", "rad/s", "rad/s2", "1")
+"""Units that the formats of paths have, as `units.spelled` writes them."""
 MEASURED = 20
 """Lines from which the dialect is measured."""
 
@@ -181,6 +184,13 @@ def _names(header: Sequence[str], samples: Sequence[str], layout: Dialect, place
         require(name.isprintable(), f"{place}: column {k + 1} has no name that can be read")
         require(not name or name not in names[:k], f"{place}: two columns are named {name[:SHOWN]!r}")
     return tuple(names)
+
+
+def with_si_names(table: Table) -> Table:
+    """The table with its names without their units, where these are SI: `t [s]` is t, and `t [ms]` is no t."""
+    split = [units.split(name) for name in table.names]
+    bare = [base if unit in SI else name for name, (base, unit) in zip(table.names, split, strict=True)]
+    return table if len(set(bare)) < len(bare) else replace(table, names=tuple(bare))
 
 
 def columns(table: Table, wanted: tuple[str, ...]) -> Float[Array, "n c"]:

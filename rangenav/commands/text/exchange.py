@@ -7,7 +7,7 @@ from rangenav.analysis import Analysis
 from rangenav.commands.text import layout
 from rangenav.commands.text.analyze import excitation_lines
 from rangenav.commands.text.layout import Report, group
-from rangenav.commands.text.verdict import Json, headline, unjudged_help
+from rangenav.commands.text.verdict import Json, flight_lines, headline, unjudged_help
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 
@@ -87,6 +87,7 @@ def imported(made: Preset, analysis: Analysis, answer: Json, *, source: str) -> 
             *group("assumed", _assumed(made)),
             *group("attitude", answer["attitude"]),
             *group("what can be seen", seen),
+            *group("can it be flown", flight_lines(made)),
             *group("would help", unjudged_help(made)),
             *group("written", answer["preset"]),
             *layout.next_commands(f"analyze {output}", f"explain {output}"),

@@ -13,7 +13,7 @@ from rangenav.preset import Preset
 from rangenav.sensors import noise_assumption
 
 Json = dict[str, Any]
-CHOOSE = "a table [vehicle] in the preset, or the page under World, chooses one"
+CHOOSE = "import --vehicle NAME, a table [vehicle] in the preset, or the page under World chooses one"
 """How a vehicle comes into a preset."""
 
 
@@ -90,7 +90,8 @@ def flight_lines(preset: Preset) -> list[str]:
     if jump is not None:
         answer = ["✗ by no vehicle", f"✗ {jump}", *(f"✗ {one.summary}" for one in broken)]
     elif preset.vehicle == vehicle.FREE:
-        answer = [f"no vehicle is chosen, so no limit applies ({CHOOSE})"]
+        how = "" if preset.source is None else f" ({CHOOSE})"
+        answer = [f"no vehicle is chosen, so no limit applies{how}"]
     elif broken:
         answer = [f"✗ not by {name}", *(f"✗ {one.summary}" for one in broken)]
     else:

@@ -50,6 +50,29 @@ def test_the_page_does_not_judge_a_record_that_is_taken_against_the_evidence(hal
     assert "not judged: the mean specific force" in flights.report("flight.csv", report)
 
 
+def test_the_head_of_a_result_says_that_the_observer_diverged_and_the_table_whether_requirements_are_met(
+    halved: ImportFile,
+):
+    result = import_file.interpret(halved, "log", {"accel-scale": "2"}, ORIGIN).result
+    assert result.flight is not None
+    report = flight_report.judge(result.flight, FlightOptions(anchor=result.flight.anchor, position_sigma=1e-3))
+    shown = flights.report("flight.csv", report)
+    head, table = shown.split("</div>", 1)
+    assert "flight.csv: ▲ weak" in head
+    assert "diverged" not in head
+    assert "required ±0.001 m: ✗ not met" in table
+    assert ("blind if they begin at" in table) == ("blind where" in report.summary)
+    assert report.observer is not None
+    diverged = replace(report, observer=replace(report.observer, diverged="its innovations grow"))
+    assert "the observer has diverged" in flights.report("flight.csv", diverged).split("</div>", 1)[0]
+
+
+def test_the_page_names_its_own_menus_and_no_option_of_the_command_line():
+    said = import_panel.in_page("10 ranges are no distances: not used (--range-values keep uses them)")
+    assert said == "10 ranges are no distances: not used (“range-values: keep” uses them)"
+    assert import_panel.in_page("too rare; --time-unit ms, if so") == "too rare; “time: ms”, if so"
+
+
 def test_an_anchor_that_does_not_fit_the_ranges_is_named_when_the_flight_is_judged(halved: ImportFile):
     result = import_file.interpret(halved, "log", {"accel-scale": "2"}, ORIGIN).result
     assert result.flight is not None

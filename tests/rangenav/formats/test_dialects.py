@@ -85,6 +85,24 @@ def test_columns_of_text_are_not_used_and_said_and_a_complaint_shows_one_of_thei
         text.columns(imported, ("t",))
 
 
+@pytest.mark.parametrize("form", ["csv", "reference"])
+def test_a_path_whose_names_have_si_units_is_read_as_one_whose_names_have_none(form):
+    """A unit that is not SI is no part of the format, and the complaint shows it."""
+    rows = [f"{k / 50},{k / 50},{(k / 50) ** 2},1" for k in range(60)]
+    bare = "\n".join(["t,p_x,p_y,p_z", *rows]).encode()
+    named = "\n".join(["t [s],p_x [m],p_y [m],p_z [m]", *rows]).encode()
+    read_bare, read_named = (formats.parse(one, form, source="x", confirm={"frame": "z-up"}) for one in (bare, named))
+    assert present(read_bare.path) == present(read_named.path)
+    with pytest.raises(ValueError, match=r"no column named t; the file's columns are t \[ms\], p_x"):
+        formats.parse(named.replace(b"t [s]", b"t [ms]"), form, source="x", confirm={})
+
+
+@pytest.mark.parametrize(("first", "way"), [(b"ULog\x01\x12\x35", "ulog2csv"), (b"PK\x03\x04", "unpack it")])
+def test_a_format_without_text_is_refused_with_the_way_to_a_table(first, way):
+    with pytest.raises(ValueError, match=f"x: .* is not read; .*{way}"):
+        formats.parse(first + bytes(100), "log", source="x", confirm={})
+
+
 def test_units_behind_the_names_are_understood():
     header = ",".join(["t_s", *(f"gyro_{a}_deg_s" for a in "xyz"), *(f"acc_{a}_m_s2" for a in "xyz"), "range_mm"])
     rows = [f"{k / 100},0,0,0,0,0,9.81,1500" for k in range(20)]
@@ -151,7 +169,7 @@ def test_a_unit_in_an_unknown_spelling_is_asked_and_the_answer_overrules_it():
     ],
 )
 def test_a_binary_log_is_named_by_its_first_bytes(data: bytes, kind: str):
-    with pytest.raises(ValueError, match=rf"^x\.bin: {kind} is not read; convert it to CSV$"):
+    with pytest.raises(ValueError, match=rf"^x\.bin: {kind} is not read; (convert it to CSV|unpack it)"):
         formats.parse(data, "log", source="x.bin", confirm={})
 
 

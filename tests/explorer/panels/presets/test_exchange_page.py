@@ -85,7 +85,7 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
 
 def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
     before = page.settings
-    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,3\n1,2,three,4\n")
+    page.tab.upload("Upload a file", "bad.csv", b"t,p_x,p_y,p_z\n0,1,2,3\n1,2,three,4\n2,2,four,4\n")
     page.tab.wait_for(lambda: any("line 3" in text for text in page.refusals()), "the line")
     page.press("Read it as this format")
     assert page.settings == before
