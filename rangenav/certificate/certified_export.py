@@ -57,7 +57,8 @@ def write(
     try:
         return _written(preset, format_name, output, name, attitude, uncertified=uncertified, otherwise=otherwise)
     except ValueError as error:
-        raise error if str(error).startswith(f"{name}:") else ValueError(f"{name}: {error}") from None
+        named = str(error).startswith((f"{name}:", f"{format_name}:"))
+        raise error if named else ValueError(f"{name}: {error}") from None
 
 
 def _written(

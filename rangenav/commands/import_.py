@@ -14,7 +14,8 @@ from rangenav.inputs import Vec3
 from rangenav.vehicle import BY_NAME
 
 if TYPE_CHECKING:
-    FormatName = VehicleName = str
+    FormatName = str
+    VehicleName = str
 else:
     VehicleName = Literal[tuple(BY_NAME)]
     FormatName = Literal[tuple(row.name for row in formats.rows() if row.reads)]

@@ -29,9 +29,9 @@ BINARY = {
 }
 """First bytes of formats that hold no text, and what they are."""
 CONVERT = {
-    b"ULog\x01\x12\x35": "convert it to CSV: ulog2csv (of pyulog) writes a CSV file for each of its topics; join those of "
+    b"ULog\x01\x12\x35": "convert it to CSV: ulog2csv (of pyulog) writes a file for each of its topics; join those of "
     "the IMU, the magnetometer and the ranges by their stamps into one table",
-    b"\xa3\x95": "convert it to CSV: mavlogdump.py (of pymavlink) writes a CSV file for each type of message; join those of "
+    b"\xa3\x95": "convert it to CSV: mavlogdump.py (of pymavlink) writes one for each type of message; join those of "
     "the IMU, the compass and the ranges by their stamps into one table",
     b"PK\x03\x04": "unpack it, and read the file that is in it",
     b"\x1f\x8b": "unpack it, and read the file that is in it",
