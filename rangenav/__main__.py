@@ -23,6 +23,8 @@ from rangenav.motion import DirectionWarning
 
 PROGRAM = "rangenav"
 HELP = (["-h"], ["--help"])
+COLUMNS_FLAG = "--columns"
+"""The option that several questions have."""
 IN_ONE = "in one command, with the suggested answers:"
 """Before the command that answers several questions."""
 
@@ -90,7 +92,7 @@ def run_command() -> None:
     messages = io.StringIO()
     try:
         with said_on_stderr(), contextlib.redirect_stderr(messages), numbers.registry:
-            app.cli(prog=PROGRAM)
+            app.cli(prog=PROGRAM, args=joined(sys.argv[1:]))
             sys.stdout.flush()
     except OpenQuestionsError as error:
         ask(error)
@@ -105,6 +107,23 @@ def run_command() -> None:
             fail(usage_error(messages.getvalue()))
         print(messages.getvalue(), end="", file=sys.stderr)  # a check failed, and the command has said which
         raise
+
+
+def joined(arguments: list[str]) -> list[str]:
+    """The arguments with the values of every `--columns` behind the first one, of which the parser takes the last."""
+    values, others, inside, first = [], [], False, -1
+    for one in arguments:
+        flag, sign, value = one.partition("=")
+        if flag == COLUMNS_FLAG:
+            first = len(others) if first < 0 else first
+            inside = not sign
+            values += [value] if sign else []
+        elif inside and not one.startswith("-"):
+            values.append(one)
+        else:
+            inside = False
+            others.append(one)
+    return arguments if first < 0 else [*others[:first], COLUMNS_FLAG, *values, *others[first:]]
 
 
 @contextlib.contextmanager

@@ -1,6 +1,7 @@
 """`rangenav export`, `import` and `log` as people and scripts meet them: files, questions, exit codes, one sentence."""
 
 import io
+import json
 import re
 import zipfile
 
@@ -211,7 +212,6 @@ def test_blind_and_rangeless_records_say_null_with_a_reason(answer, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (("--synthetic-ranges", "0.05"), "--synthetic-ranges needs --anchor X Y Z"),
         (("--synthetic-ranges", "-1", "--anchor", "0", "0", "0"), "must lie between 0.001 and 100 m, got -1"),
         (("--range-sigma", "0"), "--range-sigma must lie between 0.001 and 100 m, got 0"),
         (("--window", "99"), "the window must be shorter than the record's 20 s"),
@@ -253,3 +253,18 @@ def test_broad_on_the_command_line_is_the_library(answer):
     assert report["observer"]["attitude_deg"]["median"] < 5
     assert report["informative"]["windows"]["blind"] == 1
     assert np.linalg.norm(report["world"]["gravity"]) == pytest.approx(9.82, abs=0.01)
+
+
+def test_columns_may_be_chosen_with_one_option_or_with_one_each(run, tmp_path):
+    """Each choice counts: no later one takes the place of an earlier one."""
+    rows = [f"{k / 50},0,0,{k % 2},0,0,9.81,{2 + k / 100},{5 + k / 100}" for k in range(60)]
+    header = (
+        "t [s],roll [rad/s],pitch [rad/s],yaw [rad/s],accel_x [m/s2],accel_y [m/s2],accel_z [m/s2],near [m],far [m]"
+    )
+    (tmp_path / "x.csv").write_text("\n".join([header, *rows]))
+    once = ("--columns", "gyro=roll,pitch,yaw", "range=far")
+    each = ("--columns", "gyro=roll,pitch,yaw", "--columns=range=far")
+    for chosen in (once, each):
+        code, out, _ = run("log", tmp_path / "x.csv", *chosen, "--list-columns", "--json")
+        uses = json.loads(out)["columns"]
+        assert (code, uses["yaw [rad/s]"], uses["far [m]"], uses["near [m]"]) == (0, "gyro", "range", "")
