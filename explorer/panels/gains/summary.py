@@ -22,8 +22,9 @@ MODE_TEXTS = {
     "constant": "q and V stay as they are set, as the theorem assumes.",
     "noise-matched": (
         "q and V are worked out at every sample from the noise in the Sensors tab, at the current estimate. So their "
-        "own dials are not used, and not shown; P₀ and the attitude filter are as set. Usually more accurate, but the "
-        "gain then depends on the estimate, and the theorem says nothing about it."
+        "own dials are not shown; P₀ and the attitude filter are as set. Usually more accurate, but the gain then "
+        "depends on the estimate, and the theorem says nothing about it. Where the ranges contradict the start, "
+        "constant gains with q and V as set run for some seconds."
     ),
 }
 OTHER_UNITS: dict[GainUnits, str] = {
