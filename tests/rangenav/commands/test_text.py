@@ -127,6 +127,23 @@ def test_several_questions_end_with_the_command_that_answers_them(run, flight: P
     assert "as confirmed: the gyro rad/s" in out
 
 
+def test_a_flag_that_was_no_answer_stands_once_in_the_command_that_answers_the_questions(
+    run, flight: Path, tmp_path: Path
+):
+    """The record starts in motion, so its start does not tell gravity, and is not offered again."""
+    stated = [line for line in flight.read_text().splitlines() if not re.match("# (frame|gravity|magnetic)", line)]
+    (tmp_path / "moving.csv").write_text("\n".join(stated))
+    code, out, err = run("log", tmp_path / "moving.csv", "--world", "still", "--window", 8, "--frame", "z-down")
+    assert (code, out) == (2, "")
+    assert "--world still" not in err.partition("rangenav log")[0]
+    (tmp_path / "moving.csv").write_text("\n".join(line for line in stated if "anchor" not in line))
+    _, _, err = run("log", tmp_path / "moving.csv", "--world", "still", "--window", 8, "--frame", "z-down")
+    command = err.split("suggested answers: ")[1]
+    assert command.count("--world") == 1
+    assert "--world given --gravity X Y Z --magnetic X Y Z" in command
+    assert "--window 8" in command
+
+
 def test_a_part_of_a_record_and_a_flag_against_the_file_are_said(run, flight: Path):
     x, y, z = preset.load("soft").world.anchor
     code, out, err = run("log", flight, "--begin", 2, "--end", 12, "--anchor", x + 0.02, y, z, "--window", 8)
