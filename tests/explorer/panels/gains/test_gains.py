@@ -216,7 +216,7 @@ def test_only_the_units_in_use_are_on_the_page_and_only_what_the_mode_uses(dock:
     dock.gains.mode.show("noise-matched")
     refreshed(dock)
     assert shown() == (False, True, False, False)
-    assert "not used, and not shown" in dock.gains.mode_line.content
+    assert "own dials are not shown" in dock.gains.mode_line.content
     _choose_units(dock, "physical")
     refreshed(dock)
     assert shown() == (False, False, False, True)

@@ -190,7 +190,7 @@ def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
     noise = page.session.dock.gains.paper_dials.noise
     riccati = page.settings.preset.gains.riccati
     page.set("gains", "noise-matched (outside it)")
-    page.tab.wait_for_text("are not used, and not shown")
+    page.tab.wait_for_text("own dials are not shown")
     assert not noise.visible
     assert page.settings.preset.gains.riccati == riccati
     page.set("gains", "constant (the paper's theorem)")
