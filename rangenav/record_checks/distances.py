@@ -30,7 +30,7 @@ MOST_WINDOWS, MOST_RANGES = 25, 300
 LEAST = 20
 """Ranges."""
 CLEARLY, LIKELIER = 1.2, 40.0
-"""How many times larger what is left is without the delay, and by how much its chi-square is."""
+"""How many times larger what is left is without the delay; by how much its chi-square is, and that of an anchor."""
 LEAST_DELAY = 0.05
 """s. A shorter delay is usual and harmless."""
 FARTHEST = 1e5
@@ -185,7 +185,8 @@ def anchor(flight: Flight) -> Evidence | None:
     if fit is None or flight.anchor is None:
         return None
     asked, off = np.asarray(flight.anchor, dtype=float), fit.asked
-    if off < fit.left or not np.all(np.abs(fit.place) < FARTHEST):
+    gain = fit.count * ((off / max(fit.left, np.finfo(float).tiny)) ** 2 - 1)
+    if gain < LIKELIER or not np.all(np.abs(fit.place) < FARTHEST):
         return None
     along = fit.directions.T @ (asked - fit.place)
     moved = float(np.linalg.norm(along[np.abs(along) > SURE * fit.sigma]))
@@ -235,6 +236,8 @@ class AnchorFit:
     """In columns."""
     sigma: Float[Array, "3"]
     """m, along each direction; residuals that resemble their neighbours count as fewer."""
+    count: int
+    """Of the ranges."""
     asked: float = math.nan
     """m rms of the ranges for the anchor in question; NaN if there is none."""
 
@@ -254,7 +257,9 @@ def _nearest(position: Float[Array, "m 3"], distance: Float[Array, "m"], start: 
     alike = max(0.0, float(np.mean(residual[1:] * residual[:-1])) / max(variance, finest))
     inflated = variance * (1 + alike) / max(1 - alike, 1 / len(residual))
     sigma = np.sqrt(inflated / np.maximum(information, 1e-12 * len(residual)))  # rows are of unit length
-    return AnchorFit(place=place, left=float(np.sqrt(variance)), directions=directions, sigma=sigma)
+    return AnchorFit(
+        place=place, left=float(np.sqrt(variance)), directions=directions, sigma=sigma, count=len(residual)
+    )
 
 
 def _to_place(

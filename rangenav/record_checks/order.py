@@ -15,7 +15,7 @@ from rangenav.formats.recorded_flight import Flight
 from rangenav.record_checks import turning
 from rangenav.record_checks.axes import AS_IT_IS
 from rangenav.record_checks.check import Evidence
-from rangenav.record_checks.truth import BESIDE, TILTED, body_axes, level, tilt, turned_from_field
+from rangenav.record_checks.truth import BESIDE, TILTED, body_axes, level, tilt, tilted, turned_from_field
 
 ORDERS: dict[str, tuple[int, int, int, int]] = {"xyzw": (3, 0, 1, 2), "wxyz": (1, 2, 3, 0)}
 """Where w, x, y, z stand among the columns that are named w, x, y, z."""
@@ -72,8 +72,8 @@ def attitude_in_doubt(flight: Flight) -> Evidence | None:
     fit = turning.follows(flight)
     if fit is None or fit.own >= turning.FOLLOWS or fit.axes == AS_IT_IS or body_axes(flight) is not None:
         return None
-    gravity, field = tilt(flight), turned_from_field(flight)
-    away = [f"gravity {gravity:.0f}° from the vertical"] if gravity is not None and gravity > TILTED else []
+    gravity, field = tilted(flight), turned_from_field(flight)
+    away = [] if gravity is None else [f"gravity {gravity:.0f}° from the vertical"]
     away += [f"the field {field:.0f}° from the one that is stated"] if field is not None and field > BESIDE else []
     if not away:
         return None

@@ -15,10 +15,12 @@ from rangenav.number_format import significant, vector
 from rangenav.record_checks import axes
 from rangenav.record_checks.blocks import KEPT, blocks, means
 from rangenav.record_checks.check import Evidence
+from rangenav.record_checks.force import GAINED
 from rangenav.record_checks.turning import follows
 
 TILTED, REVERSED, BESIDE = 20.0, 160.0, 20.0
-"""Degrees of the mean specific force from the vertical, and of the field from the file's, that are asked about."""
+"""Degrees of the mean specific force from the vertical, and of the field from the file's, that are asked about. To the
+first is added what a body may turn the mean by gaining speed."""
 UPRIGHT = 0.5
 """Least cosine between the vertical and a gravity that tells which way z points."""
 LEAST = 2.0
@@ -65,6 +67,14 @@ def tilt(flight: Flight) -> float | None:
     return _angle(force, upwards(flight)) if np.linalg.norm(force) > 0 else None
 
 
+def tilted(flight: Flight) -> float | None:
+    """The angle of `tilt` (degrees), if it is more than what a body that gains speed may have in a short part."""
+    angle = tilt(flight)
+    seconds = float(flight.time[-1] - flight.time[0])
+    explained = float(np.degrees(np.arctan(GAINED / (seconds * float(np.linalg.norm(upwards(flight)))))))
+    return angle if angle is not None and angle > TILTED + explained else None
+
+
 def turned_from_field(flight: Flight, turn: Float[Array, "3 3"] | None = None) -> float | None:
     """Degrees between the file's field and the mean reading of the magnetometer, turned by the file's attitude.
 
@@ -106,8 +116,8 @@ def against_gravity(flight: Flight) -> bool:
 
 def attitude(flight: Flight) -> Evidence | None:
     """An attitude that turns gravity, or the field, away from where it is."""
-    gravity, field = tilt(flight), turned_from_field(flight)
-    if gravity is not None and gravity > TILTED:
+    gravity, field = tilted(flight), turned_from_field(flight)
+    if gravity is not None:
         text = f"turned by the file's attitude, the mean specific force points {gravity:.0f}° from up"
     elif field is not None and field > BESIDE:
         text = f"turned by the file's attitude, the magnetometer points {field:.0f}° from the field that is stated"
@@ -122,7 +132,7 @@ def unconfirmed(flight: Flight) -> Evidence | None:
         return None
     gravity, field = tilt(flight), turned_from_field(flight)
     named = ", ".join(flight.unconfirmed)
-    against = (gravity or 0.0) > TILTED or (field or 0.0) > BESIDE
+    against = tilted(flight) is not None or (field or 0.0) > BESIDE
     angles = [] if gravity is None else [f"gravity {gravity:.0f}° from the vertical"]
     angles += [] if field is None else [f"the field {field:.0f}° from the one that is stated"]
     turned = f"; turned by it, the sensors read {' and '.join(angles)}" if angles else ""
