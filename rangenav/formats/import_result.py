@@ -25,6 +25,8 @@ GAP = 1.75
 DROP = ("drop",)
 """What may be done with broken lines."""
 FRAMES = ("z-up", "z-down")
+OPTIONS_SHOWN, OPTION_SHOWN = 10, 80
+"""Most options of a question that its sentence lists, and most characters of each."""
 NAMED = 5
 """Most line numbers that a message lists; of more lines it gives the first ones and their count."""
 
@@ -46,7 +48,9 @@ class Question:
     @property
     def text(self) -> str:
         """The question as one clause, with the evidence and the flag that answers it."""
-        answer = self.suggestion or "|".join(self.options)
+        shown = [option if len(option) <= OPTION_SHOWN else f"{option[:OPTION_SHOWN]}…" for option in self.options]
+        more = ["…"] if len(shown) > OPTIONS_SHOWN else []
+        answer = self.suggestion or "|".join([*shown[:OPTIONS_SHOWN], *more])
         asked = f"{self.asks}? {self.evidence}: {typed_flag(self.flag, answer)}"
         if not self.as_it_is:
             return asked

@@ -37,7 +37,7 @@ CONVERT = {
     b"\x1f\x8b": "unpack it, and read the file that is in it",
 }
 """How to make a table of some of them."""
-WINDOWS, AROUND = "cp1252", 20
+WINDOWS, AROUND = codecs.lookup("cp1252"), 20
 """An encoding that is common and is not read, and the bytes beside a wrong one that must be text in it."""
 PART = 2**20
 """Bytes that are decoded at a time."""
@@ -107,8 +107,8 @@ def encoding(data: bytes) -> str:
 
 def _other_encoding(data: bytes, byte: int) -> str:
     """What the byte is in Windows-1252, in which spreadsheets save on Windows, and what to do; empty if it is none."""
-    around = data[max(0, byte - AROUND) : byte + AROUND].decode(WINDOWS, "replace")
-    character = data[byte : byte + 1].decode(WINDOWS, "replace")
+    around, _ = WINDOWS.decode(data[max(0, byte - AROUND) : byte + AROUND], "replace")
+    character, _ = WINDOWS.decode(data[byte : byte + 1], "replace")
     if not character.isprintable() or not all(one.isprintable() or one.isspace() for one in around):
         return ""
     return f"; this byte is {character!r} in Windows-1252: save the file again with the encoding UTF-8"
