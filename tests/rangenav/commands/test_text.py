@@ -1,5 +1,6 @@
 """The report for a person: 80 columns, the answer first, a few groups, numbers with units, nothing of the JSON."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -99,6 +100,19 @@ def test_log_answers_first_and_says_how_far_off_the_observers_were(run, flight: 
     assert names(out)[:4] == ["the file", "what can be seen", "how well", "the observer"]
     assert re.search(r"position error [\d., ]+ m$", out, re.MULTILINE)
     assert "ranges of the file to an anchor at (0, 0, 1.5) m, as the file says" in " ".join(out.split())
+
+
+def test_an_observer_that_ends_far_off_takes_the_tick_from_the_first_line(run, tmp_path: Path):
+    """Two seconds determine the position, and are too short for an observer that starts from zero."""
+    formats.export(preset.load("paper"), "log", tmp_path / "paper.csv")
+    part = ("log", tmp_path / "paper.csv", "--end", 2, "--window", 1.5, "--position-sigma", 0.2)
+    code, out, err = run(*part)
+    assert (code, err) == (0, "")
+    first = " ".join(out.split("\n\n")[0].split())
+    assert re.search(r"paper\.csv ! observable: .*; but the observer is 0\.\d+ m off in the last quarter", first)
+    report = json.loads(run(*part, "--json")[1])
+    assert report["verdict"] == "observable"
+    assert report["observer"]["failure"] in first
 
 
 def test_synthetic_ranges_are_named_with_their_noise_and_their_anchor_in_the_first_lines(
