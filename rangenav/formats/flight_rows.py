@@ -96,7 +96,7 @@ def _known(values: Array) -> Bool[Array, "n"]:
 def _disorder(time: Array) -> str:
     """What is wrong with stamps most of which repeat or go back, as the end of a sentence."""
     steps = np.diff(time)
-    back = float(np.mean(steps < 0))
+    back = float(np.mean(steps < 0)) if len(steps) else 0.0
     if back > MOSTLY:
         return "go back: the rows run backwards in time; sort them by their stamps"
     if back > MOSTLY / 4:
