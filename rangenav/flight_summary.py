@@ -20,6 +20,8 @@ QUARTERS = 4
 """Errors are summed up over each quarter of a record; the last one tells the steady errors."""
 DIVERGED_FACTOR = 10**0.5
 """Innovations that exceed their own σ by this factor on the average, in the last quarter: the observer has diverged."""
+FAR_OVER = 2.0
+"""The same factor above which the noise that the observer assumes, its anchor or its sensors are wrong."""
 SETTLING = 3.0
 """Multiples of the required position error within which an observer that starts from zero may still be settling."""
 
@@ -149,7 +151,10 @@ def failure(observer: ObserverSummary, required: float) -> str | None:
     last = None if observer.position is None else observer.position.quarters[-1]
     if last is not None and last > SETTLING * required:
         return f"the observer is {quantity(last, 'm')} off in the last quarter of the record"
-    if observer.position is None and observer.fit.collecting:
+    fit = observer.fit
+    if fit.word == "overconfident" and fit.factor is not None and fit.factor > FAR_OVER:
+        return f"the observer's innovations are {fit.factor:.2g} times as large as it expects"
+    if observer.position is None and fit.collecting:
         return "the observer has not determined the position yet"
     return None
 

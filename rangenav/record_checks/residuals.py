@@ -18,8 +18,8 @@ LEAST_OFFSET, OFFSET_SIGMAS = 0.2, 3.0
 """m, and rms of what is left, beyond which a constant offset is asked about; antennas have some centimetres."""
 AS_GOOD = 1.2
 """An offset explains the ranges if it leaves at most this many times as much as the anchor that fits best."""
-LEAST_MISFIT, MISFIT_SIGMAS = 0.3, 3.0
-"""m, and noise of single ranges, above which the rms of what is left is no noise."""
+LEAST_MISFIT = 0.3
+"""m, and the noise of single ranges if that is larger: what is left beyond the noise is doubted above it."""
 NEAR = 5.0
 """Usual steps of the true positions within which a range has one."""
 
@@ -84,8 +84,8 @@ def disagreement(flight: Flight) -> Evidence | None:
             return None
         there, position = positions_at(flight, *known)
         left, where = flight.range[there] - np.linalg.norm(position - fit.place, axis=-1), "for any anchor"
-    size = rms(left)
-    if size <= max(LEAST_MISFIT, MISFIT_SIGMAS * _noise(left)):
+    size, noise = rms(left), _noise(left)
+    if size**2 - noise**2 <= max(LEAST_MISFIT, noise) ** 2:
         return None
     text = (
         f"the ranges disagree with the true positions by {significant(size)} m rms {where}, in every unit and with "
