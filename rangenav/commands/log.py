@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -169,7 +170,7 @@ def _flag(name: str) -> str:
 
 def _value(value: Any) -> str:
     values = value if isinstance(value, tuple) else (value,)
-    return " ".join(f"{one:.10g}" if isinstance(one, float) else str(one) for one in values)
+    return " ".join(f"{one:.10g}" if isinstance(one, float) else shlex.quote(str(one)) for one in values)
 
 
 def _format(file: Path) -> str:
