@@ -199,12 +199,10 @@ def analysis(
     windows = _windows(samples, world, lifted, local, range_sigma, range_rate, arriving)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)
-    ranges = accuracy.held(path, at, window, range_rate, first=first, last=last)
-
-    def predicted(kind: accuracy.Problem, moment: rows.Moment) -> Accuracy:
-        return accuracy.of_ranges(ranges, world, sigma=range_sigma, kind=kind, at=moment, share=arriving)
-
-    lifted_end, rank = predicted("lifted", "end"), int(lifted.spectrum.rank[k])
+    of = accuracy.of_held(
+        path, world, at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
+    )
+    rank = int(lifted.spectrum.rank[k])
     return Analysis(
         proof=None,
         windows=windows,
@@ -224,16 +222,16 @@ def analysis(
         nonlinear_rank=int(local.rank[j]),
         directions=lifted.directions,
         accuracy_at=at,
-        lifted_start=predicted("lifted", "start"),
-        lifted_end=lifted_end,
-        nonlinear_start=predicted("nonlinear", "start"),
-        nonlinear_end=predicted("nonlinear", "end"),
+        lifted_start=of.lifted_start,
+        lifted_end=of.lifted_end,
+        nonlinear_start=of.nonlinear_start,
+        nonlinear_end=of.nonlinear_end,
         ranges=last - first + 1,
         reduced_min=lifted.reduced_min,
         reduced_floor=lifted.reduced_floor,
         verdict=judge(
             rank,
-            lifted_end.position,
+            of.lifted_end.position,
             requirement.position_sigma,
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(last - first + 1, at, window, path.period),

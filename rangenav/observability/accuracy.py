@@ -4,6 +4,7 @@ y = ½d² has variance d²σ² + ½σ⁴, so the lifted information is Σ hᵀh/
 covariance. The nonlinear problem, with rows/(dσ), has a Cramér–Rao bound. Results are sqrt(trace) of each block.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,11 +17,13 @@ from rangenav.inputs import require
 from rangenav.motion import World
 from rangenav.observability import gramian_rank, rows, windows
 from rangenav.observability.gramian_rank import Remainders
-from rangenav.observability.rows import Moment as Moment
-from rangenav.observability.rows import PathSamples
+from rangenav.observability.rows import Moment, PathSamples
 from rangenav.observability.spectrum import LIFTED_TIME_POWERS, NONLINEAR_TIME_POWERS, RANK_TOLERANCE
+from rangenav.results import result
 from rangenav.signals import Signal
 
+LEAST_RANGES = 4
+"""Fewer do not even determine the cubics that the lifted state has whatever the motion."""
 NULL_SHARE = 1e-6
 """A block whose part of every null vector is shorter than this is determined, although the whole state is not."""
 NEAREST = 1e-9
@@ -70,10 +73,47 @@ def ranged(path: Signal, start: float, window: float, rate: float) -> PathSample
     return rows.sample_at(path, starts, window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
 
-def held(path: Signal, start: float, window: float, rate: float, *, first: int, last: int) -> PathSamples:
-    """Samples of one window (s) at the ranges that it holds, which are measured at first/rate to last/rate (Hz)."""
+@result
+class FourAccuracies:
+    """The accuracy of one window, of either problem at either end."""
+
+    lifted_start: Accuracy
+    lifted_end: Accuracy
+    nonlinear_start: Accuracy
+    nonlinear_end: Accuracy
+
+
+def of_held(
+    path: Signal,
+    world: World,
+    start: float,
+    window: float,
+    *,
+    first: int,
+    last: int,
+    rate: float,
+    sigma: float,
+    share: float = 1.0,
+) -> FourAccuracies:
+    """Accuracy of one window (s) from the ranges that it holds, measured at first/rate to last/rate (Hz).
+
+    sigma: their noise, m. share: of the ranges that arrive. Fewer than four ranges determine nothing.
+    """
+    if last - first + 1 < LEAST_RANGES:
+        nothing = Accuracy(position=math.nan, velocity=math.nan, gravity=math.nan)
+        return FourAccuracies(lifted_start=nothing, lifted_end=nothing, nonlinear_start=nothing, nonlinear_end=nothing)
     tau = np.arange(first, last + 1)[None] / rate - start
-    return rows.sample_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+    samples = rows.sample_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+
+    def of(kind: Problem, at: Moment) -> Accuracy:
+        return of_ranges(samples, world, sigma=sigma, kind=kind, at=at, share=share)
+
+    return FourAccuracies(
+        lifted_start=of("lifted", "start"),
+        lifted_end=of("lifted", "end"),
+        nonlinear_start=of("nonlinear", "start"),
+        nonlinear_end=of("nonlinear", "end"),
+    )
 
 
 def of_ranges(
@@ -117,6 +157,8 @@ def sigmas(
     samples: PathSamples, count: Float[Array, "v k"], world: World, *, sigma: float, kind: Problem, at: Moment
 ) -> Float[Array, "w 3"]:
     """sqrt(trace) of the position, velocity and gravity blocks of each window, from `count` ranges at each time."""
+    if kind == "lifted" and samples.tau.shape[1] < LEAST_RANGES:
+        return np.full((len(samples.start), 3), np.nan)
     distance2 = np.sum((samples.position - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
     noise = sigma if sigma > 0 else 1.0  # without noise every determined block is exact: computed for 1 m, then zero
     if kind == "lifted":

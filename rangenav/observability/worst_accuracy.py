@@ -43,20 +43,18 @@ def worst_accuracy(
     Raises ValueError as `every_range_window.worst` does.
     """
     found = every_range_window.worst(path, world, duration, window, sigma=sigma, rate=rate, share=share)
-    samples = accuracy.held(path, found.at, window, rate, first=found.first, last=found.last)
-
-    def of(kind: accuracy.Problem, moment: accuracy.Moment) -> Accuracy:
-        return accuracy.of_ranges(samples, world, sigma=sigma, kind=kind, at=moment, share=share)
-
+    of = accuracy.of_held(
+        path, world, found.at, window, first=found.first, last=found.last, rate=rate, sigma=sigma, share=share
+    )
     starts, reason = _claimed(path, duration - window, rate)
     return WorstAccuracy(
         starts=starts,
         reason=reason,
         windows=found,
-        lifted_start=of("lifted", "start"),
-        lifted_end=of("lifted", "end"),
-        nonlinear_start=of("nonlinear", "start"),
-        nonlinear_end=of("nonlinear", "end"),
+        lifted_start=of.lifted_start,
+        lifted_end=of.lifted_end,
+        nonlinear_start=of.nonlinear_start,
+        nonlinear_end=of.nonlinear_end,
     )
 
 
