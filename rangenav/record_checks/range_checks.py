@@ -3,7 +3,7 @@
 They come last, in this order: simple causes are tried first, and ranges that nothing explains are doubted at the end.
 """
 
-from rangenav.record_checks import corrections, distances, outliers, range_unit, ranges, residuals, rows
+from rangenav.record_checks import anchors, corrections, distances, outliers, range_unit, ranges, residuals, rows
 from rangenav.record_checks.check import Check
 
 RANGE_CHECKS: tuple[Check, ...] = (
@@ -84,7 +84,7 @@ RANGE_CHECKS: tuple[Check, ...] = (
         compares="the ranges with the distances from the true positions to the anchor, and to the one that fits best",
         about="range",
         uses=("position", "range"),
-        find=distances.anchor,
+        find=anchors.anchor,
         key="anchor",
         flag="--anchor",
         asks="where does the anchor stand",

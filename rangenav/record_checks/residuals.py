@@ -11,7 +11,7 @@ from numpy import ndarray as Array
 
 from rangenav.formats.recorded_flight import Flight
 from rangenav.number_format import significant
-from rangenav.record_checks import distances
+from rangenav.record_checks import anchors, distances
 from rangenav.record_checks.check import Evidence
 
 LEAST_OFFSET, OFFSET_SIGMAS = 0.2, 3.0
@@ -59,7 +59,7 @@ def offset(flight: Flight) -> Evidence | None:
     before, after = rms(left[1]), rms(left[1] - constant)
     if abs(constant) < max(LEAST_OFFSET, OFFSET_SIGMAS * after):
         return None
-    best = distances.best_anchor(flight)
+    best = anchors.best_anchor(flight)
     if best is None or after > AS_GOOD * best.left:
         return None
     text = (
@@ -79,7 +79,7 @@ def disagreement(flight: Flight) -> Evidence | None:
     if at_anchor is not None:
         left, where = at_anchor[1], "at the anchor, or at any other"
     else:
-        fit = distances.best_anchor(flight)
+        fit = anchors.best_anchor(flight)
         if fit is None:
             return None
         there, position = positions_at(flight, *known)

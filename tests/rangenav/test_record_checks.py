@@ -14,7 +14,7 @@ from rangenav.formats import frames, recorded_flight
 from rangenav.formats.import_result import ImportResult
 from rangenav.formats.recorded_flight import Flight
 from rangenav.motion import to_body
-from rangenav.record_checks import axes, clock, distances, outliers
+from rangenav.record_checks import anchors, axes, clock, outliers
 from rangenav.sensors import Noise
 from tests.support.real_files import shared
 
@@ -247,8 +247,8 @@ def test_an_anchor_is_judged_by_the_covariance_of_the_one_that_fits_best(hand_he
     noise = 0.05 * np.random.default_rng(1).standard_normal(len(at))
     planar = replace(hand_held, position=flat, rotation=None, range=np.linalg.norm(at - [x, y, z], axis=-1) + noise)
     for place in ((x, y, z), (x, y, z + 2.0)):
-        assert distances.anchor(replace(planar, anchor=place)) is None
-    assert distances.anchor(replace(planar, anchor=(x + 1.0, y, z))) is not None
+        assert anchors.anchor(replace(planar, anchor=place)) is None
+    assert anchors.anchor(replace(planar, anchor=(x + 1.0, y, z))) is not None
 
 
 def test_what_a_person_gives_instead_of_the_files_statement_is_said(hand_held: Flight):
