@@ -29,6 +29,8 @@ TIGHT = 0.9
 """The bound of the least singular value is improved until it is this share of the least one found."""
 ROOM = 4000
 """The most cores and windows for that."""
+TIE = 1e-6
+"""Windows whose least singular values differ by less than this share are equally weak, and the first one is named."""
 FEW, WEAKEST = 33, 4
 """Windows that are sampled before any core is, and cores on which the error of the quadrature is measured."""
 
@@ -157,9 +159,11 @@ def _sample(path: Signal, gravity: Vec3, window: float, starts: Array, sampled: 
         of = gramian_rank.of(samples, gravity, samples.weight, "start")
         sampled.decomposed += len(part)
         singular = cores.least_singular(of, window, [np.zeros((7, 7))] * 2)
-        k = int(np.lexsort((singular[:, 0], of.rank))[0])
-        if (of.rank[k], singular[k, 0]) < (sampled.rank, sampled.singular[0]):
-            sampled.rank, sampled.at = int(of.rank[k]), float(part[k])
+        rank = int(of.rank.min())
+        least = float(singular[of.rank == rank, 0].min())
+        k = int(np.argmax((of.rank == rank) & (singular[:, 0] <= least * (1 + TIE))))
+        if rank < sampled.rank or (rank == sampled.rank and least < sampled.singular[0] * (1 - TIE)):
+            sampled.rank, sampled.at = rank, float(part[k])
         sampled.singular = np.minimum(sampled.singular, singular.min(axis=0))
 
 
