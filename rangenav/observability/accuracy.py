@@ -27,7 +27,7 @@ LEAST_RANGES = 4
 NULL_SHARE = 1e-6
 """A block whose part of every null vector is shorter than this is determined, although the whole state is not."""
 NEAREST = 1e-9
-"""m; at the anchor a range has no direction: its row is zero, and this distance replaces the zero it is divided by."""
+"""m; nearer to the anchor a range has no direction: its row is zero."""
 Problem = Literal["lifted", "nonlinear"]
 LIFTED_BLOCKS = (slice(4, 7), slice(7, 10), slice(10, 13))
 NONLINEAR_BLOCKS = (slice(0, 3), slice(3, 6), slice(6, 9))
@@ -165,7 +165,8 @@ def sigmas(
         weight = count / (distance2 * noise**2 + noise**4 / 2)
         result = _lifted_sigmas(gramian_rank.of(samples, world.gravity, weight, at))
     else:
-        weight = count / (np.maximum(distance2, NEAREST**2) * noise**2)
+        near = distance2 < NEAREST**2
+        weight = np.where(near, 0.0, count / (np.where(near, 1.0, distance2) * noise**2))
         R = rows.triangles(samples, weight, lambda part: rows.nonlinear_of(part, world.anchor, at))
         result = _block_sigmas(R, samples.window ** -NONLINEAR_TIME_POWERS.astype(float), NONLINEAR_BLOCKS)
     return result if sigma > 0 else result * 0.0

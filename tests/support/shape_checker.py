@@ -7,6 +7,7 @@ file, and after them those whose number is a power of two.
 import dataclasses
 import functools
 import inspect
+import random
 from collections.abc import Callable
 from types import CodeType
 
@@ -64,7 +65,11 @@ def _sampled_function(bare: Callable, typechecker: Callable) -> Callable:
             return bare(*args, **kwargs)
         if checking is None:
             checking = jaxtyped(bare, typechecker=typechecker)
-        return checking(*args, **kwargs)
+        state = random.getstate()
+        try:
+            return checking(*args, **kwargs)
+        finally:  # beartype draws the item of a list that it checks, and hypothesis wants no draws but its own
+            random.setstate(state)
 
     return sample
 
