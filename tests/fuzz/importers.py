@@ -36,7 +36,7 @@ def _read(name: str, random: Random) -> None:
     try:
         imported = _parsed(name, damaged, confirm)
     except ValueError as error:
-        sentences.check(str(error), "x", longest=COLUMNS_NAMED)
+        sentences.check(str(error), "x", longest=sentences.COLUMNS_NAMED)
         return
     assert np.isfinite(imported.duration)
     assert imported.duration > 0 or imported.questions  # with a question nothing may have been read yet
@@ -73,8 +73,6 @@ def files() -> list[tuple[str, dict[str, bytes]]]:
     return _FILES
 
 
-COLUMNS_NAMED = 2000
-"""Characters of a refusal that lists the columns of the file."""
 NAMES = ("reference", "polynomial", "tum", "log", "euroc", "mat")
 
 

@@ -38,7 +38,7 @@ def _read(name: str, random: Random) -> None:
     try:
         time, position = readback.positions(damaged, formats.row(name), "x")
     except ValueError as error:
-        sentences.check(str(error), "x")
+        sentences.check(str(error), "x", longest=sentences.COLUMNS_NAMED)
         return
     assert position.shape == (len(time), 3)
     assert np.isfinite(position).all()
