@@ -9,16 +9,15 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav.inputs import Vec3
 from rangenav.motion import World
-from rangenav.observability import accuracy, blindness, excitation, horizon, reduced, rows, spectrum
+from rangenav.motion_analysis import Windows, motion_analysis, path_samples, sampled_windows
+from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
-from rangenav.observability.rows import PathSamples
 from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset, Requirement
 from rangenav.proof import Proof, prove
@@ -27,38 +26,9 @@ from rangenav.results import result
 from rangenav.signals import Signal
 from rangenav.verdict import Verdict, for_these_ranges, judge, restriction
 
-WINDOWS = 101
-"""Start times at which spectra are computed: enough for a smooth curve; 101 windows of 13 columns take 5 ms."""
-FINE_WINDOWS = 401
-"""Start times for the worst excitation, which is far cheaper than a Gramian."""
+CACHED = 8
+"""Cached analyses: enough for undo and for A/B, few enough for many visitors."""
 Arguments = tuple[Signal, World, float, Requirement, float, float, float, Source | None]
-CACHED, CACHED_SAMPLES = 8, 2
-"""Cached results of each stage: enough for undo and for A/B, few enough for many visitors. Samples take most memory."""
-
-
-@result
-class Windows:
-    """Observability over sliding windows [start, start + window]."""
-
-    start: Float[Array, "w"]
-    """s"""
-    window: float
-    excitation: Float[Array, "w 3"]
-    """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
-    gramian: Float[Array, "w 13"]
-    """Eigenvalues of the lifted Gramian (1/δ)∫, ascending, SI."""
-    floor: Float[Array, "w"]
-    """Gramian eigenvalues below it are rounding."""
-    scaled: Float[Array, "w 13"]
-    """Scaled singular values, descending."""
-    rank: Int[Array, "w"]
-    nonlinear: Float[Array, "w 9"]
-    """Eigenvalues of the nonlinear Gramian, ascending, SI."""
-    nonlinear_floor: Float[Array, "w"]
-    nonlinear_rank: Int[Array, "w"]
-    sigma_lifted: Float[Array, "w"]
-    """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
-    sigma_nonlinear: Float[Array, "w"]
 
 
 @result
@@ -106,23 +76,6 @@ class Analysis:
     verdict: Verdict
 
 
-@result
-class MotionAnalysis:
-    """The part of an analysis that depends on neither anchor nor sensors."""
-
-    start: Float[Array, "w"]
-    spectrum: spectrum.Spectrum
-    excitation: Float[Array, "w 3"]
-    worst: int
-    """Index of the window of least rank, and then of least scaled singular value."""
-    least: Float[Array, "3"]
-    least_at: float
-    bound_for_all_t: float | None
-    directions: tuple[Direction, ...]
-    reduced_min: float
-    reduced_floor: float
-
-
 def analyse(preset: Preset) -> Analysis:
     """Analyse a preset over its own window: the worst of all windows."""
     return _proven(*_arguments(preset))
@@ -147,35 +100,6 @@ def _arguments(preset: Preset) -> Arguments:
     )
 
 
-@lru_cache(maxsize=CACHED_SAMPLES)
-def path_samples(path: Signal, duration: float, window: float) -> PathSamples:
-    """Samples of the path in all windows; both spectra and the accuracy are computed from them."""
-    return rows.sample(path, np.linspace(0, duration - window, WINDOWS), window)
-
-
-@lru_cache(maxsize=CACHED)
-def motion_analysis(path: Signal, gravity: Vec3, duration: float, window: float) -> MotionAnalysis:
-    """Excitation, Gramian and blind directions, which depend on path, gravity and window only."""
-    samples = path_samples(path, duration, window)
-    start, gramians = samples.start, spectrum.lifted_spectra(samples, gravity)
-    k = spectrum.worst(gramians)
-    least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
-    values, axes = excitation.directions(path, float(start[k]), window)
-    reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
-    return MotionAnalysis(
-        start=start,
-        spectrum=gramians,
-        excitation=excitation.eigenvalues(path, start, window),
-        worst=k,
-        least=least,
-        least_at=least_at,
-        bound_for_all_t=excitation.bound_for_all_t(path, window),
-        directions=blindness.directions(spectrum.null_basis(gramians, k), values, axes),
-        reduced_min=reduced_min,
-        reduced_floor=reduced_floor,
-    )
-
-
 @lru_cache(maxsize=CACHED)
 def analysis(
     path: Signal,
@@ -196,7 +120,7 @@ def analysis(
     samples = path_samples(path, duration, window)
     local = spectrum.local_spectra(samples, world.anchor)
     k, j = lifted.worst, spectrum.worst(local)
-    windows = _windows(samples, world, lifted, local, range_sigma, range_rate, arriving)
+    windows = sampled_windows(samples, world, lifted, local, range_sigma, range_rate, arriving)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)
     of = accuracy.of_held(
@@ -303,32 +227,4 @@ def how_long(preset: Preset) -> Horizon:
         rate=preset.sensors.range_rate,
         share=preset.sensors.arriving,
         position_sigma=preset.requirement.position_sigma,
-    )
-
-
-def _windows(
-    samples: PathSamples,
-    world: World,
-    lifted: MotionAnalysis,
-    local: spectrum.Spectrum,
-    sigma: float,
-    rate: float,
-    share: float,
-) -> Windows:
-    def end_position(kind: accuracy.Problem) -> Array:
-        return accuracy.along(samples, world, sigma=sigma, rate=rate, kind=kind, share=share)[:, 0]
-
-    return Windows(
-        start=lifted.start,
-        window=samples.window,
-        excitation=lifted.excitation,
-        gramian=lifted.spectrum.eigenvalues,
-        floor=lifted.spectrum.floor,
-        scaled=lifted.spectrum.scaled,
-        rank=lifted.spectrum.rank,
-        nonlinear=local.eigenvalues,
-        nonlinear_floor=local.floor,
-        nonlinear_rank=local.rank,
-        sigma_lifted=end_position("lifted"),
-        sigma_nonlinear=end_position("nonlinear"),
     )

@@ -22,11 +22,12 @@ from explorer.model import details
 from explorer.model.details import Details
 from explorer.model.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record, vehicle
-from rangenav.analysis import WINDOWS, Analysis, analyse, sampled
+from rangenav.analysis import Analysis, analyse, sampled
 from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
 from rangenav.model import ModelForm
 from rangenav.motion import Limits, Motion
+from rangenav.motion_analysis import WINDOWS
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
 from rangenav.record import Outcome, Summary, TruthInputs, truth_inputs

@@ -15,8 +15,9 @@ from functools import lru_cache
 import numpy as np
 
 from rangenav import record, twin
-from rangenav.analysis import WINDOWS, how_long, motion_analysis, sampled
+from rangenav.analysis import how_long, sampled
 from rangenav.inputs import Vec3
+from rangenav.motion_analysis import WINDOWS, motion_analysis
 from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.observability.ellipsoid import Ellipsoid
 from rangenav.observability.functions import Functions
