@@ -96,6 +96,9 @@ def log(
     require_within("--range-sigma", range_sigma, *log_inputs.RANGE_SIGMA, "m")
     require_within("--window", window, *WINDOW, "s")
     require(position_sigma > 0, f"--position-sigma must be positive, got {position_sigma:g}")
+    require(seed >= 0, f"--seed must not be negative, got {seed}")
+    if synthetic_ranges is not None:
+        require_within("--synthetic-ranges", synthetic_ranges, *log_inputs.RANGE_SIGMA, "m")
     format_name = from_ or _format(file)
     if list_columns:
         return _list_columns(file, format_name, answers.confirm(), json=json)

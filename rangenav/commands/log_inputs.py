@@ -10,7 +10,7 @@ from rangenav.commands.log_answers import Answers
 from rangenav.commands.progress import working
 from rangenav.formats import recorded_flight
 from rangenav.formats.recorded_flight import Flight
-from rangenav.inputs import Vec3, require, require_within
+from rangenav.inputs import Vec3, require
 from rangenav.logs import USUAL_NOISE
 from rangenav.number_format import vector
 
@@ -107,8 +107,6 @@ def with_ranges(flight: Flight, anchor: Vec3 | None, sigma: float, seed: int) ->
     anchor = anchor or flight.anchor
     if anchor is None:
         raise ValueError("--synthetic-ranges needs --anchor X Y Z: the file does not say where the anchor stands")
-    require_within("--synthetic-ranges", sigma, *RANGE_SIGMA, "m")
-    require(seed >= 0, f"--seed must not be negative, got {seed}")
     return recorded_flight.with_ranges(flight, anchor, sigma=sigma, seed=seed)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from playwright.sync_api import Browser
 
-from tests.browser.page import COARSE, PATIENCE, Visitor, served
+from tests.browser.page import BLUR, COARSE, PATIENCE, Visitor, served
 
 TABLE = "points: t x y z"
 
@@ -38,7 +38,7 @@ def test_a_waypoint_dragged_with_the_mouse_moves_the_path_and_undo_brings_it_bac
     _until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) > 0.05, "the handle elsewhere")
     _until(lambda: wide.chart_data("μ") != verdict, "another excitation")
     _wait_until_still(lambda: wide.typed(TABLE))  # the drag has ended for the session, too
-    wide.page.mouse.click(5, 5)  # out of any box, whose own undo would come first
+    wide.page.evaluate(BLUR)  # out of any box, whose own undo would come first
     wide.page.keyboard.press("Control+z")
     _until(lambda: wide.typed(TABLE) == table, "the table as it was")
     _until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) < 1e-6, "the handle where it was")

@@ -251,7 +251,7 @@ def test_an_export_that_cannot_be_certified_leaves_nothing_behind(complaint, tmp
 
     monkeypatch.setattr(exports, "certified", broken)
     for form, name in (("tum", "x.tum"), ("euroc", "x")):
-        assert complaint("export", "soft", "--to", form, "-o", tmp_path / name) == "it cannot be read again\n"
+        assert complaint("export", "soft", "--to", form, "-o", tmp_path / name) == "soft: it cannot be read again\n"
     assert list(tmp_path.iterdir()) == []
 
 
