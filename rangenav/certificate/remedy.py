@@ -221,7 +221,9 @@ def _serves(added: Added | None, preset: Preset) -> bool:
 
 
 def _slower(preset: Preset) -> str | None:
-    """For a motion that only exceeds its vehicle's limits: a clause on how many times slower it must be flown."""
+    """A clause on how many times slower a motion must be flown to keep its vehicle's limits; None if it keeps them."""
+    if max(excess(demanded(preset), preset.vehicle).values(), default=-math.inf) <= 0:
+        return None  # what is missed is the accuracy, for which slower may be worse
     factor = 1.0
     while factor < SLOWEST:
         factor *= 1.05

@@ -78,6 +78,8 @@ def free_tones(preset: Preset) -> Change:
 
     def description(theta: Array) -> str:
         each = [f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis}" for tone in kept_tones(theta)]
+        if not each:
+            return "the motion as it is"
         return f"added {'a tone' if len(each) == 1 else 'tones'} of " + " and ".join(each)
 
     def rounded(theta: Array) -> Array:

@@ -20,8 +20,8 @@ SOURCE = "source"
 def certified(certificate: Certificate, *, name: str, written: Path | None, helps: str | None) -> Report:
     """What was asked of a preset and what it is proven or computed to do; helps: a change that would meet it all."""
     typed = layout.argument(name)
-    kept = written or f"{Path(name).stem}.certificate.json"
-    following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(kept)}"
+    kept = written or Path(name).with_name(f"{Path(name).stem}.certificate.json")
+    following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(str(kept))}"
     if not certificate.certified:
         of_source = any(one.name == SOURCE and not one.met for one in certificate.checks)
         following = "log RECORD.csv" if of_source else f"repair {typed} -o repaired.toml"

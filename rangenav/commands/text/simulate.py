@@ -22,10 +22,13 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
     """How well the cascaded observer does on a preset; `answer` is the command's JSON object."""
     sign, said = _headline(answer)
     verdict = analyse(preset).verdict
+    blind = verdict.word == "blind" or "note" in answer
     if not verdict.judged:
         sign, said = "?", f"{verdict}; this run {said}"
+    elif blind and "reason" not in answer:
+        sign, said = "✗", "blind: the position cannot be told, and the errors say nothing about accuracy"
     typed = layout.argument(name)
-    following = (f"explain {typed}",) if "note" in answer else (f"analyze {typed}", f"tune {typed}")
+    following = (f"explain {typed}",) if blind else (f"analyze {typed}", f"tune {typed}")
     return Report(
         subject=layout.subject(name),
         sign=sign,
@@ -48,10 +51,9 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
 def _headline(answer: Json) -> tuple[Sign, str]:
     if "reason" in answer:
         return "✗", "the estimate overflows"
-    if "note" in answer:
-        return "✗", "unobservable: the errors say nothing about accuracy"
-    if None in answer["settle"].values():
-        return "!", f"does not settle below {LIMITS['position']} and {LIMITS['attitude']}"
+    unsettled = [name for name in LIMITS if answer["settle"][f"{name}_s"] is None]
+    if unsettled:
+        return "!", " and ".join(f"{name} does not settle below {LIMITS[name]}" for name in unsettled)
     steady = answer["steady"]
     position, attitude = quantity(steady["position_rmse"], "m"), quantity(steady["attitude_rmse_deg"], "°")
     return "✓", f"settles, and is then off by {position} and {attitude}"

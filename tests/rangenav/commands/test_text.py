@@ -1,17 +1,21 @@
 """The report for a person: 80 columns, the answer first, a few groups, numbers with units, nothing of the JSON."""
 
 import json
+import math
 import re
 import shlex
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from rangenav import analysis, formats, preset
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report
 from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.number_format import vector
+from rangenav.signals import Multisine, Tone
+from rangenav.vehicle import FREE
 
 pytestmark = pytest.mark.slow
 
@@ -89,6 +93,33 @@ def test_simulate_and_verify_answer_first(run, name: str):
     assert (code, err) == (0, "")
     check(out, 3)
     assert out.startswith(f"{name}   ✓ holds: ")
+
+
+def test_a_run_names_what_does_not_settle_and_not_what_does(run):
+    code, out, _ = run("simulate", "wiggle")
+    assert (code, out.splitlines()[0]) == (0, "wiggle   ! position does not settle below 0.3 m")
+
+
+def test_ranges_that_fall_on_one_place_make_a_run_and_a_certificate_say_so(run, tmp_path: Path):
+    """All three tones repeat each second, and so do the ranges. Slower flight does not help, and is not advised."""
+    turn = 2 * math.pi
+    tones = (
+        Tone(axis="x", amplitude=1.0, frequency=turn),
+        Tone(axis="y", amplitude=1.0, frequency=2 * turn),
+        Tone(axis="z", amplitude=1.0, frequency=3 * turn),
+    )
+    soft = preset.load("soft")
+    sensors = replace(soft.sensors, range_rate=1.0)
+    loop = replace(soft, path=Multisine(tones=tones), sensors=sensors, vehicle=FREE)
+    file = tmp_path / "loop.toml"
+    file.write_text(preset.dumps(loop))
+    code, out, _ = run("simulate", file)
+    assert code == 0
+    assert "✗ blind: the position cannot be told" in " ".join(out.split())
+    assert "rangenav tune" not in out
+    code, out, _ = run("certify", file)
+    assert code == 1
+    assert "slower" not in out
 
 
 def test_log_answers_first_and_says_how_far_off_the_observers_were(run, flight: Path, monkeypatch: pytest.MonkeyPatch):
