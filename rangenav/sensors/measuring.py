@@ -129,4 +129,4 @@ def _range_times(time: Array, *, rate: float, clock: float) -> Array:
     ratio = clock / rate
     if abs(ratio - round(ratio)) < 1e-9:
         return time[:: round(ratio)].copy()
-    return np.arange(count) / rate
+    return np.minimum(np.arange(count) / rate, time[-1])  # whose rounding may lie before that of the range
