@@ -18,8 +18,6 @@ from explorer.widgets.section import Section
 from rangenav.inputs import Vec3
 
 CHANGED = " •"
-MAX_SHOWN_TEXT = 20_000
-"""Characters; a browser hangs if it receives megabytes for one text box."""
 T = TypeVar("T")
 
 

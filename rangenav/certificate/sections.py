@@ -34,74 +34,74 @@ def proof_of(preset: Preset) -> Proof:
     )
 
 
-def claim_section(preset: Preset, found: WorstExcitation) -> Claim:
+def claim_section(preset: Preset, worst: WorstExcitation) -> Claim:
     """The windows for which the excitation is bounded or sampled."""
     return Claim(
-        starts=found.starts,
+        starts=worst.starts,
         window=preset.requirement.window,
         duration=preset.duration,
         period=None if preset.path.period is None else figure(preset.path.period),
-        reason=msgspec.UNSET if found.reason is None else f"not every t: {found.reason}",
+        reason=msgspec.UNSET if worst.reason is None else f"not every t: {worst.reason}",
     )
 
 
-def excitation_section(found: WorstExcitation, required: float) -> schema.Excitation:
+def excitation_section(worst: WorstExcitation, required: float) -> schema.Excitation:
     """μ and its bounds; null bounds where it is sampled."""
-    bounds, blind = found.bounds, found.mu <= found.floor
-    sampled = [] if bounds is not None else [f"lower, upper: null, sampled only, as {found.reason}"]
+    bounds, blind = worst.bounds, worst.mu <= worst.floor
+    sampled = [] if bounds is not None else [f"lower, upper: null, sampled only, as {worst.reason}"]
     reasons = [*sampled, *(["found: null, below the floor of rounding"] if blind else [])]
     return schema.Excitation(
         required=required,
         lower=None if bounds is None else figure(bounds.lower, toward=-1),
         upper=None if bounds is None else figure(bounds.upper, toward=1),
         upper_everywhere=None if bounds is None else figure(bounds.upper_everywhere, toward=1),
-        found=None if blind else figure(found.mu),
-        floor=figure(found.floor, toward=1),
-        at=figure(found.at),
-        direction=vec(found.direction),
-        starts=found.count,
-        scope=_scope(bounds is not None, found.starts, found.reason),
+        found=None if blind else figure(worst.mu),
+        floor=figure(worst.floor, toward=1),
+        at=figure(worst.at),
+        direction=vec(worst.direction),
+        starts=worst.count,
+        scope=_scope(bounds is not None, worst.starts, worst.reason),
         reason="; ".join(reasons) or msgspec.UNSET,
     )
 
 
 def rank_section(proof: Proof) -> schema.Rank:
     """The least ranks, and a bound of the thirteenth singular value where one is known."""
-    found, full = proof.rank, proof.rank.rank == STATES
-    bound = None if found.proof is None else found.proof.smallest_singular
+    worst, full = proof.rank, proof.rank.rank == STATES
+    bound = None if worst.proof is None else worst.proof.smallest_singular
     reasons = [] if full else ["smallest_singular: null, below the tolerance"]
     reasons += ["smallest_bound: null, not bounded"] if bound is None else []
     return schema.Rank(
-        rank=found.rank,
+        rank=worst.rank,
         of=STATES,
-        tolerance=figure(found.tolerance),
-        smallest_singular=figure(found.smallest) if full else None,
+        tolerance=figure(worst.tolerance),
+        smallest_singular=figure(worst.smallest) if full else None,
         smallest_bound=None if bound is None else figure(bound, toward=-1),
-        at=figure(found.at),
-        nonlinear=found.nonlinear,
-        windows=found.count,
-        blind=tuple(direction.summary for direction in found.directions),
-        scope=_scope(proof.rank_proven, found.starts, found.reason),
+        at=figure(worst.at),
+        nonlinear=worst.nonlinear,
+        windows=worst.count,
+        blind=tuple(direction.summary for direction in worst.directions),
+        scope=_scope(proof.rank_proven, worst.starts, worst.reason),
         reason="; ".join(reasons) or msgspec.UNSET,
     )
 
 
-def accuracy_section(preset: Preset, found: WorstAccuracy) -> schema.Accuracy:
+def accuracy_section(preset: Preset, worst: WorstAccuracy) -> schema.Accuracy:
     """Predicted σ on the window of the flight that is worst for the lifted position at its end, and its bound."""
-    windows, sensors = found.windows, preset.sensors
+    windows, sensors = worst.windows, preset.sensors
     bounded = math.isfinite(windows.bound)
     return schema.Accuracy(
         required=preset.requirement.position_sigma,
         at=figure(windows.at),
         ranges=windows.ranges,
         bound=figure(windows.bound, toward=1) if bounded else None,
-        scope=_scope(True, found.starts, found.reason),
+        scope=_scope(True, worst.starts, worst.reason),
         range_sigma=sensors.sigma.range,
         range_rate=sensors.range_rate,
         noise=noise_assumption(sensors),
         reason=msgspec.UNSET if bounded else "bound: null, the worst window does not determine the position",
-        lifted=schema.Ends(start=sigma(found.lifted_start), end=sigma(found.lifted_end)),
-        nonlinear=schema.Ends(start=sigma(found.nonlinear_start), end=sigma(found.nonlinear_end)),
+        lifted=schema.Ends(start=sigma(worst.lifted_start), end=sigma(worst.lifted_end)),
+        nonlinear=schema.Ends(start=sigma(worst.nonlinear_start), end=sigma(worst.nonlinear_end)),
     )
 
 

@@ -32,8 +32,6 @@ PER_TURN = 3
 RAMP_PIECES = 4
 """Least number of pieces for each ramp."""
 NAMES = ("duration", *(f"{axis}^{power}" for axis in ("x", "y", "z", "yaw") for power in range(8)))
-LEAST_LENGTH = 0.01
-"""s: the shortest piece; the firmware's clock ticks in milliseconds."""
 WORST_FIT = 0.01
 """m: the largest distance of a file from its path."""
 MOST_COMPLAINTS = 10
