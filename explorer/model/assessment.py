@@ -1,0 +1,208 @@
+"""What the page says of a picture: five questions, each with a level, and the level of all, that of the worst answer.
+
+    what can be seen · how well · does the observer get there · can it be flown · is the model right
+    good: nothing is wrong      mind: read this before you trust the rest      bad: it cannot be had this way
+So nothing is good while a sensor has an effect that the observer does not model, or while a limit is broken.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from explorer.model.compute import Picture
+from rangenav import continuity, sensors
+from rangenav import verdict as verdicts
+from rangenav.model import STATES
+from rangenav.number_format import quantity, significant
+from rangenav.record import SETTLED_POSITION
+from rangenav.vehicle import CATALOGUE, FREE, THRUST_MARGIN
+
+Level = Literal["good", "unjudged", "mind", "bad"]
+LEVELS: tuple[Level, ...] = ("good", "unjudged", "mind", "bad")
+"""The better one first."""
+Question = Literal["seen", "accuracy", "arrival", "flight", "model"]
+QUESTIONS: dict[Question, str] = {
+    "seen": "what can be seen",
+    "accuracy": "how well",
+    "arrival": "does the observer get there",
+    "flight": "can it be flown",
+    "model": "is the model right",
+}
+Cure = Literal["repair", "tune", "slow down", "model", "vehicle"]
+"""What helps: another motion, other gains, a slower path, the observer's model as derived, another vehicle."""
+MOST_THRUST = max(one.thrust_to_weight or 0.0 for one in CATALOGUE) / (1 + THRUST_MARGIN)
+"""Times the weight: what the strongest vehicle of the catalogue may use."""
+REMEMBERS = 3.0
+"""An error this many times smaller than one window allows is explained: the observer also uses earlier windows."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """The answer to one question."""
+
+    question: Question
+    level: Level
+    summary: str
+    """A clause with the number that decides."""
+    remarks: tuple[str, ...] = ()
+    """Further sentences."""
+    cure: Cure | None = None
+    """What would help; None where nothing is wrong, or where no button of the page helps."""
+    term: str = ""
+    """The term of the glossary that defines the number."""
+
+
+def answers(picture: Picture) -> tuple[Answer, ...]:
+    """The answers to all five questions, in their order."""
+    return seen(picture), accuracy(picture), arrival(picture), flight(picture), model(picture)
+
+
+def level(given: tuple[Answer, ...]) -> Level:
+    """The level of the worst answer. A motion that is not judged is never good, and may be worse."""
+    return LEVELS[max(LEVELS.index(answer.level) for answer in given)]
+
+
+def decisive(given: tuple[Answer, ...]) -> Answer:
+    """The first of the worst answers; where all are good, the accuracy, whose number is the verdict's."""
+    worst = level(given)
+    return next(
+        answer for answer in given if (answer.question == "accuracy" if worst == "good" else answer.level == worst)
+    )
+
+
+def seen(picture: Picture) -> Answer:
+    """Whether the ranges determine all states, and whether the excitation meets the requirement."""
+    analysis, needed = picture.analysis, picture.preset.requirement
+    if not analysis.verdict.judged:
+        return Answer(
+            question="seen", level="unjudged", summary=f"not judged: {analysis.verdict.reason}", term="verdict"
+        )
+    determined = f"{analysis.rank} of {STATES} quantities determined"
+    if analysis.rank < STATES:
+        blind = tuple(direction.summary for direction in analysis.directions)
+        return Answer(question="seen", level="bad", summary=determined, remarks=blind, cure="repair", term="rank")
+    if analysis.verdict.word == "blind":
+        reason = analysis.verdict.reason
+        return Answer(question="seen", level="bad", summary=f"blind {reason}", cure="repair", term="verdict")
+    if analysis.mu < needed.mu:
+        excited = quantity(analysis.mu if analysis.mu >= analysis.mu_floor else 0.0, "m²/s⁷")
+        summary = f"all {STATES} quantities determined, but the excitation μ is {excited}, wanted {needed.mu:g}"
+        return Answer(question="seen", level="mind", summary=summary, cure="repair", term="excitation")
+    return Answer(question="seen", level="good", summary=f"all {STATES} quantities determined", term="rank")
+
+
+def accuracy(picture: Picture) -> Answer:
+    """The predicted error of the worst window against the requirement; and why the estimate may be better."""
+    analysis, needed = picture.analysis, picture.preset.requirement
+    predicted, wanted = analysis.lifted_end.position, f"wanted ±{quantity(needed.position_sigma, 'm')}"
+    if not math.isfinite(predicted):
+        summary = f"the ranges of one window do not determine the position, {wanted}"
+        return Answer(question="accuracy", level="bad", summary=summary, cure="repair", term="window accuracy")
+    summary = f"±{quantity(predicted, 'm')} from one window of {needed.window:g} s, {wanted}"
+    reached = picture.summary.steady_position
+    remembers = math.isfinite(reached) and reached * REMEMBERS < predicted and not picture.summary.diverged
+    remark = (
+        f"The estimate is nearer, {quantity(reached, 'm')} off at the end: the observer remembers earlier windows and "
+        "its first guess, and one window alone knows neither."
+    )
+    if predicted <= needed.position_sigma:
+        return Answer(question="accuracy", level="good", summary=summary, term="window accuracy")
+    return Answer(
+        question="accuracy",
+        level="mind",
+        summary=summary,
+        remarks=(remark,) if remembers else (),
+        cure="repair",
+        term="window accuracy",
+    )
+
+
+def arrival(picture: Picture) -> Answer:
+    """Whether the estimate settles, fits its ranges, and is as near as the requirement asks."""
+    summary, needed = picture.summary, picture.preset.requirement.position_sigma
+    blind = picture.analysis.rank < STATES
+    fit, error = summary.fit.summary(blind=blind), quantity(summary.steady_position, "m")
+    if summary.diverged:
+        text = "the observer's covariance diverges, so its errors say nothing"
+        return Answer(
+            question="arrival", level="bad", summary=text, cure="repair" if blind else "tune", term="diverged"
+        )
+    if summary.fit.word == "lost":
+        return Answer(question="arrival", level="bad", summary="the observer is lost", cure="tune", term="range fit")
+    if blind:
+        text = f"{error} off at the end; this error depends on the initial guess"
+        return Answer(
+            question="arrival", level="mind", summary=text, remarks=(fit,), cure="repair", term="steady error"
+        )
+    wrong = tuple(_not_arrived(picture))
+    if wrong:
+        return Answer(
+            question="arrival", level="mind", summary=wrong[0], remarks=(*wrong[1:], fit), cure="tune", term="settled"
+        )
+    since = f"within {SETTLED_POSITION:g} m from {significant(summary.settle_position_s or 0.0)} s on"
+    text = f"yes, {since}, {error} off at the end, wanted {quantity(needed, 'm')}"
+    return Answer(question="arrival", level="good", summary=text, remarks=(fit,), term="settled")
+
+
+def _not_arrived(picture: Picture) -> Iterator[str]:
+    """What is wrong with an estimate on an observable motion, the most important first."""
+    summary, needed = picture.summary, picture.preset.requirement.position_sigma
+    if not summary.steady_position <= needed:
+        yield f"{quantity(summary.steady_position, 'm')} off at the end, wanted {quantity(needed, 'm')}"
+    if summary.settle_position_s is None:
+        yield f"the position does not stay within {SETTLED_POSITION:g} m over the last tenth of the run"
+    if summary.settle_attitude_s is None:
+        yield "the attitude does not stay within 5° over the last tenth of the run"
+    if summary.fit.word in ("overconfident", "correlated"):
+        yield f"the estimate does not fit its ranges: {summary.fit.summary(blind=False)}"
+
+
+def flight(picture: Picture) -> Answer:
+    """Whether the vehicle can fly the motion; without a vehicle, whether any of the catalogue has the thrust."""
+    p = picture.preset
+    thrust = f"thrust {significant(picture.limits.thrust_to_weight)} times the weight"
+    jump = continuity.discontinuity(p.path, p.duration)
+    if jump is not None:
+        return Answer(question="flight", level="bad", summary="by no vehicle", remarks=(jump,), term="jump")
+    if picture.breaks:
+        broken = tuple(one.summary for one in picture.breaks)
+        summary = f"not by {p.vehicle.name}: {broken[0]}"
+        return Answer(
+            question="flight",
+            level="mind",
+            summary=summary,
+            remarks=broken[1:],
+            cure="slow down",
+            term="vehicle limits",
+        )
+    if p.vehicle != FREE:
+        return Answer(
+            question="flight", level="good", summary=f"yes, by {p.vehicle.name}: {thrust}", term="vehicle limits"
+        )
+    if picture.limits.thrust_to_weight > MOST_THRUST:
+        summary = f"by no vehicle of the list: {thrust}, at most {significant(MOST_THRUST)}"
+        return Answer(question="flight", level="mind", summary=summary, cure="slow down", term="thrust")
+    return Answer(question="flight", level="good", summary=f"no limits chosen: {thrust}", term="thrust")
+
+
+def model(picture: Picture) -> Answer:
+    """Whether the observer models everything that the sensors do, and uses the model as derived."""
+    p, misprinted = picture.preset, picture.settings.printed.model
+    unmodelled = sensors.effects.unpredicted(p.sensors.unmodelled)
+    remarks = (*sensors.effect_sentences(p.sensors), *verdicts.caveats(p.world.gravity, p.sensors.sigma.range))
+    wrong = [*(["the paper's misprinted model"] if misprinted else []), *unmodelled]
+    if wrong:
+        summary = (
+            f"no, the observer does not know of: {', '.join(unmodelled)}" if unmodelled else f"no: {wrong[0]} is in use"
+        )
+        if misprinted and unmodelled:
+            summary += f"; {wrong[0]} is in use"
+        return Answer(question="model", level="mind", summary=summary, remarks=remarks, cure="model", term="model")
+    if verdicts.caveats(p.world.gravity, p.sensors.sigma.range):
+        return Answer(
+            question="model", level="mind", summary="it holds of no real flight", remarks=remarks, term="model"
+        )
+    return Answer(
+        question="model", level="good", summary="yes, the observer models every sensor", remarks=remarks, term="model"
+    )

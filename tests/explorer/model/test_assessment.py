@@ -1,0 +1,73 @@
+"""What the page says of a picture: the level is that of the worst of five answers, and is never good by omission."""
+
+import msgspec
+import pytest
+
+from explorer.model import assessment
+from explorer.model.compute import compute
+from explorer.model.settings import Printed, Settings
+from rangenav import preset
+from rangenav.sensors import Effects
+from rangenav.vehicle import CRAZYFLIE, Vehicle
+
+pytestmark = pytest.mark.slow
+replace = msgspec.structs.replace
+SETTINGS = Settings(preset=preset.load("paper-slow"))
+
+
+def answers(settings):
+    return {answer.question: answer for answer in assessment.answers(compute(settings))}
+
+
+def with_preset(**changes):
+    return replace(SETTINGS, preset=replace(SETTINGS.preset, **changes))
+
+
+def with_effects(**effects):
+    return with_preset(sensors=replace(SETTINGS.preset.sensors, unmodelled=Effects(**effects)))
+
+
+def test_five_questions_are_answered_and_all_of_a_good_run_are_good():
+    given = assessment.answers(compute(SETTINGS))
+    assert [answer.question for answer in given] == list(assessment.QUESTIONS)
+    assert assessment.level(given) == "good"
+    assert assessment.decisive(given).question == "accuracy"  # the number of the verdict
+
+
+@pytest.mark.parametrize(
+    ("settings", "question", "named"),
+    [
+        (with_effects(accel_bias=(0.1, 0.0, 0.0)), "model", "accelerometer bias"),
+        (with_effects(lever_arm=(0.0, 0.0, 0.2)), "model", "lever arm"),
+        (replace(SETTINGS, printed=Printed(model=True)), "model", "misprinted"),
+        (with_preset(vehicle=replace(CRAZYFLIE, thrust_to_weight=1.2)), "flight", "thrust 1.79 times the weight"),
+        (with_preset(vehicle=Vehicle(name="slow", speed=0.1)), "flight", "speed"),
+        (Settings(preset=preset.load("paper")), "flight", "14.9 times the weight"),
+        (Settings(preset=preset.load("hover")), "seen", "5 of 13"),
+        (Settings(preset=preset.load("hover")), "arrival", "depends on the initial guess"),
+        (
+            with_preset(requirement=replace(SETTINGS.preset.requirement, position_sigma=0.05)),
+            "arrival",
+            "wanted 0.05 m",
+        ),
+        (with_preset(requirement=replace(SETTINGS.preset.requirement, mu=1e6)), "seen", "wanted 1e+06"),
+    ],
+)
+def test_nothing_is_good_while_a_model_or_a_limit_or_an_error_is_wrong(settings, question, named):
+    given = answers(settings)
+    assert given[question].level in ("mind", "bad")
+    assert named in given[question].summary
+    assert assessment.level(tuple(given.values())) in ("mind", "bad")
+
+
+def test_an_estimate_better_than_one_window_is_explained_and_the_explanation_has_both_numbers():
+    given = answers(with_preset(requirement=replace(SETTINGS.preset.requirement, position_sigma=0.5)))["accuracy"]
+    assert given.level == "mind"
+    assert "±1.7" in given.summary
+    assert "0.118 m off" in given.remarks[0]
+
+
+def test_lost_ranges_are_in_the_predicted_accuracy_and_so_are_no_error_of_the_model():
+    lost = answers(with_effects(dropout_probability=0.2))["model"]
+    assert lost.level == "good"
+    assert "20 of 100 ranges" in lost.remarks[0]
