@@ -24,7 +24,7 @@ from rangenav.proof import Proof, prove
 from rangenav.provenance import Source
 from rangenav.results import result
 from rangenav.signals import Signal
-from rangenav.verdict import Verdict, for_these_ranges, judge, restriction
+from rangenav.verdict import Verdict, excitation_reached, for_these_ranges, judge, restriction
 
 CACHED = 8
 """Cached analyses: enough for undo and for A/B, few enough for many visitors."""
@@ -157,6 +157,7 @@ def analysis(
             rank,
             of.lifted_end.position,
             requirement.position_sigma,
+            excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(last - first + 1, at, window, path.period),
         ),
@@ -211,6 +212,7 @@ def _proven(
             rank.rank,
             worst.windows.bound,
             requirement.position_sigma,
+            excitation=excitation_reached(excited.mu, excited.lower, requirement.mu),
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period),
         ),

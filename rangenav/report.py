@@ -28,7 +28,7 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
         "preset": name,
         "duration": preset.duration,
         "limits": asdict(motion.limits(truth.motion, world=preset.world)),
-        "excitation": _excitation(analysis, truth.motion, window),
+        "excitation": _excitation(preset, analysis, truth.motion),
         "gramian": {
             "window": window,
             "at": analysis.gramian_at,
@@ -77,10 +77,11 @@ def _jumps(preset: Preset) -> Json:
 def verdict(preset: Preset, analysis: Analysis) -> Json:
     """The verdict; null, and why, of a path that was fitted to a record or that jumps."""
     source = {} if preset.source is None else {"source": msgspec.to_builtins(preset.source)}
+    stated = {"verdict_words": analysis.verdict.summary, "verdict_sign": analysis.verdict.sign}
     if analysis.verdict.judged:
         reason = {"verdict_reason": str(analysis.verdict)} if analysis.verdict.reason else {}
-        return {"verdict": analysis.verdict.word, **reason, **source}
-    return {"verdict": None, "verdict_reason": f"null: {analysis.verdict}", **source}
+        return {"verdict": analysis.verdict.word, **stated, **reason, **source}
+    return {"verdict": None, **stated, "verdict_reason": f"null: {analysis.verdict}", **source}
 
 
 def simulation_report(first: Record, others: list[Summary], *, name: str) -> Json:
@@ -125,7 +126,8 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
     return report
 
 
-def _excitation(analysis: Analysis, truth: motion.Motion, window: float) -> Json:
+def _excitation(preset: Preset, analysis: Analysis, truth: motion.Motion) -> Json:
+    window = analysis.windows.window
     signal = excitation.chosen_signal(truth, printed_formula=True, body_axes=True)
     printed = excitation.sampled_eigenvalues(signal, truth.time, analysis.windows.start, window)
     least = int(np.argmin(printed[:, 0]))
@@ -135,6 +137,8 @@ def _excitation(analysis: Analysis, truth: motion.Motion, window: float) -> Json
         "at": analysis.mu_at,
         "eigenvalues": analysis.excitation.tolist(),
         "floor": analysis.mu_floor,
+        "required": preset.requirement.mu,
+        "requirement": analysis.verdict.excitation,
         "bound_for_all_t": analysis.bound_for_all_t,
         "printed": {
             "mu": float(printed[least, 0]),

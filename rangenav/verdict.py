@@ -1,4 +1,5 @@
-"""The verdict on a motion: blind, weak, observable, or not judged, and then why not.
+"""The verdict on a motion: blind, weak, observable, or not judged, and then why not; with it, whether the excitation μ
+that the requirement asks for is reached. Only an observable motion whose μ is reached has the sign ✓.
 
 The library, the command line, the page and the certificates all take it from `judge`.
 """
@@ -16,6 +17,11 @@ from rangenav.signals import Signal
 LEAST_GRAVITY, MOST_GRAVITY = 1.0, 30.0
 """m/s²; the Moon has 1.6, Jupiter 24.8."""
 Word = Literal["blind", "weak", "observable", "not judged"]
+Excitation = Literal["met", "not met", "not proven"]
+"""Whether the required μ is reached; not proven: it lies between the bound and the least μ that was evaluated."""
+Sign = Literal["✓", "✗", "!", "?"]
+"""Good, bad, to be noticed, not known."""
+SIGNS: dict[Word, Sign] = {"observable": "✓", "weak": "!", "blind": "✗", "not judged": "?"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,18 +33,52 @@ class Verdict:
     exceeds the requirement; observable: none of these."""
     reason: str = ""
     """One clause that says why the motion is not judged, or why it is blind for its ranges; empty otherwise."""
+    excitation: Excitation = "met"
 
     @property
     def judged(self) -> bool:
         """Whether the path is one whose excitation may be judged."""
         return self.word != "not judged"
 
+    @property
+    def sign(self) -> Sign:
+        """✓ observable; ✗ blind; ? not judged; ! weak, or observable with a required μ that is not reached."""
+        return "!" if self.word == "observable" and self.excitation != "met" else SIGNS[self.word]
+
+    @property
+    def unmet(self) -> str:
+        """The clause on a required μ that is not reached; empty where it is, and for a motion that is blind anyway."""
+        lacks = self.word in ("observable", "weak") and self.excitation != "met"
+        return f"the excitation required is {self.excitation}" if lacks else ""
+
+    @property
+    def summary(self) -> str:
+        """The word, with the required μ that is not reached: "observable, but the excitation required is not met"."""
+        return f"{self.word}, {'but' if self.word == 'observable' else 'and'} {self.unmet}" if self.unmet else self.word
+
     def __str__(self) -> str:
-        return f"{self.word}: {self.reason}" if self.reason else self.word
+        return f"{self.summary}: {self.reason}" if self.reason else self.summary
+
+
+def excitation_reached(mu: float, lower: float | None, required: float) -> Excitation:
+    """Whether a required μ is reached (all m²/s⁷).
+
+    mu: the least of the evaluated windows. lower: no window has less; None where nothing is known to bound μ: the
+    evaluated windows then decide.
+    """
+    if mu < required:
+        return "not met"
+    return "met" if lower is None or lower >= required else "not proven"
 
 
 def judge(
-    rank: int, position_sigma: float | None, required_sigma: float, *, restriction: str | None = None, ranges: str = ""
+    rank: int,
+    position_sigma: float | None,
+    required_sigma: float,
+    *,
+    excitation: Excitation = "met",
+    restriction: str | None = None,
+    ranges: str = "",
 ) -> Verdict:
     """The verdict on a motion.
 
@@ -46,16 +86,18 @@ def judge(
     position_sigma: predicted 1-σ position error (m) at the end of the worst window; None, NaN or infinite where its
     ranges do not determine the position: then even a motion of full rank is blind, for these ranges.
     required_sigma: the largest error (m) that the requirement allows.
+    excitation: whether the required μ is reached; see `excitation_reached`.
     restriction: why the motion is not judged at all, if it is not; see `restriction`.
     ranges: a clause on the ranges of the worst window, for the reason; see `for_these_ranges`.
     """
     if restriction is not None:
-        return Verdict(word="not judged", reason=restriction)
+        return Verdict(word="not judged", reason=restriction, excitation=excitation)
     if rank < STATES:
-        return Verdict(word="blind")
+        return Verdict(word="blind", excitation=excitation)
     if position_sigma is None or not math.isfinite(position_sigma):
-        return Verdict(word="blind", reason=f"for these ranges: {ranges or 'they do not determine the position'}")
-    return Verdict(word="observable" if position_sigma <= required_sigma else "weak")
+        reason = f"for these ranges: {ranges or 'they do not determine the position'}"
+        return Verdict(word="blind", reason=reason, excitation=excitation)
+    return Verdict(word="observable" if position_sigma <= required_sigma else "weak", excitation=excitation)
 
 
 def for_these_ranges(count: int, start: float, window: float, period: float | None) -> str:

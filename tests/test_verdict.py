@@ -84,6 +84,53 @@ def test_page_command_line_and_library_agree_on_a_recorded_flight(answer, tmp_pa
         assert said["informative"]["words"] == page.summary == library.summary
 
 
+MISSED = msgspec.structs.replace(
+    SOFT, requirement=msgspec.structs.replace(SOFT.requirement, mu=500.0, position_sigma=1.0)
+)
+"""The same motion with a required μ that it does not reach."""
+
+
+@pytest.mark.parametrize("name", ["analyze", "explain", "certify"])
+def test_no_report_has_a_tick_on_its_first_line_where_a_requirement_is_not_met(name: str, run, tmp_path: Path):
+    preset.save(MISSED, tmp_path / "missed.toml")
+    assert analysis.analyse(MISSED).verdict.word == "observable"
+    _, out, _ = run(name, tmp_path / "missed.toml")
+    first = " ".join(out.split("\n\n")[0].split())
+    assert "✓" not in first
+    assert "observable" in first
+    assert "not met" in first
+
+
+def test_page_certificate_and_json_say_the_same_of_an_excitation_that_is_not_met(answer, tmp_path: Path):
+    preset.save(MISSED, tmp_path / "missed.toml")
+    library = analysis.analyse(MISSED).verdict
+    assert library.summary == "observable, but the excitation required is not met"
+    assert certificate.verdict_of(certificate.certify_file(tmp_path / "missed.toml")) == library
+    said = answer("analyze", tmp_path / "missed.toml")
+    assert (said["verdict"], said["verdict_words"], said["verdict_sign"]) == ("observable", library.summary, "!")
+    gui = MagicMock()
+    VerdictPanel(gui).draw(compute(Settings(origin="", preset=MISSED)).proven())
+    shown = gui.add_html.return_value.content
+    assert library.unmet in shown
+    assert "●" not in shown
+
+
+@pytest.mark.parametrize("excitation", ["met", "not met", "not proven"])
+@pytest.mark.parametrize(("rank", "sigma"), [(12, 0.1), (13, 0.1), (13, 0.9), (13, None)])
+def test_only_an_observable_motion_whose_excitation_is_reached_has_a_tick(rank, sigma, excitation):
+    judged = verdict.judge(rank, sigma, 0.5, excitation=excitation)
+    assert (judged.sign == "✓") == ((judged.word, excitation) == ("observable", "met"))
+    assert (judged.sign == "✗") == (judged.word == "blind")
+    assert (f"required is {excitation}" in str(judged)) == (judged.sign == "!" and excitation != "met")
+
+
+def test_an_excitation_between_its_bound_and_the_least_sample_is_not_proven_and_without_a_bound_samples_decide():
+    assert verdict.excitation_reached(3.0, 2.0, 2.5) == "not proven"
+    assert verdict.excitation_reached(3.0, 2.5, 2.5) == "met"
+    assert verdict.excitation_reached(3.0, None, 2.5) == "met"
+    assert verdict.excitation_reached(2.4, None, 2.5) == "not met"
+
+
 @pytest.mark.parametrize(
     ("rank", "sigma", "word"),
     [

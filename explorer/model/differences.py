@@ -45,7 +45,7 @@ FIGURES = (
 
 def figures(a: Picture, b: Picture) -> list[str]:
     """One sentence for each figure that changed from A to B."""
-    before, after = a.analysis.verdict.word, b.analysis.verdict.word
+    before, after = a.analysis.verdict.summary, b.analysis.verdict.summary
     sentences = [f"{before} → {after}"] if before != after else []
     first, second = (run.summary.fit.summary(blind=run.analysis.rank < STATES) for run in (a, b))
     if first != second:

@@ -78,8 +78,10 @@ def _head(picture: Picture) -> tuple[str, str, str, str]:
     shape, colour, word, meaning = VERDICT_STYLES[verdict.word]
     if verdict.reason:
         meaning = html.escape(verdict.reason)
-    if picture.analysis.mu < picture.preset.requirement.mu:
-        meaning += "; <b>✕ the required μ is not met</b>"
+    if verdict.sign == "!":
+        shape, colour = VERDICT_STYLES["weak"][:2]
+    if verdict.unmet:
+        meaning += f"; <b>✕ {verdict.unmet}</b>"
     return shape, colour, f"{_about(picture)}{word}", meaning
 
 

@@ -11,6 +11,7 @@ from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.provenance import Source
 from rangenav.vehicle import FREE
+from rangenav.verdict import Verdict, excitation_reached
 
 
 def requirements(
@@ -62,6 +63,16 @@ def failures(
     if not unexcited and full_rank.met and not undetermined:
         wrong.append(f"expected unobservable, but {excited.words}, and {full_rank.words}")
     return tuple(wrong)
+
+
+def verdict_of(certificate: Certificate) -> Verdict:
+    """The verdict that a certificate states, with whether the μ that its requirement asks for is reached."""
+    excited, reason = certificate.excitation, certificate.verdict_reason
+    return Verdict(
+        word=certificate.verdict,
+        reason="" if reason is msgspec.UNSET else reason,
+        excitation=excitation_reached(excited.found or 0.0, excited.lower, excited.required),
+    )
 
 
 def gate(certificate: Certificate) -> str | None:

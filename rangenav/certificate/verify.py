@@ -7,8 +7,9 @@ together with the numbers in them. Both files may come from a stranger: whatever
 import hashlib
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 
@@ -44,27 +45,49 @@ SHOWN = 60
 """Characters of a value that a sentence quotes."""
 
 
+Outcome = Literal["holds", "changed", "differs", "missed", "no certificate", "not read"]
+"""changed: the file's bytes are not those that were certified; differs: the bytes are, but the certificate states what
+they do not give; missed: both agree, on a preset that does not deliver what it promises."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verification:
+    """Whether a file is what its certificate says."""
+
+    outcome: Outcome
+    failures: tuple[str, ...] = ()
+    """One sentence for each place where file and certificate disagree; empty if the certificate holds."""
+
+
 def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = READERS) -> tuple[str, ...]:
-    """One sentence for each place where a file and its certificate disagree; empty if they agree.
+    """The sentences of `check_file`; empty if a file and its certificate agree."""
+    return check_file(name_or_path, readers=readers).failures
+
+
+def check_file(
+    name_or_path: str | Path, *, readers: Mapping[str, Reader] = READERS, certificate: Path | None = None
+) -> Verification:
+    """Whether a file and its certificate agree.
 
     The file is a shipped preset's name, a preset, an exported file or folder whose format `readers` knows, or the
-    certificate of any of these.
+    certificate of any of these. certificate: the certificate's path, where it is not beside the file.
     """
     try:
-        path = _locate(name_or_path)
-        content, certificate = read_bytes(path), path_for(path)
-        if not certificate.is_file():
-            return (f"{path.name}: there is no certificate beside it ({certificate.name})",)
-        stored = encoding.loads(read_bytes(certificate), source=certificate.name)
-        return verify(content, stored, source=path.name, readers=readers)
+        path, place = _pair(name_or_path, certificate)
+        content = read_bytes(path)
+        if not place.is_file():
+            sentence = f"{path.name}: there is no certificate beside it ({place.name})"
+            return Verification(outcome="no certificate", failures=(sentence,))
+        stored = encoding.loads(read_bytes(place), source=place.name)
     except ValueError as error:
-        return (str(error),)
+        return Verification(outcome="not read", failures=(str(error),))
+    return check(content, stored, source=path.name, readers=readers)
 
 
 def missing_certificate(name_or_path: str | Path) -> Path | None:
     """Where the certificate of a file would lie, for a file that has none; None for any other name."""
     try:
-        certificate = path_for(_locate(name_or_path))
+        _, certificate = _pair(name_or_path, None)
     except ValueError:
         return None
     return None if certificate.is_file() else certificate
@@ -73,10 +96,16 @@ def missing_certificate(name_or_path: str | Path) -> Path | None:
 def verify(
     content: bytes, stored: Certificate, *, source: str, readers: Mapping[str, Reader] = READERS
 ) -> tuple[str, ...]:
-    """One sentence for each place where a file's bytes and their certificate disagree; empty if they agree."""
+    """The sentences of `check`; empty if a file's bytes and their certificate agree."""
+    return check(content, stored, source=source, readers=readers).failures
+
+
+def check(content: bytes, stored: Certificate, *, source: str, readers: Mapping[str, Reader] = READERS) -> Verification:
+    """Whether a file's bytes and their certificate agree."""
     digest = hashlib.sha256(content).hexdigest()
     if digest != stored.artifact.sha256:
-        return (f"{source}: its bytes are not those that were certified: SHA-256 {digest[:12]}… differs",)
+        sentence = f"{source}: its bytes are not those that were certified: SHA-256 {digest[:12]}… differs"
+        return Verification(outcome="changed", failures=(sentence,))
     try:
         context = (
             None if stored.context is msgspec.UNSET else presets.loads(stored.context, source=f"{source}, context")
@@ -84,9 +113,11 @@ def verify(
         form = stored.artifact.format
         computed = certify(content, source=source, form=form, context=context, readers=readers, version=stored.version)
     except ValueError as error:
-        return (str(error),)
-    sentences = (*differences(stored, computed), *computed.failures)
-    return tuple(f"{source}: {sentence}" for sentence in sentences)
+        return Verification(outcome="not read", failures=(str(error),))
+    differing = differences(stored, computed)
+    failures = tuple(f"{source}: {sentence}" for sentence in (*differing, *computed.failures))
+    outcome: Outcome = "differs" if differing else "missed" if failures else "holds"
+    return Verification(outcome=outcome, failures=failures)
 
 
 def differences(stored: Certificate, computed: Certificate) -> tuple[str, ...]:
@@ -94,24 +125,48 @@ def differences(stored: Certificate, computed: Certificate) -> tuple[str, ...]:
     return tuple(_differences(_compared(stored), _compared(computed), ""))
 
 
-def read_stored(name_or_path: str | Path) -> Certificate:
+def read_stored(name_or_path: str | Path, certificate: Path | None = None) -> Certificate:
     """The stored certificate of a file, or of a shipped preset by its name. Raises ValueError."""
-    place = path_for(_locate(name_or_path))
+    _, place = _pair(name_or_path, certificate)
     return encoding.loads(read_bytes(place), source=place.name)
 
 
-def _locate(name_or_path: str | Path) -> Path:
+def _pair(name_or_path: str | Path, certificate: Path | None) -> tuple[Path, Path]:
+    """A file and its certificate, by the name of either. Raises ValueError."""
     path = Path(name_or_path)
+    if certificate is not None:
+        return _existing(path), certificate
     owner = file_of(path)
+    if owner is not None and owner.exists():
+        return owner, path
+    if path.suffix == ".json" and path.is_file() and not path_for(path).is_file():
+        return _certified_by(path), path
     if owner is not None:
-        if not owner.exists():
-            raise ValueError(f"{path.name}: there is no {owner.name} beside it that could be verified")
-        path = owner
+        raise ValueError(f"{path.name}: there is no {owner.name} beside it that could be verified")
+    path = _existing(path)
+    return path, path_for(path)
+
+
+def _existing(path: Path) -> Path:
+    """The file of a path, or of a shipped preset's name."""
     if path.suffix or path.parent != Path(".") or path.is_dir():
         if not path.exists():
             raise ValueError(f"{path}: no such file")
         return path.resolve() if path.name in ("", "..") else path
     return presets.find(path)
+
+
+def _certified_by(certificate: Path) -> Path:
+    """The file with the bytes that a certificate states: beside the certificate, or a shipped preset."""
+    stated = encoding.loads(read_bytes(certificate), source=certificate.name).artifact
+    for file in (*sorted(certificate.parent.iterdir()), *presets.shipped_files()):
+        same_size = file.is_file() and file.stat().st_size == stated.bytes
+        if same_size and hashlib.sha256(read_bytes(file)).hexdigest() == stated.sha256:
+            return file
+    raise ValueError(
+        f"{certificate.name}: no file beside it and no shipped preset has the bytes that it certifies (SHA-256 "
+        f"{stated.sha256[:12]}…); name the file: rangenav verify FILE --certificate {certificate.name}"
+    )
 
 
 def _compared(certificate: Certificate) -> dict[str, Any]:

@@ -13,13 +13,19 @@ from rangenav.preset import Preset
 
 NONLINEAR_STATES = 9
 MU = "m²/s⁷"
+UNPROVEN = {
+    "met": "? met on sampled windows, not proven of all",
+    "not met": "✗ not met",
+    "not proven": "! not proven of every window",
+}
+"""What is said of a required μ that the bound of μ neither proves nor disproves, by `Verdict.excitation`."""
 
 
 def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
     """What one range can tell of a preset's motion; `name` is what the person typed."""
     sign, answer = headline(preset, analysis)
     typed = layout.argument(name)
-    lacking = analysis.verdict.word in ("blind", "weak")
+    lacking = analysis.verdict.sign in ("✗", "!")
     following = (f"repair {typed} -o repaired.toml",) if lacking else (f"simulate {typed}", f"certify {typed}")
     if not analysis.verdict.judged:
         following = (f"simulate {typed}", "log RECORD.csv")
@@ -52,7 +58,7 @@ def excitation_lines(preset: Preset, analysis: Analysis) -> list[str]:
     mu = f"excitation μ {least}" if excited else "no excitation (μ 0)"
     alone = continuity.pieces_alone(preset.path, preset.duration)
     proven = None if analysis.proof is None else analysis.proof.excitation.meets(needed)
-    answer = "? met on sampled windows, not proven of all" if proven is None else met(proven)
+    answer = UNPROVEN[analysis.verdict.excitation] if proven is None else met(proven)
     reached = f"{mu}, required {significant(needed)}: {answer}"
     return [reached, *([] if alone is None else [alone]), *(_bounded(analysis) if excited else [])]
 

@@ -5,11 +5,13 @@ from pathlib import Path
 
 import msgspec
 
-from rangenav.certificate import Certificate
+from rangenav.certificate import Certificate, Outcome, Verification, path_for, verdict_of
 from rangenav.commands.text import layout
-from rangenav.commands.text.layout import SIGNS, Group, Report, group
+from rangenav.commands.text.layout import Group, Report, group
 from rangenav.commands.text.verdict import plus_minus
 from rangenav.number_format import quantity, significant
+from rangenav.preset import find
+from rangenav.verdict import Sign
 
 DIGITS = 12
 """Of a SHA-256 that are shown."""
@@ -21,21 +23,14 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
     """What was asked of a preset and what it is proven or computed to do; helps: a change that would meet it all."""
     typed = layout.argument(name)
     kept = written or Path(name).with_name(f"{Path(name).stem}.certificate.json")
-    following = f"verify {typed}" if written else f"certify {typed} -o {layout.argument(str(kept))}"
+    following = f"certify {typed} -o {layout.argument(str(kept))}" if written is None else _verifying(name, written)
     if not certificate.certified:
         of_source = any(one.name == SOURCE and not one.met for one in certificate.checks)
         following = "log RECORD.csv" if of_source else f"repair {typed} -o repaired.toml"
-    expected = (
-        f", as its preset expects ({certificate.expect})"
-        if certificate.certified and certificate.expect != "observable"
-        else ""
-    )
     return Report(
         subject=layout.subject(name),
         sign="✓" if certificate.certified else "✗",
-        answer=f"certified: {certificate.verdict}{expected}"
-        if certificate.certified
-        else f"NOT certified: {_refusal(certificate)}",
+        answer=intended(certificate) if certificate.certified else f"NOT certified: {_refusal(certificate)}",
         title=certificate.title,
         groups=(
             *group(
@@ -51,12 +46,18 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
     )
 
 
+def _verifying(name: str, written: Path) -> str:
+    """The command that verifies a certificate where it was written: `verify NAME` finds it beside its preset alone."""
+    beside = path_for(find(name)).resolve() == written.resolve()
+    return f"verify {layout.argument(name)}" + ("" if beside else f" --certificate {layout.argument(str(written))}")
+
+
 def _refusal(certificate: Certificate) -> str:
     missed = ", ".join(one.name for one in certificate.checks if not one.met)
     return (
         f"{certificate.verdict}; not met: {missed}"
         if missed
-        else f"{certificate.verdict}, expected {certificate.expect}"
+        else f"{verdict_of(certificate).summary}, expected {certificate.expect}"
     )
 
 
@@ -64,10 +65,10 @@ def _check(met: bool, proven: bool, sentence: str) -> str:
     return f"{'✓' if met else '✗'} {sentence}{' (proven)' if proven else ''}"
 
 
-def _expectation(certificate: Certificate) -> str:
-    if not certificate.certified:
-        return f", expected {certificate.expect}"
-    return ", as expected" if certificate.expect == certificate.verdict else f", as expected ({certificate.expect})"
+def intended(certificate: Certificate) -> str:
+    """The verdict of a certificate that is true of its preset: "certified: blind, as intended"."""
+    said = f"certified: {verdict_of(certificate).summary}"
+    return said if certificate.expect == "observable" else f"{said}, as intended"
 
 
 def coverage(certificate: Certificate) -> tuple[str, ...]:
@@ -98,59 +99,50 @@ def claim(certificate: Certificate) -> tuple[Group, ...]:
     )
 
 
+HEADLINES: dict[Outcome, str] = {
+    "holds": "holds: its bytes give the same certificate again",
+    "changed": "the file has changed since it was certified",
+    "differs": "the certificate states what the file does not give",
+    "missed": "the file is unchanged, but a requirement is not met",
+    "no certificate": "no certificate beside it to compare with",
+    "not read": "cannot be verified",
+}
+"""The first line on one file."""
+
+
 def verified(
-    failures: Mapping[str, tuple[str, ...]], stored: Mapping[str, Certificate], missing: Mapping[str, Path]
+    checked: Mapping[str, Verification], stored: Mapping[str, Certificate], missing: Mapping[str, Path]
 ) -> Report:
     """Whether files are what their certificates say.
 
     stored: the certificates of the files that hold. missing: where those of the files that have none would lie.
     """
-    wrong = sum(bool(sentences) and name not in missing for name, sentences in failures.items())
-    following = (
-        f"certify {layout.argument(name)} -o {layout.argument(place)}"
-        for name, place in missing.items()
-        if place.name != name and name.endswith(".toml")
-    )
-    names = [layout.subject(name) for name in failures]
-    if len(names) == 1 and missing:
+    following = [command for name, one in checked.items() for command in _way_out(name, one, missing.get(name))]
+    if len(checked) == 1:
+        ((name, one),) = checked.items()
         return Report(
-            subject=names[0],
-            sign="?",
-            answer="no certificate beside it to compare with",
-            groups=layout.next_commands(*following),
+            subject=layout.subject(name),
+            sign=_sign(one),
+            answer=HEADLINES[one.outcome],
+            title="" if name not in stored else stored[name].title,
+            groups=(
+                *(() if name not in stored else _certified_figures(stored[name])),
+                *layout.next_commands(*following),
+            ),
         )
-    if len(names) == 1:
-        holds = "holds: its bytes give the same certificate again"
-        answer, subject = "does not hold" if wrong else holds, names[0]
-        groups = (
-            tuple(
-                one
-                for certificate in stored.values()
-                for one in (
-                    *group("verdict", f"{SIGNS[certificate.verdict]} {certificate.verdict}{_expectation(certificate)}"),
-                    *claim(certificate),
-                )
-            )
-            if not wrong
-            else ()
-        )
-        return Report(
-            subject=subject,
-            sign="✗" if wrong else "✓",
-            answer=answer,
-            title="" if wrong else next((certificate.title for certificate in stored.values()), ""),
-            groups=groups,
-        )
+    signs = {_sign(one) for one in checked.values()}
+    longest = max(len(layout.subject(name)) for name in checked)
     return Report(
-        subject=f"{len(names)} files",
-        sign="✗" if wrong else "?" if missing else "✓",
-        answer=_several(wrong, len(missing)),
+        subject=f"{len(checked)} files",
+        sign="✗" if "✗" in signs else "?" if "?" in signs else "✓",
+        answer=_several([one.outcome for one in checked.values()]),
         groups=(
             *group(
                 "files",
                 (
-                    f"{'?' if name in missing else '✗' if sentences else '✓'} {layout.subject(name)}"
-                    for name, sentences in failures.items()
+                    f"{_sign(one)} {layout.subject(name):<{longest}}  "
+                    f"{intended(stored[name]) if name in stored else HEADLINES[one.outcome]}"
+                    for name, one in checked.items()
                 ),
             ),
             *layout.next_commands(*following),
@@ -158,8 +150,31 @@ def verified(
     )
 
 
-def _several(wrong: int, missing: int) -> str:
+def _certified_figures(certificate: Certificate) -> tuple[Group, ...]:
+    return (*group("verdict", intended(certificate)), *claim(certificate))
+
+
+def _sign(checked: Verification) -> Sign:
+    return "✓" if checked.outcome == "holds" else "?" if checked.outcome == "no certificate" else "✗"
+
+
+def _way_out(name: str, checked: Verification, missing: Path | None) -> tuple[str, ...]:
+    """What a person may type after a verification that failed; only a preset can be certified or repaired."""
+    typed = layout.argument(name)
+    if checked.outcome in ("holds", "not read") or Path(name).suffix not in (".toml", ""):
+        return ()
+    if checked.outcome == "missed":
+        return (f"repair {typed} -o repaired.toml",)
+    if checked.outcome == "no certificate":
+        beside = missing is not None and Path(name).suffix
+        return (f"certify {typed} -o {layout.argument(str(missing))}",) if beside else ()
+    return (f"certify {typed} -o {layout.argument(str(path_for(Path(name))))}",) if Path(name).suffix else ()
+
+
+def _several(outcomes: list[Outcome]) -> str:
     """How many of several files do not hold, and how many have no certificate."""
+    missing = outcomes.count("no certificate")
+    wrong = len(outcomes) - missing - outcomes.count("holds")
     parts = [f"{wrong} of them {'does' if wrong == 1 else 'do'} not hold"] if wrong else []
     parts += [f"{missing} of them {'has' if missing == 1 else 'have'} no certificate"] if missing else []
     return ", ".join(parts) or "all hold: their bytes give the same certificates again"

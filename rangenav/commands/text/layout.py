@@ -10,12 +10,12 @@ import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 from rich.console import Console
 from rich.text import Text
 
 from rangenav.number_format import significant
+from rangenav.verdict import Sign
 
 COLUMNS = 80
 """A line is never wider, unless a single word is (the path of a file, which must stay whole to be copied)."""
@@ -23,8 +23,6 @@ NAMES = 19
 """Columns of a group's name and the space after it."""
 CONTINUED = "    "
 """Before the second line of a long answer."""
-Sign = Literal["✓", "✗", "!", "?"]
-"""Good, bad, to be noticed, not known."""
 NEXT = "next"
 BEFORE_VALUE = re.compile(r" (?!--?[a-z])")
 """A blank in front of an option's value, and not in front of an option."""
@@ -32,8 +30,6 @@ UNBROKEN = "\N{NO-BREAK SPACE}"
 PRINTED_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+(?:e[+-]?\d+)?|e[+-]?\d+)(?![\w.]\d)")
 """A number with a decimal point or an exponent; a whole number stays as it is."""
 COLORS = {"✓": "green", "✗": "red", "!": "yellow", "?": "cyan"}
-SIGNS = {"observable": "✓", "weak": "!", "blind": "✗", "not judged": "?", "too few ranges": "?"}
-"""The sign of each verdict."""
 
 
 @dataclass(frozen=True, kw_only=True)

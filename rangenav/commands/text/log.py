@@ -5,13 +5,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from rangenav.commands.text import layout
-from rangenav.commands.text.layout import SIGNS, Report, Sign, group, met
+from rangenav.commands.text.layout import Report, group, met
 from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.commands.text.verdict import Json, plus_minus
 from rangenav.flight_summary import more_ranges
 from rangenav.logs import FEW, WholeRecord
 from rangenav.model import STATES
 from rangenav.number_format import CLOSE_UNITS, quantity, significant, vector
+from rangenav.verdict import SIGNS, Sign
 
 STATED, CONFIRMED = "the file says", ", as confirmed"
 """How a finding about a unit, or about gravity and field, tells where it comes from."""
@@ -36,7 +37,8 @@ def report(
     ranges, synthetic = answer["ranges_source"] or "", "--synthetic-ranges" in options
     few = more_ranges(windows["windows"])
     failure = "" if observer is None or whole.verdict not in ("observable", "weak") else observer.get("failure", "")
-    sign: Sign = "!" if failure else SIGNS[whole.verdict]  # pyright: ignore[reportAssignmentType]
+    sign: Sign = "?" if whole.verdict == "too few ranges" else SIGNS[whole.verdict]
+    sign = "!" if failure else sign
     verdict = f"{_answer(whole, required)}, {ranges}" if synthetic else _answer(whole, required)
     shown, sensed = windows["eigenvalues"], windows["motion_rank"]
     noise = shown[len(shown) - sensed - 1] if sensed < len(shown) else 0.0

@@ -6,10 +6,11 @@ from pathlib import Path
 from rangenav import record
 from rangenav.analysis import analyse
 from rangenav.commands.text import layout
-from rangenav.commands.text.layout import Report, Sign, group
+from rangenav.commands.text.layout import Report, group
 from rangenav.commands.text.verdict import Json
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
+from rangenav.verdict import Sign
 
 LIMITS = {
     "position": quantity(record.SETTLED_POSITION, "m"),

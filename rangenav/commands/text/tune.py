@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from rangenav.commands.text import layout
-from rangenav.commands.text.layout import Report, Sign, group
+from rangenav.commands.text.layout import Report, group
 from rangenav.commands.text.verdict import Json
 from rangenav.number_format import percent, quantity, significant
+from rangenav.verdict import Sign
 
 MEASURES = (
     ("settled", "runs that settle", "%"),

@@ -5,12 +5,13 @@ from typing import Any
 
 from rangenav import continuity, motion, provenance, record, vehicle, verdict
 from rangenav.analysis import Analysis
-from rangenav.commands.text.layout import SIGNS, Sign, met
+from rangenav.commands.text.layout import met
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
 from rangenav.sensors import noise_assumption
+from rangenav.verdict import Sign
 
 Json = dict[str, Any]
 CHOOSE = "import --vehicle NAME, a table [vehicle] in the preset, or the page under World chooses one"
@@ -22,18 +23,19 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     window, needed = quantity(preset.requirement.window, "s"), preset.requirement.position_sigma
     at = quantity(analysis.gramian_at, "s")
     proven = analysis.proof is not None and analysis.proof.rank_proven
+    unmet = analysis.verdict.unmet
     windows = f"{'every window' if proven else 'all evaluated windows'} of {window}"
     texts = {
-        "observable": f"observable in {windows} (weakest from {at})",
+        "observable": f"observable in {windows} (weakest from {at})" + (f", but {unmet}" if unmet else ""),
         "weak": f"weak: rank {STATES} in {windows}, but the predicted error "
-        f"{quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}",
+        f"{quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}"
+        + (f", and {unmet}" if unmet else ""),
         "blind": str(analysis.verdict)
         if analysis.verdict.reason
         else f"blind: rank {analysis.rank} of {STATES} in the window of {window} from {at}",
         "not judged": str(analysis.verdict),
     }
-    sign: Sign = SIGNS[analysis.verdict.word]  # pyright: ignore[reportAssignmentType]
-    return sign, texts[analysis.verdict.word]
+    return analysis.verdict.sign, texts[analysis.verdict.word]
 
 
 def unjudged_help(preset: Preset) -> str | None:

@@ -52,7 +52,7 @@ def test_certify_writes_what_verify_accepts(run: Call, soft: Path):
 def test_certify_shows_a_report_or_prints_one_object(run: Call):
     code, out, err = run("certify", "circle")
     assert (code, err) == (0, "")
-    assert out.startswith("circle   ✓ certified: blind, as its preset expects (unobservable)\n")
+    assert out.startswith("circle   ✓ certified: blind, as intended\n")
     assert "✗ the excitation along z" in out
     code, out, err = run("certify", "circle", "--json")
     assert (code, err, out.count("\n")) == (0, "", 1)
@@ -72,7 +72,8 @@ def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(ru
         True,
     )
     code, out, err = run("verify", soft)  # the certificate says so as well, and that is no reason to accept it
-    assert (code, out) == (1, "soft.toml   ✗ does not hold\n")
+    assert (code, out.splitlines()[0]) == (1, "soft.toml   ✗ the file is unchanged, but a requirement is not met")
+    assert f"rangenav repair {soft}" in " ".join(out.replace("\\", "").split())
     assert err.startswith("soft.toml: the excitation along ")
 
 
@@ -83,18 +84,67 @@ def test_verify_says_one_sentence_for_each_failure_and_goes_on(run: Call, soft: 
     code, out, err = run("verify", soft, missing, "circle")
     assert code == 1
     assert out.splitlines()[0] == "3 files   ✗ 2 of them do not hold"
-    assert [line.strip().removeprefix("files").strip() for line in out.splitlines()[2:]] == [
-        "✗ soft.toml",
-        "✗ missing.toml",
-        "✓ circle",
+    assert [line.strip().removeprefix("files").strip() for line in out.splitlines()[2:5]] == [
+        "✗ soft.toml     the file has changed since it was certified",
+        "✗ missing.toml  cannot be verified",
+        "✓ circle        certified: blind, as intended",
     ]
     first, second = err.splitlines()
     assert first.startswith("soft.toml: its bytes are not those that were certified")
     assert second == f"{missing}: no such file"
     code, out, _ = run("verify", soft, "circle", "--json")
     report = json.loads(out)["files"]
-    assert (code, report["circle"]) == (1, {"holds": True, "failures": []})
-    assert not report[str(soft)]["holds"]
+    assert (code, report["circle"]) == (
+        1,
+        {
+            "holds": True,
+            "failures": [],
+            "outcome": "holds",
+            "verdict": "blind",
+            "expect": "unobservable",
+            "verdict_words": "blind",
+        },
+    )
+    assert (report[str(soft)]["holds"], report[str(soft)]["outcome"]) == (False, "changed")
+
+
+def test_a_changed_file_has_its_own_headline_and_its_own_way_out(run: Call, soft: Path):
+    run("certify", soft, "-o", certificate.path_for(soft))
+    soft.write_bytes(soft.read_bytes() + b" ")
+    code, out, _ = run("verify", soft)
+    assert (code, out.splitlines()[0]) == (1, "soft.toml   ✗ the file has changed since it was certified")
+    said = " ".join(out.replace("\\", "").split())
+    command = said.partition("rangenav ")[2].split()
+    assert run(*command)[0] == 0
+    assert run("verify", soft)[0] == 0
+
+
+@pytest.mark.parametrize("place", ["{}.certificate.json", "kept.json"])
+def test_a_certificate_is_verified_where_it_was_written_by_the_command_that_certify_ends_with(
+    run: Call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
+):
+    """Of a shipped preset, whose own certificate lies elsewhere; and by the certificate's name alone."""
+    monkeypatch.chdir(tmp_path)
+    written = Path(place.format("soft"))
+    _, out, _ = run("certify", "soft", "-o", written)
+    *_, command = out.strip().rpartition("rangenav ")
+    assert command == f"verify soft --certificate {written}"
+    assert run(*command.split())[0] == run("verify", written)[0] == 0
+    written.write_text(written.read_text().replace('"rank": 13', '"rank": 12'))
+    for arguments in (command.split(), ("verify", written)):
+        code, out, _ = run(*arguments)
+        assert (code, "✗ the certificate states what the file does not give" in out) == (1, True)
+
+
+def test_a_certificate_of_a_file_that_is_nowhere_says_how_to_name_it(run: Call, tmp_path: Path, soft: Path):
+    (tmp_path / "elsewhere").mkdir()
+    soft.write_text(soft.read_text().replace("seed = 1", "seed = 4"))
+    written = tmp_path / "elsewhere" / "kept.json"
+    run("certify", soft, "-o", written)
+    code, _, err = run("verify", written)
+    assert (code, err.count("\n")) == (1, 1)
+    assert "rangenav verify FILE --certificate kept.json" in err
+    assert run("verify", soft, "--certificate", written)[0] == 0
 
 
 def test_repair_writes_a_preset_that_certifies(run: Call, tmp_path: Path):

@@ -49,7 +49,7 @@ ANALYZE = {
         "mu": None,
         "at": None,
         "eigenvalues": 3,
-        "floor": None,
+        **dict.fromkeys(("floor", "required", "requirement")),
         "bound_for_all_t": None,
         "printed": {"mu": None, "at": None, "eigenvalues": 3},
         "proven": None,
@@ -71,7 +71,7 @@ ANALYZE = {
         "nonlinear": {"start": BLOCKS, "end": BLOCKS},
         **dict.fromkeys(("ranges", "proven", "starts", "bound", "reason")),
     },
-    "verdict": None,
+    **dict.fromkeys(("verdict", "verdict_words", "verdict_sign")),
 }
 SIMULATE = {
     "preset": None,
