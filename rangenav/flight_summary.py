@@ -9,19 +9,17 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import range_fit
+from rangenav.divergence import divergence, range_residuals
 from rangenav.formats.recorded_flight import Flight
 from rangenav.inputs import Vec3
 from rangenav.logs import FEW, WORDS, Informative, Observed
 from rangenav.number_format import quantity, vector
 from rangenav.range_fit import RangeFit
-from rangenav.record import DIVERGED_STD
 
 QUARTERS = 4
 """Errors are summed up over each quarter of a record; the last one tells the steady errors."""
-DIVERGED_FACTOR = 10**0.5
-"""Innovations that exceed their own σ by this factor on the average, in the last quarter: the observer has diverged."""
 FAR_OVER = 2.0
-"""The same factor above which the noise that the observer assumes, its anchor or its sensors are wrong."""
+"""Innovations that exceed their own σ by this factor on the average, in the last quarter, above which the noise that the observer assumes, its anchor or its sensors are wrong."""
 SETTLING = 3.0
 """Multiples of the required position error within which an observer that starts from zero may still be settling."""
 
@@ -73,7 +71,9 @@ class ObserverSummary:
     innovation_rms: float | None
     """m², of y = ½d²."""
     diverged: str | None
-    """Why the observer counts as diverged, one clause; None if it does not."""
+    """Why the observer has diverged, one clause; None if it has not."""
+    range_residual: float
+    """m, RMS of |p̂| − d over the last quarter of the ranges."""
     position: ErrorSummary | None
     """m; None without a true position."""
     attitude: ErrorSummary | None
@@ -130,7 +130,8 @@ def summarise_observer(observed: Observed) -> ObserverSummary:
     return ObserverSummary(
         final_position=tuple(_finite(float(value)) for value in observed.position[-1]),
         innovation_rms=_rms(observed.estimate.innovation[:, 0]),
-        diverged=_diverged(observed, fit),
+        diverged=divergence(observed.estimate, observed.range_time, observed.range, fit),
+        range_residual=range_residuals(observed.estimate, observed.range_time, observed.range)[1],
         position=None if observed.position_error is None else _errors(observed.position_error),
         attitude=None if degrees is None else _errors(degrees),
         fit=fit,
@@ -156,18 +157,6 @@ def failure(observer: ObserverSummary, required: float) -> str | None:
         return f"the observer's innovations are {fit.factor:.2g} times as large as it expects"
     if observer.position is None and fit.collecting:
         return "the observer has not determined the position yet"
-    return None
-
-
-def _diverged(observed: Observed, fit: RangeFit) -> str | None:
-    """The observer's own account of its position, and whether its innovations are as large as it expects."""
-    variances = np.diagonal(observed.estimate.covariance[-1, 0])
-    if not np.all((variances >= 0) & (variances < DIVERGED_STD**2)):
-        finite = np.all(np.isfinite(variances)) and np.all(variances >= 0)
-        size = f"{math.sqrt(float(variances.max())):.3g} m" if finite else "no number"
-        return f"its own 1-σ of the position is {size} at the end"
-    if fit.word == "overconfident" and fit.factor is not None and fit.factor > DIVERGED_FACTOR:
-        return f"its innovations are {fit.factor:.3g} times as large as it expects"
     return None
 
 

@@ -7,18 +7,23 @@ All over the last quarter of the ranges. It is said of the ranges only: on a bli
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 from scipy.special import gammaincinv
 
-from rangenav.acquisition import COLLECTING, CONSTANT, LOST
+from rangenav.acquisition import COLLECTING, CONSTANT, LOST, MATCHED
 from rangenav.cascade import Estimate
 from rangenav.kernels.layout import GATE
+from rangenav.number_format import quantity
 
+Word = Literal["consistent", "overconfident", "correlated", "lost", "not judged"]
+WORDS: tuple[Word, ...] = get_args(Word)
+Mode = Literal["constant", "noise-matched", "filter"]
+"""filter: the extended Kalman filter, which has no other gains."""
 FEWEST = 20
 """Innovations in the last quarter below which nothing is said."""
 CHANCE = 1e-6
@@ -40,11 +45,25 @@ COLLECTED = "fits the ranges, which contradict the guess and have not determined
 class RangeFit:
     """How well an estimate fits its ranges."""
 
-    word: Literal["consistent", "overconfident", "correlated", "lost", "not judged"]
+    word: Word
     factor: float | None
     """By how much its innovations exceed their σ; None for constant gains whose innovations are not far above it."""
     collecting: bool = False
     """Whether constant gains run in place of noise-matched ones, until the ranges determine the position."""
+    mode: Mode = "constant"
+    """The gains that the run has had."""
+    given_up: int = 0
+    """How often noise-matched gains have given up their guess, because the ranges contradicted it."""
+
+    @property
+    def gains(self) -> str:
+        """The gains with what became of them: "noise-matched gains, the initial guess given up 2 times"."""
+        if self.mode != "noise-matched":
+            return "constant gains" if self.mode == "constant" else "an extended Kalman filter"
+        times = "once" if self.given_up == 1 else f"{self.given_up} times"
+        given_up = f", the initial guess given up {times}" if self.given_up else ""
+        now = ", constant gains at the end" if self.collecting or (self.word == "lost" and self.given_up) else ""
+        return f"noise-matched gains{given_up}{now}"
 
     def summary(self, *, blind: bool) -> str:
         """The word with its figure. blind: whether the motion leaves the position undetermined."""
@@ -58,10 +77,20 @@ class RangeFit:
             return "not settled on the ranges: the innovations have a mean or are correlated"
         return NOT_JUDGED if self.word == "not judged" else self.word
 
+    def statement(self, *, blind: bool, predicted: float | None) -> str:
+        """The summary with the gains and the predicted 1-σ of the position (m), which the ranges alone do not show.
+
+        predicted: None, NaN or infinite where the ranges do not determine the position.
+        """
+        said = f"{self.summary(blind=blind)} ({self.gains})"
+        sigma = quantity(predicted, "m")
+        return said if blind else f"{said}; predicted position {'±' if sigma[0].isdigit() else ''}{sigma}"
+
     def report(self, *, blind: bool) -> dict[str, str | float]:
         """As a JSON object; `factor` only where there is one."""
         factor = {} if self.factor is None else {"factor": self.factor}
-        return {"word": self.word, "words": self.summary(blind=blind), **factor}
+        run: dict[str, str | float] = {"mode": self.mode, "given_up": self.given_up, "gains": self.gains}
+        return {"word": self.word, "words": self.summary(blind=blind), **factor, **run}
 
 
 def counted(fits: Sequence[RangeFit], *, blind: bool) -> str:
@@ -77,9 +106,18 @@ def counted(fits: Sequence[RangeFit], *, blind: bool) -> str:
 
 def of(estimate: Estimate) -> RangeFit:
     """The fit of a run. One without phases is the extended Kalman filter's, whose gains follow the noise, too."""
+    phase = None if estimate.phase is None else np.asarray(estimate.phase)
+    if phase is None:
+        return replace(_judged(estimate, None), mode="filter")
+    if (phase == CONSTANT).all():
+        return _judged(estimate, CONSTANT)
+    given_up = int(np.sum((phase[:-1] == MATCHED) & (phase[1:] != MATCHED)))
+    return replace(_judged(estimate, int(phase[-1])), mode="noise-matched", given_up=given_up)
+
+
+def _judged(estimate: Estimate, phase: int | None) -> RangeFit:
     part = estimate.innovation[3 * len(estimate.innovation) // 4 :]
     part = part[np.isfinite(part).all(axis=1) & (part[:, 1] > 0)]
-    phase = None if estimate.phase is None else int(estimate.phase[-1])
     with np.errstate(over="ignore"):
         normalised = part[:, 0] / np.sqrt(part[:, 1])
     if phase == LOST or not np.isfinite(estimate.state[-1]).all() or not np.isfinite(normalised).all():

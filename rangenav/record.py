@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from rangenav import cascade, errors, model, motion, range_fit
+from rangenav import cascade, divergence, errors, model, motion, range_fit
 from rangenav.cascade import Estimate, ObserverConfig
 from rangenav.errors import Errors
 from rangenav.gains import Gains, Guess
@@ -28,8 +28,6 @@ SETTLED_POSITION = 0.3
 SETTLED_ATTITUDE = math.radians(5)
 SETTLED_SHARE = 0.1
 """An error that is small over less than this last part of a run may be so by chance: it does not count as settled."""
-DIVERGED_STD = 1e2
-"""m; with a larger 1-σ of its own position the observer counts as diverged, as it does on an unobservable motion."""
 CACHED = 4
 
 
@@ -74,10 +72,14 @@ class Summary:
     final_gravity: float
     final_attitude_deg: float
     diverged: bool
-    """The observer's own 1-σ of the position has grown beyond DIVERGED_STD."""
+    """Whether the observer has diverged; the truth is not used."""
     microseconds_per_step: float
     fit: RangeFit
     """How well the estimate fits its ranges; the truth is not used."""
+    divergence: str | None
+    """Why it has diverged, one clause; see `divergence`."""
+    range_residual: float
+    """m, RMS of |p̂| − d over the last quarter of the ranges; NaN without ranges."""
 
 
 @result
@@ -183,12 +185,13 @@ def observed(
     )
     seconds = time.perf_counter() - began
     run_errors = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    return Outcome(estimate=estimate, errors=run_errors, summary=summarise(estimate, run_errors, seconds))
+    return Outcome(estimate=estimate, errors=run_errors, summary=summarise(estimate, measurements, run_errors, seconds))
 
 
-def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:
-    """Peak, settling, steady and final errors of a run."""
-    variances = np.diagonal(estimate.covariance[-1, 0])
+def summarise(estimate: Estimate, measurements: Measurements, errors: Errors, seconds: float) -> Summary:
+    """Peak, settling, steady and final errors of a run, and how well it fits its ranges."""
+    fit, taken = range_fit.of(estimate), (measurements.range_time, measurements.range)
+    diverged = divergence.divergence(estimate, *taken, fit)
     return Summary(
         peak_position=float(errors.position.max()),
         settle_position_s=settled(estimate.time, errors.position, SETTLED_POSITION),
@@ -201,9 +204,11 @@ def summarise(estimate: Estimate, errors: Errors, seconds: float) -> Summary:
         final_velocity=float(errors.velocity[-1]),
         final_gravity=float(errors.gravity[-1]),
         final_attitude_deg=math.degrees(float(errors.attitude[-1])),
-        diverged=not bool(np.all((variances >= 0) & (variances < DIVERGED_STD**2))),
+        diverged=diverged is not None,
         microseconds_per_step=seconds / (len(estimate.time) - 1) * 1e6,
-        fit=range_fit.of(estimate),
+        fit=fit,
+        divergence=diverged,
+        range_residual=divergence.range_residuals(estimate, *taken)[1],
     )
 
 

@@ -110,20 +110,53 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         },
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
-    blind = analyse(preset).rank < STATES
+    analysed = analyse(preset)
+    blind = analysed.rank < STATES
     report["fit"] = first.summary.fit.report(blind=blind)
+    report |= _of_ranges(first.summary, analysed)
     if any(_not_finite(summary) for summary in summaries):
         report["reason"] = "null: the estimate overflowed"
-    if any(summary.diverged for summary in summaries):
-        report["note"] = "unobservable, covariance diverges"
+    reasons = [summary.divergence for summary in summaries if summary.divergence is not None]
+    report["diverged"] = len(reasons) > 0
+    if reasons:
+        report["diverged_reason"] = reasons[0]
+        report["note"] = f"diverged: {reasons[0]}" + ("; blind motion" if blind else "")
     elif blind:
         report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
     if effect_sentences(preset.sensors):
         report["unmodelled"] = list(effect_sentences(preset.sensors))
     if others:
-        report["runs"] = len(summaries)
-        report["fits"] = range_fit.counted([summary.fit for summary in summaries], blind=blind)
+        report |= _of_runs(summaries, blind=blind)
     return report
+
+
+def _of_ranges(summary: Summary, analysed: Analysis) -> Json:
+    """The predicted 1-σ of the position after the worst window (m), and how far |p̂| is off the ranges (m, RMS)."""
+    sigma, residual = analysed.lifted_end.position, summary.range_residual
+    report: Json = {
+        "predicted": {"position": sigma if math.isfinite(sigma) else None},
+        "range_residual": residual if math.isfinite(residual) else None,
+    }
+    if not math.isfinite(sigma):
+        report["predicted"]["reason"] = "null: the worst window does not determine the position"
+    if not math.isfinite(residual):
+        report["range_residual_reason"] = "null: no ranges, or the estimate overflowed"
+    return report
+
+
+def _of_runs(summaries: list[Summary], *, blind: bool) -> Json:
+    """How many of several runs settle, have diverged, and fit their ranges in which way."""
+    words = [summary.fit.word for summary in summaries]
+    return {
+        "runs": len(summaries),
+        "runs_settled": {
+            "position": sum(summary.settle_position_s is not None for summary in summaries),
+            "attitude": sum(summary.settle_attitude_s is not None for summary in summaries),
+        },
+        "runs_diverged": sum(summary.diverged for summary in summaries),
+        "runs_fit": {word: words.count(word) for word in range_fit.WORDS},
+        "fits": range_fit.counted([summary.fit for summary in summaries], blind=blind),
+    }
 
 
 def _excitation(preset: Preset, analysis: Analysis, truth: motion.Motion) -> Json:
@@ -203,4 +236,5 @@ def _settle(median: Any) -> Json:
 
 
 def _not_finite(summary: Summary) -> bool:
-    return not all(math.isfinite(value) for value in asdict(summary).values() if isinstance(value, float))
+    numbers = {key: value for key, value in asdict(summary).items() if key != "range_residual"}
+    return not all(math.isfinite(value) for value in numbers.values() if isinstance(value, float))

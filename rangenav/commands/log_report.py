@@ -1,5 +1,6 @@
 """The JSON object of `rangenav log`, part by part; null always has its reason beside it."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # imported when used: they take long
@@ -91,6 +92,7 @@ def observer_report(observer: "ObserverSummary", *, blind: bool, failure: str | 
         "innovation_rms": observer.innovation_rms,
         "diverged": observer.diverged is not None,
         "fit": observer.fit.report(blind=blind),
+        "range_residual": observer.range_residual if math.isfinite(observer.range_residual) else None,
     }
     for name, errors in (("position", observer.position), ("attitude_deg", observer.attitude)):
         if errors is None:
@@ -99,6 +101,8 @@ def observer_report(observer: "ObserverSummary", *, blind: bool, failure: str | 
         report[name] = {"quarters_rmse": list(errors.quarters), "median": errors.median}
         if not errors.complete:
             report[name]["reason"] = "null: the estimate overflowed, or no truth there"
+    if not math.isfinite(observer.range_residual):
+        report["range_residual_reason"] = "null: the estimate overflowed"
     if observer.diverged is not None:
         report["diverged_reason"] = observer.diverged
     if failure is not None:

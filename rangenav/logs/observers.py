@@ -30,6 +30,10 @@ class Observed:
 
     estimate: Estimate
     world: World
+    range_time: Float[Array, "m"]
+    """s"""
+    range: Float[Array, "m"]
+    """m, the ranges that the observers used."""
     position: Float[Array, "n 3"]
     """m, inertial: the anchor plus R̂ p̂_B."""
     position_error: Float[Array, "n"] | None
@@ -50,6 +54,8 @@ def observe(flight: Flight, world: World, *, sensors: Sensors, gains: Gains | No
     return Observed(
         estimate=estimate,
         world=world,
+        range_time=flight.range_time,
+        range=flight.range,
         position=position,
         position_error=None if flight.position is None else np.linalg.norm(position - flight.position, axis=-1),
         attitude_error=None if flight.rotation is None else _angle_between(flight.rotation, estimate.rotation),

@@ -13,11 +13,14 @@ from tests.support.records import scene
 
 
 def observed(position_error, attitude_error=None) -> Observed:
-    estimate = scene("soft", duration=2.0).observe()
+    made = scene("soft", duration=2.0)
+    estimate, z = made.observe(), made.measurements
     n = len(estimate.time)
     return Observed(
         estimate=estimate,
         world=World(),
+        range_time=z.range_time,
+        range=z.range,
         position=np.tile([1.0, 2.0, 3.0], (n, 1)),
         position_error=None if position_error is None else np.resize(position_error, n),
         attitude_error=None if attitude_error is None else np.resize(attitude_error, n),

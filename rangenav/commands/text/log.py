@@ -38,7 +38,8 @@ def report(
     few = more_ranges(windows["windows"])
     failure = "" if observer is None or whole.verdict not in ("observable", "weak") else observer.get("failure", "")
     sign: Sign = "?" if whole.verdict == "too few ranges" else SIGNS[whole.verdict]
-    sign = "!" if failure else sign
+    if failure:
+        sign = "✗" if observer["diverged"] else "!"
     verdict = f"{_answer(whole, required)}, {ranges}" if synthetic else _answer(whole, required)
     shown, sensed = windows["eigenvalues"], windows["motion_rank"]
     noise = shown[len(shown) - sensed - 1] if sensed < len(shown) else 0.0
@@ -50,7 +51,7 @@ def report(
             *group("the file", _file(answer), "" if synthetic else ranges, _findings(answer["findings"])),
             *group("what can be seen", _lengths(whole), _counts(windows), _worst(windows), few),
             *group("how well", _whole_accuracy(whole, required), _accuracy(windows, required)),
-            *group("the observer", NO_RANGES[has_truth] if observer is None else _observer(answer)),
+            *group("the observer", NO_RANGES[has_truth] if observer is None else _observer(answer, whole)),
             *group("the world", _world(answer)),
             *group("spectrum", spectrum_bar(shown, noise), "of the worst window"),
             *layout.next_commands(
@@ -171,8 +172,9 @@ def _accuracy(windows: Json, required: float) -> list[str]:
     ]
 
 
-def _observer(answer: Json) -> list[str]:
+def _observer(answer: Json, whole: WholeRecord) -> list[str]:
     observer, lines = answer["observer"], []
+    predicted = "" if whole.position is None else f"; predicted position {plus_minus(whole.position)}"
     for key, name, unit in (("position", "position", "m"), ("attitude_deg", "attitude", "°")):
         if observer[key] is None:
             continue
@@ -186,8 +188,10 @@ def _observer(answer: Json) -> list[str]:
     if None not in observer["final_position"]:
         lines.append(f"ends at {vector(observer['final_position'])} m")
     if observer["diverged"]:
-        lines.append(f"the observer has diverged: {observer['diverged_reason']}")
-    lines.append(f"on its ranges: {observer['fit']['words']}")
+        lines.append(f"✗ diverged: {observer['diverged_reason']}")
+    lines.append(f"on its ranges: {observer['fit']['words']} ({observer['fit']['gains']}){predicted}")
+    if observer["range_residual"] is not None:
+        lines.append(f"distance from the anchor off the ranges by {quantity(observer['range_residual'], 'm')} (rms)")
     if observer["innovation_rms"] is not None:
         lines.append(f"innovation of ½d²: {quantity(observer['innovation_rms'], 'm²')} rms")
     return [*lines, *([observer["reason"].removeprefix("null: ")] if "reason" in observer else [])]

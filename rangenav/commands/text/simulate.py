@@ -7,7 +7,7 @@ from rangenav import record
 from rangenav.analysis import analyse
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
-from rangenav.commands.text.verdict import Json
+from rangenav.commands.text.verdict import Json, plus_minus
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 from rangenav.verdict import Sign
@@ -23,7 +23,7 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
     """How well the cascaded observer does on a preset; `answer` is the command's JSON object."""
     sign, said = _headline(answer)
     verdict = analyse(preset).verdict
-    blind = verdict.word == "blind" or "note" in answer
+    blind = verdict.word == "blind"
     if not verdict.judged:
         sign, said = "?", f"{verdict}; this run {said}"
     elif blind and "reason" not in answer:
@@ -37,11 +37,11 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
         title=preset.title,
         groups=(
             *group("what ran", _run(answer)),
-            *group("settles", _settling(answer["settle"])),
-            *group("ranges", answer.get("fits", answer["fit"]["words"])),
+            *group("settles", _settling(answer)),
+            *group("on its ranges", _fit(answer, blind=blind)),
             *group("steady error", _errors(answer["steady"], "_rmse"), "root mean square over the last quarter"),
             *group("at the end", _errors(answer["final"], "")),
-            *group("why", answer.get("note"), answer.get("reason", "").removeprefix("null: ")),
+            *group("why", _note(answer), answer.get("reason", "").removeprefix("null: ")),
             *group("sensors", answer.get("unmodelled")),
             *group("saved", str(saved) if saved else None),
             *layout.next_commands(*following),
@@ -50,14 +50,42 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
 
 
 def _headline(answer: Json) -> tuple[Sign, str]:
+    """The worst that can be said of the run, or of so many of the runs."""
+    runs = answer.get("runs", 1)
     if "reason" in answer:
         return "✗", "the estimate overflows"
-    unsettled = [name for name in LIMITS if answer["settle"][f"{name}_s"] is None]
+    if answer["diverged"]:
+        said = f"diverged: {answer['diverged_reason']}"
+        return "✗", said if runs == 1 else f"{answer['runs_diverged']} of {runs} runs have diverged"
+    if runs > 1 and answer["runs_fit"]["lost"]:
+        return "✗", f"{answer['runs_fit']['lost']} of {runs} runs are lost: the ranges contradict them again and again"
+    if answer["fit"]["word"] == "lost":
+        return "✗", "lost: the ranges contradict the observer again and again"
+    unsettled = [name for name in LIMITS if _settled(answer, name) < runs]
     if unsettled:
-        return "!", " and ".join(f"{name} does not settle below {LIMITS[name]}" for name in unsettled)
+        texts = (
+            f"{name} does not settle below {LIMITS[name]}"
+            if runs == 1
+            else f"{name} settles below {LIMITS[name]} in {_settled(answer, name)} of {runs} runs"
+            for name in unsettled
+        )
+        return "!", " and ".join(texts)
     steady = answer["steady"]
     position, attitude = quantity(steady["position_rmse"], "m"), quantity(steady["attitude_rmse_deg"], "°")
-    return "✓", f"settles, and is then off by {position} and {attitude}"
+    often = "settles" if runs == 1 else f"settles in all {runs} runs"
+    return "✓", f"{often}, and is then off by {position} and {attitude}"
+
+
+def _settled(answer: Json, what: str) -> int:
+    """How many of the runs have settled in position or attitude."""
+    if "runs_settled" in answer:
+        return answer["runs_settled"][what]
+    return int(answer["settle"][f"{what}_s"] is not None)
+
+
+def _note(answer: Json) -> str | None:
+    """The note that the first line does not have already."""
+    return None if answer["diverged"] and answer.get("runs", 1) == 1 else answer.get("note")
 
 
 def _run(answer: Json) -> list[str]:
@@ -67,16 +95,26 @@ def _run(answer: Json) -> list[str]:
     return [f"{answer['model']} model, {runs}", f"{answer['steps']} steps, {time} each"]
 
 
-def _settling(settle: Json) -> list[str]:
-    lines = []
+def _settling(answer: Json) -> list[str]:
+    lines, runs = [], answer.get("runs", 1)
     for what, limit in LIMITS.items():
-        since = settle[f"{what}_s"]
+        since, count = answer["settle"][f"{what}_s"], _settled(answer, what)
+        often = f" in {count} of {runs} runs" if runs > 1 else ""
+        median = ", the median" if runs > 1 else ""
         lines.append(
-            f"✗ {what}: does not stay below {limit} over the last tenth of the run"
+            f"✗ {what}: {'stays' if often else 'does not stay'} below {limit} over the last tenth of the run{often}"
             if since is None
-            else f"✓ {what}: below {limit} from {quantity(since, 's')}"
+            else f"{'✓' if count == runs else '✗'} {what}: below {limit}{often}{median} from {quantity(since, 's')}"
         )
     return lines
+
+
+def _fit(answer: Json, *, blind: bool) -> list[str]:
+    """How the innovations look, with which gains; and what they do not tell, the error of the position."""
+    residual, predicted = quantity(answer["range_residual"], "m"), plus_minus(answer["predicted"]["position"])
+    lines = [answer.get("fits", answer["fit"]["words"]), answer["fit"]["gains"]]
+    lines += [f"distance from the anchor off the ranges by {residual} (rms)"] if answer["range_residual"] else []
+    return lines if blind else [*lines, f"predicted, after the worst window: position {predicted} (lifted)"]
 
 
 def _errors(errors: Json, suffix: str) -> list[str]:

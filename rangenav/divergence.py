@@ -1,0 +1,61 @@
+"""When an observer has diverged: by its own covariance, its innovations or its distance from the anchor; no truth.
+
+    own σ of the position at the end ≥ 100 m, or no number
+    innovations √10 times as large as gains that follow the noise expect (`range_fit`)
+    r_k = |p̂(s_k)| − d_k:   RMS r over the last quarter > 3 max d, and above that of the quarter before
+
+The last one is the one rule for constant gains, whose covariance is a design quantity: the estimate is farther away
+than any place that the ranges allow, and goes on leaving. One that comes back from a far start is still settling.
+"""
+
+import math
+
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
+
+from rangenav import model
+from rangenav.cascade import Estimate
+from rangenav.number_format import quantity
+from rangenav.range_fit import RangeFit
+
+MOST_STD = 1e2
+"""m; with a larger 1-σ of its own position an observer has diverged, as it does on an unobservable motion."""
+MOST_FACTOR = 10**0.5
+"""Innovations that exceed their own σ by this factor on the average, in the last quarter."""
+FAR = 3.0
+"""Multiples of the longest range by which the distance of an estimate from the anchor may be wrong."""
+
+
+def divergence(
+    estimate: Estimate, range_time: Float[Array, "m"], ranges: Float[Array, "m"], fit: RangeFit
+) -> str | None:
+    """Why an observer has diverged, one clause; None if it has not.
+
+    range_time, ranges: s and m, those that it used. fit: how well it fits them.
+    """
+    variances = np.diagonal(estimate.covariance[-1, 0])
+    if not np.all((variances >= 0) & (variances < MOST_STD**2)):
+        finite = np.all(np.isfinite(variances)) and np.all(variances >= 0)
+        size = f"{math.sqrt(float(variances.max())):.3g} m" if finite else "no number"
+        return f"its own 1-σ of the position is {size} at the end"
+    if fit.word == "overconfident" and fit.factor is not None and fit.factor > MOST_FACTOR:
+        return f"its innovations are {fit.factor:.3g} times as large as it expects"
+    before, last = range_residuals(estimate, range_time, ranges)
+    longest = float(ranges.max()) if len(ranges) else math.inf
+    if last > FAR * longest and last > before:
+        off, far = quantity(last, "m"), quantity(longest, "m")
+        return f"its distance from the anchor is wrong by {off}, and growing; the longest range is {far}"
+    return None
+
+
+def range_residuals(
+    estimate: Estimate, range_time: Float[Array, "m"], ranges: Float[Array, "m"]
+) -> tuple[float, float]:
+    """RMS of |p̂| − d (m) over the third and the last quarter of the ranges; NaN where a quarter has none."""
+    k = np.clip(np.searchsorted(estimate.time, range_time, side="right") - 1, 0, None)
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = np.linalg.norm(estimate.state[k][:, model.POSITION], axis=-1) - ranges
+        third, last = (off[j * len(off) // 4 : (j + 1) * len(off) // 4] for j in (2, 3))
+        before, after = (float(np.sqrt(np.mean(part**2))) if len(part) else math.nan for part in (third, last))
+    return before, after
