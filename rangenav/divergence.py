@@ -2,10 +2,10 @@
 
     own σ of the position at the end ≥ 100 m, or no number
     innovations √10 times as large as gains that follow the noise expect (`range_fit`)
-    r_k = |p̂(s_k)| − d_k:   RMS r over the last quarter > 3 max d, and above that of the quarter before
+    r_k = |p̂(s_k)| − d_k:   RMS r over the last quarter > 3 max d, and above half of that of the quarter before
 
-The last one is the one rule for constant gains, whose covariance is a design quantity: the estimate is farther away
-than any place that the ranges allow, and goes on leaving. One that comes back from a far start is still settling.
+The last one is the rule for constant gains, whose covariance is a design quantity: the estimate is farther away than
+any place that the ranges allow, and does not come back. One that comes back from a far start is still settling.
 """
 
 import math
@@ -23,6 +23,8 @@ MOST_STD = 1e2
 """m; with a larger 1-σ of its own position an observer has diverged, as it does on an unobservable motion."""
 MOST_FACTOR = 10**0.5
 """Innovations that exceed their own σ by this factor on the average, in the last quarter."""
+FALLING = 0.5
+"""An estimate comes back if its distance is wrong by less than this share of that a quarter of the record before."""
 FAR = 3.0
 """Multiples of the longest range by which the distance of an estimate from the anchor may be wrong."""
 
@@ -43,9 +45,9 @@ def divergence(
         return f"its innovations are {fit.factor:.3g} times as large as it expects"
     before, last = range_residuals(estimate, range_time, ranges)
     longest = float(ranges.max()) if len(ranges) else math.inf
-    if last > FAR * longest and last > before:
+    if last > FAR * longest and last > FALLING * before:
         off, far = quantity(last, "m"), quantity(longest, "m")
-        return f"its distance from the anchor is wrong by {off}, and growing; the longest range is {far}"
+        return f"its distance from the anchor is wrong by {off} and does not fall; the longest range is {far}"
     return None
 
 

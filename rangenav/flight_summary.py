@@ -19,7 +19,8 @@ from rangenav.range_fit import RangeFit
 QUARTERS = 4
 """Errors are summed up over each quarter of a record; the last one tells the steady errors."""
 FAR_OVER = 2.0
-"""Innovations that exceed their own σ by this factor on the average, in the last quarter, above which the noise that the observer assumes, its anchor or its sensors are wrong."""
+"""Innovations that exceed their own σ by more than this factor on the average, in the last quarter: the noise that the
+observer assumes, its anchor or its sensors are wrong."""
 SETTLING = 3.0
 """Multiples of the required position error within which an observer that starts from zero may still be settling."""
 

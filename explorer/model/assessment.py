@@ -85,7 +85,7 @@ def seen(picture: Picture) -> Answer:
     if analysis.verdict.word == "blind":
         reason = analysis.verdict.reason
         return Answer(question="seen", level="bad", summary=f"blind {reason}", cure="repair", term="verdict")
-    if analysis.mu < needed.mu:
+    if analysis.verdict.excitation != "met":
         excited = quantity(analysis.mu if analysis.mu >= analysis.mu_floor else 0.0, "m²/s⁷")
         summary = f"all {STATES} quantities determined, but the excitation μ is {excited}, wanted {needed.mu:g}"
         return Answer(question="seen", level="mind", summary=summary, cure="repair", term="excitation")
@@ -122,9 +122,10 @@ def arrival(picture: Picture) -> Answer:
     """Whether the estimate settles, fits its ranges, and is as near as the requirement asks."""
     summary, needed = picture.summary, picture.preset.requirement.position_sigma
     blind = picture.analysis.rank < STATES
-    fit, error = summary.fit.summary(blind=blind), quantity(summary.steady_position, "m")
+    fit = summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position)
+    error = quantity(summary.steady_position, "m")
     if summary.diverged:
-        text = "the observer's covariance diverges, so its errors say nothing"
+        text = f"the observer has diverged: {summary.divergence}"
         return Answer(
             question="arrival", level="bad", summary=text, cure="repair" if blind else "tune", term="diverged"
         )

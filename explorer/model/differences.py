@@ -52,7 +52,7 @@ def figures(a: Picture, b: Picture) -> list[str]:
         sentences.append(f"on its ranges: {first} → {second}")
     for name, run in (("A", a), ("B", b)):
         if run.summary.diverged:
-            sentences.append(f"{name}'s covariance diverges: its errors say nothing")
+            sentences.append(f"{name}'s observer has diverged: {run.summary.divergence}")
     changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
     return sentences + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
 

@@ -101,7 +101,7 @@ def chips(picture: Picture) -> str:
     on = [name.replace("_", " ") for name in printed.__struct_fields__ if getattr(printed, name)]
     labels = [CHIP.format(palette.PRINTED_FORMULA, f"PRINTED: {', '.join(on)}")] if on else []
     if picture.summary.diverged:
-        labels.append(CHIP.format(palette.ERROR, "⚠ covariance diverges"))
+        labels.append(CHIP.format(palette.ERROR, "⚠ diverged"))
     return "".join(labels)
 
 
@@ -155,9 +155,9 @@ def _least(eigenvalue: float, floor: float) -> str:
 
 def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
     summary, blind = picture.summary, picture.analysis.rank < STATES
-    fit = ("ranges", summary.fit.summary(blind=blind))
+    fit = ("ranges", summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position))
     if summary.diverged:
-        return [("observer", "⚠ unobservable, covariance diverges: its errors say nothing"), fit]
+        return [("observer", f"✕ diverged: {html.escape(summary.divergence or '')}"), fit]
     if blind:
         errors = f"position {number(summary.steady_position, 'm')}, attitude {number(summary.steady_attitude_deg)}°"
         return [

@@ -144,7 +144,7 @@ def test_a_sensor_set_is_loaded_and_effects_that_the_paper_does_not_model_are_na
 
 def test_a_flight_whose_ranges_are_all_lost_is_drawn(visitor: Wire):
     visitor.set("silent for (s)", 1000.0)
-    visitor.wait_for_text("covariance diverges")
+    visitor.wait_for_text("⚠ diverged")
     visitor.set("t (s)", 3.0)
     _settled(visitor)
     assert not visitor.notifications

@@ -13,7 +13,7 @@ from tests.support.records import scene
 
 
 def observed(position_error, attitude_error=None) -> Observed:
-    made = scene("soft", duration=2.0)
+    made = scene("soft", duration=2.0, guess="truth")
     estimate, z = made.observe(), made.measurements
     n = len(estimate.time)
     return Observed(

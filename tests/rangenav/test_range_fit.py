@@ -83,3 +83,30 @@ def test_lost_few_ranges_and_blind_motions_say_so():
     assert range_fit.of(estimate(noise()[:40], MATCHED)).word == "not judged"
     assert range_fit.of(estimate(noise(), CONSTANT)).summary(blind=True) == range_fit.BLIND
     assert range_fit.of(estimate(noise(), COLLECTING)).summary(blind=False) == range_fit.COLLECTED
+
+
+@pytest.mark.parametrize(
+    ("phase", "gains"),
+    [
+        ([CONSTANT] * 4, "constant gains"),
+        ([MATCHED] * 4, "noise-matched gains"),
+        ([MATCHED, COLLECTING, MATCHED, MATCHED], "noise-matched gains, the initial guess given up once"),
+        (
+            [MATCHED, COLLECTING, MATCHED, COLLECTING],
+            "noise-matched gains, the initial guess given up 2 times, constant gains at the end",
+        ),
+    ],
+)
+def test_a_fit_names_the_gains_and_how_often_they_gave_up_their_guess(phase: list[int], gains: str):
+    run = estimate(noise(), phase[-1])
+    phases = np.repeat(np.array(phase, dtype=np.int8), -(-len(run.time) // 4))[: len(run.time)]
+    fit = range_fit.of(replace(run, phase=phases))
+    assert fit.gains == gains
+    assert fit.report(blind=False)["given_up"] == phase.count(COLLECTING)
+
+
+def test_what_is_said_of_a_run_has_its_gains_and_the_predicted_error_unless_the_motion_is_blind():
+    fit = range_fit.of(estimate(noise(), MATCHED))
+    assert fit.statement(blind=False, predicted=1.812) == "consistent (noise-matched gains); predicted position ±1.81 m"
+    assert fit.statement(blind=False, predicted=np.inf).endswith("predicted position not determined")
+    assert fit.statement(blind=True, predicted=None) == f"{range_fit.BLIND} (noise-matched gains)"

@@ -132,7 +132,8 @@ def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int
 
 
 def _on_ranges(name: str, summary: Summary, picture: Picture) -> str:
-    return f"<b>{name}</b>, on its ranges: {summary.fit.summary(blind=_blind(picture))}"
+    said = summary.fit.statement(blind=_blind(picture), predicted=picture.analysis.lifted_end.position)
+    return f"<b>{name}</b>, on its ranges: {said}"
 
 
 def _blind(picture: Picture) -> bool:

@@ -152,8 +152,10 @@ def report(source: str, flight_report: FlightReport) -> str:
     windows, whole = flight_report.windows, flight_report.whole
     summary = whole.summary.removeprefix(f"{whole.verdict}: ")
     failure = flight_report.failure if whole.verdict in ("observable", "weak") else None
-    sign = SIGNS["weak"] if failure is not None else SIGNS[whole.verdict]
-    color = palette.WARNING if failure is not None else COLORS.get(whole.verdict, palette.NEUTRAL)
+    observer, word = flight_report.observer, whole.verdict
+    if failure is not None:
+        word = "weak" if observer is None or observer.diverged is None else "blind"
+    sign, color = SIGNS[word], COLORS.get(word, palette.NEUTRAL)
     head = f"{source}: {sign} {whole.verdict}: {summary}{'' if failure is None else f'; but {failure}'}"
     worst = f"from {significant(windows.worst_start, 4)} s: rank {windows.worst_rank} of 13"
     if windows.worst_rank < windows.motion_rank:
@@ -175,7 +177,7 @@ def report(source: str, flight_report: FlightReport) -> str:
     text = HEAD.format(color, html.escape(head)) + bullets(filter(None, lines)) + table((), rows)
     if flight_report.observer is None:
         return text + bullets(("no ranges, so the observers were not run (synthetic ones need a true position)",))
-    return text + _observers(flight_report.observer, blind=whole.blind)
+    return text + _observers(flight_report.observer, whole)
 
 
 def _whole(whole: WholeRecord, needed: float, required: str) -> tuple[tuple[str, str], ...]:
@@ -194,16 +196,16 @@ def _counts(counts: dict[str, int]) -> str:
     return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
-def _observers(observer: ObserverSummary, *, blind: bool) -> str:
+def _observers(observer: ObserverSummary, whole: WholeRecord) -> str:
     position = ", ".join(_number(value) for value in observer.final_position)
     rows: list[tuple[str, ...]] = []
     for label, errors in (("position error (m)", observer.position), ("attitude error (°)", observer.attitude)):
         if errors is not None:
             rows.append((label, *(_number(value) for value in (*errors.quarters, errors.median))))
     text = bullets((f"ends at {position} m; innovations {_number(observer.innovation_rms, 'm²')} rms",))
-    text += bullets((f"on its ranges: {observer.fit.summary(blind=blind)}",))
+    text += bullets((f"on its ranges: {observer.fit.statement(blind=whole.blind, predicted=whole.position)}",))
     if observer.diverged is not None:
-        text += bullets((f"the observer has diverged: {observer.diverged}",))
+        text += bullets((f"✕ diverged: {observer.diverged}",))
     if not rows:
         return text + bullets(("no truth in the file to hold the estimate against",))
     return text + table(("rms by quarters", "1st", "2nd", "3rd", "4th", "median"), rows)

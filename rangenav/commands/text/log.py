@@ -39,7 +39,7 @@ def report(
     failure = "" if observer is None or whole.verdict not in ("observable", "weak") else observer.get("failure", "")
     sign: Sign = "?" if whole.verdict == "too few ranges" else SIGNS[whole.verdict]
     if failure:
-        sign = "✗" if observer["diverged"] else "!"
+        sign = "✗" if answer["observer"]["diverged"] else "!"
     verdict = f"{_answer(whole, required)}, {ranges}" if synthetic else _answer(whole, required)
     shown, sensed = windows["eigenvalues"], windows["motion_rank"]
     noise = shown[len(shown) - sensed - 1] if sensed < len(shown) else 0.0

@@ -256,9 +256,9 @@ def test_every_run_that_is_compared_has_the_fit_of_its_ranges_in_the_text(slow: 
     shown = text.baselines(slow, crowd.baselines, [])
     for name, candidate in crowd.baselines:
         assert candidate is not None
-        fit = candidate.summary.fit.summary(blind=False)
+        fit = candidate.summary.fit.statement(blind=False, predicted=slow.analysis.lifted_end.position)
         assert (f"<b>{name}</b>, on its ranges: {fit}" in shown) == (name == "EKF")
-    assert f"<b>cascade</b>, on its ranges: {slow.summary.fit.summary(blind=False)}" in shown
+    assert f"<b>cascade</b>, on its ranges: {slow.summary.fit.word} (constant gains); predicted position ±" in shown
     blind = picture("circle")
     assert f"on its ranges: {slow.summary.fit.word} → {range_fit.BLIND}" in differences.figures(slow, blind)
 

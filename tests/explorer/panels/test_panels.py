@@ -224,12 +224,13 @@ def test_the_verdict_names_what_is_blind_and_why():
     assert "nothing excites" in _row(picture, "blind")
 
 
-def test_a_diverged_covariance_is_reported_instead_of_errors():
+def test_a_diverged_observer_is_reported_instead_of_errors():
     picture = _computed("hover")
-    diverged = dataclasses.replace(picture, summary=dataclasses.replace(picture.summary, diverged=True))
-    assert "unobservable, covariance diverges" in _row(diverged, "observer")
+    reason = {"diverged": True, "divergence": "its own 1-σ is 300 m"}
+    diverged = dataclasses.replace(picture, summary=dataclasses.replace(picture.summary, **reason))
+    assert _row(diverged, "observer") == "✕ diverged: its own 1-σ is 300 m"
     assert "steady error" not in dict(verdict.rows(diverged))
-    assert "covariance diverges" in verdict.chips(diverged)
+    assert "⚠ diverged" in verdict.chips(diverged)
 
 
 def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_something():
@@ -237,9 +238,10 @@ def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_so
     blind, seen = _computed("hover"), _computed("paper-slow")
     diverged = dataclasses.replace(blind, summary=dataclasses.replace(blind.summary, diverged=True))
     lost = RangeFit(word="lost", factor=None)
-    assert _row(blind, "ranges") == _row(diverged, "ranges") == range_fit.BLIND
-    assert _row(seen, "ranges") == "consistent"
-    assert _row(dataclasses.replace(seen, summary=dataclasses.replace(seen.summary, fit=lost)), "ranges") == "lost"
+    assert _row(blind, "ranges") == _row(diverged, "ranges") == f"{range_fit.BLIND} (constant gains)"
+    assert _row(seen, "ranges") == "consistent (constant gains); predicted position ±1.71 m"
+    lost_run = dataclasses.replace(seen, summary=dataclasses.replace(seen.summary, fit=lost))
+    assert _row(lost_run, "ranges").startswith("lost (")
 
 
 def test_an_eigenvalue_below_the_noise_floor_is_not_given_as_a_number():

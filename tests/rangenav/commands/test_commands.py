@@ -83,7 +83,10 @@ SIMULATE = {
     "settle": {"position_s": None, "attitude_s": None},
     "steady": dict.fromkeys(("position_rmse", "velocity_rmse", "gravity_rmse", "attitude_rmse_deg")),
     "final": dict.fromkeys(("position", "velocity", "gravity", "attitude_deg")),
-    "fit": {"word": None, "words": None},
+    "fit": dict.fromkeys(("word", "words", "mode", "given_up", "gains")),
+    "predicted": {"position": None},
+    "range_residual": None,
+    "diverged": None,
 }
 
 
@@ -187,6 +190,11 @@ def test_several_runs_are_told_by_their_medians(answer, short):
     together = answer("simulate", short, "--seed", "5", "--runs", "3")
     assert together["runs"] == 3
     assert together["fits"] == "3 consistent"
+    assert together["runs_fit"] == {"consistent": 3, "overconfident": 0, "correlated": 0, "lost": 0, "not judged": 0}
+    assert together["runs_settled"] == {
+        key: sum(one["settle"][f"{key}_s"] is not None for one in single) for key in ("position", "attitude")
+    }
+    assert together["runs_diverged"] == 0
     for part in ("peak", "steady", "final", "settle"):
         for key, value in together[part].items():
             assert value == pytest.approx(sorted(one[part][key] for one in single)[1])

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from rangenav import analysis, formats, preset
+from rangenav import analysis, formats, preset, record
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report
 from rangenav.commands.text.spectrum_bar import spectrum_bar
@@ -98,6 +98,39 @@ def test_simulate_and_verify_answer_first(run, name: str):
 def test_a_run_names_what_does_not_settle_and_not_what_does(run):
     code, out, _ = run("simulate", "wiggle")
     assert (code, out.splitlines()[0]) == (0, "wiggle   ! position does not settle below 0.3 m")
+
+
+def test_several_runs_are_counted_and_a_run_names_its_gains_and_the_predicted_error(run):
+    code, out, _ = run("simulate", "soft", "--runs", 3)
+    said = " ".join(out.split())
+    assert code == 0
+    settled = int(re.findall(r"position settles below 0.3 m in (\d) of 3 runs", said)[0])
+    seeds = range(preset.load("soft").seed, preset.load("soft").seed + 3)
+    assert settled == sum(
+        record.run_seed(preset.load("soft"), seed).summary.settle_position_s is not None for seed in seeds
+    )
+    assert "3 consistent" in said
+    assert "constant gains" in said
+    assert "predicted, after the worst window: position ±0.323 m" in said
+
+
+def test_a_diverged_run_has_a_cross_and_says_by_which_figure(run, tmp_path: Path):
+    """An eight of minutes, which constant gains do not hold."""
+    tones = (
+        Tone(axis="x", amplitude=30.0, frequency=0.04),
+        Tone(axis="y", amplitude=15.0, frequency=0.08),
+        Tone(axis="z", amplitude=8.0, frequency=0.05),
+    )
+    soft = preset.load("soft")
+    requirement = replace(soft.requirement, window=150.0)
+    preset.save(
+        replace(soft, path=Multisine(tones=tones), duration=300.0, requirement=requirement), tmp_path / "slow.toml"
+    )
+    first = " ".join(run("simulate", tmp_path / "slow.toml")[1].split("\n\n")[0].split())
+    assert re.match(r"slow\.toml ✗ diverged: its distance from the anchor is wrong by \d+ m", first)
+    answer = json.loads(run("simulate", tmp_path / "slow.toml", "--json")[1])
+    assert answer["diverged"]
+    assert answer["diverged_reason"] in first
 
 
 def test_ranges_that_fall_on_one_place_make_a_run_and_a_certificate_say_so(run, tmp_path: Path):
