@@ -124,11 +124,9 @@ def arrival(picture: Picture) -> Answer:
     blind = picture.analysis.rank < STATES
     fit = summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position)
     error = quantity(summary.steady_position, "m")
-    if summary.diverged:
+    if summary.diverged and not blind:
         text = f"the observer has diverged: {summary.divergence}"
-        return Answer(
-            question="arrival", level="bad", summary=text, cure="repair" if blind else "tune", term="diverged"
-        )
+        return Answer(question="arrival", level="bad", summary=text, cure="tune", term="diverged")
     if summary.fit.word == "lost":
         return Answer(question="arrival", level="bad", summary="the observer is lost", cure="tune", term="range fit")
     if blind:
