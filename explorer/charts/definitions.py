@@ -102,3 +102,18 @@ EFFORT = Definition(
     "How many times its weight the vehicle must push, and how fast it turns (rad/s); and the most of each that the"
     " chosen vehicle can, with a margin of thrust kept in hand.",
 )
+NOISELESS = Definition(
+    "ė = (𝒜 − K𝒞) e, &nbsp; e(0) = x̂(0) − x(0), &nbsp; K = P𝒞ᵀQ",
+    "The position error that the initial error would leave without noise, and the error of this run. What lies between"
+    " them at the end is the noise; what the first one takes to fade is the gains' and the motion's.",
+)
+CONTRACTION = Definition(
+    "s<sub>i</sub>(L(t+δ)⁻¹ Ψ(t+δ, t) L(t)), &nbsp; P = LLᵀ",
+    "How much of an error is left after the window that starts at t, in the metric in which the observer contracts:"
+    " the slowest direction and the fastest. At 1 an error does not fade.",
+)
+CLOSED_LOOP = Definition(
+    "Re eig(𝒜(ω, a) − K𝒞)",
+    "The largest and the smallest real part at each moment. For a motion that changes they prove nothing: the largest"
+    " may be positive while every error fades, as the contraction shows.",
+)

@@ -7,7 +7,7 @@ must be unique, and no two of its curves may share dash and width.
 from collections.abc import Callable
 from typing import NamedTuple
 
-from explorer.charts import definitions, details, plots, styles
+from explorer.charts import convergence, definitions, details, plots, styles
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
 from explorer.model import palette
 from explorer.model.compute import Picture
@@ -250,4 +250,48 @@ TWIN = Group(
     details.describe_twin,
     slow=True,
 )
-GROUPS = (ERRORS, OBSERVABILITY, DEPTH, TWIN, SIGNALS)
+CONVERGENCE = Group(
+    "Convergence",
+    (
+        Plot(
+            name="noiseless",
+            title="Position error without noise",
+            unit="m",
+            curves=(
+                Curve(label="without noise", color=palette.BLUE, dash=DASHED, width=2.0),
+                Curve(label="this run", color=palette.ESTIMATE),
+                Curve(label="settled", color=palette.REQUIRED, dash=DASH_DOT),
+            ),
+            draw=convergence.noiseless,
+            definition=definitions.NOISELESS,
+        ),
+        Plot(
+            name="contraction",
+            title="Contraction",
+            unit="by window start",
+            x_name="window start",
+            curves=(
+                Curve(label="slowest", color=palette.VERMILLION, width=2.0),
+                Curve(label="fastest", color=palette.BLUE, dash=DASHED),
+                Curve(label="no fading", color=palette.REQUIRED, dash=DASH_DOT),
+            ),
+            draw=convergence.contraction,
+            definition=definitions.CONTRACTION,
+        ),
+        Plot(
+            name="closed-loop",
+            title="Eigenvalues of 𝒜 − K𝒞",
+            unit="1/s, real parts",
+            curves=(
+                Curve(label="largest", color=palette.VERMILLION, width=2.0),
+                Curve(label="smallest", color=palette.BLUE, dash=DASHED),
+            ),
+            draw=convergence.closed_loop,
+            definition=definitions.CLOSED_LOOP,
+            log=False,
+        ),
+    ),
+    convergence.describe,
+    slow=True,
+)
+GROUPS = (ERRORS, OBSERVABILITY, DEPTH, CONVERGENCE, TWIN, SIGNALS)

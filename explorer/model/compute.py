@@ -8,6 +8,7 @@ printed       <- path, angular velocity, world, window
 measurements  <- motion's inputs, sensors, seed
 estimate      <- measurements' inputs, gains, guess
 details       <- see `details`; computed at its first use
+convergence   <- estimate's inputs; computed at its first use
 """
 
 from collections.abc import Callable
@@ -18,7 +19,8 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from explorer.model import details
+from explorer.model import convergence, details
+from explorer.model.convergence import Convergence
 from explorer.model.details import Details
 from explorer.model.settings import Printed, Settings, effective
 from rangenav import attitude, cascade, motion, record, vehicle
@@ -76,6 +78,11 @@ class Picture:
         """The reasons for the verdict. This stage is computed at its first use: it takes as long as all the others
         together, and the page draws it when nothing has changed for a moment."""
         return details.details(self.preset, turn=self.settings.twin_turn)
+
+    @cached_property
+    def convergence(self) -> Convergence | None:
+        """How fast the error fades by motion and gains alone; None with noise-matched gains."""
+        return convergence.convergence(self.preset)
 
     def proven(self) -> "Picture":
         """The same picture with the worst of all windows. It takes a tenth of a second to some seconds, for which the

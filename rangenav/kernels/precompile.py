@@ -72,7 +72,7 @@ def _stages() -> list[tuple[str, Stage]]:
 
 
 def _estimators() -> list[tuple[str, Stage]]:
-    from rangenav.kernels import ekf, smoother
+    from rangenav.kernels import ekf, error_dynamics, smoother
     from rangenav.kernels.layout import Strapdown
 
     known = Strapdown(
@@ -94,5 +94,22 @@ def _estimators() -> list[tuple[str, Stage]]:
         ("smoother, backward", lambda: smoother.backward(time, *work)),
         ("smoother, step", lambda: smoother.apply(work[0], *track)),
         ("smoother, covariance", lambda: smoother.smooth_covariance(time, covariances, work[2], known)),
+        (
+            "error dynamics",
+            lambda: error_dynamics.run(
+                time,
+                rows,
+                time[1:],
+                0,
+                False,
+                np.arange(2),
+                1.0,
+                False,
+                (1.0, 1.0, 1.0, 1.0),
+                np.eye(13).ravel(),
+                np.empty((2, 169)),
+                np.empty((1, 169)),
+            ),
+        ),
         ("smoother, residuals", lambda: smoother.residuals(*imu, *given, *track, covariances, pairs, known)),
     ]

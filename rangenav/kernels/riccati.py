@@ -40,7 +40,7 @@ def predict_state(x, ax, ay, az, h, b4):
 @kernel
 def predict_covariance(P, ax, ay, az, h):
     """P ← Φ P Φᵀ: Φ P on whole rows, then (Φ P) Φᵀ on the upper triangle, then its mirror."""
-    _transition_rows(P, ax, ay, az, h)
+    transition_rows(P, ax, ay, az, h)
     _transition_columns(P, ax, ay, az, h)
     mirror(P)
     for i in range(N):
@@ -48,7 +48,7 @@ def predict_covariance(P, ax, ay, az, h):
 
 
 @kernel
-def _transition_rows(P, ax, ay, az, h):
+def transition_rows(P, ax, ay, az, h):
     """P ← Φ P, from the top row down, so that every row still finds the old ones below it."""
     h2, h3, h4 = h * h, h * h * h, h * h * h * h
     for j in range(N):
