@@ -7,6 +7,8 @@ must be unique, and no two of its curves may share dash and width.
 from collections.abc import Callable
 from typing import NamedTuple
 
+from viser import Icon, IconName
+
 from explorer.charts import convergence, definitions, details, plots, styles
 from explorer.charts.plots import DASH_DOT, DASHED, DOTTED, LONG, LONG_DOT, SOLID, SPARSE, Curve, Plot
 from explorer.model import palette
@@ -20,6 +22,7 @@ class Group(NamedTuple):
     """Plots that share a tab."""
 
     title: str
+    icon: IconName
     plots: tuple[Plot, ...]
     describe: Callable[[Picture], tuple[str, ...]] | None = None
     """The sentences above the plots."""
@@ -29,6 +32,7 @@ class Group(NamedTuple):
 
 ERRORS = Group(
     "Errors",
+    Icon.CHART_LINE,
     (
         styles.error_plot("position", "Position error", "m", plots.position_error, definitions.POSITION_ERROR),
         styles.error_plot("velocity", "Velocity error", "m/s", plots.velocity_error, definitions.VELOCITY_ERROR),
@@ -45,6 +49,7 @@ ERRORS = Group(
 )
 OBSERVABILITY = Group(
     "Observability",
+    Icon.EYE,
     (
         Plot(
             name="snap",
@@ -97,6 +102,7 @@ OBSERVABILITY = Group(
 )
 SIGNALS = Group(
     "Signals",
+    Icon.WAVE_SINE,
     (
         Plot(
             name="innovation",
@@ -148,6 +154,7 @@ SIGNALS = Group(
 )
 DEPTH = Group(
     "In depth",
+    Icon.MICROSCOPE,
     (
         Plot(
             name="rank-by-length",
@@ -194,6 +201,7 @@ DEPTH = Group(
 )
 TWIN = Group(
     "Twin",
+    Icon.GHOST,
     (
         Plot(
             name="twin-range",
@@ -252,6 +260,7 @@ TWIN = Group(
 )
 CONVERGENCE = Group(
     "Convergence",
+    Icon.TRENDING_DOWN,
     (
         Plot(
             name="noiseless",

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, Icon, PanelHandle
+from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, PanelHandle
 
 from explorer.charts import markup
 from explorer.charts.chart import Chart, add_chart
@@ -12,8 +12,6 @@ from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 
 OUTDATED = "Follows as soon as nothing moves."
-ICONS = {"Errors": Icon.CHART_LINE, "Observability": Icon.EYE, "Signals": Icon.WAVE_SINE}
-ICONS |= {"In depth": Icon.MICROSCOPE, "Twin": Icon.GHOST}
 
 
 @dataclass(eq=False)
@@ -87,7 +85,7 @@ class PlotPanel:
         return [chart for charts in self._charts for chart in charts]
 
     def _add_tab(self, group: Group) -> None:
-        tab = self.panel.add_tab(group.title, ICONS[group.title])
+        tab = self.panel.add_tab(group.title, group.icon)
         self._tabs.append(tab)
         with tab:
             self._texts.append([GroupText(group, self._client.gui.add_html(""))] if group.describe else [])
