@@ -18,6 +18,7 @@ from rangenav.observability import accuracy, excitation, horizon, reduced, spect
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
+from rangenav.observability.shortest_windows import ShortestWindows, shortest_windows
 from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset, Requirement
 from rangenav.proof import Proof, prove
@@ -220,8 +221,25 @@ def _proven(
 
 
 def how_long(preset: Preset) -> Horizon:
-    """How long a window must be for rank 13, and for the accuracy that a preset requires."""
+    """How long a window must be for rank 13, and for the accuracy that a preset requires, as curves of its length.
+
+    The worst is that of five starts, and ranges are summed as if they came at all times; `shortest` has every start
+    and the ranges themselves.
+    """
     return horizon.horizon(
+        preset.path,
+        preset.world,
+        preset.duration,
+        sigma=preset.sensors.sigma.range,
+        rate=preset.sensors.range_rate,
+        share=preset.sensors.arriving,
+        position_sigma=preset.requirement.position_sigma,
+    )
+
+
+def shortest(preset: Preset) -> ShortestWindows:
+    """The shortest windows whose ranges, as the preset really takes them, give the accuracy that it requires."""
+    return shortest_windows(
         preset.path,
         preset.world,
         preset.duration,

@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 
 from rangenav import record
-from rangenav.analysis import Analysis, analyse, how_long
+from rangenav.analysis import Analysis, analyse, how_long, shortest
+from rangenav.model import STATES
 from rangenav.motion import Motion
-from rangenav.observability import ellipsoid, frozen, functions, printed
+from rangenav.observability import ellipsoid, frozen, functions, printed, shortest_windows
+from rangenav.observability.horizon import STARTS
 from rangenav.preset import Preset
 from rangenav.report import verdict
 from rangenav.twin import Refusal, Twin
@@ -36,12 +38,33 @@ def explanation(preset: Preset, outcome: Twin | Refusal, *, name: str) -> Json:
 
 
 def _horizon(preset: Preset) -> Json:
-    horizon = how_long(preset)
-    return {
-        "full_rank": {"from_start": horizon.full_rank[0], "worst": horizon.full_rank[1]},
-        "accurate": {"from_start": horizon.accurate[0], "worst": horizon.accurate[1]},
-        "words": horizon.summary,
+    """How long windows must be: for rank 13 (and the 13 ranges that it takes) and for the required accuracy."""
+    curves, rate = how_long(preset), preset.sensors.range_rate
+    at_start, worst = curves.full_rank
+    full_rank = {
+        "from_start": _within(preset, at_start, shortest_windows.first_length(rate)),
+        "worst": _within(preset, worst, shortest_windows.every_length(rate)),
     }
+    windows = shortest(preset)
+    accurate = {"from_start": windows.from_start, "worst": windows.every}
+    needed = f"σ ≤ {preset.requirement.position_sigma:g} m"
+    sentences = (
+        _lasting(f"Rank {STATES}", full_rank, f"at the worst of {STARTS + 1} starts"),
+        _lasting(needed, accurate, "in every window of the flight"),
+    )
+    return {"full_rank": full_rank, "accurate": accurate, "words": " ".join(sentences)}
+
+
+def _within(preset: Preset, length: float | None, ranged: float) -> float | None:
+    """The longer of two lengths (s): of rank 13 by its motion, and of 13 ranges; None if the flight is shorter."""
+    longer = math.inf if length is None else max(length, ranged)
+    return longer if longer <= preset.duration else None
+
+
+def _lasting(what: str, lengths: Json, where: str) -> str:
+    start, worst = lengths["from_start"], lengths["worst"]
+    at_start = "not from the start" if start is None else f"after {start:.3g} s from the start"
+    return f"{what}: {at_start}, {'not' if worst is None else f'after {worst:.3g} s'} {where}."
 
 
 def _functions(preset: Preset, analysed: Analysis) -> Json:

@@ -49,7 +49,8 @@ def summary(how: str, *, nearest: float, farthest: float, mismatch: float, same:
 
 def no_ambiguity(*, apart: float, mismatch: float, tolerance: float) -> str:
     """The best candidate at a distance `apart` (m) exceeds the tolerance (m)."""
-    return f"the best lookalike {apart:g} m away is off by {mismatch:.2g} m, more than the tolerance of {tolerance:g} m"
+    nearest = f"of the motions {apart:g} m (RMS) away, the range of the most similar one differs by {mismatch:.2g} m"
+    return f"{nearest}, more than the tolerance of {tolerance:g} m"
 
 
 def too_near(twin: str, *, apart: float, others: str) -> str:
@@ -60,15 +61,15 @@ def too_near(twin: str, *, apart: float, others: str) -> str:
 def locally_blind(shift: Float[Array, "3"], *, directions: int, apart: float, later: float, others: str) -> str:
     """The range is constant to first order along `shift`, and yet there is no twin."""
     return (
-        f"locally blind, no twin: to first order no range feels a step along {along(_unit(shift))}, but "
+        f"locally blind, no twin: to first order no range changes with a step along {along(_unit(shift))}, but "
         f"{ITS_OWN_TWIN[directions]}, and {apart:g} m of it changes the range by {later:.2g} m; {others}"
     )
 
 
 def observable(sensitivity: float, *, others: str) -> str:
-    """Every small step changes the range."""
-    least = f"a metre of the least felt difference changes the range by {sensitivity:.2g} m (RMS)"
-    return f"no twin: {least}, and {others}"
+    """Every small offset and velocity changes the range. sensitivity: m of range for 1 m of difference, both RMS."""
+    least = f"changes the range by {sensitivity:.2g} m (RMS) or more"
+    return f"no twin: to first order, every offset and constant velocity of 1 m (RMS) {least}; {others}"
 
 
 def lever_arm(length: float) -> str:

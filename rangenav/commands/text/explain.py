@@ -5,6 +5,7 @@ from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
 from rangenav.commands.text.verdict import Json, headline
 from rangenav.number_format import quantity
+from rangenav.observability.horizon import STARTS
 from rangenav.preset import Preset
 
 ROTATING = ("turned axes", "axes that do not rotate")
@@ -34,20 +35,22 @@ def report(preset: Preset, analysis: Analysis, explanation: Json, *, name: str) 
 
 
 def _horizon(horizon: Json, preset: Preset) -> list[str]:
-    """From the start of the flight, and at the worst of several starts."""
+    """From the start of the flight; and in every window, or for the rank at the worst of several starts."""
     needed = quantity(preset.requirement.position_sigma, "m")
-    return [_lasting("rank 13", horizon["full_rank"]), _lasting(f"an error below {needed}", horizon["accurate"])]
+    return [
+        _lasting("rank 13", horizon["full_rank"], f"at the worst of {STARTS + 1} starts"),
+        _lasting(f"an error below {needed}", horizon["accurate"], "in every window"),
+    ]
 
 
-def _lasting(what: str, lengths: Json) -> str:
+def _lasting(what: str, lengths: Json, where: str) -> str:
     start, worst = lengths["from_start"], lengths["worst"]
     if start is None and worst is None:
-        return f"✗ {what}: no window is long enough"
+        return f"✗ {what}: no window of the flight is long enough"
     from_start = f"{quantity(start, 's')} from the start" if start is not None else "not from the start"
     if worst is None:
-        return f"! {what}: {from_start}; from the worst start no window is long enough"
-    same = start is not None and abs(worst - start) < 1e-3 * worst
-    return f"✓ {what}: {from_start}" + (" and from the worst" if same else f", {quantity(worst, 's')} from the worst")
+        return f"! {what}: {from_start}; {where} no length is enough"
+    return f"✓ {what}: {from_start}, {quantity(worst, 's')} {where}"
 
 
 def _functions(functions: Json) -> list[str]:

@@ -137,7 +137,7 @@ def test_a_refused_twin_is_not_drawn_and_its_reason_is_given() -> None:
     assert drawings.ranges(example).hidden == (1,)
     assert drawings.apart(example).hidden == (0, 1)
     sentence, _ = drawings.describe_twin(example)
-    assert sentence.startswith("No twin: a metre of the least felt difference")
+    assert sentence.startswith("No twin: to first order, every offset and constant velocity")
 
 
 def test_the_printed_certificate_stands_next_to_the_derived_one_whatever_is_switched_on() -> None:

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
-from rangenav import preset
+from rangenav import analysis, preset
+from rangenav.signals import Multisine, Tone
 from rangenav.twin import Twin, twin
 
 pytestmark = pytest.mark.slow
@@ -31,6 +33,29 @@ def test_the_report_says_what_the_library_found(answer, name: str):
         assert output["twin"]["kind"] is None
         assert output["twin"]["words"] == other.reason
         assert 0.3 < output["horizon"]["full_rank"]["from_start"] <= output["horizon"]["full_rank"]["worst"] < 2
+
+
+def test_a_length_that_is_enough_is_so_in_every_window_and_is_not_said_of_ranges_that_fall_on_one_place(
+    run, answer, tmp_path: Path
+):
+    """At 1 Hz all three tones repeat from range to range; the motion alone has rank 13 before a second range comes."""
+    turn = 2 * np.pi
+    tones = (
+        Tone(axis="x", amplitude=1.0, frequency=turn),
+        Tone(axis="y", amplitude=1.0, frequency=2 * turn),
+        Tone(axis="z", amplitude=1.0, frequency=3 * turn),
+    )
+    soft = preset.load("soft")
+    once = replace(soft, path=Multisine(tones=tones), sensors=replace(soft.sensors, range_rate=1.0))
+    preset.save(once, tmp_path / "once.toml")
+    horizon = answer("explain", tmp_path / "once.toml")["horizon"]
+    assert horizon["accurate"] == {"from_start": None, "worst": None}
+    assert (horizon["full_rank"]["from_start"], horizon["full_rank"]["worst"]) == (12.0, 13.0)
+    said = " ".join(run("explain", tmp_path / "once.toml")[1].split())
+    assert "✗ an error below 0.5 m: no window of the flight is long enough" in said
+    horizon = answer("explain", "soft")["horizon"]
+    assert horizon["accurate"]["worst"] == analysis.shortest(soft).every
+    assert "s in every window" in " ".join(run("explain", "soft")[1].split())
 
 
 def test_the_saved_twin_is_a_preset_with_the_same_range_elsewhere(run, tmp_path: Path):
