@@ -25,6 +25,8 @@ def explain(
 
     Example: rangenav explain circle --save twin.toml
 
+    The page docs/certificates.md has the conditions of each verdict, and what a certificate promises.
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         window: Window δ in seconds; the preset's own by default.

@@ -27,6 +27,8 @@ def simulate(
 
     Example: rangenav simulate paper-slow --runs 20
 
+    "Consistent" is said of the ranges only; the page docs/trust.md says what to think of each word.
+
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         seed: Seed of the noise; the preset's own by default.
