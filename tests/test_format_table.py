@@ -119,10 +119,10 @@ def test_a_format_that_nothing_can_be_certified_of_gets_no_certificate_and_the_r
 @pytest.mark.parametrize("row", formats.rows(), ids=lambda row: row.name)
 def test_every_row_says_what_its_readers_and_writers_need(row: formats.Format) -> None:
     assert row.keeps
-    assert (row.writer is None) == bool(row.unsupported)
-    assert (row.writer is None) or (row.hint and row.suffix.startswith("."))
+    assert row.written != bool(row.unsupported)
+    assert not row.written or (row.hint and row.suffix.startswith("."))
     assert (row.reader is None) or (row.read_label and set(row.reads) <= {"path", "flight"})
-    assert (row.writer is None) == (row.certified_as == "neither")
+    assert row.written == (row.certified_as != "neither")
 
 
 def test_a_preset_can_say_that_its_path_came_from_any_format_with_paths() -> None:

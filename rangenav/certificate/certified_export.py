@@ -1,18 +1,26 @@
 """Export through the gate: a preset is written in a format together with the certificate of the written bytes.
 
-The command line and the page both export through `write`. Without `uncertified` there is a file with a certificate or
-no file at all. With `uncertified` a preset that misses its requirement is written, too; the file's name then contains
-"uncertified", and there is no certificate.
+The command line and the page both export through `write`. Of a motion every way to write it is tried, from long pieces
+to short ones; the first that its certificate confirms is the export. Without `uncertified` there is a file with a
+certificate or no file at all, and the refusal names what would cure it. With `uncertified` a preset that misses its
+requirement is written, too; the file's name then contains "uncertified", and there is no certificate.
 """
 
 import shutil
+import tempfile
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 
 from rangenav import formats
 from rangenav.certificate import exports
-from rangenav.formats import OutputFile
+from rangenav.certificate.schema import Certificate
+from rangenav.formats import ExportOptions, OutputFile
 from rangenav.preset import Preset
+
+CACHED = 32
+FINER_HELPS = {"excitation", "rank", "accuracy"}
+"""Checks that shorter pieces may meet where longer ones do not."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -33,8 +41,17 @@ class CertifiedExport:
         if self.output.steady is None:
             return self.output.notes
         begin, end = self.output.steady
-        covered = f"any certificate covers {begin:g} s to {end:.6g} s of the file, between its ramps, and no more"
-        return (covered if begin else "no ramps", *self.output.notes)
+        how = "flown again and again without a pause" if self.output.loop else "between its ramps, and no more"
+        covered = f"any certificate covers {begin:g} s to {end:.6g} s of the file, {how}"
+        return (covered if begin or self.output.loop else "no ramps", *self.output.notes)
+
+
+class RefusedExportError(ValueError):
+    """An export that was refused: the sentence says why, and the fields what was to be written."""
+
+    def __init__(self, sentence: str, preset: Preset, format_name: str, options: ExportOptions) -> None:
+        super().__init__(sentence)
+        self.preset, self.format_name, self.options = preset, format_name, options
 
 
 def write(
@@ -44,55 +61,142 @@ def write(
     *,
     name: str,
     attitude: str = "flown",
+    ramp: float = formats.RAMP,
+    once: bool = False,
     uncertified: bool = False,
     otherwise: str,
 ) -> CertifiedExport:
     """Write a file or folder and its certificate.
 
-    `name` is the preset's name in error messages; `otherwise` says how to write an uncertified file.
+    `name` is the preset's name in error messages; `otherwise` says how to write an uncertified file. attitude, ramp and
+    once are those of `formats.ExportOptions`.
 
-    Raises ValueError, and leaves nothing written, if the gate refuses the preset (unless `uncertified`), if the format
-    cannot hold it, or if what was written fails its certificate.
+    Raises RefusedExportError, and leaves nothing written, if the gate refuses the preset or if what was written fails
+    its certificate (unless `uncertified`); ValueError if the format cannot hold the preset at all.
     """
+    options = formats.export_options(attitude=attitude, ramp=ramp, once=once)
     try:
-        return _written(preset, format_name, output, name, attitude, uncertified=uncertified, otherwise=otherwise)
+        return _written(preset, format_name, output, options, uncertified=uncertified)
+    except RefusedExportError as error:
+        sentence = f"{name}: {error}; nothing was written ({otherwise})"
+        raise RefusedExportError(sentence, preset, format_name, options) from None
     except ValueError as error:
         named = str(error).startswith((f"{name}:", f"{format_name}:"))
         raise error if named else ValueError(f"{name}: {error}") from None
 
 
+@lru_cache(maxsize=CACHED)
+def refusal(preset: Preset, format_name: str, options: ExportOptions) -> str | None:
+    """Why a preset cannot be exported in a format with a certificate, one sentence; None if it can."""
+    with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
+        try:
+            _written(preset, format_name, Path(folder) / "x", options, uncertified=False)
+        except ValueError as error:
+            return str(error)
+    return None
+
+
 def _written(
-    preset: Preset, format_name: str, output: Path, name: str, attitude: str, *, uncertified: bool, otherwise: str
+    preset: Preset, format_name: str, output: Path, options: ExportOptions, *, uncertified: bool
 ) -> CertifiedExport:
     row = formats.row(format_name)
     complaint = None if row.unsupported else exports.gate(preset, format_name)
-    if complaint is not None and not uncertified:
-        raise ValueError(f"{name}: {complaint}; nothing was written ({otherwise})")
+    if complaint is None and row.drafts is not None:
+        try:
+            return _first_certified(preset, format_name, output, options)
+        except RefusedExportError as error:
+            complaint = str(error)
     if complaint is not None:
-        written = formats.export(preset, format_name, formats.marked(output), attitude=attitude)
-        marked = replace(written, notes=(f"UNCERTIFIED: {complaint}", *written.notes))
-        return CertifiedExport(output=marked, certificate=None, complaint=complaint, reason=complaint)
-    written = formats.export(preset, format_name, output, attitude=attitude)
+        if not uncertified:
+            raise RefusedExportError(complaint, preset, format_name, options)
+        return _marked(preset, format_name, output, options, complaint)
+    written = formats.export(preset, format_name, output)
     if row.certified_as == "neither":
         reason = f"nothing in a file of {format_name} can be certified"
         return CertifiedExport(output=written, certificate=None, complaint=None, reason=reason)
-    certificate = _certify(preset, format_name, output, name=name, steady=written.steady, attitude=attitude)
+    certificate = _certified_run(preset, format_name, output)
     return CertifiedExport(output=written, certificate=certificate, complaint=None)
 
 
-def _certify(
-    preset: Preset, format_name: str, output: Path, *, name: str, steady: tuple[float, float] | None, attitude: str
-) -> Path:
+def _marked(preset: Preset, format_name: str, output: Path, options: ExportOptions, complaint: str) -> CertifiedExport:
+    """The finest file that the format can hold, under a name that says that it is uncertified."""
+    row, place = formats.row(format_name), formats.marked(output)
+    if row.drafts is None:
+        written = formats.export(preset, format_name, place)
+    else:
+        *_, finest = row.drafts(preset, options)
+        written = finest(place)
+    strays = () if written.unfit is None else (written.unfit,)
+    notes = (f"UNCERTIFIED: {complaint}", *strays, *written.notes)
+    return CertifiedExport(
+        output=replace(written, notes=notes), certificate=None, complaint=complaint, reason=complaint
+    )
+
+
+def _first_certified(preset: Preset, format_name: str, output: Path, options: ExportOptions) -> CertifiedExport:
+    """The first way to write a motion that its certificate confirms. Raises RefusedExportError: why the finest fails.
+
+    After each certificate that refuses, twice as many ways are passed over as before, but never the finest.
+    """
+    drafts, failure = formats.row(format_name).drafts, ""
+    assert drafts is not None
+    try:
+        every, step, k = list(drafts(preset, options)), 1, 0
+        while k < len(every):
+            written = every[k](output)
+            failure = written.unfit or _lacks_excitation(written, preset)
+            if failure is None:
+                issued = _certified(preset, format_name, output, written, options)
+                if issued.certified:
+                    certificate = exports.write_certificate(issued, output)
+                    return CertifiedExport(output=written, certificate=certificate, complaint=None)
+                failure = f"as {format_name} it does not keep what it promises: {'; '.join(issued.failures)}"
+                missed = {check.name for check in issued.checks if not check.met}
+                if not missed & FINER_HELPS:
+                    break
+                k, step = (k if k == len(every) - 1 else min(k + step, len(every) - 1) - 1), 2 * step
+            k += 1
+    except ValueError as error:
+        failure = str(error)
+    except BaseException:
+        _remove(output)
+        raise
+    _remove(output)
+    raise RefusedExportError(failure or "", preset, format_name, options)
+
+
+def _lacks_excitation(written: OutputFile, preset: Preset) -> str | None:
+    """Why no certificate is worth computing, as one clause: on samples the file lacks excitation already."""
+    reached, needed = written.figures.get("mu"), preset.requirement.mu
+    if reached is None or reached >= needed:
+        return None
+    pieces = f"{written.figures['pieces']} pieces"
+    return f"of the excitation {pieces} keep {reached:.3g} m²/s⁷, and {needed:.3g} are required"
+
+
+def _certified(
+    preset: Preset, format_name: str, output: Path, written: OutputFile, options: ExportOptions
+) -> Certificate:
+    return exports.certified(
+        preset, format_name, output, steady=written.steady, loop=written.loop, attitude=options.attitude
+    )
+
+
+def _certified_run(preset: Preset, format_name: str, output: Path) -> Path:
     """Write the certificate of the written bytes. Raises ValueError, and removes what was written, if it fails."""
     try:
-        certificate = exports.certified(preset, format_name, output, steady=steady, attitude=attitude)
+        certificate = exports.certified(preset, format_name, output)
         if not certificate.certified:
             failures = "; ".join(certificate.failures)
-            raise ValueError(f"{name}: as {format_name} it does not keep what it promises: {failures}")
+            raise ValueError(f"as {format_name} it does not keep what it promises: {failures}")
         return exports.write_certificate(certificate, output)
     except BaseException:
-        if output.is_dir():
-            shutil.rmtree(output)
-        else:
-            output.unlink(missing_ok=True)
+        _remove(output)
         raise
+
+
+def _remove(output: Path) -> None:
+    if output.is_dir():
+        shutil.rmtree(output)
+    else:
+        output.unlink(missing_ok=True)

@@ -21,7 +21,7 @@ from rangenav import analysis, verdict
 from rangenav import preset as presets
 from rangenav.certificate import motion_sections, requirements, sections, version_1
 from rangenav.certificate.files import read_bytes
-from rangenav.certificate.schema import VERSION, Artifact, Certificate, Tool
+from rangenav.certificate.schema import VERSION, Artifact, Certificate, Loop, Tool
 from rangenav.inputs import require
 from rangenav.preset import Preset
 
@@ -37,11 +37,11 @@ class FileContents:
     """Which part of the file the certificate covers; unset if it covers the whole file."""
 
 
-Reader = Callable[[bytes, str, Preset | None], FileContents]
-"""(bytes, name for errors, context) → contents. Raises ValueError."""
+Reader = Callable[[bytes, str, Preset | None, Loop | None], FileContents]
+"""(bytes, name for errors, context, the loop that is flown again and again) → contents. Raises ValueError."""
 
 
-def read_preset(content: bytes, source: str, context: Preset | None = None) -> FileContents:
+def read_preset(content: bytes, source: str, context: Preset | None = None, loop: Loop | None = None) -> FileContents:
     """The contents of a preset's TOML file, which needs no context. Raises ValueError."""
     require(len(content) <= presets.MAX_BYTES, f"{source}: larger than {presets.MAX_BYTES} bytes, which no preset is")
     try:
@@ -60,19 +60,22 @@ def certify(
     source: str,
     form: str = "preset",
     context: Preset | None = None,
+    loop: Loop | None = None,
     readers: Mapping[str, Reader] = READERS,
     version: int = VERSION,
 ) -> Certificate:
     """The certificate of a file's bytes. Raises ValueError if the bytes cannot be read.
 
     source: the file's name in error messages. form: the file's format. context: for a file that holds only a path, the
-    preset whose world, sensors, requirement and vehicle judge that path. version: of the certificate; the first one is
+    preset whose world, sensors, requirement and vehicle judge that path. loop: the part of the file that is flown again
+    and again; None if the file is flown once. version: of the certificate; the first one is
     computed to verify an old certificate.
     """
     require(form in readers, f"{source}: files of the format {form!r} cannot be certified")
-    contents = readers[form](content, source, context)
+    contents = readers[form](content, source, context, loop)
     digest = hashlib.sha256(content).hexdigest()
-    artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=contents.covers)
+    again = msgspec.UNSET if loop is None else loop
+    artifact = Artifact(format=form, sha256=digest, bytes=len(content), covers=contents.covers, loop=again)
     context_text = msgspec.UNSET if context is None else presets.dumps(context)
     issued = _without_artifact(contents.preset)
     issued = issued if version == VERSION else version_1.as_version_1(contents.preset, issued)

@@ -10,7 +10,8 @@ run       the file is a record of one run. A motion with its snap cannot be reco
 neither   there is no certificate
 
 A file of a motion lasts one ramp longer than its path. It is steady from one ramp after its beginning to one ramp
-before its end: the file's duration less the steady one is two ramps.
+before its end: the file's duration less the steady one is two ramps. If that part is a loop, its pieces are judged as a
+path that repeats, so that windows reach over several loops.
 """
 
 import re
@@ -29,7 +30,7 @@ from rangenav.certificate import files, remedy, requirements
 from rangenav.certificate.certify import READERS, FileContents, Reader, certify, read_preset
 from rangenav.certificate.encoding import dumps
 from rangenav.certificate.files import path_for, read_bytes
-from rangenav.certificate.schema import Certificate
+from rangenav.certificate.schema import Certificate, Loop, figure
 from rangenav.formats import Format, readback, text
 from rangenav.formats.sampled_rows import WHOLE
 from rangenav.inputs import require
@@ -41,6 +42,8 @@ ON_PATH = 1e-6
 AT_REST = 1e-6
 """s; a ramp shorter than that is rounding of one that is not there."""
 RECORDED = "the path of the run, on which every position in the file lies; of what was measured on it, nothing"
+AT_KNOT = 1e-5
+"""s; a loop's ends are stated to eight digits."""
 CACHED = 4
 TIME = re.compile(r"\bt\b")
 """The time in a formula."""
@@ -67,20 +70,30 @@ def _reader(row: Format) -> Reader | None:
 
 
 def certified(
-    preset: Preset, form: str, path: Path, *, steady: tuple[float, float] | None = None, attitude: str = "flown"
+    preset: Preset,
+    form: str,
+    path: Path,
+    *,
+    steady: tuple[float, float] | None = None,
+    loop: bool = False,
+    attitude: str = "flown",
 ) -> Certificate:
     """The certificate of the file or folder that a preset was exported to, from its bytes.
 
-    `steady` says from when to when (s, in the file) the path runs at its own speed, `attitude` which one was written.
-    Raises ValueError for what cannot be read again.
+    `steady` says from when to when (s, in the file) the path runs at its own speed, `loop` whether that part is flown
+    again and again, `attitude` which one was written. Raises ValueError for what cannot be read again.
     """
     row = formats.row(form)
-    context = None if row.certified_as == "preset" else preset
+    context, again = None if row.certified_as == "preset" else preset, None
     if row.certified_as == "motion":
-        context = _steady_context(upright(preset), *cast("tuple[float, float]", steady))
-        if row.own_attitude_writer is not None and attitude == "preset":
+        begin, end = cast("tuple[float, float]", steady)
+        needed = preset.requirement.window + end - begin  # windows that begin anywhere in the loop
+        flown = max(preset.duration, needed) if loop else end - begin
+        again = Loop(begin=figure(begin), end=figure(end)) if loop else None
+        context = _steady_context(upright(preset), begin, flown)
+        if row.own_attitude and attitude == "preset":
             context = msgspec.structs.replace(context, angular_velocity=upright(preset).angular_velocity)
-    return certify(read_bytes(path), source=path.name, form=form, context=context, readers=readers())
+    return certify(read_bytes(path), source=path.name, form=form, context=context, loop=again, readers=readers())
 
 
 @lru_cache(maxsize=CACHED)
@@ -103,12 +116,13 @@ def write_certificate(certificate: Certificate, path: Path) -> Path:
     return place
 
 
-def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
-    """What the steady part of a file is judged by: its body is flown along the path, at the yaw that was asked for.
+def _steady_context(turned: Preset, begin: float, flown: float) -> Preset:
+    """What the steady part of a file (from `begin` on, flown for so many seconds) is judged by: its body is flown along
+    the path, at the yaw that was asked for.
 
     Where a body of its own angular velocity could not be flown so, it keeps that.
     """
-    own, steady = turned.angular_velocity, msgspec.structs.replace(turned, duration=end - begin)
+    own, steady = turned.angular_velocity, msgspec.structs.replace(turned, duration=flown)
     if isinstance(own, Flown):
         later = Flown(yaw=TIME.sub(f"(t + {begin / 2!r})", own.yaw))  # of its ramp the path takes half the time
         return msgspec.structs.replace(steady, angular_velocity=later if begin else own)
@@ -119,7 +133,7 @@ def _steady_context(turned: Preset, begin: float, end: float) -> Preset:
 
 
 def _steady(row: Format) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> FileContents:
+    def read(content: bytes, source: str, context: Preset | None, loop: Loop | None) -> FileContents:
         if context is None:
             raise ValueError(f"{source}: its certificate says nothing of the world and the requirement")
         why = provenance.restriction(context.source, context.path)  # pieces put through a fit are a fit
@@ -128,19 +142,43 @@ def _steady(row: Format) -> Reader:
         imported = formats.parse(content, row.name, source=source, confirm={}, part=WHOLE)
         require(imported.unjudged is None, f"{source}: {imported.unjudged}")
         path = cast(Polynomials, imported.path)
+        if loop is not None:
+            return FileContents(_replaced(context, _loop_of(path, loop, source), source), _looped(loop))
         ramp = max(0.0, (imported.duration - context.duration) / 2)
         try:
-            steady = msgspec.structs.replace(context, path=polynomials.cut(path, ramp, context.duration))
+            part = polynomials.cut(path, ramp, context.duration)
         except ValueError as error:
             raise ValueError(f"{source}: {error}") from None
+        steady = _replaced(context, part, source)
         covers = f"{ramp:.6g} s to {ramp + context.duration:.6g} s of the file, between its ramps, and no more"
         return FileContents(steady, covers if ramp > AT_REST else msgspec.UNSET)
 
     return read
 
 
+def _replaced(context: Preset, path: Polynomials, source: str) -> Preset:
+    try:
+        return msgspec.structs.replace(context, path=path)
+    except ValueError as error:
+        raise ValueError(f"{source}: {error}") from None
+
+
+def _looped(loop: Loop) -> str:
+    return f"{loop.begin:.6g} s to {loop.end:.6g} s of the file, flown again and again without a pause; not its ramps"
+
+
+def _loop_of(path: Polynomials, loop: Loop, source: str) -> Polynomials:
+    """The pieces of the loop as they are in the file, repeated. Raises ValueError if it does not begin and end at
+    knots."""
+    ends = np.concatenate([[0.0], np.cumsum([piece.duration for piece in path.pieces])])
+    first, last = (int(np.argmin(np.abs(ends - at))) for at in (loop.begin, loop.end))
+    near = max(abs(ends[first] - loop.begin), abs(ends[last] - loop.end)) <= AT_KNOT
+    require(near and first < last, f"{source}: no pieces begin and end where its certificate says that the loop does")
+    return polynomials.loop(path, first, last - first)
+
+
 def _recorded(row: Format) -> Reader:
-    def read(content: bytes, source: str, context: Preset | None) -> FileContents:
+    def read(content: bytes, source: str, context: Preset | None, loop: Loop | None) -> FileContents:
         if context is None:
             raise ValueError(f"{source}: its certificate does not say which preset it is a run of")
         parts = files.unpacked(content, source) if row.folder else {"": content}

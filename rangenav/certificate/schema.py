@@ -23,6 +23,14 @@ class Part(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Base of every part: keys that are not known are refused."""
 
 
+class Loop(Part, frozen=True, kw_only=True):
+    """The part of a file that is flown again and again."""
+
+    begin: float
+    """s, in the file."""
+    end: float
+
+
 class Artifact(Part, frozen=True, kw_only=True):
     """The file that is certified, by its bytes."""
 
@@ -32,6 +40,8 @@ class Artifact(Part, frozen=True, kw_only=True):
     bytes: int
     covers: str | msgspec.UnsetType = msgspec.UNSET
     """The part of the file that is certified, where that is not the whole file."""
+    loop: Loop | msgspec.UnsetType = msgspec.UNSET
+    """The loop of a file that is certified for being flown again and again; other files are flown once."""
 
 
 class Tool(Part, frozen=True, kw_only=True):

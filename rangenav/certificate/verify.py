@@ -110,8 +110,10 @@ def check(content: bytes, stored: Certificate, *, source: str, readers: Mapping[
         context = (
             None if stored.context is msgspec.UNSET else presets.loads(stored.context, source=f"{source}, context")
         )
-        form = stored.artifact.format
-        computed = certify(content, source=source, form=form, context=context, readers=readers, version=stored.version)
+        form, loop = stored.artifact.format, stored.artifact.loop or None
+        computed = certify(
+            content, source=source, form=form, context=context, loop=loop, readers=readers, version=stored.version
+        )
     except ValueError as error:
         return Verification(outcome="not read", failures=(str(error),))
     differing = differences(stored, computed)

@@ -27,6 +27,8 @@ def export(
     to: Annotated[FormatName, tyro.conf.arg(help=TO)],
     output: Annotated[Path, tyro.conf.arg(aliases=["-o"], metavar="PATH", help=OUTPUT)],
     attitude: Literal["flown", "preset"] = "flown",
+    ramp: float = formats.RAMP,
+    once: bool = False,
     uncertified: bool = False,
     json: bool = False,
 ) -> None:
@@ -37,6 +39,8 @@ def export(
     Args:
         preset: A shipped preset's name or a path to a TOML file.
         attitude: For reference: what flying the path takes, or the preset's own.
+        ramp: For reference and polynomial: seconds from hover into the path, and back to hover.
+        once: For polynomial: the flight as long as the pieces last, also of a path that repeats; no loop.
         uncertified: Write it although the preset misses its requirement; the name then says so.
         json: Print one JSON object.
     """
@@ -47,7 +51,15 @@ def export(
     chosen = presets.load(preset)
     with working(f"exporting {preset}"):
         export = certified_export.write(
-            chosen, to, output, name=preset, attitude=attitude, uncertified=uncertified, otherwise=OTHERWISE
+            chosen,
+            to,
+            output,
+            name=preset,
+            attitude=attitude,
+            ramp=ramp,
+            once=once,
+            uncertified=uncertified,
+            otherwise=OTHERWISE,
         )
     answer = report(export, preset, to)
     return print_json(answer) if json else layout.show(text.exported(chosen, answer, name=preset))
@@ -71,4 +83,7 @@ def report(export: "CertifiedExport", name: str, to: str) -> dict[str, Any]:
     if written.steady is not None:
         begin, end = written.steady
         answer["steady"] = {"from": begin, "to": end}
+        if written.loop:
+            first, count = answer.pop("loop_first"), answer.pop("loop_pieces")
+            answer["loop"] = {"from": begin, "to": end, "first_piece": first + 1, "pieces": count}
     return answer | {"notes": list(export.notes)}

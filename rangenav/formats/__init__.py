@@ -11,6 +11,7 @@ from pathlib import Path, PurePath
 from rangenav.formats import text
 from rangenav.formats.entries import BrokenLinesError
 from rangenav.formats.format import Format, ReadOptions
+from rangenav.formats.hover_ramps import RAMP
 from rangenav.formats.import_result import (
     ImportResult,
     OpenQuestionsError,
@@ -20,7 +21,7 @@ from rangenav.formats.import_result import (
     typed_flag,
     unread,
 )
-from rangenav.formats.output_files import OutputFile, marked
+from rangenav.formats.output_files import ExportOptions, OutputFile, export_options, marked
 from rangenav.formats.recorded_flight import Flight
 from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.formats.table import holding, markdown, names, readable, row, rows, unsupported, writable
@@ -28,6 +29,8 @@ from rangenav.inputs import require
 from rangenav.preset import Preset
 
 __all__ = [
+    "RAMP",
+    "ExportOptions",
     "Flight",
     "Format",
     "ImportResult",
@@ -35,6 +38,7 @@ __all__ = [
     "OutputFile",
     "Question",
     "export",
+    "export_options",
     "guess",
     "holding",
     "markdown",
@@ -110,17 +114,28 @@ def guess(name: str, head: str) -> str:
     return [*by_name, *by_head][0]
 
 
-def export(preset: Preset, format: str, path: str | Path, *, attitude: str = "flown") -> OutputFile:
-    """Write a preset, or its run, in a format. Raises ValueError for what the format cannot hold, and why."""
+def export(
+    preset: Preset, format: str, path: str | Path, *, attitude: str = "flown", ramp: float = RAMP, once: bool = False
+) -> OutputFile:
+    """Write a preset, or its run, in a format: a motion as finely as the format can hold it.
+
+    attitude, ramp (s) and once are those of `ExportOptions`; a run has no use for them. Raises ValueError for what the
+    format cannot hold, and why.
+    """
     chosen = next((row for row in (*writable(), *unsupported()) if row.name == format), None)
     require(chosen is not None, f"{format}: no format that is written; written are {names(writable())}")
     assert chosen is not None
     require(not chosen.unsupported, f"{format}: {chosen.unsupported}")
-    require(attitude in ("flown", "preset"), f"attitude must be flown or preset, got {attitude!r}")
-    own = chosen.own_attitude_writer if attitude == "preset" else None
-    writer = own or chosen.writer
-    assert writer is not None
-    return writer(preset, Path(path))
+    options = export_options(attitude=attitude, ramp=ramp, once=once)
+    if chosen.drafts is not None:
+        *_, finest = chosen.drafts(preset, options)
+        written = finest(Path(path))
+        if written.unfit is not None:
+            Path(path).unlink()
+            raise ValueError(written.unfit)
+        return written
+    assert chosen.writer is not None
+    return chosen.writer(preset, Path(path))
 
 
 def _readable(format: str) -> Format:

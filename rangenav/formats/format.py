@@ -3,7 +3,7 @@
 The rows are in `table`; the command line, the page, the certificates and the documentation read them there.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -13,7 +13,7 @@ from numpy import ndarray as Array
 
 from rangenav.formats import text
 from rangenav.formats.import_result import ImportResult
-from rangenav.formats.output_files import OutputFile
+from rangenav.formats.output_files import Draft, ExportOptions, OutputFile
 from rangenav.formats.sampled_rows import FLIGHT, Part
 from rangenav.preset import Preset
 
@@ -49,6 +49,8 @@ class ReadOptions:
 
 Writer = Callable[[Preset, Path], OutputFile]
 """Writes a preset, or its run, to a path. Raises ValueError for what the format cannot hold."""
+Drafts = Callable[[Preset, ExportOptions], Iterator[Draft]]
+"""The ways to write a motion, the coarsest first. Raises ValueError if there is none, and why."""
 Reader = Callable[[bytes, ReadOptions], ImportResult]
 """Reads the bytes of a file. Raises ValueError naming the file and the line."""
 FolderReader = Callable[[Path, ReadOptions], ImportResult]
@@ -82,9 +84,11 @@ class Format:
     """Whether z points up in every file, whatever the preset's frame is."""
 
     writer: Writer | None = None
-    """None: the format is not written."""
-    own_attitude_writer: Writer | None = None
-    """Writes the preset's own attitude instead of the one that flying the path takes; None: there is no choice."""
+    """Of a preset or a run; None: `drafts` write the format, or nothing does."""
+    drafts: Drafts | None = None
+    """For a motion: the ways to write it, of which an export takes the first that its certificate confirms."""
+    own_attitude: bool = False
+    """Whether the preset's own attitude can be written instead of the one that flying the path takes."""
     unsupported: str = ""
     """Why the format is neither written nor read, one sentence; empty if it is."""
 
@@ -108,8 +112,15 @@ class Format:
     positions: PositionReader | None = None
     """For a run: reads the positions again that are compared with the certified path."""
 
+    @property
+    def written(self) -> bool:
+        """Whether there are files of it that are exported."""
+        return self.writer is not None or self.drafts is not None
+
     def __post_init__(self) -> None:
         if (self.certified_as == "run") != (self.positions is not None):
             raise TypeError(f"{self.name}: positions must be given for what is certified as a run, and only then")
         if self.certified_as == "motion" and self.reader is None:
             raise TypeError(f"{self.name}: reader must be given for what is certified as a motion")
+        if (self.certified_as == "motion") != (self.drafts is not None):
+            raise TypeError(f"{self.name}: drafts must be given for what is certified as a motion, and only then")

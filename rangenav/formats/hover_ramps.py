@@ -18,14 +18,14 @@ from rangenav.signals.multirotor import Attitude
 
 RAMP = 2.0
 """s; a metre per second is reached with 1.1 m/s²."""
+SHORTEST, LONGEST = 0.2, 20.0
+"""s, of a ramp."""
+CLOSED = {0: 1e-3, 1: 1e-2, 2: 0.1}
+"""SI, by order: a path that misses its beginning by less closes. No vehicle follows a larger jump."""
 AT_REST = 1e-6
 """The path itself hovers at an end where velocity, acceleration and jerk are below this (SI)."""
 BLEND = np.polynomial.Polynomial([0, 0, 0, 0, 0, 7.0, -14.0, 10.0, -2.5])
 """σ/ramp over u; its value at 1 is ½."""
-LEFT_OUT = (
-    f"the first and last {RAMP:g} s are the ramps of an export of rangenav, from hover and back to it: they are left "
-    "out unless a part of the file is asked for"
-)
 RESTING = 1e-3
 """SI: the same of a path that was printed and read."""
 LIKE_A_RAMP, LIKE_SAMPLES, DEGREE, LIKE = (0.15, 0.4), 60, 7, 2e-4
@@ -80,8 +80,8 @@ class HoverRamps:
 
 def with_ramps(path: Signal, duration: float, *, window: float, ramp: float = RAMP) -> HoverRamps:
     """The path with its ramps. Raises ValueError if they leave less than one window (s) of steady flight."""
-    ends = np.array([0.0, duration])
-    if max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) < AT_REST:
+    refuse_ramp(ramp)
+    if _rests(path, np.array([0.0, duration])):
         return HoverRamps(path=path, duration=duration, ramp=0.0)
     left = duration - ramp
     rule = f"ramps of {ramp:g} s leave {left:.3g} s of the path, less than its window of {window:g} s: fly longer"
@@ -89,24 +89,50 @@ def with_ramps(path: Signal, duration: float, *, window: float, ramp: float = RA
     return HoverRamps(path=path, duration=duration, ramp=ramp)
 
 
-def between(duration: float) -> tuple[float, float]:
-    """From when to when (s) a file with these ramps is steady."""
-    return RAMP, duration - RAMP
+def around_loop(path: Signal, period: float, *, ramp: float = RAMP) -> HoverRamps:
+    """One period (s) of a path that closes, with its ramps: it is steady from half a ramp on, for one period."""
+    refuse_ramp(ramp)
+    if _rests(path, np.array([0.0, period])):
+        return HoverRamps(path=path, duration=period, ramp=0.0)
+    return HoverRamps(path=path, duration=period + ramp, ramp=ramp)
 
 
-def recognised(path: Signal, duration: float) -> bool:
-    """Whether a path that was read begins and ends with these ramps.
+def refuse_ramp(ramp: float) -> None:
+    """Raise ValueError for the length (s) of a ramp that nothing flies."""
+    require(SHORTEST <= ramp <= LONGEST, f"a ramp must last {SHORTEST:g} to {LONGEST:g} s, got {ramp:g} s")
+
+
+def closes(path: Signal, duration: float) -> bool:
+    """Whether a path is, after its duration (s), where it began and as fast, so that it can be flown as a loop."""
+    ends = np.array([0.0, duration])
+    return all(float(np.abs(np.diff(path(ends, order), axis=0)).max()) < most for order, most in CLOSED.items())
+
+
+def _rests(path: Signal, at: Float[Array, "n"]) -> bool:
+    return max(float(np.abs(path(at, order)).max()) for order in (1, 2, 3)) < AT_REST
+
+
+def left_out(ramp: float) -> str:
+    """What is said where the ramps (s) of an own export are not read."""
+    return (
+        f"the first and last {ramp:.6g} s are the ramps of an export of rangenav, from hover and back to it: they are "
+        "left out unless a part of the file is asked for"
+    )
+
+
+def recognised(path: Signal, duration: float, *, ramp: float = RAMP) -> bool:
+    """Whether a path that was read begins and ends with these ramps (s).
 
     On a ramp ṗ(t)/σ'(t) is the velocity of the path proper at σ(t), and so a smooth function of σ. In other motions
     that start from rest it is smooth in t and not in σ, whose fifth root t is.
     """
     ends = np.array([0.0, duration])
-    if duration <= 2 * RAMP or max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) > RESTING:
+    if duration <= 2 * ramp or max(float(np.abs(path(ends, order)).max()) for order in (1, 2, 3)) > RESTING:
         return False
     u = np.linspace(*LIKE_A_RAMP, LIKE_SAMPLES)
-    own, speed = RAMP * BLEND(u), BLEND.deriv()(u)[:, None]
+    own, speed = ramp * BLEND(u), BLEND.deriv()(u)[:, None]
     basis = np.polynomial.chebyshev.chebvander(2 * (own - own[0]) / (own[-1] - own[0]) - 1, DEGREE)
-    for moving in (path(RAMP * u, 1), -path(duration - RAMP * u, 1)):
+    for moving in (path(ramp * u, 1), -path(duration - ramp * u, 1)):
         velocity = moving / speed
         missed = velocity - basis @ np.linalg.lstsq(basis, velocity, rcond=None)[0]
         if not np.abs(missed).max() <= LIKE * np.abs(velocity).max() or not np.any(velocity):

@@ -2,12 +2,28 @@
 
 import os
 import tempfile
-from dataclasses import field
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, cast
 
+from rangenav.formats.hover_ramps import RAMP
 from rangenav.inputs import require
 from rangenav.results import result
+
+Attitudes = Literal["flown", "preset"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions:
+    """How a motion is written; a run has no such choice."""
+
+    attitude: Attitudes = "flown"
+    """What flying the path takes, or the preset's own, where the format holds an attitude."""
+    ramp: float = RAMP
+    """s of each ramp, from hover into the path and back to hover."""
+    once: bool = False
+    """Whether a path that closes is written as one flight, too, and not as a loop."""
 
 
 @result
@@ -19,8 +35,22 @@ class OutputFile:
     """z-up or z-down."""
     steady: tuple[float, float] | None = None
     """From when to when (s, in the file) a certificate of the path holds; None if the whole record is the path."""
+    loop: bool = False
+    """Whether that part closes, and is flown again and again."""
+    unfit: str | None = None
+    """Why the file is not the preset's motion, as one clause; None if it is."""
     notes: tuple[str, ...] = ()
     figures: dict[str, Any] = field(default_factory=dict)
+
+
+def export_options(*, attitude: str = "flown", ramp: float = RAMP, once: bool = False) -> ExportOptions:
+    """Options from what a person typed. Raises ValueError for an attitude that does not exist."""
+    require(attitude in ("flown", "preset"), f"attitude must be flown or preset, got {attitude!r}")
+    return ExportOptions(attitude=cast(Attitudes, attitude), ramp=ramp, once=once)
+
+
+Draft = Callable[[Path], OutputFile]
+"""One of several ways to write a motion."""
 
 
 def marked(path: Path) -> Path:

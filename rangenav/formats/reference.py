@@ -8,11 +8,10 @@ taken as missing and said to be; without jerk there is no excitation to be judge
 no preset has, and are not written.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float
@@ -22,7 +21,7 @@ from rangenav import motion
 from rangenav.axes import upright
 from rangenav.formats import frames, hermite, hover_ramps, sampled_rows, spline_fit, text
 from rangenav.formats.import_result import ImportResult, Question
-from rangenav.formats.output_files import OutputFile, write_text
+from rangenav.formats.output_files import Attitudes, Draft, ExportOptions, OutputFile, write_text
 from rangenav.formats.recorded_flight import Frame
 from rangenav.formats.sampled_rows import FLIGHT, Part, SampledRows
 from rangenav.formats.text import Table
@@ -63,7 +62,6 @@ ACCELERATED = (
 )
 LARGEST = 1e6
 """SI: no trajectory has a larger position or derivative."""
-Attitudes = Literal["flown", "preset"]
 
 
 @result
@@ -100,9 +98,9 @@ def parse(
     found = imported(rows, format="reference", frame="z-up", knots=knots, findings=findings)
     if part != FLIGHT or found.path is None or not hover_ramps.recognised(found.path, found.duration):
         return found
-    steady = hover_ramps.between(found.duration)
+    steady = (hover_ramps.RAMP, found.duration - hover_ramps.RAMP)
     found = parse(data, source=source, confirm=confirm, knots=knots, part=steady)
-    return replace(found, findings=(found.findings[0], hover_ramps.LEFT_OUT, *found.findings[1:]))
+    return replace(found, findings=(found.findings[0], hover_ramps.left_out(hover_ramps.RAMP), *found.findings[1:]))
 
 
 def imported(
@@ -139,7 +137,12 @@ def imported(
     )
 
 
-def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> OutputFile:
+def drafts(preset: Preset, options: ExportOptions) -> Iterator[Draft]:
+    """The one way to write a path: its whole flight."""
+    yield lambda path: write(preset, path, attitude=options.attitude, ramp=options.ramp)
+
+
+def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown", ramp: float = hover_ramps.RAMP) -> OutputFile:
     """Write the path and its ramps at 100 Hz. By default the attitude is that of a multirotor which flies the path.
 
     Raises ValueError where that has no answer (a free fall); `attitude="preset"` writes the preset's own, unramped.
@@ -149,7 +152,7 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown") -> Outpu
     if attitude == "preset":
         course = hover_ramps.HoverRamps(path=turned.path, duration=turned.duration, ramp=0.0)
     else:
-        course = hover_ramps.with_ramps(turned.path, turned.duration, window=window)
+        course = hover_ramps.with_ramps(turned.path, turned.duration, window=window, ramp=ramp)
     t = np.append(np.arange(0, course.end - 1e-9, 1 / RATE), course.end)
     rotation, rate, second = _attitude(turned, course, t, attitude)
     p, v, a, j, s = (course(t, order) for order in range(5))

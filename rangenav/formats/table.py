@@ -4,8 +4,6 @@ To add a format, write a module with its writer (and its reader) and a row here.
 documentation need no change.
 """
 
-from functools import partial
-
 from rangenav.formats import arrays, euroc, log, mat, polynomial, preset_toml, readback, reference, ros, tum
 from rangenav.formats.format import Content, Format
 from rangenav.inputs import require
@@ -39,8 +37,8 @@ FORMATS: tuple[Format, ...] = (
         keeps="position to snap, attitude, body rates and their derivative, at 100 Hz",
         suffix=".reference.csv",
         upright=True,
-        writer=reference.write,
-        own_attitude_writer=partial(reference.write, attitude="preset"),
+        drafts=reference.drafts,
+        own_attitude=True,
         reads=("path",),
         reader=lambda data, asked: reference.parse(
             data, source=asked.source, confirm=asked.confirm, knots=asked.knots, part=asked.part
@@ -52,11 +50,11 @@ FORMATS: tuple[Format, ...] = (
     Format(
         name="polynomial",
         label="polynomials",
-        hint="uav_trajectories pieces for a Crazyflie, at most 31.",
+        hint="uav_trajectories pieces for a Crazyflie, at most 31: one loop of a path that repeats, between two ramps.",
         keeps="position and yaw as at most 31 pieces of degree 7; the distance from the path is reported",
         suffix=".polynomial.csv",
         upright=True,
-        writer=polynomial.write,
+        drafts=polynomial.drafts,
         reads=("path",),
         reader=lambda data, asked: polynomial.parse(data, source=asked.source, part=asked.part),
         read_label="polynomial CSV (Crazyflie)",
@@ -224,7 +222,7 @@ def row(name: str) -> Format:
 
 def writable() -> tuple[Format, ...]:
     """Formats that `export` writes."""
-    return tuple(row for row in rows() if row.writer is not None)
+    return tuple(row for row in rows() if row.written)
 
 
 def readable() -> tuple[Format, ...]:
@@ -252,8 +250,8 @@ def markdown() -> str:
     head = ("format", "name", "written", "read", "what a file keeps", "certified as", "z up")
     lines = [head, ("---",) * len(head)]
     for row in rows():
-        written = ("folder" if row.folder else "file") if row.writer is not None else "no"
-        kind = row.certified_as if row.writer is not None else "never"
-        upright = "always" if row.upright else "as the preset" if row.writer is not None else "–"
+        written = ("folder" if row.folder else "file") if row.written else "no"
+        kind = row.certified_as if row.written else "never"
+        upright = "always" if row.upright else "as the preset" if row.written else "–"
         lines.append((row.label, f"`{row.name}`", written, ", ".join(row.reads) or "no", row.keeps, kind, upright))
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)

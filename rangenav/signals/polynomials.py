@@ -153,6 +153,12 @@ def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
     return Polynomials(pieces=tuple(pieces))
 
 
+def loop(path: Polynomials, first: int, count: int) -> Polynomials:
+    """So many pieces, from the piece `first` on (from 0), again and again. Raises ValueError if there are too few."""
+    require(first >= 0 and 0 < count <= len(path.pieces) - first, "the file does not hold the pieces of its loop")
+    return Polynomials(pieces=path.pieces[first : first + count], ends="repeat")
+
+
 def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
     """The same curve as polynomials; before a first waypoint later than t = 0 it stands still."""
     parts = curve.piecewise()

@@ -266,9 +266,11 @@ def test_pieces_put_through_a_fit_are_certified_as_little_as_the_fit(tmp_path: P
         path_sha256=provenance.fingerprint(SOFT.path),
     )
     file = formats.export(SOFT, "polynomial", tmp_path / "fit.csv")
-    assert exports.certified(SOFT, "polynomial", tmp_path / "fit.csv", steady=file.steady).certified
+    assert exports.certified(SOFT, "polynomial", tmp_path / "fit.csv", steady=file.steady, loop=file.loop).certified
     with pytest.raises(ValueError, match=r"fit\.csv: the path's snap was not in flight\.tum"):
-        exports.certified(replace(SOFT, source=source), "polynomial", tmp_path / "fit.csv", steady=file.steady)
+        exports.certified(
+            replace(SOFT, source=source), "polynomial", tmp_path / "fit.csv", steady=file.steady, loop=file.loop
+        )
 
 
 @pytest.mark.parametrize("amplitude", [None, 0.0, 1e-3])

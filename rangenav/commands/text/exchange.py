@@ -13,7 +13,18 @@ from rangenav.preset import Preset
 
 UNCHANGED = re.compile(r"μ changed by [+-]0\.00%")
 """What a note says of a change that its digits do not show."""
-ANSWERED = {"preset", "format", "files", "frame", "uncertified", "certificate", "certificate_reason", "steady", "notes"}
+ANSWERED = {
+    "preset",
+    "format",
+    "files",
+    "frame",
+    "uncertified",
+    "certificate",
+    "certificate_reason",
+    "steady",
+    "loop",
+    "notes",
+}
 """Keys of an export's answer that a group of their own tells; the others are figures of the format."""
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from rangenav import certificate, formats, preset, signals
 from rangenav.certificate import certified_export, exports, files
-from rangenav.certificate.schema import Certificate
+from rangenav.certificate.schema import Certificate, Loop
 from rangenav.formats import readback
 from rangenav.preset import Preset
 from rangenav.signals import Polynomials, polynomials
@@ -26,15 +26,17 @@ RUNS = tuple(row for row in formats.writable() if row.certified_as == "run")
 SOFT = preset.load("soft")
 SUFFIXES = {"preset": ".toml", "mat": ".mat", "npz": ".npz", "tum": ".tum"}
 
-BETWEEN = "s of the file, between its ramps, and no more"
-STEADY = {"reference": f"2 s to 20 {BETWEEN}", "polynomial": f"2 s to 18.057 {BETWEEN}"}  # 31 pieces hold no more
+STEADY = {
+    "reference": "2 s to 20 s of the file, between its ramps, and no more",
+    "polynomial": "2 s to 10.3776 s of the file, flown again and again without a pause; not its ramps",
+}
 
 
 def written(p: Preset, form: str, folder: Path) -> tuple[Path, Certificate]:
     """A file and the certificate beside it."""
     file = folder / f"x{SUFFIXES.get(form, '.csv')}"
     made = formats.export(p, form, file)
-    issued = exports.certified(p, form, file, steady=made.steady)
+    issued = exports.certified(p, form, file, steady=made.steady, loop=made.loop)
     assert issued is not None
     exports.write_certificate(issued, file)
     return file, issued
@@ -66,8 +68,12 @@ def test_a_motion_in_a_file_has_the_excitation_of_its_preset(name: str, form: st
     assert issued.accuracy.lifted.end.position == pytest.approx(own.accuracy.lifted.end.position, rel=0.05)
     assert issued.limits.thrust_to_weight == pytest.approx(own.limits.thrust_to_weight, rel=0.02)
     assert issued.frame.up == "+z"
-    assert issued.claim.starts == "every t in [0, duration - window]"  # the steady part of one file, and no more
-    assert issued.claim.duration < p.duration
+    if form == "polynomial":  # a loop that is flown again and again
+        assert issued.claim.starts == "every t >= 0"
+        assert issued.claim.period == pytest.approx(p.path.period, rel=1e-8)
+    else:  # the steady part of one flight, and no more
+        assert issued.claim.starts == "every t in [0, duration - window]"
+        assert issued.claim.duration < p.duration
     assert issued.jumps.knots > 5
     assert (issued.jumps.position, issued.jumps.velocity) == pytest.approx((0, 0), abs=1e-6)  # ten printed digits
 
@@ -112,6 +118,9 @@ def test_a_format_whose_file_does_not_say_enough_is_answered_with_a_sentence(tmp
     exports.write_certificate(replace(issued, context="version = 1"), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said.startswith("x.csv, context: ")
+    exports.write_certificate(replace(issued, artifact=replace(issued.artifact, loop=Loop(begin=2.0, end=3.1))), file)
+    (said,) = certificate.verify_file(file, readers=READERS)
+    assert said == "x.csv: no pieces begin and end where its certificate says that the loop does"
     exports.write_certificate(replace(issued, artifact=replace(issued.artifact, format="word")), file)
     (said,) = certificate.verify_file(file, readers=READERS)
     assert said == "x.csv: files of the format 'word' cannot be certified"
@@ -274,7 +283,7 @@ def test_a_trajectory_that_the_vehicle_cannot_turn_with_is_not_certified(tmp_pat
     assert exports.gate(stiff, "polynomial") is None  # the preset's own body does not turn
     _, issued = written(stiff, "polynomial", tmp_path)
     assert (issued.certified, issued.vehicle.flyable) == (False, False)
-    with pytest.raises(ValueError, match=r"promises: stiff cannot fly it: body rate 0\.73"):
+    with pytest.raises(ValueError, match=r"promises: stiff cannot fly it: body rate 0\.7"):
         certified_export.write(stiff, "polynomial", tmp_path / "y.csv", name="stiff", otherwise="")
     assert not (tmp_path / "y.csv").exists()
 

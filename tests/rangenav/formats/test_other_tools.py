@@ -164,11 +164,12 @@ def test_what_cflib_sends_a_crazyflie_is_the_path_to_the_precision_of_its_floats
         pieces.append(polynomials.Piece(duration=numbers[32], x=x, y=y, z=z, yaw=yaw))
     flown = polynomials.Polynomials(pieces=tuple(pieces))
     begin, end = present(written.steady)
-    course = hover_ramps.with_ramps(upright(p).path, end, window=p.requirement.window)
+    course = hover_ramps.around_loop(upright(p).path, present(p.path.period))
+    assert course.steady == pytest.approx((begin, end))
     t = np.linspace(0, course.end, 500)
     assert np.linalg.norm(flown(t) - course(t), axis=-1).max() < 3e-4
-    start = np.linspace(begin, end - p.requirement.window, 9)
-    mu = excitation.eigenvalues(flown, start, p.requirement.window)[:, 0]
+    loop = polynomials.loop(flown, written.figures["loop_first"], written.figures["loop_pieces"])
+    mu = excitation.eigenvalues(loop, np.linspace(0, end - begin, 101), p.requirement.window)[:, 0]
     np.testing.assert_allclose(mu.min(), written.figures["mu"], rtol=2e-3)
 
 

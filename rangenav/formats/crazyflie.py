@@ -1,0 +1,55 @@
+"""How a Crazyflie flies a looped export: three trajectories from one upload, the middle one again and again."""
+
+from rangenav.formats.hover_ramps import HoverRamps
+
+PIECE = 132
+"""Bytes of a piece (cflib's Poly4D) in the Crazyflie's trajectory memory."""
+
+
+def looping(course: HoverRamps, first: int, count: int) -> str:
+    """Which pieces are the loop (`first` from 0), and how they are flown, as one sentence."""
+    begin, end = course.steady
+    if first == 0:
+        pieces = f"all {count} pieces are one loop of {end - begin:.6g} s, which begins and ends at rest"
+    else:
+        pieces = (
+            f"pieces 1 to {first} are the ramp in ({course.ramp:g} s), {first + 1} to {first + count} are one loop "
+            f"({end - begin:.6g} s), the last {first} are the ramp out"
+        )
+    return f"{pieces}: start the loop again as often as it is to be flown"
+
+
+def script(file: str, course_ramp: float, period: float, first: int, count: int) -> str:
+    """Lines of Python with cflib that upload the file and fly the loop; `cf` is a connected Crazyflie."""
+    ramp_in = f"    commander.start_trajectory(1)\n    time.sleep({course_ramp:.9g})\n" if first else ""
+    ramp_out = f"    commander.start_trajectory(3)\n    time.sleep({course_ramp:.9g})\n" if first else ""
+    entry = f"    commander.define_trajectory(1, 0, {first})\n" if first else ""
+    leaving = f"    commander.define_trajectory(3, {first + count} * {PIECE}, {first})\n" if first else ""
+    return f'''"""Fly {file}: ramp in, the loop as often as asked, ramp out; with cflib, and a Crazyflie in the air."""
+
+import csv
+import time
+
+from cflib.crazyflie.mem import MemoryElement, Poly4D
+
+
+def upload(cf, file="{file}"):
+    """Write all pieces into the trajectory memory."""
+    with open(file, newline="") as lines:
+        rows = [[float(value) for value in row] for row in list(csv.reader(lines))[1:]]
+    memory = cf.mem.get_mems(MemoryElement.TYPE_TRAJ)[0]
+    memory.trajectory = [
+        Poly4D(row[0], *(Poly4D.Poly(row[k : k + 8]) for k in (1, 9, 17, 25))) for row in rows
+    ]
+    memory.write_data_sync()
+
+
+def fly(cf, loops):
+    """Fly the loop so many times. Go to the first point of the path before, and hover there."""
+    commander = cf.high_level_commander
+{entry}    commander.define_trajectory(2, {first} * {PIECE}, {count})
+{leaving}{ramp_in}    begin = time.monotonic()
+    for k in range(loops):
+        commander.start_trajectory(2)  # the next loop begins where this one ends: start it in time
+        time.sleep(max(0.0, begin + (k + 1) * {period:.9g} - time.monotonic()))
+{ramp_out}'''
