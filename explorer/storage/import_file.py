@@ -15,7 +15,7 @@ from explorer.storage.library import slug
 from rangenav import formats, preset, record_questions
 from rangenav.formats import ImportResult, archives
 from rangenav.formats.lines import BINARY
-from rangenav.formats.path_preset import as_preset
+from rangenav.formats.path_preset import as_preset, choices
 from rangenav.inputs import Vec3, require
 from rangenav.preset import MAX_TITLE, Preset
 
@@ -40,6 +40,8 @@ class Interpretation:
 
     result: ImportResult
     preset: Preset | None
+    choices: tuple[str, ...] = ()
+    """What the preset has that the file does not say, and why: sentences."""
 
 
 def guess(file: ImportFile) -> str:
@@ -47,8 +49,11 @@ def guess(file: ImportFile) -> str:
     return formats.guess(file.name, file.content[:HEAD].decode("utf-8", "replace"))
 
 
-def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], anchor: Vec3) -> Interpretation:
-    """Read a file in a format. Raises ValueError with one sentence that names file and line if it cannot be read."""
+def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], anchor: Vec3 | None) -> Interpretation:
+    """Read a file in a format; without an anchor (m) a path gets one outside of it.
+
+    Raises ValueError with one sentence that names file and line if it cannot be read.
+    """
     path = PurePosixPath(file.name)
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
         copy = Path(folder) / (slug(path.stem) + "." + slug(path.suffix))
@@ -64,9 +69,8 @@ def interpret(file: ImportFile, format_name: str, confirm: Mapping[str, str], an
     if result.questions or result.path is None:
         return Interpretation(result, None)
     imported = as_preset(result, anchor=anchor)
-    return Interpretation(
-        result, msgspec.structs.replace(imported, title=path.stem[:MAX_TITLE].strip() or imported.title)
-    )
+    named = msgspec.structs.replace(imported, title=path.stem[:MAX_TITLE].strip() or imported.title)
+    return Interpretation(result, named, choices(named, result))
 
 
 def is_binary(file: ImportFile | None) -> bool:

@@ -64,7 +64,7 @@ def read(
     file: ImportFile,
     format_name: str,
     confirm: Mapping[str, str],
-    anchor: Vec3,
+    anchor: Vec3 | None,
     *,
     cancelled: Cancelled,
     limits: Limits | None = None,

@@ -12,15 +12,19 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
+import numpy as np
+
 from rangenav import formats
 from rangenav.certificate import exports
 from rangenav.certificate.schema import Certificate
 from rangenav.formats import ExportOptions, OutputFile
+from rangenav.observability import blindness
 from rangenav.preset import Preset
 
 CACHED = 32
 FINER_HELPS = {"excitation", "rank", "accuracy"}
 """Checks that shorter pieces may meet where longer ones do not."""
+PIECES = frozenset({"pieces"})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,11 +51,15 @@ class CertifiedExport:
 
 
 class RefusedExportError(ValueError):
-    """An export that was refused: the sentence says why, and the fields what was to be written."""
+    """An export that was refused: the sentence says why, and the fields what was to be written; see `cures`."""
 
-    def __init__(self, sentence: str, preset: Preset, format_name: str, options: ExportOptions) -> None:
+    def __init__(
+        self, sentence: str, preset: Preset, format_name: str, options: ExportOptions, missed: frozenset[str]
+    ) -> None:
         super().__init__(sentence)
         self.preset, self.format_name, self.options = preset, format_name, options
+        self.missed = missed
+        """Names of the certificate's checks that are missed; "pieces" where the format holds too little of the path."""
 
 
 def write(
@@ -79,20 +87,22 @@ def write(
         return _written(preset, format_name, output, options, uncertified=uncertified)
     except RefusedExportError as error:
         sentence = f"{name}: {error}; nothing was written ({otherwise})"
-        raise RefusedExportError(sentence, preset, format_name, options) from None
+        raise RefusedExportError(sentence, preset, format_name, options, error.missed) from None
     except ValueError as error:
         named = str(error).startswith((f"{name}:", f"{format_name}:"))
         raise error if named else ValueError(f"{name}: {error}") from None
 
 
 @lru_cache(maxsize=CACHED)
-def refusal(preset: Preset, format_name: str, options: ExportOptions) -> str | None:
-    """Why a preset cannot be exported in a format with a certificate, one sentence; None if it can."""
+def refusal(preset: Preset, format_name: str, options: ExportOptions) -> RefusedExportError | None:
+    """Why a preset cannot be exported in a format with a certificate; None if it can."""
     with tempfile.TemporaryDirectory(prefix="rangenav-") as folder:
         try:
             _written(preset, format_name, Path(folder) / "x", options, uncertified=False)
+        except RefusedExportError as error:
+            return error
         except ValueError as error:
-            return str(error)
+            return RefusedExportError(str(error), preset, format_name, options, frozenset())
     return None
 
 
@@ -100,22 +110,51 @@ def _written(
     preset: Preset, format_name: str, output: Path, options: ExportOptions, *, uncertified: bool
 ) -> CertifiedExport:
     row = formats.row(format_name)
-    complaint = None if row.unsupported else exports.gate(preset, format_name)
-    if complaint is None and row.drafts is not None:
-        try:
+    if row.unsupported:
+        raise ValueError(f"{format_name}: {row.unsupported}")
+    try:
+        _pass_gate(preset, format_name, options)
+        if row.drafts is not None:
             return _first_certified(preset, format_name, output, options)
-        except RefusedExportError as error:
-            complaint = str(error)
-    if complaint is not None:
+    except RefusedExportError as error:
         if not uncertified:
-            raise RefusedExportError(complaint, preset, format_name, options)
-        return _marked(preset, format_name, output, options, complaint)
+            raise
+        return _marked(preset, format_name, output, options, str(error))
     written = formats.export(preset, format_name, output)
     if row.certified_as == "neither":
         reason = f"nothing in a file of {format_name} can be certified"
         return CertifiedExport(output=written, certificate=None, complaint=None, reason=reason)
     certificate = _certified_run(preset, format_name, output)
     return CertifiedExport(output=written, certificate=certificate, complaint=None)
+
+
+def _pass_gate(preset: Preset, format_name: str, options: ExportOptions) -> None:
+    """Raise RefusedExportError if the preset may not be exported in the format at all."""
+    complaint = exports.gate(preset, format_name)
+    if complaint is not None:
+        issued = exports.certificate_of(preset)
+        missed = frozenset(check.name for check in issued.checks if not check.met)
+        short = in_short(issued)
+        sentence = complaint if short is None else f"{short} ({complaint})"
+        raise RefusedExportError(sentence, preset, format_name, options, missed)
+
+
+def in_short(issued: Certificate) -> str | None:
+    """What a preset's certificate says against its export, as a pilot would; None where its own sentence is short."""
+    missed = {check.name: check for check in issued.checks if not check.met}
+    window, sigma = f"{issued.claim.window:g} s", issued.accuracy.lifted.end.position
+    if "source" in missed or "smooth" in missed:
+        return None
+    if "rank" in missed or ("excitation" in missed and issued.excitation.found is None):
+        along = blindness.name(np.asarray(issued.excitation.direction))
+        where = f" along {along}" if issued.excitation.found is None else ""
+        return f"on this motion the ranges of {window} do not tell the position{where}"
+    if "excitation" in missed:
+        return f"this motion is too gentle: {missed['excitation'].words}"
+    if "accuracy" in missed and sigma is not None:
+        needed = issued.accuracy.required
+        return f"the ranges of {window} tell the position to ±{sigma:.2g} m, and ±{needed:.2g} m are required"
+    return None
 
 
 def _marked(preset: Preset, format_name: str, output: Path, options: ExportOptions, complaint: str) -> CertifiedExport:
@@ -138,31 +177,32 @@ def _first_certified(preset: Preset, format_name: str, output: Path, options: Ex
 
     After each certificate that refuses, twice as many ways are passed over as before, but never the finest.
     """
-    drafts, failure = formats.row(format_name).drafts, ""
+    drafts = formats.row(format_name).drafts
     assert drafts is not None
+    failure, missed = "", PIECES
     try:
         every, step, k = list(drafts(preset, options)), 1, 0
         while k < len(every):
             written = every[k](output)
-            failure = written.unfit or _lacks_excitation(written, preset)
+            failure, missed = written.unfit or _lacks_excitation(written, preset), PIECES
             if failure is None:
                 issued = _certified(preset, format_name, output, written, options)
                 if issued.certified:
                     certificate = exports.write_certificate(issued, output)
                     return CertifiedExport(output=written, certificate=certificate, complaint=None)
                 failure = f"as {format_name} it does not keep what it promises: {'; '.join(issued.failures)}"
-                missed = {check.name for check in issued.checks if not check.met}
+                missed = frozenset(check.name for check in issued.checks if not check.met)
                 if not missed & FINER_HELPS:
                     break
                 k, step = (k if k == len(every) - 1 else min(k + step, len(every) - 1) - 1), 2 * step
             k += 1
     except ValueError as error:
-        failure = str(error)
+        failure, missed = str(error), PIECES
     except BaseException:
         _remove(output)
         raise
     _remove(output)
-    raise RefusedExportError(failure or "", preset, format_name, options)
+    raise RefusedExportError(failure or "", preset, format_name, options, missed)
 
 
 def _lacks_excitation(written: OutputFile, preset: Preset) -> str | None:

@@ -103,10 +103,15 @@ def gate(preset: Preset, form: str = "preset") -> str | None:
     What is to be flown must meet every requirement; of a preset and of a run it is enough that the preset is what it
     says it is, so that a hover can be studied.
     """
-    issued = certify(presets.dumps(preset).encode(), source="preset")
+    issued = certificate_of(preset)
     refused = None if issued.certified and formats.row(form).gate == "claim" else requirements.gate(issued)
     helps = None if refused is None else remedy.remedy(preset, issued.excitation.at)
     return refused if helps is None else f"{refused}; it would do to {helps}"
+
+
+def certificate_of(preset: Preset) -> Certificate:
+    """The certificate of a preset, from the bytes of its file."""
+    return certify(presets.dumps(preset).encode(), source="preset")
 
 
 def write_certificate(certificate: Certificate, path: Path) -> Path:

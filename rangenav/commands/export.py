@@ -29,6 +29,10 @@ def export(
     attitude: Literal["flown", "preset"] = "flown",
     ramp: float = formats.RAMP,
     once: bool = False,
+    loop: bool = False,
+    window: float | None = None,
+    slower: float | None = None,
+    duration: float | None = None,
     uncertified: bool = False,
     json: bool = False,
 ) -> None:
@@ -41,26 +45,35 @@ def export(
         attitude: For reference: what flying the path takes, or the preset's own.
         ramp: For reference and polynomial: seconds from hover into the path, and back to hover.
         once: For polynomial: the flight as long as the pieces last, also of a path that repeats; no loop.
+        loop: Fly a path of pieces again and again that ends where it begins.
+        window: Window δ (s) over which the motion is judged, instead of the preset's.
+        slower: Fly the motion so many times slower.
+        duration: Fly so many seconds, instead of the preset's.
         uncertified: Write it although the preset misses its requirement; the name then says so.
         json: Print one JSON object.
     """
-    from rangenav.certificate import certified_export
+    from rangenav.certificate import certified_export, cures
     from rangenav.commands.text import exchange as text
     from rangenav.commands.text import layout
 
-    chosen = presets.load(preset)
+    chosen = cures.changed(
+        presets.load(preset), source=preset, loop=loop, window=window, slower=slower, duration=duration
+    )
     with working(f"exporting {preset}"):
-        export = certified_export.write(
-            chosen,
-            to,
-            output,
-            name=preset,
-            attitude=attitude,
-            ramp=ramp,
-            once=once,
-            uncertified=uncertified,
-            otherwise=OTHERWISE,
-        )
+        try:
+            export = certified_export.write(
+                chosen,
+                to,
+                output,
+                name=preset,
+                attitude=attitude,
+                ramp=ramp,
+                once=once,
+                uncertified=uncertified,
+                otherwise=OTHERWISE,
+            )
+        except certified_export.RefusedExportError as error:
+            raise ValueError(f"{error}; {text.cured(cures.cures(error), preset, to, output)}") from None
     answer = report(export, preset, to)
     return print_json(answer) if json else layout.show(text.exported(chosen, answer, name=preset))
 

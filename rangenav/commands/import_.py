@@ -34,7 +34,8 @@ def import_(
     begin: float | None = None,
     end: float | None = None,
     knots: float | None = None,
-    anchor: Vec3 = (0.0, 0.0, 0.0),
+    anchor: Vec3 | None = None,
+    ends: Literal["hold", "repeat"] | None = None,
     window: float | None = None,
     vehicle: VehicleName | None = None,
     json: bool = False,
@@ -47,7 +48,7 @@ def import_(
         path: The file to read; for euroc a ground-truth csv.
         from_: Its format.
         output: The preset to write.
-        duration: Seconds of it to fly; all by default.
+        duration: Seconds of it to fly; all by default, and several loops of a path that closes.
         frame: Which way z points, where the format does not say.
         lines: Drop lines whose stamps repeat or go back.
         time_unit: Confirms the unit of the stamps.
@@ -55,8 +56,10 @@ def import_(
         begin: Read the path from here (s from the first row); 0 reads the ramps of an own export, too.
         end: Read the path to here (s from the first row).
         knots: Seconds between the knots through sampled poses; as wide as the samples allow by default.
-        anchor: Where the anchor stands (m), which no path says.
-        window: Window δ (s) over which the path is judged; 6 s by default, half the path if that is shorter.
+        anchor: Where the anchor stands (m), which no path says; outside the path, below it, by default.
+        ends: What the path does after its end; by default it repeats if it ends where it begins.
+        window: Window δ (s) over which the path is judged; 6 s by default, half the path if that is shorter, and
+            whole loops of 10 to 15 s of a path that repeats.
         vehicle: Vehicle whose limits the path is to keep; none by default.
         json: Print one JSON object.
     """
@@ -73,7 +76,7 @@ def import_(
     confirm = {key: value for key, value in given.items() if value is not None}
     with working(f"reading {path}"):
         imported = formats.read(path, from_, confirm=confirm, knots=knots, part=(begin, end))
-        preset = as_preset(imported, duration=duration, anchor=anchor)
+        preset = as_preset(imported, duration=duration, anchor=anchor, ends=ends)
         if window is not None:
             preset = presets.with_window(preset, window, source=f"{path}, --window")
         if vehicle is not None:
@@ -87,6 +90,7 @@ def import_(
 
 def _report(imported: Any, preset: presets.Preset, output: Path) -> dict[str, Any]:
     from rangenav import analysis
+    from rangenav.formats.path_preset import choices
     from rangenav.signals import Flown
 
     analysed = analysis.analyse(preset)
@@ -102,6 +106,7 @@ def _report(imported: Any, preset: presets.Preset, output: Path) -> dict[str, An
         "snap_from": "the file" if imported.derivatives == "file" else "a fit: it is not in the file",
         "fit_error": imported.fit_error,
         "findings": list(imported.findings),
+        "assumed": list(choices(preset, imported)),
         "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",
         "excitation": {"window": preset.requirement.window, "mu": analysed.mu, "floor": analysed.mu_floor},
         "rank": analysed.rank,

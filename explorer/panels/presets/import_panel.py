@@ -22,8 +22,7 @@ from rangenav import formats
 from rangenav.formats import ImportResult, Question
 from rangenav.number_format import quantity, significant
 
-ANCHOR = (0.0, 0.0, 0.0)
-"""m; no file of a path contains the anchor. The World tab moves it."""
+MOVED = "other values: anchor in the World tab, δ and duration in the Motion tab"
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
 FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
 CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have confirmed it."
@@ -100,7 +99,7 @@ class ImportPanel:
         file, answers = self._file, dict(self._answers)
         self._jobs.start(
             f"reading {file.name}",
-            lambda progress, cancelled: import_process.read(file, format_name, answers, ANCHOR, cancelled=cancelled),
+            lambda progress, cancelled: import_process.read(file, format_name, answers, None, cancelled=cancelled),
             self._take_interpretation,
             partial(self._fail, format_name),
         )
@@ -124,9 +123,8 @@ class ImportPanel:
             self._show_status(f"{result.source}: {count} below")
         elif interpretation.preset is not None:
             self._page.write(self._catalog.add_imported(interpretation.preset))
-            self._show_message(
-                *report(result), "opened as a preset that is not saved yet (anchor at 0, 0, 0: see World)"
-            )
+            chosen = (*interpretation.choices, MOVED)
+            self._show_message("opened as a preset that is not saved yet", *chosen, *report(result))
             self._show_status(f"{result.source}: opened as a preset")
         elif result.flight is not None:
             self._judge(result)

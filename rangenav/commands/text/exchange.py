@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from rangenav.analysis import Analysis
+from rangenav.certificate.cures import Cure
 from rangenav.commands.text import layout
 from rangenav.commands.text.analyze import excitation_lines
 from rangenav.commands.text.layout import Report, group
@@ -11,6 +12,8 @@ from rangenav.commands.text.verdict import Json, flight_lines, headline, unjudge
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 
+PLACEHOLDER = re.compile(r"NAME|OUT\.csv|NEW\.toml")
+"""What stands in a cure's command for the names that were typed."""
 UNCHANGED = re.compile(r"μ changed by [+-]0\.00%")
 """What a note says of a change that its digits do not show."""
 ANSWERED = {
@@ -54,6 +57,16 @@ def exported(preset: Preset, answer: Json, *, name: str) -> Report:
     )
 
 
+def cured(cures: tuple[Cure, ...], name: str, format_name: str, output: Path) -> str:
+    """What would cure a refused export, as a clause with a command for each cure."""
+    typed = {"NAME": layout.argument(name), "OUT.csv": layout.argument(output), "NEW.toml": "repaired.toml"}
+    each = [f"{cure.text}: rangenav {PLACEHOLDER.sub(lambda found: typed[found[0]], cure.command)}" for cure in cures]
+    if not each:
+        search = f"rangenav repair {typed['NAME']} --export {format_name} -o repaired.toml"
+        return f"no small change cures that; a search for a larger one: {search}"
+    return f"what cures it: {'; or '.join(each)}"
+
+
 def _notes(answer: Json) -> list[str]:
     """The notes of an export. A marked file has no certificate, whose reason its own group gives."""
     notes = [UNCHANGED.sub("μ unchanged", note) for note in answer["notes"]]
@@ -81,7 +94,7 @@ def imported(made: Preset, analysis: Analysis, answer: Json, *, source: str) -> 
     rows = f"rows at {quantity(answer['rate'], 'Hz')}" if sampled else "pieces without samples"
     length, used = quantity(answer["duration"], "s"), quantity(answer["used"], "s")
     frame = "" if answer["frame"] in " ".join(answer["findings"]) else f", {answer['frame']}"
-    part = "" if used == length else f", {used} of {length} used"
+    part = "" if made.path.period or used == length else f", {used} of {length} used"
     near = "the file's own" if fit is None else f"within {quantity(fit, 'm')} of every position of the file"
     seen = [f"rank {analysis.rank} of 13", *excitation_lines(made, analysis)] if analysis.verdict.judged else []
     return Report(
@@ -95,20 +108,18 @@ def imported(made: Preset, analysis: Analysis, answer: Json, *, source: str) -> 
                 answer["findings"],
             ),
             *group("the path", near, f"snap from {answer['snap_from']}"),
-            *group("assumed", _assumed(made)),
+            *group("assumed", answer["assumed"], "other values: --anchor, --window, --duration, --ends"),
             *group("what can be seen", seen),
             *group("can it be flown", flight_lines(made), f"attitude: {answer['attitude']}"),
             *group("would help", unjudged_help(made)),
             *group("written", answer["preset"]),
-            *layout.next_commands(f"analyze {output}", f"explain {output}"),
+            *layout.next_commands(
+                *(() if sign == "✓" else (f"repair {output} -o repaired.toml",)),
+                f"analyze {output}",
+                f"explain {output}",
+            ),
         ),
     )
-
-
-def _assumed(made: Preset) -> list[str]:
-    """What no path says: where the anchor stands, and over which windows the path is to be judged."""
-    place = ", ".join(f"{coordinate:g}" for coordinate in made.world.anchor)
-    return [f"anchor at ({place}) m (--anchor)", f"windows of {quantity(made.requirement.window, 's')} (--window)"]
 
 
 def copied(source: Path, output: Path) -> Report:
