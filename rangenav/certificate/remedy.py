@@ -27,8 +27,8 @@ LEAST_TURN = 6.0
 """rad; a tone that turns less in a window cannot be distinguished from a cubic."""
 HARMONICS, TURNS = (1.0, 1.5, 2.0, 2.5, 3.0), (2.0, 3.0)
 """Candidate frequencies: multiples of the path's own `pace`, and multiples of the slowest, LEAST_TURN / window."""
-SPREAD = (1.0, 1.5, 2.0)
-"""Frequencies of two or three added tones, relative to each other."""
+SPREAD, WHOLE = (1.0, 1.5, 2.0), (1.0, 2.0, 3.0)
+"""Frequencies of two or three added tones, relative to each other; the second where they keep the path's period."""
 LEAST_AMPLITUDE, MOST_AMPLITUDE, MOST_OF_PATH = 1e-3, 4.0, 0.25
 """m, m, and a share of a path's longest side: a controller does not follow smaller tones, and tones larger than the
 larger of the two make another path."""
@@ -81,16 +81,20 @@ def described(added: Added) -> str:
     return f"a tone of at least {each[0]}" if len(each) == 1 else "tones of at least " + " and ".join(each)
 
 
-def smallest_tones(preset: Preset, at: float, *, tries: Iterator[int] | None = None) -> Added | None:
+def smallest_tones(
+    preset: Preset, at: float, *, tries: Iterator[int] | None = None, repeats: bool = False
+) -> Added | None:
     """The smallest tones that meet the requirements within the vehicle's limits; None if the search has no result.
 
     The smallest has the least `effort`. at: start (s) of the least excited window. tries: an iterator from which every
-    trial takes one item; the search ends when the iterator does.
+    trial takes one item; the search ends when the iterator does. repeats: whether the tones keep the path's own period.
     """
     work = WORK_PER_TRY + WORK_PER_OPERATION * preset.path.operations()
     tries = iter(range(int(WORK / work))) if tries is None else tries
+    spread = WHOLE if repeats else SPREAD
     for chosen in directions(preset, at):
-        trial = [reached for w in candidates(preset) if (reached := _smallest(preset, chosen, w, tries)) is not None]
+        every = (_smallest(preset, chosen, w, tries, spread) for w in candidates(preset, repeats=repeats))
+        trial = [reached for reached in every if reached is not None]
         if trial:
             return min(trial, key=effort)
     return None
@@ -118,14 +122,18 @@ def readable_basis(span: Float[Array, "3 k"]) -> list[Float[Array, "3"]]:
     return [oriented(column / np.linalg.norm(column)) for column in kept.T]
 
 
-def candidates(preset: Preset) -> list[float]:
-    """Frequencies (rad/s) to try: multiples of the path's pace, rounded so that a periodic path remains periodic."""
+def candidates(preset: Preset, *, repeats: bool = False) -> list[float]:
+    """Frequencies (rad/s) to try: multiples of the path's pace, rounded so that a periodic path remains periodic.
+
+    repeats: with its own period, and not with twice that.
+    """
     path, window = preset.path, preset.requirement.window
     base, least = pace(preset), LEAST_TURN / window
     fastest = math.pi * min(preset.sensors.imu_rate, preset.sensors.range_rate) / 4
     wanted = [base * harmonic for harmonic in HARMONICS] + [least * turns for turns in TURNS]
     wanted = [min(max(least, w), fastest) for w in wanted]
-    step = math.pi / path.period if path.period else 0.0  # half the fundamental: the common period doubles at most
+    # half the fundamental: the common period doubles at most
+    step = (2 if repeats else 1) * math.pi / path.period if path.period else 0.0
     if step:
         return sorted({step * max(1, round(w / step)) for w in wanted})
     return sorted({float(f"{w:.2g}") for w in wanted})
@@ -143,9 +151,11 @@ def longest_side(preset: Preset) -> float:
     return float(np.ptp(preset.path(np.linspace(0, preset.duration, 401)), axis=0).max())
 
 
-def _smallest(preset: Preset, directions: tuple[Array, ...], w: float, tries: Iterator[int]) -> Added | None:
+def _smallest(
+    preset: Preset, directions: tuple[Array, ...], w: float, tries: Iterator[int], spread: tuple[float, ...]
+) -> Added | None:
     """The smallest amplitude at these frequencies, rounded up to two digits; None if no amplitude is enough."""
-    frequencies = tuple(float(f"{w * factor:.12g}") for factor in SPREAD[: len(directions)])
+    frequencies = tuple(float(f"{w * factor:.12g}") for factor in spread[: len(directions)])
 
     most = max(MOST_AMPLITUDE, MOST_OF_PATH * longest_side(preset))
 

@@ -153,8 +153,7 @@ def _divisions(path: Signal, begin: float, length: float, left: int, least: floa
     """Knots in the path's own time over a loop: at the path's own knots and between them, or evenly spaced."""
     own = _with_ends(path, begin, length)
     if knots.has_pieces(path) and len(own) - 1 <= left:
-        for parts in range(1, left // (len(own) - 1) + 1):
-            yield _parted(own, parts)
+        yield from _parted(own, left)
         return
     for count in range(min(left, max(1, int(np.ceil(least)))), left + 1):
         yield np.linspace(begin, begin + length, count + 1)
@@ -165,9 +164,8 @@ def _own_divisions(path: Signal, begin: float, total: float, left: int, window: 
     if not knots.has_pieces(path) or left < 1:
         return
     own = _with_ends(path, begin, total)[: left + 1]
-    for parts in range(1, left // (len(own) - 1) + 1):
-        if own[-1] - own[0] >= window:
-            yield _parted(own, parts)
+    if own[-1] - own[0] >= window:
+        yield from _parted(own, left)
 
 
 def _even_divisions(begin: float, total: float, left: int, window: float, turn: float) -> Iterator[Float[Array, "k"]]:
@@ -186,10 +184,13 @@ def _with_ends(path: Signal, begin: float, length: float) -> Float[Array, "k"]:
     return np.concatenate([[begin], inside, [begin + length]])
 
 
-def _parted(own: Float[Array, "k"], parts: int) -> Float[Array, "n"]:
-    """Each stretch between knots in equal parts."""
-    share = np.arange(parts) / parts
-    return np.append((own[:-1, None] + np.diff(own)[:, None] * share).ravel(), own[-1])
+def _parted(own: Float[Array, "k"], left: int) -> Iterator[Float[Array, "n"]]:
+    """The stretches between knots, then with the longest in halves, thirds …, until there are as many as pieces."""
+    parts = np.ones(len(own) - 1, dtype=int)
+    while parts.sum() <= left:
+        ends = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(own[:-1], own[1:], parts, strict=True)]
+        yield np.append(np.concatenate(ends), own[-1])
+        parts[np.argmax(np.diff(own) / parts)] += 1
 
 
 def _ramp_pieces(course: HoverRamps) -> int:

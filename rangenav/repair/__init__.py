@@ -18,8 +18,9 @@ from rangenav.inputs import require
 from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
-from rangenav.repair import confirmed, path_changes, tones
+from rangenav.repair import confirmed, path_changes, tones, ways_out
 from rangenav.repair.change import KINDS, Change, ChangeKind
+from rangenav.repair.export_target import ExportTarget
 from rangenav.repair.outcome import (
     STAND_IN,
     CannotRepairError,
@@ -32,7 +33,7 @@ from rangenav.repair.outcome import (
     report,
 )
 from rangenav.repair.search import Budget, Search, Trial, sharpest
-from rangenav.vehicle import FREE
+from rangenav.vehicle import FREE, WORDS
 
 EVALUATIONS = 1500
 """Motions that a search may try, about 4 ms each."""
@@ -58,33 +59,41 @@ def repair(
     preset: Preset,
     *,
     by: ChangeKind = "tones",
+    target: ExportTarget | None = None,
     evaluations: int = EVALUATIONS,
     progress: Progress = unheard,
     cancelled: Cancelled = never,
 ) -> Repair:
     """The smallest change of one kind that meets the requirement within the vehicle's limits.
 
+    target: the format that the changed motion is to be exported to; it then is, with a certificate.
     `progress` and `cancelled` are called before every motion that is tried. Raises CannotRepairError with the reason if
     this kind of change does not meet the requirement, and CancelledError when cancelled.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
     before = certificate_of(preset)
     budget = _budget(preset, evaluations, progress, cancelled)
-    if before.meets:
+    if before.meets and (target is None or target.refusal(preset) is None):
         return outcome(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
     _refuse_hopeless(preset, by, before)
     _refuse_unjudged(preset, by, before)
+    repeats = target is not None
     nearest_trials: list[Trial] = []
     refused: list[Refused] = []
     for limited in _limited(preset, by, budget):
         solution = confirmed.smallest(
-            _changes(limited, by, before.excitation.at, budget), budget, nearest_trials=nearest_trials, refused=refused
+            _changes(limited, by, before.excitation.at, budget, repeats=repeats),
+            budget,
+            target=target,
+            nearest_trials=nearest_trials,
+            refused=refused,
         )
         if solution is not None:
             change, theta = solution
             after = changed_preset(change, theta, preset, REPAIRED)
             return outcome(preset, after, by, change.description(theta), change.effort(theta), budget)
-    raise CannotRepairError(failure_reason(preset, by, budget, nearest_trials, refused))
+    reason = failure_reason(preset, by, budget, nearest_trials, refused)
+    raise CannotRepairError(f"{reason}; {ways_out.ways_out(preset, by, before.excitation.at)}")
 
 
 def improve(
@@ -161,7 +170,9 @@ def _refuse_hopeless(preset: Preset, by: ChangeKind, before: Certificate) -> Non
             f"s, and {change} it has none either; added tones would give it some"
         )
     if refused is None and by not in SLOWING and preset.vehicle != FREE and before.vehicle.broken:
-        refused = f"the path is too much for {preset.vehicle.name} already: {before.vehicle.broken[0]}"
+        broken = before.vehicle.broken[0]
+        way_out = "move the anchor" if broken.startswith(WORDS["anchor_distance_min"][0]) else "fly it slower first"
+        refused = f"the path is too much for {preset.vehicle.name} already: {broken}; {way_out}"
     if refused is not None:
         raise CannotRepairError(f"{by}: {refused}")
 
@@ -173,24 +184,24 @@ def _refuse_unjudged(preset: Preset, by: ChangeKind, before: Certificate) -> Non
         raise CannotRepairError(f"{by}: {why}; as a design it meets its requirement already: {provenance.ADOPT}")
 
 
-def _changes(preset: Preset, by: ChangeKind, at: float, budget: Budget) -> Iterator[Change]:
-    """The ways of one kind to try, the simplest first."""
+def _changes(preset: Preset, by: ChangeKind, at: float, budget: Budget, *, repeats: bool) -> Iterator[Change]:
+    """The ways of one kind to try, the simplest first. repeats: whether added tones keep the path's own period."""
     if by == "tones":
-        added = remedy.smallest_tones(preset, at, tries=_spent(budget))
+        added = remedy.smallest_tones(preset, at, tries=_spent(budget), repeats=repeats)
         if added is not None:
             yield tones.searched_tones(preset, added)
     elif by == "waypoints":
         for directions in remedy.directions(preset, at):
             yield path_changes.waypoints(preset, directions)
     if by != "waypoints":
-        yield _wide(preset, by)
+        yield _wide(preset, by, repeats=repeats)
 
 
-def _wide(preset: Preset, by: ChangeKind) -> Change:
+def _wide(preset: Preset, by: ChangeKind, *, repeats: bool = False) -> Change:
     """The kind of change with all its unknowns."""
     match by:
         case "tones":
-            return tones.free_tones(preset)
+            return tones.free_tones(preset, repeats=repeats)
         case "amplitude":
             return path_changes.amplitude(preset)
         case "frequency":
@@ -208,4 +219,4 @@ def _spent(budget: Budget) -> Iterator[int]:
         yield budget.left
 
 
-__all__ = ["KINDS", "CannotRepairError", "ChangeKind", "Repair", "improve", "repair", "report"]
+__all__ = ["KINDS", "CannotRepairError", "ChangeKind", "ExportTarget", "Repair", "improve", "repair", "report"]

@@ -7,6 +7,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.repair.change import Change
+from rangenav.repair.export_target import ExportTarget
 from rangenav.repair.outcome import Refused, certificate_of, missed
 from rangenav.repair.search import NOWHERE, Budget, Search, Trial, least
 
@@ -16,9 +17,14 @@ confirms, and what is added to a certificate's shortfall."""
 
 
 def smallest(
-    changes: Iterable[Change], budget: Budget, *, nearest_trials: list[Trial], refused: list[Refused]
+    changes: Iterable[Change],
+    budget: Budget,
+    *,
+    target: ExportTarget | None,
+    nearest_trials: list[Trial],
+    refused: list[Refused],
 ) -> tuple[Change, Float[Array, "n"]] | None:
-    """The change and its θ, None if no certificate confirms one.
+    """The change and its θ, None if no certificate confirms one: of the preset, and of the file it is exported to.
 
     What a certificate misses more than samples did is added to the margin, of what was tried already, too. The nearest
     trial of every change and what certificates refuse are added to the two lists.
@@ -33,10 +39,14 @@ def smallest(
             if theta is None:
                 break
             judged.add(theta.tobytes())
-            stated = certificate_of(change.make(theta))
-            if stated.meets:
-                return change, theta
+            changed = change.make(theta)
+            stated = certificate_of(changed)
             sentences = tuple(one.words for one in stated.checks if not one.met)
+            if stated.meets:
+                against = None if target is None else target.refusal(changed)
+                if against is None:
+                    return change, theta
+                sentences = (against,)
             refused.append(Refused(description=change.description(theta), sentences=sentences))
             sampled = search.evaluate(theta).figures
             search.margin += MORE + (0.0 if sampled is None else missed(stated, sampled))

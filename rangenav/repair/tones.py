@@ -53,12 +53,13 @@ def searched_tones(preset: Preset, added: Added) -> Change:
     )
 
 
-def free_tones(preset: Preset) -> Change:
-    """One free tone for each axis; θ = (accelerations, frequencies, phases)."""
-    candidates = remedy.candidates(preset)
+def free_tones(preset: Preset, *, repeats: bool = False) -> Change:
+    """One free tone for each axis; θ = (accelerations, frequencies, phases). repeats: they keep the path's period."""
+    candidates = remedy.candidates(preset, repeats=repeats)
     slowest, fastest = 0.5 * candidates[0], 1.5 * candidates[-1]
     period = preset.path.period
-    step = math.pi / period if period else 0.1  # half the fundamental, so that what repeats still repeats
+    # half the fundamental: what repeats still repeats, in two periods at most
+    step = (2 if repeats else 1) * math.pi / period if period else 0.1
 
     def snapped(w: float) -> float:
         return float(f"{step * max(1, round(w / step)):.12g}")

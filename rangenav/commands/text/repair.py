@@ -39,7 +39,9 @@ def report(preset: Preset, answer: Json, *, name: str, written: Path | None) -> 
             *group("the search", f"{answer['evaluations']} motions tried"),
             *group("written", str(written) if written else None),
             *layout.next_commands(
-                *(() if written else (f"repair {typed} --by {answer['by']} -o repaired.toml",)), f"analyze {typed}"
+                *(() if written else (f"repair {typed} --by {answer['by']} -o repaired.toml",)),
+                *([f"export {typed} --to {answer['export']} -o flight.csv"] if written and "export" in answer else []),
+                f"analyze {typed}",
             ),
         ),
     )

@@ -1,0 +1,39 @@
+"""What to try where no change was found: a longer window, or another place of the anchor, each with its figure."""
+
+import numpy as np
+
+from rangenav.certificate import cures, remedy
+from rangenav.certificate.figures import demanded
+from rangenav.preset import Preset
+from rangenav.repair.change import ChangeKind
+from rangenav.vehicle import CRAZYFLIE
+
+LONGER = (1.5, 2.0, 3.0)
+"""Windows that are tried, as multiples of the preset's."""
+TRIES = 60
+"""Motions that are tried with each of them."""
+TOO_NEAR, FAR = CRAZYFLIE.anchor_distance_min or 0.1, 10.0
+"""m"""
+
+
+def ways_out(preset: Preset, by: ChangeKind, at: float) -> str:
+    """One clause. at: start (s) of the least excited window."""
+    away = float(np.min(demanded(preset).anchor_distance))
+    anchor = f"move the anchor, which is {away:.2g} m from the path" if away < TOO_NEAR or away > FAR else ""
+    window = ""
+    if by == "tones":
+        for factor in LONGER:
+            longer = float(f"{factor * preset.requirement.window:.2g}")
+            found = _with_window(preset, longer, at)
+            if found is not None:
+                window = f"with a window δ of {longer:g} s {remedy.described(found)} would do"
+                break
+    return f"try {anchor or 'a longer window, or move the anchor'}" + (f": {window}" if window else "")
+
+
+def _with_window(preset: Preset, window: float, at: float) -> remedy.Added | None:
+    """The smallest tones that do with another window (s); None if none do, or if the flight is too short for it."""
+    try:
+        return remedy.smallest_tones(cures.with_window(preset, window), at, tries=iter(range(TRIES)))
+    except ValueError:
+        return None
