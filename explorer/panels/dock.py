@@ -84,7 +84,7 @@ class Dock:
             take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
             ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
             flights = FlightPanel(form, jobs)
-            self.printed = PrintedPanel(form)
+            self.printed = PrintedPanel(form, catalog, self)
         with tabs.add_tab("Compare"):
             self.compare = ComparePanel(form, jobs)
         panel = gui.add_panel()

@@ -3,12 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import msgspec
 import numpy as np
 
 from explorer.model.compute import Picture
 from explorer.model.settings import Printed
+from explorer.storage.catalog import Catalog
 from explorer.widgets.controls import Switch
 from explorer.widgets.form import Form
+from explorer.widgets.page import Page
 from explorer.widgets.section import Section
 from rangenav.number_format import significant
 
@@ -16,15 +19,23 @@ EQUILIBRIA_NOTE = (
     "No switch: the undesired equilibria are printed as I − 2uuᵀ, whose determinant is −1; no attitude can be there. "
     "The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
 )
+TURNING_HOVER = "turning-hover"
+FALSE_CERTIFICATE = "Certify a hover, as printed"
+FALSE_HINT = (
+    "Opens a vehicle that stands still and turns, with the printed φ and the PE integral in body axes: the printed "
+    "condition holds, and the position cannot be told."
+)
 
 
 class PrintedPanel:
     """The switches "as printed"."""
 
-    def __init__(self, form: Form) -> None:
+    def __init__(self, form: Form, catalog: Catalog, page: Page) -> None:
+        self._catalog, self._page = catalog, page
         section = Section(form, "As printed in the paper", expanded=False)
         with section:
             form.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
+            form.button(FALSE_CERTIFICATE, self._show_false_certificate, hint=FALSE_HINT)
             self._switches = {name: _MisprintSwitch(section, misprint) for name, misprint in MISPRINTS.items()}
             form.gui.add_markdown(EQUILIBRIA_NOTE)
 
@@ -36,6 +47,11 @@ class PrintedPanel:
         """Show switches."""
         for name, misprint in self._switches.items():
             misprint.switch.write(getattr(printed, name), False)
+
+    def _show_false_certificate(self) -> None:
+        settings = self._catalog.open(TURNING_HOVER)
+        printed = Printed(excitation=True, body_axes=True)
+        self._page.write(msgspec.structs.replace(settings, printed=printed))
 
     def draw(self, picture: Picture) -> None:
         """Show below each switch its effect on a picture."""
