@@ -68,6 +68,7 @@ class Display:
             self._charts.draw(picture, comparison)
             self._charts.cursor(picture, self._playback.time)
             self._dock.draw(picture)
+            self._timeline.draw(picture)
             self._dock.compare.draw(picture, comparison)
         self._client.flush()
         time.sleep(HEAD_START)
@@ -75,6 +76,11 @@ class Display:
             self._scene.draw(picture, comparison, dragging=self._handles.dragging)
             self.draw_handles()
         self._details_due = time.monotonic() + SETTLED
+
+    def redraw(self) -> None:
+        """Draw the picture once more, on plots that were created anew."""
+        if self.picture is not None:
+            self.draw(self.picture)
 
     def draw_handles(self) -> None:
         """Move the drag handles to the chosen anchor and waypoints, even if no picture can be computed from them."""

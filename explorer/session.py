@@ -17,7 +17,8 @@ from collections.abc import Iterator
 import msgspec
 import viser
 
-from explorer.charts import TITLES, Charts
+from explorer.appearance import Appearance, set_theme
+from explorer.charts import TITLES, Charts, plot_size
 from explorer.display import Display
 from explorer.interaction import Interaction
 from explorer.model import compute, palette
@@ -25,7 +26,7 @@ from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
-from explorer.panels.dock import WIDTH, Dock
+from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
 from explorer.panels.session_actions import SessionActions
 from explorer.panels.timeline import TimelinePanel
@@ -36,7 +37,8 @@ from explorer.storage import preset_file
 from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
-from explorer.web import connection, viewport
+from explorer.web import connection
+from explorer.web.door import Door
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
@@ -129,9 +131,9 @@ class Session:
 
     def _build(self) -> None:
         client = self._client
-        client.gui.configure_theme(show_logo=False, show_share_button=False)
+        set_theme(client, dark=False)
         client.gui.set_panel_label("rangenav")
-        canvas = client.camera.image_width
+        self._door = Door(client, self._wake.set)
         actions = SessionActions(
             restart_preset=self._restart_preset,
             show_paper_figures=self._show_paper_figures,
@@ -140,19 +142,22 @@ class Session:
             notify=self._notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
-        wide = viewport.width(client, canvas, WIDTH)
-        self.charts = Charts(client, narrow=viewport.is_narrow(wide), wake=self._wake.set)
+        timeline = TimelinePanel(self.form, self._playback)
+        camera = client.camera
+        first_size = plot_size(camera.image_width, camera.image_height)  # until the browser has reported its window
+        self.charts = Charts(client, first_size, wake=self._wake.set)
         with self.dock.tabs.add_tab("Export"):
             exports = ExportActions(
                 plan_plot=self.charts.file_writer, settings=self._named_settings, download=self._send
             )
             ExportPanel(self.form, TITLES, exports)
         self.form.command("Show all curves", self.charts.show_all_curves)
-        timeline = TimelinePanel(self.form, self._playback, room=wide - WIDTH - self.charts.width)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
         self.form.command("Let go of the handle", handles.deselect, key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
+        self._appearance = Appearance(client, self.charts, scene, self._display)
+        self._actions = self.dock.actions | timeline.actions
         self._built = True
         self._restore()
 
@@ -183,9 +188,13 @@ class Session:
 
     def _react(self) -> None:
         """Apply the changes of the visitor, and update the marks of the form."""
+        self._appearance.follow(self._door.window)
+        for name in self._door.take_events():
+            if name in self._actions:
+                self.form.do(self._actions[name])
         applied = self._apply_changes()
         self.form.refresh()
-        self.dock.progress.draw()
+        self.dock.draw_progress()
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()

@@ -1,24 +1,53 @@
 """The plots in the left dock: created once, then assigned. `plots` turns a Picture into numbers, `markup` into HTML."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
 from viser import ClientHandle
 
 from explorer.charts import cursor_values, markup, plot_file, plot_list
-from explorer.charts.chart import Chart
+from explorer.charts.chart import Chart, ChartStyle
 from explorer.charts.plot_tabs import PlotPanel
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 
-NARROW_WIDTH, PANEL_WIDTH = 360, 303
+WIDTH, PANEL_WIDTH = 360, 303
 """px of a single panel, and of each of two. viser opens a second panel at this width of its own."""
-HEIGHT, NARROW_HEIGHT = 162, 102
-"""px of a plot: four plots fill a panel on a screen 1080 or 768 px high."""
+TWO_PANELS = 1570
+"""px: a wider window has room for two panels."""
+FOLDED = 1000
+"""px: in a narrower window the panel of plots is folded to a bar, which a click unfolds."""
+AROUND, MIN_HEIGHT, MAX_HEIGHT = 360, 90, 320
+"""px around four plots in a panel: titles, legends, tabs and the status line; and the limits of a plot's height."""
 TITLES = {plot.name: plot.title for group in plot_list.GROUPS for plot in group.plots}
 """The title of each plot, by the plot's name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlotSize:
+    """How the panels of plots fit into a window."""
+
+    two_panels: bool = False
+    folded: bool = False
+    width: int = WIDTH
+    """px of a single panel."""
+    style: ChartStyle = field(default_factory=ChartStyle)
+
+
+def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
+    """For a window of this width and height (CSS px), and for `big` type."""
+    two_panels = width >= TWO_PANELS and not big
+    plot_height = round(min(max((height - AROUND * (1.5 if big else 1.0)) / 4, MIN_HEIGHT), MAX_HEIGHT))
+    panel_width = WIDTH if width >= 1200 else round(0.8 * WIDTH)
+    return PlotSize(
+        two_panels=two_panels,
+        folded=width < FOLDED,
+        width=round(1.25 * WIDTH) if big and width >= 1200 else panel_width,
+        style=ChartStyle(height=plot_height, big=big),
+    )
 
 
 def _nothing() -> None:
@@ -28,23 +57,47 @@ def _nothing() -> None:
 class Charts:
     """All plots of one visitor: two panels side by side, or one panel on a narrow page."""
 
-    def __init__(self, client: ClientHandle, *, narrow: bool, wake: Callable[[], None] = _nothing) -> None:
+    def __init__(self, client: ClientHandle, size: PlotSize, wake: Callable[[], None] = _nothing) -> None:
         """`wake` is called from viser's threads when the mouse has done something; `cursor` then reacts."""
         self._client, self._pointer = client, Pointer(wake)
-        self._narrow = narrow
-        self._height = NARROW_HEIGHT if narrow else HEIGHT
         self._picture: Picture | None = None
         self._comparison = NOTHING
         self._time = 0.0
+        self._switched_off: dict[str, set[int]] = {name: set() for name in TITLES}
+        self._live = client.gui.add_html("")
+        """The one element that changes as time moves, also where no plot is in sight."""
+        self._size = size
+        self._panels = self._build(size)
+
+    def _build(self, size: PlotSize) -> list[PlotPanel]:
         errors, *others = plot_list.GROUPS
-        panels = [plot_list.GROUPS] if narrow else [(errors,), tuple(others)]
+        groups = [(errors,), tuple(others)] if size.two_panels else [plot_list.GROUPS]
         # The browser puts each new panel outermost, whatever viser's documentation says: so the first comes last.
-        panels = [PlotPanel(client, groups, self._pointer, height=self._height) for groups in reversed(panels)]
-        self._panels = panels[::-1]
-        self.width = NARROW_WIDTH if narrow else 2 * PANEL_WIDTH
-        """px of all panels together."""
-        if narrow:
-            self._panels[0].panel.set_width(NARROW_WIDTH)
+        panels = [PlotPanel(self._client, one, self._pointer, self._switched_off, size.style) for one in groups[::-1]]
+        if not size.two_panels:
+            panels[0].panel.set_width(size.width)
+        if size.folded:
+            panels[0].panel.minimize()
+        return panels[::-1]
+
+    def resize(self, size: PlotSize) -> bool:
+        """Take another size. Returns whether the panels were created anew, and now wait for `draw`."""
+        before, self._size = self._size, size
+        if before == size:
+            return False
+        if before.two_panels != size.two_panels:
+            for panel in self._panels:
+                panel.panel.remove()
+            self._panels = self._build(size)
+            return True
+        if before.width != size.width and not size.two_panels:
+            self._panels[0].panel.set_width(size.width)
+        if before.folded != size.folded:
+            (self._panels[0].panel.minimize if size.folded else self._panels[0].panel.expand)()
+        if before.style != size.style:
+            for panel in self._panels:
+                panel.restyle(size.style)
+        return False
 
     @property
     def charts(self) -> list[Chart]:
@@ -67,17 +120,16 @@ class Charts:
 
     def cursor(self, picture: Picture, time: float) -> None:
         """Move the time cursor of all plots to a time (s), show or hide the curves whose legend entries were clicked,
-        and give the values at the mouse, or else at the cursor. One small message for each panel."""
+        and give the values at the mouse, or else at the cursor. One small message."""
         self._time = time
         self._toggle_clicked()
         duration, pointed = float(picture.motion.time[-1]), self._pointer.fraction
-        hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
         values_at = time if pointed is None else pointed * duration
+        hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
         fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
-        for i, panel in enumerate(self._panels):
-            status = cursor_values.status_line(picture, time) if i == 0 else ""
-            values = [entry for chart in panel.charts for entry in chart.legend_values(values_at)]
-            panel.live.content = markup.live_style(fraction, window, values, status, hovered)
+        values = [entry for chart in self.charts for entry in chart.legend_values(values_at)]
+        status = cursor_values.status_line(picture, time)
+        self._live.content = markup.live_style(fraction, window, values, status, hovered)
 
     def take_brush(self) -> tuple[float, float] | None:
         """The part of the time axis that was brushed since the last call: start and end (s), equal for a click."""
@@ -114,7 +166,7 @@ class Charts:
         page the other tabs are therefore created anew: the browser then selects the one that stayed."""
         first = self._panels[0]
         first.panel.expand()
-        if self._narrow:
+        if not self._size.two_panels:
             first.keep_only_first_tab()
             if self._picture is not None:
                 self.draw(self._picture, self._comparison)

@@ -16,12 +16,27 @@ OPAQUE = len("#rrggbb")
 """Characters of a colour before its opacity."""
 
 
+BIG = 1.6
+"""Factor of the width of curves with big type."""
+FONT, BIG_FONT = "12px system-ui, sans-serif", "19px system-ui, sans-serif"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChartStyle:
+    """How a plot is drawn, whatever it shows."""
+
+    height: int = 102
+    """px"""
+    big: bool = False
+    """Big type and thick curves, for a projector."""
+
+
 @dataclass(eq=False)
 class Chart:
     """One plot on the page with the numbers that it shows."""
 
     base: Plot
-    height: int
+    style: ChartStyle
     header: GuiHtmlHandle
     handle: GuiUplotHandle
     plot: Plot
@@ -55,6 +70,13 @@ class Chart:
         self._describe(drawing)
         self.handle.data = data
 
+    def restyle(self, style: ChartStyle) -> None:
+        """Draw it in another size."""
+        self.style = style
+        self.handle.height = style.height
+        if self.drawing is not None:
+            self._describe(self.drawing)
+
     def toggle(self, column: int) -> None:
         """Show or hide a legend entry's curve, and the curves that are linked to it."""
         self.switched_off ^= {column}
@@ -68,16 +90,20 @@ class Chart:
     def _describe(self, drawing: Drawing) -> None:
         """Assign axes, legend and curves if any of their inputs has changed."""
         switched_off = frozenset(self.switched_off)
-        inputs = (drawing.axis, drawing.hidden, self.duration, switched_off, self.plot.curves)
+        inputs = (drawing.axis, drawing.hidden, self.duration, switched_off, self.plot.curves, self.style)
         if inputs != self.described:
             self.described = inputs
             if self.plot.bands != self.bands:
                 self.bands, self.handle.bands = self.plot.bands, bands(self.plot)
-            self.handle.series = series(self.plot.curves, self.not_drawn(drawing))
+            self.handle.series = series(self.plot.curves, self.not_drawn(drawing), self.style)
             self.handle.scales = scales(self.plot, drawing.axis, self.duration)
-            self.handle.axes = axes(self.plot, drawing.axis)
+            self.handle.axes = axes(self.plot, drawing.axis, self.style)
             self.header.content = markup.header(
-                self.plot, height=self.height, hidden=drawing.hidden, switched_off=switched_off
+                self.plot,
+                height=self.style.height,
+                big=self.style.big,
+                hidden=drawing.hidden,
+                switched_off=switched_off,
             )
 
     def legend_values(self, time: float) -> list[tuple[str, str]]:
@@ -90,34 +116,38 @@ class Chart:
         return [(markup.variable(self.plot, i), cursor_values.legend_text(row[i])) for i in drawn]
 
 
-def add_chart(client: ClientHandle, plot: Plot, height: int, switched_off: set[int]) -> Chart:
+def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off: set[int]) -> Chart:
     """An empty plot under its header; the first draw fills it."""
     axis = (0.1, 1.0)
     empty = tuple(np.linspace(0.5, 1.0, 2) for _ in range(1 + len(plot.curves)))
-    header = client.gui.add_html(markup.header(plot, height=height, hidden=()))
+    header = client.gui.add_html(markup.header(plot, height=style.height, big=style.big, hidden=()))
     handle = client.gui.add_uplot(
         empty,
-        series(plot.curves, ()),
+        series(plot.curves, (), style),
         scales=scales(plot, axis, 1.0),
-        axes=axes(plot, axis),
+        axes=axes(plot, axis, style),
         legend={"show": False},  # its numbers have three decimals: 1e-6 would be 0
         cursor={
             "sync": {"key": "t"},
             "drag": {"x": False, "y": False},
         },  # a zoom would displace the time cursor
-        height=height,
+        height=style.height,
         padding=markup.PADDING,
     )
-    return Chart(base=plot, plot=plot, height=height, header=header, handle=handle, switched_off=switched_off)
+    return Chart(base=plot, plot=plot, style=style, header=header, handle=handle, switched_off=switched_off)
 
 
-def series(lines: tuple[Curve, ...], hidden: tuple[int, ...]) -> tuple[uplot.Series, ...]:
+def series(lines: tuple[Curve, ...], hidden: tuple[int, ...], style: ChartStyle) -> tuple[uplot.Series, ...]:
     """uPlot's description of the curves; the first entry is the time axis."""
-    return (uplot.Series(label="t"), *(_line(curve, show=i not in hidden) for i, curve in enumerate(lines)))
+    factor = BIG if style.big else 1.0
+    return (
+        uplot.Series(label="t"),
+        *(_line(curve, factor * curve.width, show=i not in hidden) for i, curve in enumerate(lines)),
+    )
 
 
-def _line(curve: Curve, *, show: bool) -> uplot.Series:
-    line = uplot.Series(label=curve.label, stroke=curve.color, width=curve.width, show=show, points={"show": False})
+def _line(curve: Curve, width: float, *, show: bool) -> uplot.Series:
+    line = uplot.Series(label=curve.label, stroke=curve.color, width=width, show=show, points={"show": False})
     if curve.dash:
         line["dash"] = curve.dash
     if curve.filled:
@@ -137,8 +167,10 @@ def scales(plot: Plot, axis: curves.Range, duration: float) -> dict[str, uplot.S
     return {"x": uplot.Scale(time=False, range=(0.0, duration)), "y": y}
 
 
-def axes(plot: Plot, axis: curves.Range) -> tuple[uplot.Axis, uplot.Axis]:
+def axes(plot: Plot, axis: curves.Range, style: ChartStyle) -> tuple[uplot.Axis, uplot.Axis]:
     """Axes of fixed size. The labels are written here: uPlot would write 1e-6 as 0, and 1e5 needs more room there."""
     positions, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
-    y = uplot.Axis(size=markup.AXIS_WIDTH, gap=2, splits=tuple(positions), values=tuple(labels))
-    return uplot.Axis(size=markup.AXIS_HEIGHT, gap=2), y
+    width, height = markup.axis_sizes(style.big)
+    font = BIG_FONT if style.big else FONT
+    y = uplot.Axis(size=width, gap=2, font=font, splits=tuple(positions), values=tuple(labels))
+    return uplot.Axis(size=height, gap=2, font=font), y

@@ -26,7 +26,8 @@ def status_line(picture: Picture, time: float) -> str:
         f"{significant(round(length, ROUND_OFF_DIGITS))} m" for length in (distance, float(errors.position[k]))
     )
     estimate = f"estimate off by <b>{position_error}</b>, <b>{significant(float(np.degrees(errors.attitude[k])))}°</b>"
-    return f"<b>{time:.2f} s</b> · {anchor_distance} from the anchor · {estimate}"
+    away = f'<span class="rn-distance">{anchor_distance} from the anchor · </span>'
+    return f"<b>{time:.2f} s</b> · {away}{estimate}"
 
 
 def window_at(picture: Picture, time: float) -> tuple[float, float]:

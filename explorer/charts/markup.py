@@ -1,7 +1,8 @@
 """The HTML around a plot: title, legend with live values, foldable equation, and the time cursor that lies over it.
 
 A plot cannot move a line cheaply. The cursor is therefore a strip of HTML at
-    left = LEFT + f (width − LEFT − RIGHT),   f = time / duration.
+    left = f width,   f = time / duration,
+over the drawing area of the plot.
 The share f and every value in the legends are CSS variables, so that one small <style> moves all cursors at once. While
 the mouse is on a plot, the legends give the values there, and every plot shows that time. Entries of a legend are
 buttons whose clicks pointer.py collects. No text of a visitor enters this HTML.
@@ -14,17 +15,15 @@ from explorer.charts.plots import Curve, Plot
 from explorer.charts.pointer import curve_id
 from explorer.model import palette
 
-AXIS_WIDTH, AXIS_HEIGHT = 50, 24
-"""px of a plot's axes: fixed, so that the ends of the time axis are known to the cursor."""
+AXIS_SIZES, BIG_AXIS_SIZES = (50, 24), (78, 34)
+"""px: width of the vertical and height of the horizontal axis of a plot; and with big type. They are fixed, so that the
+ends of the time axis are known to the cursor."""
 PADDING = (8, 24, 0, 0)
 """px inside a plot: top, right, bottom, left."""
 MARGIN = 10
 """px that viser leaves around a plot (its spacing "xs"); its border is 1 px wide."""
 BORDER = 1
-LEFT = MARGIN + BORDER + AXIS_WIDTH
 RIGHT = MARGIN + BORDER + PADDING[1]
-ACROSS = f"(100% - {LEFT + RIGHT}px)"
-"""The length of a time axis, for CSS."""
 FRACTION = "--tcur"
 HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
 """The mouse's share of the time axis and the time there; unset while the mouse is on no plot."""
@@ -33,35 +32,39 @@ WINDOW_FROM, WINDOW_SPAN = "--wfrom", "--wspan"
 BRUSH_FROM, BRUSH_SPAN = "--rn-brush-from", "--rn-brush-span"
 """The same for a new window while it is drawn with the mouse (set by pointer.py)."""
 STYLE = f"""<style>
-.rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: 12px; line-height: 1.35; }}
+.rn-plot {{ position: relative; margin: 6px 0 -7px 0; font-size: calc(12px * var(--rn-scale, 1));
+  line-height: 1.35; }}
 .rn-plot details {{ padding: 0 {MARGIN}px; }}
 .rn-plot summary {{ cursor: pointer; list-style: none; }}
 .rn-plot summary::-webkit-details-marker {{ display: none; }}
 .rn-title {{ display: flex; align-items: baseline; gap: 6px; white-space: nowrap; }}
 .rn-title b {{ font-weight: 600; }} .rn-unit {{ opacity: .65; }}
 .rn-fold {{ margin-left: auto; opacity: .65; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
-.rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-size: 11px; font-variant-numeric: tabular-nums; }}
+.rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-variant-numeric: tabular-nums;
+  font-size: calc(11px * var(--rn-scale, 1)); }}
 .rn-legend {{ margin: 0 {MARGIN}px; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
 .rn-legend button {{ all: unset; white-space: nowrap; cursor: pointer; }}
 .rn-legend button:hover {{ text-decoration: underline; }}
 .rn-legend button:focus-visible {{ outline: 2px solid {palette.FOCUS}; }}
 .rn-legend button[aria-pressed=false] {{ opacity: .5; text-decoration: line-through; }}
-.rn-v {{ display: inline-block; min-width: 43px; font-weight: 500; }} .rn-v::after {{ content: var(--rn-value, '–'); }}
-.rn-note {{ margin: 0 {MARGIN}px; font-size: 11px; line-height: 1.25; opacity: .75; }}
+.rn-v {{ display: inline-block; min-width: calc(43px * var(--rn-scale, 1)); font-weight: 500; }}
+.rn-v::after {{ content: var(--rn-value, '–'); }}
+.rn-note {{ margin: 0 {MARGIN}px; font-size: calc(11px * var(--rn-scale, 1)); line-height: 1.25; opacity: .75; }}
 .rn-definition {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
   background: {palette.DEFINITION_FILL}; }}
-.rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; font-size: 15px; line-height: 1.6; }}
-.rn-over {{ position: absolute; left: 0; right: 0; pointer-events: none; z-index: 2; }}
+.rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; line-height: 1.6;
+  font-size: calc(15px * var(--rn-scale, 1)); }}
+.rn-over {{ position: absolute; pointer-events: none; z-index: 2; }}
 .rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px;
   margin-left: -.75px; background: currentColor; opacity: .55; }}
-.rn-at {{ position: absolute; bottom: -{AXIS_HEIGHT - 3}px; transform: translateX(-50%); padding: 0 4px;
+.rn-at {{ position: absolute; bottom: -{AXIS_SIZES[1] - 3}px; transform: translateX(-50%); padding: 0 4px;
   border-radius: 3px; background: {palette.TOOLTIP}; color: {palette.TOOLTIP_TEXT};
-  font-size: 11px; font-variant-numeric: tabular-nums; }}
+  font-size: calc(11px * var(--rn-scale, 1)); font-variant-numeric: tabular-nums; }}
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
 .rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
-.rn-seconds {{ position: absolute; right: {MARGIN + 3}px; bottom: -{AXIS_HEIGHT - 4}px;
-  font-size: 11px; opacity: .65; }}
+.rn-seconds {{ position: absolute; right: {MARGIN + 3 - RIGHT}px; bottom: -{AXIS_SIZES[1] - 4}px;
+  font-size: calc(11px * var(--rn-scale, 1)); opacity: .65; }}
 </style>"""
 
 
@@ -70,15 +73,29 @@ def variable(plot: Plot, column: int) -> str:
     return f"--{curve_id(plot, column)}"
 
 
-def header(plot: Plot, *, height: int, hidden: tuple[int, ...], switched_off: frozenset[int] = frozenset()) -> str:
+def axis_sizes(big: bool) -> tuple[int, int]:
+    """px: width of the vertical and height of the horizontal axis."""
+    return BIG_AXIS_SIZES if big else AXIS_SIZES
+
+
+def header(
+    plot: Plot,
+    *,
+    height: int,
+    big: bool = False,
+    hidden: tuple[int, ...],
+    switched_off: frozenset[int] = frozenset(),
+) -> str:
     """Title, legend, equation and cursor of a plot that is `height` px high.
 
     A hidden curve has no legend entry. A curve that the visitor has switched off keeps its entry, to switch it on."""
     legend = "".join(_entry(plot, i, on=i not in switched_off) for i in plot.in_legend if i not in hidden)
     top = MARGIN - 7 + BORDER + PADDING[0]
-    inside = height - PADDING[0] - AXIS_HEIGHT
-    span = f"calc(var({WINDOW_SPAN}, 0) * {ACROSS})"
-    brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * {ACROSS})"
+    axis_width, axis_height = axis_sizes(big)
+    inside = height - PADDING[0] - axis_height
+    ends = f"left:{MARGIN + BORDER + axis_width}px;right:{RIGHT}px"
+    span = f"width:calc(var({WINDOW_SPAN}, 0) * 100%)"
+    brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * 100%)"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.definition.note}</div>' if plot.definition.note else ""
@@ -88,8 +105,8 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], switched_off: fr
         f'<summary><div class="rn-title">{title}</div></summary>'
         f'<div class="rn-definition">{equation}{plot.definition.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'
-        f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px">'
-        f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};width:{span}"></div>'
+        f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px;{ends}">'
+        f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};{span}"></div>'
         f'<div class="rn-brush" style="{brush}"></div>'
         f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
         f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
@@ -98,7 +115,7 @@ def header(plot: Plot, *, height: int, hidden: tuple[int, ...], switched_off: fr
 
 def _left(fraction: str, otherwise: str) -> str:
     """The position of a share of the time axis, for CSS; `otherwise` while the share is unset."""
-    return f"calc({LEFT}px + var({fraction}, {otherwise}) * {ACROSS})"
+    return f"calc(var({fraction}, {otherwise}) * 100%)"
 
 
 def _entry(plot: Plot, column: int, *, on: bool) -> str:
@@ -119,11 +136,12 @@ def _line(curve: Curve) -> str:
     return f'<svg width="18" height="10">{line}</svg>'
 
 
+TEXT_STYLE = "font-size:calc(12px * var(--rn-scale, 1));line-height:1.35"
+
+
 def paragraphs(lines: Iterable[str]) -> str:
     """Sentences above the plots of a tab, one below the other."""
-    return "".join(
-        f'<div style="padding:2px {MARGIN}px;font-size:12px;line-height:1.35">{escape(line)}</div>' for line in lines
-    )
+    return "".join(f'<div style="padding:2px {MARGIN}px;{TEXT_STYLE}">{escape(line)}</div>' for line in lines)
 
 
 def live_style(
@@ -139,9 +157,5 @@ def live_style(
     assigned += "".join(f'{name}:"{text}";' for name, text in values)
     if hovered is not None:
         assigned += f'{HOVERED}:{hovered[0]:.4f};{HOVERED_TIME}:"{hovered[1]}";'
-    line = (
-        f'<div style="padding:0 {MARGIN}px;font-size:12px;line-height:1.35;min-height:2.7em">{status}</div>'
-        if status
-        else ""
-    )
+    line = f'<div class="rn-status">{status}</div>'
     return f"<style>:root{{{FRACTION}:{fraction:.5f};{assigned}}}</style>{line}"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, PanelHandle
 
 from explorer.charts import markup
-from explorer.charts.chart import Chart, add_chart
+from explorer.charts.chart import Chart, ChartStyle, add_chart
 from explorer.charts.plot_list import Group
 from explorer.charts.pointer import Pointer
 from explorer.model.comparison import Comparison
@@ -38,9 +38,16 @@ class GroupText:
 class PlotPanel:
     """One dock panel, with a tab for each group."""
 
-    def __init__(self, client: ClientHandle, groups: tuple[Group, ...], pointer: Pointer, *, height: int) -> None:
-        self._client, self._groups, self._height = client, groups, height
-        self._switched_off: dict[str, set[int]] = {plot.name: set() for group in groups for plot in group.plots}
+    def __init__(
+        self,
+        client: ClientHandle,
+        groups: tuple[Group, ...],
+        pointer: Pointer,
+        switched_off: dict[str, set[int]],
+        style: ChartStyle,
+    ) -> None:
+        """`switched_off` are the curves of each plot that the visitor has switched off."""
+        self._client, self._groups, self._style, self._switched_off = client, groups, style, switched_off
         self.panel: PanelHandle = client.gui.add_panel()
         self._tabs: list[GuiTabHandle] = []
         self._charts: list[list[Chart]] = []
@@ -48,8 +55,6 @@ class PlotPanel:
         self._add_tab(groups[0])
         with self._tabs[0]:
             pointer.add_to(client.gui)
-            self.live = client.gui.add_html("", order=-1.0)
-            """The one element that changes as time moves."""
         for group in groups[1:]:
             self._add_tab(group)
         self.panel.dock_left()
@@ -71,6 +76,12 @@ class PlotPanel:
             if group.slow:
                 _draw_group(picture, comparison, charts, texts)
 
+    def restyle(self, style: ChartStyle) -> None:
+        """Draw all plots in another size."""
+        self._style = style
+        for chart in self.charts:
+            chart.restyle(style)
+
     def keep_only_first_tab(self) -> None:
         """Remove all tabs but the first, and add them again behind it."""
         for tab in self._tabs[1:]:
@@ -90,7 +101,7 @@ class PlotPanel:
         with tab:
             self._texts.append([GroupText(group, self._client.gui.add_html(""))] if group.describe else [])
             self._charts.append(
-                [add_chart(self._client, plot, self._height, self._switched_off[plot.name]) for plot in group.plots]
+                [add_chart(self._client, plot, self._style, self._switched_off[plot.name]) for plot in group.plots]
             )
 
 

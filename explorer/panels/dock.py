@@ -1,17 +1,17 @@
-"""The right dock: undo and redo, the tabs of controls and, below them, the verdict. Together they show one Settings."""
+"""The right dock: undo and redo, and the tabs of controls, which show one Settings; and the verdict over the scene."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 
 import msgspec
-import viser
 
+from explorer.model.assessment import Cure
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
-from explorer.model.settings import Settings
+from explorer.model.settings import Printed, Settings
 from explorer.panels import motion, sensors
 from explorer.panels.compare import ComparePanel
 from explorer.panels.gains import GainsPanel
@@ -34,16 +34,13 @@ from explorer.panels.world.vehicle import VehiclePanel
 from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
 from explorer.widgets.complaint import InvalidInputError
-from explorer.widgets.form import Form
-from explorer.widgets.progress import ProgressPanel
+from explorer.widgets.form import Action, Form
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
 from rangenav.signals import Signal
 
 WIDTH = 380
 """px; in a narrower dock the labels of the sliders would take two lines."""
-TAB_STYLE = "<style>[role=tab] { padding-inline: 4px !important; }</style>"
-"""Narrow tabs, so that all of them fit in one row."""
 SENSORS_SENTENCES = ("seed", "duration × rate", "requirement.window must be at least")
 """Beginnings of the errors of a whole preset that are shown in the Sensors tab; others are shown in the Motion tab."""
 
@@ -60,8 +57,18 @@ class Dock:
         self._chosen: Settings | InvalidInputError | ValueError
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        UndoPanel(form, history, self, session_actions.notify)
-        gui.add_html(TAB_STYLE)
+        self._jobs, self._undo = jobs, UndoPanel(form, history, self, session_actions.notify)
+        cures: dict[Cure, Action] = {
+            "repair": lambda: self.repair.start(),
+            "tune": lambda: self.tuning.start(),
+            "model": lambda: self.printed.write(Printed()),
+        }
+        answers: dict[str, Action] = {
+            "stop": jobs.cancel,
+            "accept": lambda: self.repair.accept(),
+            "discard": lambda: self.repair.discard(),
+        }
+        self.verdict = VerdictPanel(gui, cures, answers)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
@@ -79,7 +86,7 @@ class Dock:
         with tabs.add_tab("Presets"):
             uploads = Uploads(gui, form.do)
             self.presets = PresetsPanel(form, catalog, self, uploads, session_actions)
-            RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
+            self.repair = RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
             BundlePanel(form, catalog, self, jobs, session_actions.send)
             take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
             ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
@@ -87,11 +94,6 @@ class Dock:
             self.printed = PrintedPanel(form, catalog, self)
         with tabs.add_tab("Compare"):
             self.compare = ComparePanel(form, jobs)
-        panel = gui.add_panel()
-        with panel.add_tab("Verdict", viser.Icon.EYE_CHECK):
-            self.progress = ProgressPanel(form, jobs)
-            self.verdict = VerdictPanel(gui)
-        panel.dock_below(gui.main_panel)
         self.write(catalog.open(name))
 
     def refresh(self) -> None:
@@ -203,6 +205,15 @@ class Dock:
         self.basin.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
+
+    @property
+    def actions(self) -> dict[str, Action]:
+        """What the buttons do that lie outside the tabs, by the names that they send."""
+        return self.verdict.actions | self._undo.actions
+
+    def draw_progress(self) -> None:
+        """Show the progress of the running job, or the motion that a search has found, below the verdict."""
+        self.verdict.draw_progress(self._jobs.running, self.repair.outcome, found=self.repair.found)
 
     @property
     def changed(self) -> bool:

@@ -1,26 +1,31 @@
-"""The timeline: play, scrub, step, speed and loop, each with a command and most with a key."""
+"""The timeline below the scene: events of the run, scrub, play, step, speed and loop; each with a command, most with a
+key."""
 
+import html
 import time
+from dataclasses import dataclass
 from typing import Literal
 
-import viser
-
+from explorer.model import palette
+from explorer.model.compute import Picture
 from explorer.model.playback import STEP, Playback
 from explorer.widgets.controls import when_moved
-from explorer.widgets.form import Form
+from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
+from rangenav.model import STATES
+from rangenav.record import SETTLED_POSITION
 
 BUTTONS = {
-    "|◀": "home",
-    "◀ step": "back",
-    "▶ play / pause": "play",
-    "step ▶": "forward",
-    "slower": "slower",
-    "faster": "faster",
-    "↻ loop": "loop",
+    "home": ("|◀", "Back to the start (Home)"),
+    "back": ("◀", "One step back (←)"),
+    "play": ("▶ play", "Play or pause (space)"),
+    "forward": ("▶", "One step on (→)"),
+    "slower": ("½×", "Play slower"),
+    "faster": ("2×", "Play faster"),
+    "loop": ("↻", "Loop, or stop at the end"),
 }
-MAX_WIDTH, MIN_WIDTH, GAP = 700, 480, 10
-"""px: limits of the width of the panel, and its distance to the docks."""
+"""Face and hint of each button."""
+BUTTON = '<button type="button" class="rn-button" data-rn-event="{}" title="{}" aria-label="{}">{}</button>'
 KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] | None]] = {
     "play": ("Play or pause", "space"),
     "back": ("One step back in time", "arrowleft"),
@@ -30,6 +35,13 @@ KEYS: dict[str, tuple[str, Literal["space", "arrowleft", "arrowright", "home"] |
     "faster": ("Play faster", None),
     "loop": ("Loop, or stop at the end", None),
 }
+STRIP = (
+    '<div class="rn-timeline"><div class="rn-strip u-over" title="Events of the run. A click seeks, a drag sets δ.">'
+    '<div class="rn-window" style="left:calc(100% * var(--wfrom, 0));width:calc(100% * var(--wspan, 0))"></div>'
+    '{}<div class="rn-cursor" style="left:calc(100% * var(--tcur, 0))"></div></div></div>'
+)
+"""The variables are those that move the cursor and the window of the plots."""
+MARK = '<span class="rn-mark" style="left:{:.2f}%;color:{}" title="{}">{}</span>'
 REDRAW = 0.1
 """s between two updates of the slider while playing; the scene is updated at every frame."""
 KEEP_CAMERA_STILL = (
@@ -41,13 +53,12 @@ KEEP_CAMERA_STILL = (
 
 
 class TimelinePanel:
-    """The floating panel at the bottom."""
+    """The strip of events, the slider and the buttons, below the scene."""
 
-    def __init__(self, form: Form, playback: Playback, *, room: float) -> None:
-        """`room` (px) is the space between the docks."""
+    def __init__(self, form: Form, playback: Playback) -> None:
         self._form, self._playback = form, playback
         self._shown_time, self._moved_at = 0.0, -REDRAW
-        actions = {
+        self.actions: dict[str, Action] = {
             "home": lambda: playback.seek(0.0),
             "back": lambda: playback.seek(playback.time - STEP),
             "forward": lambda: playback.seek(playback.time + STEP),
@@ -56,20 +67,24 @@ class TimelinePanel:
             "faster": lambda: playback.change_speed(+1),
             "loop": playback.toggle_loop,
         }
-        panel = form.gui.add_panel()
-        with panel.add_tab("Timeline", viser.Icon.CLOCK_PLAY):
+        """What the buttons do, by the names that they send."""
+        with form.gui.add_folder("Timeline"):
+            self._strip = form.gui.add_html(STRIP.format(""))
             self._section = Section(form)
             with self._section:
                 hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
                 self._slider = form.gui.add_slider("t (s)", 0.0, playback.duration, 0.01, 0.0, hint=hint)
-                hint = "Keys: space plays and pauses, ← and → step, Home goes to the start. All commands: Ctrl+K."
-                actions_by_label = {label: actions[name] for label, name in BUTTONS.items()}
-                self._buttons = form.buttons("", actions_by_label, hint=hint)
-                form.gui.add_html(KEEP_CAMERA_STILL)
-        panel.float(x=GAP, y=-GAP, width=round(min(max(room - 2 * GAP, MIN_WIDTH), MAX_WIDTH)))
+            self._buttons = form.gui.add_html("")
+            form.gui.add_html(KEEP_CAMERA_STILL)
         when_moved(self._slider, lambda: form.do(self._seek, step=False))
         for name, (label, key) in KEYS.items():
-            form.command(label, actions[name], key=key)
+            form.command(label, self.actions[name], key=key)
+
+    def draw(self, picture: Picture) -> None:
+        """Mark the events of a run above the slider."""
+        content = STRIP.format("".join(_mark(event, picture.preset.duration) for event in events(picture)))
+        if content != self._strip.content:
+            self._strip.content = content
 
     def write(self, now: float) -> None:
         """Show the time of the playback."""
@@ -77,10 +92,13 @@ class TimelinePanel:
         if self._slider.max != playback.duration:
             self._slider.max = playback.duration
         self._move_slider(round(playback.time, 2), now, playing=playback.playing)
-        state = "▶ playing" if playback.playing else "❚❚ paused"
+        state = "playing" if playback.playing else "paused"
+        faces = {name: face for name, (face, _) in BUTTONS.items()} | ({"play": "❚❚ pause"} if playback.playing else {})
+        buttons = (BUTTON.format(name, hint, hint, faces[name]) for name, (_, hint) in BUTTONS.items())
         label = f"{state} ×{playback.speed:g}{' ↻' if playback.loop else ''}"
-        if label != self._buttons.label:
-            self._buttons.label = label
+        content = f'<div class="rn-transport">{"".join(buttons)}<span class="rn-state">{label}</span></div>'
+        if content != self._buttons.content:
+            self._buttons.content = content
 
     def _move_slider(self, moment: float, now: float, *, playing: bool) -> None:
         """Move the slider, unless the visitor has moved it meanwhile."""
@@ -93,3 +111,30 @@ class TimelinePanel:
         with self._section.catching():
             self._shown_time = self._slider.value
             self._playback.seek(self._shown_time)
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something that happened in a run."""
+
+    time: float
+    """s"""
+    sign: str
+    color: palette.Color
+    text: str
+
+
+def events(picture: Picture) -> tuple[Event, ...]:
+    """The start of the worst window, when limits are exceeded most, and when the estimate has settled."""
+    analysis, summary = picture.analysis, picture.summary
+    found = [Event(analysis.gramian_at, "▼", palette.WARNING, "the worst window starts")]
+    found += [Event(one.at, "✕", palette.ERROR, one.summary) for one in picture.breaks]
+    if summary.settle_position_s is not None and analysis.rank == STATES and not summary.diverged:
+        text = f"the position stays within {SETTLED_POSITION:g} m from here on"
+        found.append(Event(summary.settle_position_s, "✓", palette.GOOD, text))
+    return tuple(found)
+
+
+def _mark(event: Event, duration: float) -> str:
+    share = 100 * min(event.time / duration, 1.0)
+    return MARK.format(share, event.color, html.escape(f"{event.time:.1f} s: {event.text}"), event.sign)

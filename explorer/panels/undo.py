@@ -1,23 +1,34 @@
-"""Undo and redo: a row of buttons, their keys, and the history of settings that they walk through."""
+"""Undo and redo, always in sight above the controls: buttons, their keys, and the history that they walk through."""
 
 from collections.abc import Callable
 
 from explorer.model.history import History
 from explorer.model.settings import Settings
 from explorer.widgets.complaint import InvalidInputError
-from explorer.widgets.form import Form
+from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 
-HINT = "Ctrl+Z and Ctrl+Shift+Z, outside a text box. “reset all” puts every control back to the preset."
+BUTTON = '<button type="button" class="rn-button {}" {} title="{}" aria-label="{}">{}</button>'
+TOOLS = (
+    ("", 'data-rn-event="undo"', "Undo (Ctrl+Z, outside a text box)", "Undo", "↶ undo"),
+    ("", 'data-rn-event="redo"', "Redo (Ctrl+Shift+Z)", "Redo", "↷ redo"),
+    ("", 'data-rn-event="reset"', "Puts every control back to the preset", "Reset all controls", "reset"),
+    ("rn-switch", 'data-rn-flag="theme"', "Dark or light; at first as the system is", "Dark or light", "◐"),
+    ("rn-switch", 'data-rn-flag="type"', "Big type, for a projector", "Big type", "A"),
+    ("", 'data-rn-flag="welcomed"', "What this page is, and what the picture shows", "Help", "?"),
+)
+"""Class, what it does, hint, name and face of each button."""
 
 
 class UndoPanel:
-    """The buttons; “reset all” stands in the same row."""
+    """The buttons; those for the look of the page and for help are in the same row."""
 
     def __init__(self, form: Form, history: History, page: Page, notify: Callable[[str, str], None]) -> None:
         """`notify` shows a title and a sentence for a few seconds."""
         self._history, self._page, self._notify = history, page, notify
-        form.buttons("", {"↶ undo": self._undo, "↷ redo": self._redo, "reset all": form.reset_all}, hint=HINT)
+        self.actions: dict[str, Action] = {"undo": self._undo, "redo": self._redo, "reset": form.reset_all}
+        """What the buttons do, by the names that they send."""
+        form.gui.add_html(f'<div class="rn-tools">{"".join(BUTTON.format(*tool) for tool in TOOLS)}</div>')
         form.command("Undo", self._undo, key="Z", modifier="cmd/ctrl")
         form.command("Redo", self._redo, key="Z", modifier="cmd/ctrl+shift")
         form.command("Reset the last control", form.reset_last)

@@ -53,6 +53,9 @@ class Scene:
         """Where the visitor has dragged the evil twin since the last call (m, inertial frame); None if nowhere."""
         return self._twin.take_drag()
 
+    def appear(self, *, hidden: frozenset[str], big: bool) -> None:
+        """Switch layers off and on, and take big labels and thick lines, or the usual ones."""
+
     @property
     def bounds(self) -> SceneBounds | None:
         """The bounds of the picture drawn last; None before the first."""

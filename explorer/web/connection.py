@@ -7,8 +7,15 @@ nobody is left to read it.
 from contextlib import AbstractContextManager
 
 import viser
+from viser import _messages
 
 
 def may_close(client: viser.ClientHandle) -> AbstractContextManager[None]:
     """Within it, messages to the tab are dropped without a warning once its connection is closed."""
     return client.gui._websock_interface.get_message_buffer().sanctioned_dead_writes()
+
+
+def run_script(client: viser.ClientHandle, script: str) -> None:
+    """Run statements in the browser; they may fail, as where storage is refused (checked against viser 1.1.1)."""
+    source = f"try {{ {script} }} catch (refused) {{ console.info(String(refused)) }}"
+    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source))

@@ -15,10 +15,10 @@ import threading
 from collections.abc import Callable
 
 import viser
-from viser import _messages
 from websockets.exceptions import ConnectionClosed
 
 from explorer.storage.work_files import StorageError, new_browser_id
+from explorer.web.connection import run_script
 
 KEY, SLOT_KEY, PREFIX = "rangenav-visitor", "rangenav-slot", "viser-user:"
 """Names in the browser's storages, and the prefix that viser adds in localStorage."""
@@ -88,7 +88,7 @@ def session_key(client: viser.ClientHandle, slots: Slots) -> str | None:
     if browser is None:
         return None
     slot = slots.take(browser, client.client_id, stored_slot(client))
-    _run(client, f"sessionStorage.setItem('{SLOT_KEY}', '{slot}')")
+    run_script(client, f"sessionStorage.setItem('{SLOT_KEY}', '{slot}')")
     return f"{browser}-{slot}"
 
 
@@ -110,7 +110,7 @@ def browser_id(client: viser.ClientHandle) -> str | None:
 def stored_slot(client: viser.ClientHandle) -> int | None:
     """The slot that this tab had before a reload or a lost connection; None for a new tab."""
     name = f"{SLOT_KEY}-{client.client_id % COPIES}"
-    _run(client, f"localStorage.setItem('{PREFIX}{name}', sessionStorage.getItem('{SLOT_KEY}') ?? '')")
+    run_script(client, f"localStorage.setItem('{PREFIX}{name}', sessionStorage.getItem('{SLOT_KEY}') ?? '')")
     try:
         answer = client.local_storage.get_item(name, timeout=ANSWER_TIMEOUT)
         client.local_storage.remove_item(name)
@@ -135,12 +135,6 @@ def connected(server: viser.ViserServer, tab: int) -> bool:
     except (ConnectionClosed, TimeoutError, RuntimeError):  # RuntimeError: the loop has just been closed
         return False
     return True
-
-
-def _run(client: viser.ClientHandle, script: str) -> None:
-    """Run one statement in the browser; it may fail where storage is refused."""
-    source = f"try {{ {script} }} catch (refused) {{ console.info(String(refused)) }}"
-    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source))
 
 
 def _matches(pattern: re.Pattern[str], answer: object) -> bool:

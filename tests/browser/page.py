@@ -43,6 +43,7 @@ FIRST, OTHER, OTHER_VERDICT = "(paper-slow)", "(circle)", "nothing excites z"
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
+WRITTEN = "document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || '')"
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
@@ -190,16 +191,16 @@ class Visitor:
             time.sleep(0.05)
 
     def text(self) -> str:
-        """Everything written on the page."""
-        return self.page.evaluate("() => document.body.innerText")
+        """Everything written on the page, also what is folded below the verdict."""
+        return self.page.evaluate(f"() => {WRITTEN}")
 
     def wait_for_text(self, text: str, timeout: float = PATIENCE) -> None:
         """Until the text is on the page."""
-        self.page.wait_for_function("text => document.body.innerText.includes(text)", arg=text, timeout=timeout * 1000)
+        self.page.wait_for_function(f"text => ({WRITTEN}).includes(text)", arg=text, timeout=timeout * 1000)
 
     def wait_for_no_text(self, text: str, timeout: float = PATIENCE) -> None:
         """Until the text is not on the page."""
-        self.page.wait_for_function("text => !document.body.innerText.includes(text)", arg=text, timeout=timeout * 1000)
+        self.page.wait_for_function(f"text => !({WRITTEN}).includes(text)", arg=text, timeout=timeout * 1000)
 
     def tab(self, label: str) -> None:
         """Bring a tab to the front."""

@@ -30,7 +30,7 @@ def test_the_url_is_printed_and_the_page_has_a_scene_plots_and_a_verdict(server:
     time_axis, error, _ = visitor.chart_data(ERROR_CURVE)
     assert len(time_axis) > 100
     assert len({value for value in error if value is not None}) > 100
-    assert "OBSERVABLE" in visitor.text()
+    assert "● observable" in visitor.text()
 
 
 def test_a_gain_slider_moved_by_the_keyboard_changes_the_errors(visitor: Visitor):
@@ -43,7 +43,7 @@ def test_a_gain_slider_moved_by_the_keyboard_changes_the_errors(visitor: Visitor
 def test_another_preset_changes_path_verdict_and_sliders(visitor: Visitor):
     visitor.tab("Presets")
     visitor.choose("preset", "(circle)")
-    visitor.wait_for_text("BLIND")
+    visitor.wait_for_text("✕ blind")
     visitor.wait_for_text("nothing excites z")
     visitor.tab("Motion")
     path = preset.load("circle").path
@@ -109,8 +109,8 @@ def test_two_tabs_do_not_disturb_each_other(server: Server, browser: Browser, vi
     before = other.chart_data(ERROR_CURVE)
     visitor.tab("Presets")
     visitor.choose("preset", "(hover)")
-    visitor.wait_for_text("BLIND")
-    assert "OBSERVABLE" in other.text()
+    visitor.wait_for_text("✕ blind")
+    assert "● observable" in other.text()
     assert other.chart_data(ERROR_CURVE) == before
     other.close()
     visitor.choose("preset", "(paper)")
@@ -167,7 +167,7 @@ def test_a_foreign_page_cannot_open_the_websocket(server: Server, browser: Brows
 
 def test_a_narrow_window_gets_one_column_of_plots_whatever_its_pixel_density(server: Server, browser: Browser):
     for density in (COARSE, 2):  # of 2, the window has 1800 pixels of the screen
-        tab = Visitor(browser, server.url, width=900, height=500, density=density)
+        tab = Visitor(browser, server.url, width=1100, height=600, density=density)
         _until(lambda tab=tab: 0 < len(tab.chart_labels()) <= 4, f"one column of plots at density {density}")
         tab.close()
 

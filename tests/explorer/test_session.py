@@ -174,7 +174,7 @@ def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
 
 def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):
     visitor.set("preset", f"{preset.load('hover').title} (hover)")
-    visitor.wait_for_text("BLIND")
+    visitor.wait_for_text("✕ ≈ blind")
     _settled(visitor)
     assert not any(p.get("label") == "A (m)" for p in visitor.elements.values())
     visitor.set("preset", f"{preset.load('wiggle').title} (wiggle)")
@@ -202,7 +202,7 @@ def test_two_tabs_do_not_disturb_each_other(port: int, visitor: Wire):
     before, label = _proven(other), visitor.value("A (m)")
     visitor.set("A (m)", 2.0)
     visitor.set("preset", f"{preset.load('circle').title} (circle)")
-    visitor.wait_for_text("BLIND")
+    visitor.wait_for_text("✕ ≈ blind")
     assert _drawn(other) == before
     assert other.value("A (m)") == label
     other.close()

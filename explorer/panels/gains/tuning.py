@@ -79,7 +79,7 @@ class TuningPanel:
             self._evaluations = Number(section, "gains to try", step=10, hint=EVALUATIONS_HINT)
             self._runs.write(RUNS, None)
             self._evaluations.write(EVALUATIONS, None)
-            form.button("Tune the gains", self._start, hint=TUNE_HINT)
+            form.button("Tune the gains", self.start, hint=TUNE_HINT)
             self._summary_block, self._plots_block = form.gui.add_html(""), form.gui.add_html("")
             self._curve = form.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE_HINT)
             self._place = form.gui.add_slider("place", 1.0, 2.0, 1.0, 1.0, hint=PLACE_HINT)
@@ -91,14 +91,15 @@ class TuningPanel:
         )
         self._place.on_update(lambda event: form.do(self._pick, step=False) if event.client_id is not None else None)
         self._forget_result()
-        form.command("Auto-tune", self._start)
+        form.command("Auto-tune", self.start)
 
     def draw(self, picture: Picture) -> None:
         """Take the picture on the page, which may have other settings than the search had."""
         self._picture = picture
         self._update_text()
 
-    def _start(self) -> None:
+    def start(self) -> None:
+        """Look for better gains."""
         with self._section.catching():
             preset, steadiness = effective(self._page.read()), self._steadiness.value
             runs = _whole("seeds", self._runs.read(), MAX_RUNS)

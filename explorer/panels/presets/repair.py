@@ -53,17 +53,20 @@ class RepairPanel:
         self._page, self._jobs, self._pin = page, jobs, pin
         self._section = section = Section(form, "Repair", expanded=False)
         self._result: Repair | None = None
+        self.outcome = ""
+        """What the last search has found, or why it has found nothing; empty once that was accepted or discarded."""
         with section:
             self._kind = Choice(section, "by changing", CHANGE_LABELS, hint=KIND_HINT)
-            form.button("Make it observable", self._repair, hint=REPAIR_HINT)
+            form.button("Make it observable", self.start, hint=REPAIR_HINT)
             form.button("Improve it", self._improve, hint=IMPROVE_HINT, quiet=True)
             self._description = form.gui.add_html("", visible=False)
             self.accept_button = form.button("Accept the motion", self.accept, hint=ACCEPT_HINT)
-            self._discard_button = form.button("Discard the motion", self._forget_result, hint=DISCARD_HINT, quiet=True)
+            self._discard_button = form.button("Discard the motion", self.discard, hint=DISCARD_HINT, quiet=True)
         self._forget_result()
-        form.command("Make it observable", self._repair)
+        form.command("Make it observable", self.start)
 
-    def _repair(self) -> None:
+    def start(self) -> None:
+        """Look for a change that meets the requirement."""
         self._start(improve=False)
 
     def _improve(self) -> None:
@@ -83,10 +86,16 @@ class RepairPanel:
 
     def _refuse(self, by: ChangeKind, reason: str) -> None:
         """Show why there is no such change, with the label of its kind in the menu."""
-        self._section.answer(reason.replace(f"{by}: ", f"{CHANGE_LABELS[by]}: ", 1))
+        self.outcome = reason.replace(f"{by}: ", f"{CHANGE_LABELS[by]}: ", 1)
+        self._section.answer(self.outcome)
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a changed motion to accept or to discard."""
+        return self._result is not None
 
     def show(self, result: Repair) -> None:
-        self._result = result
+        self._result, self.outcome = result, f"B: {result.description}"
         pictures = "".join(
             DRAWINGS.format(*side) for side in (("A", drawings(result.before)), ("B", drawings(result.after)))
         )
@@ -111,8 +120,12 @@ class RepairPanel:
         )
         self._description.visible = True
 
+    def discard(self) -> None:
+        """Forget the change, or why there is none."""
+        self._forget_result()
+
     def _forget_result(self) -> None:
-        self._result = None
+        self._result, self.outcome = None, ""
         self._description.visible = self.accept_button.visible = self._discard_button.visible = False
 
 

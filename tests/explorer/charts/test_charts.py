@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from explorer.charts import Charts, comparison_curves, curves, markup, plot_list, plots
+from explorer.charts import Charts, PlotSize, comparison_curves, curves, markup, plot_list, plots
 from explorer.charts.plots import Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
@@ -155,7 +155,7 @@ def test_plots_of_a_flight_without_any_range_are_drawable_and_their_values_are_d
     example = sensed(burst_length=100.0)
     for plot in ALL:
         check_drawable(plot, plot.draw(example))
-    charts = Charts(page.client, narrow=False)
+    charts = Charts(page.client, PlotSize(two_panels=True))
     charts.draw(example)
     page.messages.clear()
     charts.cursor(example, 5.0)
@@ -220,7 +220,7 @@ def test_the_notes_are_read_without_unfolding_and_are_true(slow: Picture) -> Non
 
 
 def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=False), picture("paper")
+    charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper")
     page.messages.clear()
     charts.draw(example)
     assert len(page.updates("data")) == sum(len(group.plots) for group in plot_list.GROUPS if not group.slow)
@@ -237,7 +237,7 @@ def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page
 
 
 def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=False), picture("paper-slow")
+    charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper-slow")
     charts.draw(example)
     page.messages.clear()
     charts.draw(dataclasses.replace(example))
@@ -245,16 +245,16 @@ def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None
     assert page.kinds() == {"GuiUpdateMessage"}
 
 
-def test_cursor_is_one_small_message_for_each_column_and_gives_the_values_there(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=False), picture("paper-slow")
+def test_cursor_is_one_small_message_and_gives_the_values_there(page: Page) -> None:
+    charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper-slow")
     charts.draw(example)
     page.messages.clear()
     charts.cursor(example, 5.0)
-    assert len(page.messages) == 2
+    assert len(page.messages) == 1
     text = page.live_style()
     assert len(text) < 2500
     fraction = re.findall(r"--tcur:([\d.]+)", text)
-    assert [float(f) for f in fraction] == pytest.approx([5.0 / example.preset.duration] * 2)
+    assert [float(f) for f in fraction] == pytest.approx([5.0 / example.preset.duration])
     k = int(np.argmin(np.abs(example.motion.time - 5.0)))
     shown_error = significant(example.errors.position[k])
     assert f'--position-0:"{shown_error}"' in text
@@ -264,7 +264,7 @@ def test_cursor_is_one_small_message_for_each_column_and_gives_the_values_there(
 
 
 def test_a_window_is_read_only_while_it_can_start(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=True), picture("circle")
+    charts, example = Charts(page.client, PlotSize()), picture("circle")
     charts.draw(example)
     page.messages.clear()
     charts.cursor(example, 1.0)
@@ -314,7 +314,7 @@ def test_every_plot_repeats_only_curves_it_has_for_the_pinned_run() -> None:
 
 
 def test_paper_figures_in_the_narrow_page_keep_one_tab_and_fill_the_new_ones(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=True), picture("paper")
+    charts, example = Charts(page.client, PlotSize()), picture("paper")
     charts.draw(example)
     page.messages.clear()
     charts.show_paper_figures()

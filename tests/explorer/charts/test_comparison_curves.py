@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from explorer.charts import Charts, comparison_curves, plot_list, plots
+from explorer.charts import Charts, PlotSize, comparison_curves, plot_list, plots
 from explorer.model import comparison, consistency, differences
 from explorer.model.comparison import Baseline, Comparison
 from explorer.model.compute import Picture, compute
@@ -139,7 +139,7 @@ def test_estimators_are_the_librarys_on_the_same_record(slow: Picture) -> None:
 def test_charts_never_have_more_curves_than_data_and_come_back_to_what_they_were(
     page: Page, slow: Picture, crowd: Comparison
 ) -> None:
-    charts = Charts(page.client, narrow=False)
+    charts = Charts(page.client, PlotSize(two_panels=True))
     for shown in (comparison.NOTHING, crowd, Comparison(pinned=slow), comparison.NOTHING):
         page.messages.clear()
         charts.draw(slow, shown)
@@ -266,7 +266,7 @@ def test_every_run_that_is_compared_has_the_fit_of_its_ranges_in_the_text(slow: 
 def test_a_curve_switched_off_takes_its_bands_edges_along_and_none_that_comes_later(
     page: Page, slow: Picture, crowd: Comparison
 ) -> None:
-    charts = Charts(page.client, narrow=False)
+    charts = Charts(page.client, PlotSize(two_panels=True))
     charts.draw(slow, Comparison(seeds=crowd.seeds))
     chart = charts.charts[0]
     chart.toggle(2)  # the median

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 import viser
 
-from explorer.charts import Charts, plot_file, plot_list
+from explorer.charts import Charts, PlotSize, plot_file, plot_list
 from explorer.charts.plots import Drawing, Plot
 from explorer.model.compute import Picture, compute
 from explorer.model.settings import Printed, Settings
@@ -143,7 +143,11 @@ def test_the_floor_is_drawn_and_a_curve_that_is_not_shown_is_not():
 
 def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
-    charts, example, other = Charts(Page(server).client, narrow=False), picture("paper-slow"), picture("circle")
+    charts, example, other = (
+        Charts(Page(server).client, PlotSize(two_panels=True)),
+        picture("paper-slow"),
+        picture("circle"),
+    )
     charts.draw(example)
     with pytest.raises(ValueError, match="no plot 'scaled' yet"):
         charts.file_writer("scaled", "csv")

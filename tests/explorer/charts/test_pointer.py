@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from explorer.charts import Charts, markup, plot_list, plots, pointer
+from explorer.charts import Charts, PlotSize, markup, plot_list, plots, pointer
 from explorer.charts.pointer import Pointer
 from explorer.interaction import BRUSH_STEP, drawn_window
 from rangenav import preset
@@ -28,9 +28,9 @@ GRAMIAN = next(plot for plot in plot_list.OBSERVABILITY.plots if plot.name == "g
 class PlotsUnderMouse:
     """Plots whose hidden text box is written as the page's script would write it."""
 
-    def __init__(self, page: Page, name: str, *, narrow: bool = False) -> None:
+    def __init__(self, page: Page, name: str, *, two_panels: bool = True) -> None:
         self.page, self.picture, self.wakes = page, picture(name), 0
-        self.charts = Charts(page.client, narrow=narrow, wake=self._wake)
+        self.charts = Charts(page.client, PlotSize(two_panels=two_panels), wake=self._wake)
         self.charts.draw(self.picture)
 
     def _wake(self) -> None:
@@ -175,7 +175,7 @@ def test_clicks_on_nothing_change_nothing(page: Page):
 
 
 def test_hidden_curves_stay_hidden_when_tabs_are_made_anew(page: Page):
-    mouse = PlotsUnderMouse(page, "paper-slow", narrow=True)
+    mouse = PlotsUnderMouse(page, "paper-slow", two_panels=False)
     mouse.write(" 1:gramian-1")
     page.messages.clear()
     mouse.charts.show_paper_figures()

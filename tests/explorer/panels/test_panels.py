@@ -14,7 +14,7 @@ import viser
 from explorer.model import compute
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, effective
-from explorer.panels import verdict
+from explorer.panels import figures, verdict
 from explorer.panels.dock import Dock
 from explorer.panels.presets.printed import MISPRINTS
 from explorer.panels.presets.repair import RepairPanel
@@ -215,7 +215,7 @@ def test_a_complaint_is_text_and_a_sign_and_never_html(client: viser.ClientHandl
 
 
 def _row(picture: compute.Picture, name: str) -> str:
-    return dict(verdict.rows(picture))[name]
+    return dict(figures.rows(picture))[name]
 
 
 def test_the_verdict_names_what_is_blind_and_why():
@@ -229,8 +229,8 @@ def test_a_diverged_observer_is_reported_instead_of_errors():
     reason = {"diverged": True, "divergence": "its own 1-σ is 300 m"}
     diverged = dataclasses.replace(picture, summary=dataclasses.replace(picture.summary, **reason))
     assert _row(diverged, "observer") == "✕ diverged: its own 1-σ is 300 m"
-    assert "steady error" not in dict(verdict.rows(diverged))
-    assert "⚠ diverged" in verdict.chips(diverged)
+    assert "steady error" not in dict(figures.rows(diverged))
+    assert "⚠ diverged" in figures.chips(diverged)
 
 
 def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_something():
@@ -250,13 +250,13 @@ def test_an_eigenvalue_below_the_noise_floor_is_not_given_as_a_number():
 
 
 def test_what_is_not_determined_says_so():
-    assert verdict.number(math.nan, "m") == "not determined"
-    assert verdict.number(math.inf) == "not determined"
-    assert verdict.number(0.12345, "m") == "0.123 m"
-    assert verdict.number(1.02e-15, "m") == "0 m"
-    assert verdict.number(1.02e-15) == "1.02e-15"
-    assert verdict.number(1251.0, "m²/s⁷") == "1251 m²/s⁷"
-    assert verdict.number(5.62e6) == "5.62e6"
+    assert figures.number(math.nan, "m") == "not determined"
+    assert figures.number(math.inf) == "not determined"
+    assert figures.number(0.12345, "m") == "0.123 m"
+    assert figures.number(1.02e-15, "m") == "0 m"
+    assert figures.number(1.02e-15) == "1.02e-15"
+    assert figures.number(1251.0, "m²/s⁷") == "1251 m²/s⁷"
+    assert figures.number(5.62e6) == "5.62e6"
 
 
 def test_the_papers_thrust_is_shown():
@@ -264,8 +264,8 @@ def test_the_papers_thrust_is_shown():
 
 
 def test_printed_switches_that_are_on_are_labelled():
-    assert verdict.chips(_computed("paper-slow")) == ""
-    assert "PRINTED: model, body axes" in verdict.chips(_computed("paper-slow", model=True, body_axes=True))
+    assert figures.chips(_computed("paper-slow")) == ""
+    assert "PRINTED: model, body axes" in figures.chips(_computed("paper-slow", model=True, body_axes=True))
 
 
 @pytest.mark.parametrize(
@@ -286,7 +286,7 @@ def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):
 
 def _verdict_shown(picture: compute.Picture) -> str:
     gui = MagicMock()
-    verdict.VerdictPanel(gui).draw(picture)
+    verdict.VerdictPanel(gui, {}, {}).draw(picture)
     return gui.add_html.return_value.content
 
 
@@ -294,9 +294,9 @@ def test_the_verdict_of_sampled_windows_is_marked_until_all_windows_are_judged()
     moving = _computed("paper-slow")
     assert moving.analysis.proof is None
     sampled, proven = _verdict_shown(moving), _verdict_shown(moving.proven())
-    assert "● ≈ OBSERVABLE" in sampled
+    assert "● ≈ observable" in sampled
     assert "≈" not in proven
-    assert "● OBSERVABLE" in proven
+    assert "● observable" in proven
     assert "1.81 m" in proven  # of the worst window, which no sample of 101 has
     assert "1.81 m" not in sampled
 

@@ -194,11 +194,11 @@ def test_tones_are_added_and_removed_and_come_back(editing: Editing):
 
 def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
     editing.set("preset", f"{preset.load('circle').title} (circle)")
-    assert "BLIND" in editing.tab.text()
+    assert "blind</b>" in editing.tab.text()
     editing.set("plus a wiggle", True)
     path = editing.settings.preset.path
     assert isinstance(path, Sum)
-    assert "BLIND" not in editing.tab.text()
+    assert "blind</b>" not in editing.tab.text()
     editing.set("plus a wiggle", False)
     assert editing.settings.preset.path == path.base
     editing.set("plus a wiggle", True)

@@ -1,0 +1,53 @@
+"""What follows from the visitor's window: the widths of the docks, the sizes of the plots, dark or light, big type, and
+the layers of the scene that are shown. The page follows while the window changes."""
+
+import viser
+
+from explorer.charts import Charts, plot_size
+from explorer.display import Display
+from explorer.panels import dock
+from explorer.scene import Scene
+from explorer.web.door import Window
+
+WIDE = 1200
+"""px: from this width of the window on, the dock of controls has its full width."""
+NARROW_SHARE, BIG_SHARE = 0.84, 1.3
+"""The dock's width in a narrower window, and with big type, by its full width."""
+
+
+class Appearance:
+    """The look of one visitor's page."""
+
+    def __init__(self, client: viser.ClientHandle, charts: Charts, scene: Scene, display: Display) -> None:
+        self._client, self._charts, self._scene, self._display = client, charts, scene, display
+        self._window: Window | None = None
+        self._dark, self._controls_width = False, dock.WIDTH
+
+    def follow(self, window: Window | None) -> None:
+        """Take what the browser has reported last."""
+        if window is None or window == self._window:
+            return
+        self._window = window
+        big = "big" in window.flags
+        if self._dark != ("dark" in window.flags):
+            self._dark = not self._dark
+            set_theme(self._client, dark=self._dark)
+        width = controls_width(window.width, big=big)
+        if width != self._controls_width:
+            self._controls_width = width
+            self._client.gui.main_panel.set_width(width)
+        self._scene.appear(hidden=window.hidden, big=big)
+        if self._charts.resize(plot_size(window.width, window.height, big=big)):
+            self._display.redraw()
+
+
+def set_theme(client: viser.ClientHandle, *, dark: bool) -> None:
+    """Dark or light, without viser's own logo and button."""
+    client.gui.configure_theme(show_logo=False, show_share_button=False, dark_mode=dark)
+
+
+def controls_width(width: float, *, big: bool) -> int:
+    """px of the dock of controls in a window of this width (CSS px)."""
+    if width < WIDE:
+        return round(NARROW_SHARE * dock.WIDTH)
+    return round(BIG_SHARE * dock.WIDTH) if big else dock.WIDTH

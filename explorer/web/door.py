@@ -1,0 +1,111 @@
+"""What the browser alone knows: the size of its window, and which buttons of the page's own HTML were pressed.
+
+viser 1.1.1 reports none of it. A script in the page (page.js) writes it into a hidden text box, as if it were typed
+there, and brings the style sheet (page.css) along. The text is a query string:
+
+    width=1366&height=768&flags=dark+unfolded&hidden=sphere&query=preset%3Dhover&event=1712345678901:repair
+
+A browser may write anything: what does not have this form is ignored.
+"""
+
+import json
+import re
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import parse_qs
+
+import viser
+
+from explorer.web.connection import run_script
+
+LABEL = "page"
+MAX_LENGTH, MAX_EVENTS = 2000, 64
+"""Characters of a report, and events stored while the session is busy; beyond that the oldest are dropped."""
+SIZE, EVENT, NAME = (
+    re.compile(r"[1-9]\d{1,4}"),
+    re.compile(r"(\d{1,16}):([a-z][\w-]{0,60})"),
+    re.compile(r"[a-z-]{1,30}"),
+)
+FOLDER = Path(__file__).parent
+MARK = '<span class="rn-door"></span>'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Window:
+    """What the browser has reported."""
+
+    width: int = 1366
+    """CSS px."""
+    height: int = 768
+    """CSS px."""
+    flags: frozenset[str] = field(default=frozenset())
+    """dark, big, unfolded, welcomed, …: what the visitor, the system or the address has chosen."""
+    hidden: frozenset[str] = field(default=frozenset())
+    """Layers of the scene that are switched off."""
+    query: str = ""
+    """What follows the question mark in the address."""
+
+
+class Door:
+    """The hidden box of one visitor."""
+
+    def __init__(self, client: viser.ClientHandle, wake: Callable[[], None]) -> None:
+        """`wake` is called from viser's threads when something was reported."""
+        self._client, self._wake, self._lock = client, wake, threading.Lock()
+        self._window: Window | None = None
+        self._events: deque[str] = deque(maxlen=MAX_EVENTS)
+        self._last = 0
+        client.gui.add_html(MARK)
+        self._box = client.gui.add_text(LABEL, "")
+        self._box.on_update(lambda _: self.receive(self._box.value))
+        run_script(client, script())
+
+    @property
+    def window(self) -> Window | None:
+        """What was reported last; None before the first report."""
+        return self._window
+
+    def take_events(self) -> list[str]:
+        """The names of the buttons that were pressed since the last call, the oldest first."""
+        with self._lock:
+            events = list(self._events)
+            self._events.clear()
+        return events
+
+    def switch(self, flag: str) -> None:
+        """Switch a flag in the browser, as its button does."""
+        run_script(self._client, f"window.rnPage.act('flag', {json.dumps(flag)})")
+
+    def receive(self, text: str) -> None:
+        """Store what the script has written; any other text is ignored."""
+        said = parse_qs(text[:MAX_LENGTH])
+        width, height = (said.get(name, [""])[0] for name in ("width", "height"))
+        if not (SIZE.fullmatch(width) and SIZE.fullmatch(height)):
+            return
+        with self._lock:
+            self._window = Window(
+                width=int(width),
+                height=int(height),
+                flags=_names(said.get("flags", [""])[0]),
+                hidden=_names(said.get("hidden", [""])[0]),
+                query=said.get("query", [""])[0],
+            )
+            for event in said.get("event", []):
+                match = EVENT.fullmatch(event)
+                if match is not None and int(match[1]) > self._last:
+                    self._last = int(match[1])
+                    self._events.append(match[2])
+        self._wake()
+
+
+def script() -> str:
+    """The script that the browser runs, with the style sheet in it."""
+    style = (FOLDER / "page.css").read_text(encoding="utf-8")
+    return (FOLDER / "page.js").read_text(encoding="utf-8").replace("STYLE_SHEET", json.dumps(style))
+
+
+def _names(text: str) -> frozenset[str]:
+    return frozenset(name for name in text.split() if NAME.fullmatch(name))

@@ -1,0 +1,100 @@
+// Runs in the visitor's browser (viser 1.1.1). It keeps what only the browser knows, and reports it to the session.
+//
+//   width=1366&height=768&flags=dark+unfolded&hidden=sphere&query=preset%3Dhover&event=1712345678901:repair
+//
+// flags    choices that are kept in localStorage: they are classes of the page's root element, so that the style sheet
+//          follows without a round trip
+// hidden   layers of the scene that are switched off
+// event    buttons pressed in the last second, each with a number of its own: viser drops all but the last input of 50 ms
+//
+// A button of the page's own HTML names what it does:
+//   data-rn-event="repair"      an action of the session
+//   data-rn-flag="unfolded"     switches a flag
+//   data-rn-layer="tail"        switches a layer of the scene
+(() => {
+  if (window.rnPage) { window.rnPage.report(true); return; }
+  const KEY = 'rangenav-view', root = document.documentElement;
+  const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
+  const dark = matchMedia('(prefers-color-scheme: dark)');
+  const query = location.search.slice(1);
+  const present = new URLSearchParams(query).has('present');
+  let kept = {flags: [], hidden: []}, events = [], last = '', stamp = 0;
+  try { kept = {...kept, ...JSON.parse(localStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
+  const keep = () => {
+    try { localStorage.setItem(KEY, JSON.stringify(kept)); } catch (refused) { console.info(String(refused)); }
+  };
+  const toggled = (list, name) => list.includes(name) ? list.filter(one => one !== name) : [...list, name];
+  // 'theme' and 'type' say that the visitor has chosen the other one than the system's, or than the address asks for
+  const flags = () => {
+    const shown = kept.flags.filter(flag => flag !== 'theme' && flag !== 'type');
+    if (dark.matches !== kept.flags.includes('theme')) shown.push('dark');
+    if (present !== kept.flags.includes('type')) shown.push('big');
+    return shown;
+  };
+  const press = (button, on) => {
+    if (button.getAttribute('aria-pressed') !== String(on)) button.setAttribute('aria-pressed', on);
+  };
+  const mark = () => {
+    const shown = flags();
+    document.querySelectorAll('[data-rn-flag]').forEach(button =>
+      press(button, kept.flags.includes(button.dataset.rnFlag) || shown.includes(button.dataset.rnFlag)));
+    document.querySelectorAll('[data-rn-layer]').forEach(button =>
+      press(button, !kept.hidden.includes(button.dataset.rnLayer)));
+  };
+  const show = () => {
+    const shown = flags();
+    [...root.classList].filter(name => name.startsWith('rn-')).forEach(name => root.classList.remove(name));
+    shown.forEach(flag => root.classList.add('rn-' + flag));
+    mark();
+  };
+  const report = again => {
+    const mark = document.querySelector('.rn-door');
+    const box = mark && mark.parentElement.nextElementSibling && mark.parentElement.nextElementSibling.querySelector('input');
+    if (!box) { setTimeout(() => report(again), 50); return; }
+    events = events.filter(event => Date.now() - parseInt(event) < 1000);
+    const text = new URLSearchParams([
+      ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['hidden', kept.hidden.join(' ')],
+      ['query', query], ...events.map(event => ['event', event]),
+    ]).toString();
+    if (text === last && !again) return;
+    last = text;
+    put.call(box, text);
+    box.dispatchEvent(new Event('input', {bubbles: true}));
+  };
+  const change = () => { keep(); show(); report(); };
+  const act = (kind, name) => {
+    if (kind === 'flag') { kept.flags = toggled(kept.flags, name); change(); }
+    if (kind === 'layer') { kept.hidden = toggled(kept.hidden, name); change(); }
+    if (kind === 'event') { stamp = Math.max(Date.now(), stamp + 1); events.push(stamp + ':' + name); report(); }
+  };
+  document.addEventListener('click', click => {
+    const button = click.target.closest && click.target.closest('[data-rn-event], [data-rn-flag], [data-rn-layer]');
+    if (!button) return;
+    if (button.dataset.rnEvent) act('event', button.dataset.rnEvent);
+    if (button.dataset.rnFlag) act('flag', button.dataset.rnFlag);
+    if (button.dataset.rnLayer) act('layer', button.dataset.rnLayer);
+  });
+  dark.addEventListener('change', () => { show(); report(); });
+  let later = 0;
+  addEventListener('resize', () => { clearTimeout(later); later = setTimeout(report, 200); });
+
+  // What the docks leave to the scene: the verdict lies above it, and the timeline below it.
+  const fit = () => {
+    const scene = document.querySelector('[data-dock-root] > :first-child');
+    if (!scene) { requestAnimationFrame(fit); return; }
+    new ResizeObserver(() => {
+      const box = scene.getBoundingClientRect();
+      root.style.setProperty('--rn-left', box.left + 'px');
+      root.style.setProperty('--rn-right', (innerWidth - box.right) + 'px');
+    }).observe(scene);
+  };
+  const style = document.createElement('style');
+  style.textContent = STYLE_SHEET;
+  document.head.append(style);
+  let marking = 0;
+  new MutationObserver(() => {
+    marking = marking || setTimeout(() => { marking = 0; mark(); }, 200);
+  }).observe(document.body, {childList: true, subtree: true});
+  window.rnPage = {report, act};
+  show(); fit(); report();
+})();
