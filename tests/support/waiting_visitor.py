@@ -64,7 +64,9 @@ class Editing:
 
     def refusals(self) -> list[str]:
         """The complaints below controls and in the verdict, without their HTML."""
-        shown = [p for p in self.tab.elements.values() if p.get("visible", True) and "⚠" in str(p.get("content"))]
+        shown = [
+            p for p in self.tab.elements.values() if p.get("visible", True) and 'role="alert"' in str(p.get("content"))
+        ]
         return [re.sub(r"<[^>]+>", " ", p["content"]) for p in shown]
 
 

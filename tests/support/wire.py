@@ -79,6 +79,7 @@ class Wire:
         self.downloads: list[tuple[str, bytes]] = []
         """Names and contents of the files that have come."""
         self._transfers: dict[str, tuple[dict[str, Any], list[bytes]]] = {}
+        self._pressed = 0
         self.closed_with: int | None = None
         """The code with which the server ended the connection."""
         self._socket = connect(
@@ -112,6 +113,11 @@ class Wire:
                 self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": option}})
                 return
         raise LookupError(f"no button {option!r} in a row {label!r}")
+
+    def press_own(self, name: str) -> None:
+        """Press a button of the page's own HTML, by the name that it sends."""
+        self._pressed += 1
+        self.set("page", f"width=1366&height=768&event={self._pressed}:{name}")
 
     def upload(self, label: str, name: Any, content: bytes, *, part: int = 2**19, **changed: Any) -> None:
         """Upload a file as the page would; `changed` replaces fields of the announcement."""

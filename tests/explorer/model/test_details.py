@@ -11,7 +11,7 @@ import viser
 from msgspec.structs import replace
 from viser.transforms import SO3
 
-from explorer.charts import Charts, markup, plot_list
+from explorer.charts import Charts, PlotSize, markup, plot_list
 from explorer.charts import details as drawings
 from explorer.charts.cursor_values import window_at
 from explorer.charts.plot_tabs import OUTDATED
@@ -153,9 +153,9 @@ def test_the_printed_certificate_stands_next_to_the_derived_one_whatever_is_swit
     assert np.abs(both.values[:, 1] - both.values[:, 0]).max() > 0.1
 
 
-@pytest.mark.parametrize("narrow", [False, True])
-def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow: bool) -> None:
-    charts, example = Charts(page.client, narrow=narrow), picture("circle")
+@pytest.mark.parametrize("two_panels", [False, True])
+def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, two_panels: bool) -> None:
+    charts, example = Charts(page.client, PlotSize(two_panels=two_panels)), picture("circle")
     charts.draw(example)
     wanted = markup.paragraphs(drawings.describe_twin(example))
     assert html.escape("the mirror image in the plane through the anchor with normal z") in wanted
@@ -172,7 +172,7 @@ def test_sentences_stand_above_their_plots_once_nothing_moves(page: Page, narrow
 
 
 def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=True), picture("circle")
+    charts, example = Charts(page.client, PlotSize()), picture("circle")
     charts.draw(example)
     page.messages.clear()
     charts.show_paper_figures()
@@ -180,7 +180,7 @@ def test_sentences_survive_when_tabs_are_made_anew(page: Page) -> None:
 
 
 def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> None:
-    charts, example = Charts(page.client, narrow=False), picture("paper-slow")
+    charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper-slow")
     charts.draw(example)
     page.messages.clear()
     charts.cursor(example, 5.0)

@@ -355,7 +355,7 @@ def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(ed
     apart = np.linalg.norm(usual - true) / np.linalg.norm(true - anchor)
     shortest = math.degrees(2 * math.asin(apart / 2))  # a drag takes the shortest of all turns that lead there
     assert editing.tab.value("twin's angle (°)") == pytest.approx(shortest, abs=0.1)
-    editing.press("", "↶ undo")
+    editing.tab.press_own("undo")
     editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
     editing.press("The usual twin")
     assert editing.settings.twin_turn is None

@@ -75,12 +75,12 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
     page.tab.wait_for_text("opened as a preset that is not saved yet")
     page.settle()
     assert page.settings.preset.title == "Tour 1"
-    assert "○ not judged" in page.tab.text()
+    assert "not judged</b>" in page.tab.text()
     assert "the path&#x27;s snap was not in Tour 1.txt" in page.tab.text()
     assert page.settings.preset.world.gravity[2] < 0
     save_as(page, "Tour kept")
     page.set("slower s", 0.05)  # another path: a design of the visitor's
-    assert "○ not judged" not in page.tab.text()
+    assert "not judged</b>" not in page.tab.text()
 
 
 def test_a_file_that_cannot_be_read_is_a_sentence_with_its_line(page: Editing):
