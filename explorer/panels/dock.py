@@ -86,8 +86,15 @@ class Dock:
         with tabs.add_tab("Presets"):
             uploads = Uploads(gui, form.do)
             self.presets = PresetsPanel(form, catalog, self, uploads, session_actions)
-            self.repair = RepairPanel(form, self, jobs, pin=lambda: self.compare.pin())
-            BundlePanel(form, catalog, self, jobs, session_actions.send)
+            self.repair = RepairPanel(
+                form,
+                self,
+                jobs,
+                pin=lambda: self.compare.pin(),
+                target=lambda preset: self.bundle.target(preset),
+                choose=lambda format_name: self.bundle.choose(format_name),
+            )
+            self.bundle = BundlePanel(form, catalog, self, jobs, session_actions.send)
             take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
             ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
             flights = FlightPanel(form, jobs)

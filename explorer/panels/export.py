@@ -22,6 +22,11 @@ FILE_HINT = (
 LINES_HINT = "“lines” shows and downloads a few lines of Python; “preset file” downloads the file that they read."
 NOT_IN_LINES = {"reduced_row": "row r₄,₂ printed", "attitude_rate": "attitude rate ½"}
 """Switches “as printed” that change only a number next to their control, and no run or plot."""
+PRINTED = (
+    'print(f"{result.verdict.word}: rank {result.rank} of 13, μ {result.mu:.4g} m²/s⁷, δ {p.requirement.window:g} s")',
+    'print(f"position error {flight.summary.steady_position:.3g} m (RMS of the last quarter)")',
+)
+"""The last lines: the key figures."""
 STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"
 
 
@@ -87,8 +92,11 @@ class ExportPanel:
 
 
 def python_lines(settings: Settings, file: str) -> str:
-    """At most six lines that compute what is on the page from its preset's file. The file holds the time scale and the
-    printed start already; the other printed switches that change a run or a plot are arguments here."""
+    """A few lines that compute what is on the page from its preset's file, and print its key figures.
+
+    The file holds the time scale and the printed start already; the other printed switches that change a run or a plot
+    are arguments here.
+    """
     printed = settings.printed
     lines = [
         "from rangenav import analysis, observability, preset, record",
@@ -105,5 +113,4 @@ def python_lines(settings: Settings, file: str) -> str:
         ]
     else:
         lines[0] = "from rangenav import analysis, preset, record"
-        lines.append("result.verdict, result.mu, flight.summary")
-    return "\n".join(lines) + "\n"
+    return "\n".join([*lines, *PRINTED]) + "\n"

@@ -1,27 +1,44 @@
 """One zip for download: a preset, and its motion or its run in other formats, each with its certificate.
 
 Every file meets the conditions of `rangenav export`, is certified from the bytes in the zip, and can be verified where
-it is unpacked. A file that does not meet them is left out; with `uncertified` it is included, without a certificate and
-with "uncertified" in its name.
+it is unpacked. A file that does not meet them is left out, with what would cure it; with `uncertified` it is included,
+without a certificate and with "uncertified" in its name. A loop for a Crazyflie comes with the program that flies it.
 """
 
 import io
 import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rangenav import formats
-from rangenav.certificate import certified_export
+from rangenav.certificate import certified_export, cures
+from rangenav.certificate.certified_export import CertifiedExport, RefusedExportError
+from rangenav.certificate.cures import Cure
+from rangenav.formats import ExportOptions, crazyflie
+from rangenav.inputs import require
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, CancelledError, Progress
 
 OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
+NOTHING_CHOSEN = "no format is chosen: choose at least one above; “Download this preset” gives the preset alone"
 MARK = ".uncertified"
 VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
 STAMP = (2020, 1, 1, 0, 0, 0)
 """The time of every file inside, always the same, so that equal inputs make equal zips."""
+CURES_FROM = 0.6
+"""Share of the progress at which files are packed and cures are searched for."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Refused:
+    """A file that was not written."""
+
+    format_name: str
+    reason: str
+    cures: tuple[Cure, ...]
+    """Changes after which it is written, each confirmed by a certificate; maybe none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +47,10 @@ class Bundle:
 
     name: str
     content: bytes
+    """Empty if every file was refused: then there is nothing to download."""
     notes: tuple[str, ...]
     """Sentences about the files: format, frame, certificate, and what a format cannot hold. The README has them too."""
+    refused: tuple[Refused, ...] = field(default=())
 
 
 def pack(
@@ -39,43 +58,81 @@ def pack(
     stem: str,
     format_names: Sequence[str],
     *,
+    options: ExportOptions | None = None,
     uncertified: bool,
     progress: Progress,
     cancelled: Cancelled,
 ) -> Bundle:
-    """Pack a preset and some formats, each with its certificate.
+    """Pack a preset and some formats, each with its certificate. What is refused is left out, and has its cures.
 
-    Raises ValueError if the preset does not meet the conditions, or if there is one format and it cannot hold the
-    preset. Of several formats, one that cannot hold it is left out, and a note says why. Raises CancelledError.
+    Raises ValueError if no format is chosen, or if there is one and it cannot hold the preset at all. Raises
+    CancelledError.
     """
+    require(len(format_names) > 0, NOTHING_CHOSEN)
+    options = options or ExportOptions()
     notes: list[str] = []
+    refusals: list[RefusedExportError] = []
     with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
         folder = Path(temporary)
         for k, format_name in enumerate(("preset", *format_names)):
-            progress((k + 1) / (len(format_names) + 2))
+            progress(CURES_FROM * (k + 1) / (len(format_names) + 2))
             if cancelled():
                 raise CancelledError
             path = folder / (stem + formats.row(format_name).suffix)
             try:
-                notes += _write_format(preset, format_name, path, uncertified=uncertified)
+                notes += _write_format(preset, format_name, path, options, uncertified=uncertified)
+            except RefusedExportError as error:
+                refusals.append(error)
+                notes.append(f"{format_name}: left out: {error}")
+                if format_name == "preset":
+                    break  # no other format would be written either
             except ValueError as error:
                 if format_name == "preset" or len(format_names) == 1:
                     raise
                 notes.append(f"{format_name}: left out: {error}")
         (folder / "README.txt").write_text("".join(f"{note}\n" for note in (VERIFY, *notes)), "utf-8")
         marked = any(MARK in path.name for path in folder.iterdir())
-        return Bundle(f"{stem}{MARK if marked else ''}.zip", _zipped(folder), tuple(notes))
+        left_out = {error.format_name for error in refusals}
+        content = b"" if "preset" in left_out or left_out >= set(format_names) else _zipped(folder)
+    refused = tuple(_with_cures(error, cancelled) for error in refusals)
+    return Bundle(f"{stem}{MARK if marked else ''}.zip", content, tuple(notes), refused)
 
 
-def _write_format(preset: Preset, format_name: str, path: Path, *, uncertified: bool) -> list[str]:
+def _with_cures(error: RefusedExportError, cancelled: Cancelled) -> Refused:
+    return Refused(format_name=error.format_name, reason=str(error), cures=cures.cures(error, cancelled=cancelled))
+
+
+def _write_format(
+    preset: Preset, format_name: str, path: Path, options: ExportOptions, *, uncertified: bool
+) -> list[str]:
     """Write one format and its certificate. Returns sentences about the file."""
     export = certified_export.write(
-        preset, format_name, path, name=path.name, uncertified=uncertified, otherwise=OTHERWISE
+        preset,
+        format_name,
+        path,
+        name=path.name,
+        attitude=options.attitude,
+        ramp=options.ramp,
+        once=options.once,
+        uncertified=uncertified,
+        otherwise=OTHERWISE,
     )
     name = path.name if export.complaint is None else formats.marked(path).name
     proof = "uncertified" if export.certificate is None else f"certified ({export.certificate.name})"
-    about = f"{name}: {format_name}, {export.output.frame}, {proof}"
-    return [about, *(f"{name}: {note}" for note in export.notes)]
+    about = [f"{name}: {format_name}, {export.output.frame}, {proof}", *(f"{name}: {note}" for note in export.notes)]
+    return [*about, *_write_program(export, path.parent, name)]
+
+
+def _write_program(export: CertifiedExport, folder: Path, name: str) -> list[str]:
+    """Write the program that flies a loop with a Crazyflie, if the file is one. Returns a sentence about it."""
+    figures, steady = export.output.figures, export.output.steady
+    if export.certificate is None or not export.output.loop or steady is None:
+        return []
+    begin, end = steady
+    program = crazyflie.script(name, begin, end - begin, figures["loop_first"], figures["loop_pieces"])
+    place = folder / f"fly_{Path(name).name.partition('.')[0]}.py"
+    place.write_text(program, "utf-8")
+    return [f"{place.name}: uploads {name} with cflib, and flies ramp in, the loop as often as asked, and ramp out"]
 
 
 def _zipped(folder: Path) -> bytes:

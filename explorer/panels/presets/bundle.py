@@ -1,25 +1,43 @@
-"""Export: the settings on the page, certified from the written bytes, as one zip with the formats chosen."""
+"""Export: the settings on the page, certified from the written bytes, as one zip with the formats chosen.
 
+What is refused has its cures as buttons: each changes what is on the page, and exports again.
+"""
+
+from dataclasses import replace
+from functools import partial
+
+from explorer.model.changes import with_changes
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
-from explorer.storage.bundle import Bundle, Send, pack
+from explorer.storage.bundle import Bundle, Refused, Send, pack
 from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
-from explorer.widgets.controls import Switch
+from explorer.widgets.controls import Number, Switch
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
 from explorer.widgets.section import Section
 from rangenav import formats
-from rangenav.formats import Format
+from rangenav.certificate.cures import Cure
+from rangenav.formats import ExportOptions, Format
+from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
+from rangenav.repair import ExportTarget
+from rangenav.vehicle import CRAZYFLIE
 
 FORMAT_HINT = "Goes into the zip beside the preset and its certificate. {}"
 ALL_HINT = "Chooses every format, or none."
 UNCERTIFIED_HINT = (
-    "Files that miss the requirement are refused, with what is missing and what would help. "
-    "Switched on, they are written with “uncertified” in their names."
+    "A file that misses the requirement is refused, with what is missing and what would cure it. "
+    "Switched on, it is written with “uncertified” in its name."
 )
+RAMP_HINT = (
+    "From hover into the path, and back to hover, in a reference or a polynomial file. Longer ramps ask less of the "
+    "vehicle; the certificate covers what lies between them."
+)
+EXPORT_HINT = "Certifies the written bytes, then downloads the zip."
+CURE_HINT = "Makes this change on the page, and exports again. Ctrl+Z takes it back."
+LOOK = "no small change cures that: “Make it observable”, under Repair, looks for a larger one"
 
 
 def choices() -> tuple[Format, ...]:
@@ -28,20 +46,36 @@ def choices() -> tuple[Format, ...]:
 
 
 class BundlePanel:
-    """A switch for each format, one for files that miss the requirement, and a button."""
+    """A switch for each format, the ramps, one for files that miss the requirement, a button, and what was refused."""
 
     def __init__(self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
-        self._catalog, self._page, self._jobs, self._send = catalog, page, jobs, send
+        self._form, self._catalog, self._page, self._jobs, self._send = form, catalog, page, jobs, send
         self._section = section = Section(form, "Download with certificate", expanded=False)
+        self._cures_section: Section | None = None
         with section:
             form.buttons("formats", {"all": self._all, "none": self._none}, hint=ALL_HINT)
             self.formats = {
                 row.name: Switch(section, row.label, hint=FORMAT_HINT.format(row.hint)) for row in choices()
             }
+            self._ramp = Number(section, "ramps (s)", step=0.5, hint=RAMP_HINT)
+            self._ramp.show(formats.RAMP)
             self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
-            form.button("Export as a zip", self._export, hint="Certifies the written bytes, then downloads the zip.")
+            form.button("Export as a zip", self._export, hint=EXPORT_HINT)
             self._result_line = form.gui.add_html("", visible=False)
         form.command("Export as a zip", self._export)
+
+    def target(self, preset: Preset) -> ExportTarget | None:
+        """The format of a motion that a repair has in mind: one that is switched on, or what the vehicle flies."""
+        motions = [row.name for row in choices() if row.certified_as == "motion" and self.formats[row.name].read()]
+        if not motions and preset.vehicle.name == CRAZYFLIE.name:
+            motions = ["polynomial"]
+        if not motions:
+            return None
+        return ExportTarget(format_name=motions[0], options=ExportOptions(ramp=self._ramp.read()))
+
+    def choose(self, format_name: str) -> None:
+        """Switch a format on."""
+        self.formats[format_name].show(True)
 
     def _all(self) -> None:
         for switch in self.formats.values():
@@ -53,16 +87,28 @@ class BundlePanel:
 
     def _export(self) -> None:
         with self._section.answering():
-            settings, even_uncertified = self._page.read(), self._even_uncertified.read()
-            names = tuple(name for name, switch in self.formats.items() if switch.read())
+            self._start(ExportOptions(ramp=self._ramp.read()))
+
+    def _start(self, options: ExportOptions) -> None:
+        settings, even_uncertified = self._page.read(), self._even_uncertified.read()
+        names = tuple(name for name, switch in self.formats.items() if switch.read())
         shown = effective(settings)
         stem = file_name(settings.origin, shown, self._catalog.presets[settings.origin]).removesuffix(".toml")
         self._result_line.visible = False
+        self._forget_cures()
 
         def work(progress: Progress, cancelled: Cancelled) -> Bundle:
-            return pack(shown, stem, names, uncertified=even_uncertified, progress=progress, cancelled=cancelled)
+            return pack(
+                shown,
+                stem,
+                names,
+                options=options,
+                uncertified=even_uncertified,
+                progress=progress,
+                cancelled=cancelled,
+            )
 
-        self._jobs.start("export", work, self._done, self._refuse)
+        self._jobs.start("export", work, partial(self._done, shown), self._refuse)
 
     def _refuse(self, reason: str) -> None:
         """Show a line for each failure, until something else is on the page."""
@@ -70,7 +116,42 @@ class BundlePanel:
         head, refused, rest = first.partition(": refused: ")
         self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))
 
-    def _done(self, bundle: Bundle) -> None:
-        self._send(bundle.name, bundle.content)
-        self._result_line.content = NOTE.format(bullets((f"{bundle.name}, {len(bundle.content)} bytes", *bundle.notes)))
-        self._result_line.visible = True
+    def _done(self, shown: Preset, bundle: Bundle) -> None:
+        if bundle.content:
+            self._send(bundle.name, bundle.content)
+            sentences = (f"{bundle.name}, {len(bundle.content)} bytes", *bundle.notes)
+            self._result_line.content = NOTE.format(bullets(sentences))
+            self._result_line.visible = True
+        elif bundle.refused:
+            self._refuse(bundle.refused[0].reason)
+        if bundle.refused:
+            self._show_cures(shown, bundle.refused[0])
+
+    def _show_cures(self, shown: Preset, refused: Refused) -> None:
+        """A button for each cure of the first file that was refused."""
+        with self._section:
+            self._cures_section = section = Section(self._form, f"What cures it ({refused.format_name})")
+        with section:
+            for cure in refused.cures:
+                self._form.button(_label(cure), partial(self._cure, shown, cure), hint=CURE_HINT)
+            if not refused.cures:
+                self._form.gui.add_html(NOTE.format(bullets((LOOK,))))
+
+    def _cure(self, shown: Preset, cure: Cure) -> None:
+        with self._section.answering():
+            self._page.write(with_changes(self._page.read(), shown, cure.preset))
+            self._ramp.show(cure.options.ramp)
+            if cure.format_name not in ("preset", *(name for name, switch in self.formats.items() if switch.read())):
+                self._none()
+                self.choose(cure.format_name)
+            self._start(replace(cure.options, ramp=self._ramp.read()))
+
+    def _forget_cures(self) -> None:
+        if self._cures_section is not None:
+            self._cures_section.remove()
+            self._cures_section = None
+
+
+def _label(cure: Cure) -> str:
+    """The cure as the label of a button."""
+    return f"{cure.text[0].upper()}{cure.text[1:]}"

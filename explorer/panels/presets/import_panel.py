@@ -8,6 +8,8 @@ import re
 from collections.abc import Callable
 from functools import partial
 
+import msgspec
+
 from explorer.model.jobs import Jobs
 from explorer.storage import import_process
 from explorer.storage.catalog import Catalog
@@ -21,7 +23,9 @@ from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.formats import ImportResult, Question
 from rangenav.number_format import quantity, significant
+from rangenav.vehicle import CATALOGUE
 
+VEHICLE_HINT = "The vehicle whose limits an imported path is held against; the World tab has it, too."
 MOVED = "other values: anchor in the World tab, δ and duration in the Motion tab"
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
 FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
@@ -65,6 +69,7 @@ class ImportPanel:
         self._answers: dict[str, str] = {}
         self._answer_choices: dict[str, Choice[str]] = {}
         with section:
+            self._vehicle = Choice(section, "to be flown by", {one: one.name for one in CATALOGUE}, hint=VEHICLE_HINT)
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
             self._status = form.gui.add_html("", visible=False)
             self._format = Choice(section, "format", choices(), hint=FORMAT_HINT)
@@ -122,7 +127,9 @@ class ImportPanel:
             count = "1 question" if len(result.questions) == 1 else f"{len(result.questions)} questions"
             self._show_status(f"{result.source}: {count} below")
         elif interpretation.preset is not None:
-            self._page.write(self._catalog.add_imported(interpretation.preset))
+            with self._section.catching():
+                flown = msgspec.structs.replace(interpretation.preset, vehicle=self._vehicle.read())
+            self._page.write(self._catalog.add_imported(flown))
             chosen = (*interpretation.choices, MOVED)
             self._show_message("opened as a preset that is not saved yet", *chosen, *report(result))
             self._show_status(f"{result.source}: opened as a preset")

@@ -4,12 +4,12 @@ As in the Compare tab, the motion before the change is A and the changed motion 
 figures of both. Once the change is accepted, both are in every plot and in 3-D.
 """
 
+from collections.abc import Callable
 from functools import partial
 
-import msgspec
-
+from explorer.model.changes import with_changes
 from explorer.model.jobs import Jobs
-from explorer.model.settings import Settings, effective
+from explorer.model.settings import effective
 from explorer.panels.presets.card import drawings
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Action, Form
@@ -19,8 +19,9 @@ from explorer.widgets.section import Section
 from rangenav import repair
 from rangenav.certificate.figures import Figures
 from rangenav.number_format import quantity, significant
+from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
-from rangenav.repair import ChangeKind, Repair
+from rangenav.repair import ChangeKind, ExportTarget, Repair
 
 CHANGE_LABELS: dict[ChangeKind, str] = {
     "tones": "adding tones",
@@ -45,16 +46,36 @@ DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
 DISCARD_HINT = "Forgets the change; what is on the page stays as it is."
 
 
+def _no_target(preset: Preset) -> ExportTarget | None:
+    return None
+
+
+def _ignore(format_name: str) -> None:
+    """Do nothing: where there is no export."""
+
+
 class RepairPanel:
     """A kind of change, two buttons, and the proposed change."""
 
-    def __init__(self, form: Form, page: Page, jobs: Jobs, pin: Action) -> None:
-        """`pin` pins the run on the page as A."""
+    def __init__(
+        self,
+        form: Form,
+        page: Page,
+        jobs: Jobs,
+        pin: Action,
+        *,
+        target: Callable[[Preset], ExportTarget | None] = _no_target,
+        choose: Callable[[str], None] = _ignore,
+    ) -> None:
+        """`pin` pins the run on the page as A. `target` says what a changed motion is to be exported as, and `choose`
+        chooses that format for the export."""
         self._page, self._jobs, self._pin = page, jobs, pin
+        self._target, self._choose = target, choose
         self._section = section = Section(form, "Repair", expanded=False)
         self._result: Repair | None = None
         self.outcome = ""
         """What the last search has found, or why it has found nothing; empty once that was accepted or discarded."""
+        self._searched_target: ExportTarget | None = None
         with section:
             self._kind = Choice(section, "by changing", CHANGE_LABELS, hint=KIND_HINT)
             form.button("Make it observable", self.start, hint=REPAIR_HINT)
@@ -75,11 +96,13 @@ class RepairPanel:
     def _start(self, *, improve: bool) -> None:
         with self._section.answering():
             shown, by = effective(self._page.read()), self._kind.read()
+            target = self._searched_target = None if improve else self._target(shown)
         self._forget_result()
-        search = repair.improve if improve else repair.repair
 
         def work(progress: Progress, cancelled: Cancelled) -> Repair:
-            return search(shown, by=by, progress=progress, cancelled=cancelled)
+            if improve:
+                return repair.improve(shown, by=by, progress=progress, cancelled=cancelled)
+            return repair.repair(shown, by=by, target=target, progress=progress, cancelled=cancelled)
 
         name = "improving the motion" if improve else "making it observable"
         self._jobs.start(f"{name} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by))
@@ -110,10 +133,12 @@ class RepairPanel:
         with self._section.answering():
             if effective(settings).path != result.before.path:
                 raise ValueError("the motion on the page is another one by now: look for a change of that one")
-            accepted_settings = accepted(settings, result)
+            accepted_settings = with_changes(settings, result.before, result.after)
         if result.after.path != result.before.path:
             self._pin()
         self._page.write(accepted_settings)
+        if self._searched_target is not None:
+            self._choose(self._searched_target.format_name)
         self._forget_result()
         self._description.content = NOTE.format(
             bullets((ACCEPTED if result.after.path != result.before.path else UNCHANGED,))
@@ -127,20 +152,6 @@ class RepairPanel:
     def _forget_result(self) -> None:
         self._result, self.outcome = None, ""
         self._description.visible = self.accept_button.visible = self._discard_button.visible = False
-
-
-def accepted(settings: Settings, result: Repair) -> Settings:
-    """The settings with the changes of a repair, and with everything else as the visitor has chosen it meanwhile.
-
-    The repaired path contains the time scale and the printed initial values, so both are switched off."""
-    changed = {
-        name: getattr(result.after, name)
-        for name in result.after.__struct_fields__
-        if getattr(result.after, name) != getattr(result.before, name)
-    }
-    printed = msgspec.structs.replace(settings.printed, initial_values=False)
-    preset = msgspec.structs.replace(effective(settings), **changed)
-    return msgspec.structs.replace(settings, preset=preset, time_scale=1.0, printed=printed)
 
 
 def repair_text(result: Repair) -> tuple[str, ...]:

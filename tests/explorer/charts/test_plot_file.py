@@ -191,14 +191,17 @@ CASES = [
 def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp_path: Path):
     (tmp_path / "mine.toml").write_bytes(preset_file.document(settings))
     lines = python_lines(settings, "mine.toml")
-    assert len(lines.splitlines()) <= 6
+    assert len(lines.splitlines()) <= 8
     ask = "import json\nprint(json.dumps([flight.errors.position.tolist(), result.mu, result.verdict.word"
     ask += ", printed.tolist()]))" if "printed =" in lines else "]))"
     ran = subprocess.run(
         [sys.executable, "-c", lines + ask], cwd=tmp_path, env={"PYTHONPATH": str(ROOT)}, capture_output=True, text=True
     )
     assert ran.stderr == ""
-    position, mu, verdict, *rest = json.loads(ran.stdout)
+    *figures, numbers = ran.stdout.splitlines()
+    position, mu, verdict, *rest = json.loads(numbers)
+    assert figures[0].startswith(f"{verdict}: rank ")
+    assert figures[1].startswith("position error ")
     example = compute(settings)
     np.testing.assert_array_equal(position, example.errors.position)
     judged = example.proven().analysis
