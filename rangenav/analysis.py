@@ -13,7 +13,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.motion import World
-from rangenav.motion_analysis import Windows, motion_analysis, path_samples, sampled_windows
+from rangenav.motion_analysis import Windows, farthest_from_anchor, motion_analysis, path_samples, sampled_windows
 from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
@@ -25,7 +25,7 @@ from rangenav.proof import Proof, prove
 from rangenav.provenance import Source
 from rangenav.results import result
 from rangenav.signals import Signal
-from rangenav.verdict import Verdict, excitation_reached, for_these_ranges, judge, restriction
+from rangenav.verdict import Verdict, caveats, excitation_reached, for_these_ranges, judge, restriction
 
 CACHED = 8
 """Cached analyses: enough for undo and for A/B, few enough for many visitors."""
@@ -49,7 +49,8 @@ class Analysis:
     mu_floor: float
     """Excitation eigenvalues below it are rounding."""
     bound_for_all_t: float | None
-    """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period."""
+    """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period, or if no bound
+    above 0 is known."""
     gramian_at: float
     """s, where the window of least rank (and then least scaled singular value) starts."""
     gramian: Float[Array, "13"]
@@ -74,7 +75,16 @@ class Analysis:
     reduced_min: float
     """The least eigenvalue of the reduced pair (Proposition 1) on the worst window."""
     reduced_floor: float
+    farthest: float
+    """m: the largest distance to the anchor in the flight, on samples."""
     verdict: Verdict
+
+    def caveats(self, preset: Preset) -> tuple[str, ...]:
+        """Why the verdict on this preset is of little use, one sentence each."""
+        worst = self.lifted_end.position
+        error = worst if math.isfinite(worst) else 0.0
+        sigma = preset.sensors.sigma.range
+        return caveats(preset.world.gravity, sigma, position_sigma=error, farthest=self.farthest)
 
 
 def analyse(preset: Preset) -> Analysis:
@@ -127,7 +137,7 @@ def analysis(
     of = accuracy.of_held(
         path, world, at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
     )
-    rank = int(lifted.spectrum.rank[k])
+    rank, farthest = int(lifted.spectrum.rank[k]), farthest_from_anchor(path, world, duration)
     return Analysis(
         proof=None,
         windows=windows,
@@ -154,6 +164,7 @@ def analysis(
         ranges=last - first + 1,
         reduced_min=lifted.reduced_min,
         reduced_floor=lifted.reduced_floor,
+        farthest=farthest,
         verdict=judge(
             rank,
             of.lifted_end.position,
@@ -161,6 +172,7 @@ def analysis(
             excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(last - first + 1, at, window, path.period),
+            farthest=farthest,
         ),
     )
 
@@ -190,7 +202,7 @@ def _proven(
         mu_at=excited.at,
         excitation=values,
         mu_floor=excited.floor,
-        bound_for_all_t=excited.lower if excited.starts == EVERY else None,
+        bound_for_all_t=(excited.lower or None) if excited.starts == EVERY else None,
         gramian_at=rank.at,
         gramian=rank.eigenvalues,
         floor=rank.floor,
@@ -216,6 +228,7 @@ def _proven(
             excitation=excitation_reached(excited.mu, excited.lower, requirement.mu),
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period),
+            farthest=few.farthest,
         ),
     )
 

@@ -18,6 +18,8 @@ WINDOWS = 101
 """Start times at which spectra are computed: enough for a smooth curve; 101 windows of 13 columns take 5 ms."""
 FINE_WINDOWS = 401
 """Start times for the worst excitation, which is far cheaper than a Gramian."""
+DISTANCES = 2001
+"""Times at which the distance to the anchor is sampled."""
 CACHED, CACHED_SAMPLES = 8, 2
 """Cached results of each stage: enough for undo and for A/B, few enough for many visitors. Samples take most memory."""
 
@@ -91,6 +93,12 @@ def motion_analysis(path: Signal, gravity: Vec3, duration: float, window: float)
         reduced_min=reduced_min,
         reduced_floor=reduced_floor,
     )
+
+
+def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:
+    """The largest distance (m) between path and anchor on a flight (s), on samples."""
+    position = path(np.linspace(0.0, duration, DISTANCES))
+    return float(np.linalg.norm(position - np.asarray(world.anchor), axis=-1).max())
 
 
 def sampled_windows(

@@ -11,6 +11,7 @@ from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
 from rangenav.observability.worst_excitation import FLIGHT, WorstExcitation, worst_excitation
 from rangenav.observability.worst_rank import WorstRank, worst_rank
 from rangenav.preset import Requirement
+from rangenav.progress import stop_if_unwanted
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -40,8 +41,12 @@ def prove(
     range_rate: float,
     arriving: float = 1.0,
 ) -> Proof:
-    """The worst windows among all; each part is cached by its own inputs. Certificates take them from here."""
+    """The worst windows among all; each part is cached by its own inputs. Certificates take them from here.
+
+    Within `progress.stopping` it raises CancelledError as soon as it is no longer wanted.
+    """
     window = requirement.window
+    stop_if_unwanted()
     excited = worst_excitation(path, window, duration, requirement.mu)
     return Proof(
         excitation=excited,

@@ -57,13 +57,13 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             **_ignored(preset),
         },
         **_jumps(preset),
-        **_caveats(preset),
+        **_caveats(preset, analysis),
         **verdict(preset, analysis),
     }
 
 
-def _caveats(preset: Preset) -> Json:
-    sentences = verdicts.caveats(preset.world.gravity, preset.sensors.sigma.range)
+def _caveats(preset: Preset, analysis: Analysis) -> Json:
+    sentences = analysis.caveats(preset)
     return {"caveats": list(sentences)} if sentences else {}
 
 
@@ -181,13 +181,17 @@ def _excitation(preset: Preset, analysis: Analysis, truth: motion.Motion) -> Jso
     }
     if analysis.proof is not None:
         found = analysis.proof.excitation
-        report |= {"proven": found.bounds is not None, "starts": found.starts, "lower": found.lower}
-        if found.reason is not None:
-            report["reason"] = (
-                f"{'lower: null, sampled only' if found.lower is None else 'not every t'}: {found.reason}"
-            )
+        lower, needed = found.lower or None, preset.requirement.mu
+        report |= {"proven": found.proven(needed), "starts": found.starts, "lower": lower}
+        why = found.reason or "the best bound known is 0, which proves nothing"
+        if found.lower is None:
+            report["reason"] = f"lower: null, sampled only: {why}"
+        elif lower is None:
+            report["reason"] = "lower: null, the best bound known is 0, which proves nothing"
+        elif found.reason is not None:
+            report["reason"] = f"not every t: {found.reason}"
         if analysis.bound_for_all_t is None:
-            report["bound_reason"] = f"null: {found.reason}"
+            report["bound_reason"] = f"null: {why}"
     return report
 
 
@@ -203,7 +207,7 @@ def _rank_claimed(analysis: Analysis) -> Json:
 
 def _every_window(analysis: Analysis) -> Json:
     """How many ranges the worst window holds, and the σ that no window of the flight exceeds."""
-    report: Json = {"ranges": analysis.ranges}
+    report: Json = {"ranges": analysis.ranges, "sphere": verdicts.sphere(analysis.farthest)}
     if analysis.proof is not None:
         found = analysis.proof.accuracy
         bound = found.windows.bound

@@ -11,6 +11,7 @@ from typing import Literal
 from rangenav import continuity, provenance
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
+from rangenav.number_format import quantity
 from rangenav.provenance import Source
 from rangenav.signals import Signal
 
@@ -30,9 +31,10 @@ class Verdict:
 
     word: Word
     """blind: rank below 13, or ranges that do not determine the position; weak: neither, but the predicted error
-    exceeds the requirement; observable: none of these."""
+    exceeds the requirement, or is so large that it says nothing; observable: none of these."""
     reason: str = ""
-    """One clause that says why the motion is not judged, or why it is blind for its ranges; empty otherwise."""
+    """One clause that says why the motion is not judged, blind for its ranges, or weak although its error is one that
+    the requirement allows; empty otherwise."""
     excitation: Excitation = "met"
 
     @property
@@ -79,6 +81,7 @@ def judge(
     excitation: Excitation = "met",
     restriction: str | None = None,
     ranges: str = "",
+    farthest: float = math.inf,
 ) -> Verdict:
     """The verdict on a motion.
 
@@ -89,6 +92,8 @@ def judge(
     excitation: whether the required μ is reached; see `excitation_reached`.
     restriction: why the motion is not judged at all, if it is not; see `restriction`.
     ranges: a clause on the ranges of the worst window, for the reason; see `for_these_ranges`.
+    farthest: the largest distance to the anchor (m). A single range leaves a sphere of positions, so an error above
+    `sphere(farthest)` says no more of the position than one range does, whatever the requirement allows.
     """
     if restriction is not None:
         return Verdict(word="not judged", reason=restriction, excitation=excitation)
@@ -97,7 +102,24 @@ def judge(
     if position_sigma is None or not math.isfinite(position_sigma):
         reason = f"for these ranges: {ranges or 'they do not determine the position'}"
         return Verdict(word="blind", reason=reason, excitation=excitation)
-    return Verdict(word="observable" if position_sigma <= required_sigma else "weak", excitation=excitation)
+    if position_sigma > required_sigma:
+        return Verdict(word="weak", excitation=excitation)
+    if position_sigma > sphere(farthest):
+        return Verdict(word="weak", reason=says_nothing(position_sigma, farthest), excitation=excitation)
+    return Verdict(word="observable", excitation=excitation)
+
+
+def sphere(farthest: float) -> float:
+    """The diameter (m) of the largest sphere on which a range leaves the position: twice the largest distance (m)."""
+    return 2 * farthest
+
+
+def says_nothing(position_sigma: float, farthest: float) -> str:
+    """The clause on an error (m) that is larger than the sphere of all positions at one range."""
+    return (
+        f"the predicted error, {quantity(position_sigma, 'm')}, exceeds the {quantity(sphere(farthest), 'm')} across "
+        "the sphere on which a single range leaves the position"
+    )
 
 
 def for_these_ranges(count: int, start: float, window: float, period: float | None) -> str:
@@ -109,16 +131,24 @@ def for_these_ranges(count: int, start: float, window: float, period: float | No
     return f"the {count} in {where} fall on too few places of the path{repeats}"
 
 
-def caveats(gravity: Vec3, range_sigma: float) -> tuple[str, ...]:
-    """Why a verdict holds of no real flight, one sentence each: ranges without noise, a gravity that no planet has.
+def caveats(
+    gravity: Vec3, range_sigma: float, *, position_sigma: float = 0.0, farthest: float = math.inf
+) -> tuple[str, ...]:
+    """Why a verdict is of little use, one sentence each: ranges without noise, a gravity that no planet has, a
+    predicted error above the distance to the anchor.
 
-    gravity: m/s². range_sigma: m.
+    gravity: m/s². range_sigma, position_sigma (on the worst window), farthest (the largest distance to the anchor): m.
     """
     size, sentences = math.hypot(*gravity), []
     if range_sigma == 0:
         sentences.append("The ranges have no noise, so every position that they determine is exact.")
     if not LEAST_GRAVITY <= size <= MOST_GRAVITY:
         sentences.append(f"Gravity is {size:.3g} m/s², which is no planet's; the verdict holds for this gravity alone.")
+    if farthest < position_sigma < math.inf:
+        sentences.append(
+            f"The predicted error, {quantity(position_sigma, 'm')}, exceeds the largest distance to the anchor, "
+            f"{quantity(farthest, 'm')}."
+        )
     return tuple(sentences)
 
 

@@ -106,6 +106,9 @@ def accuracy(picture: Picture) -> Answer:
         f"The estimate is nearer, {quantity(reached, 'm')} off at the end: the observer remembers earlier windows and "
         "its first guess, and one window alone knows neither."
     )
+    if analysis.verdict.word == "weak" and analysis.verdict.reason:  # larger than any error that says anything
+        reason = (analysis.verdict.reason, *((remark,) if remembers else ()))
+        return Answer(question="accuracy", level="mind", summary=summary, remarks=reason, cure="repair", term="verdict")
     if predicted <= needed.position_sigma:
         return Answer(question="accuracy", level="good", summary=summary, term="window accuracy")
     return Answer(

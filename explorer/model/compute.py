@@ -32,6 +32,7 @@ from rangenav.motion import Limits, Motion
 from rangenav.motion_analysis import WINDOWS
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
+from rangenav.progress import Cancelled, never, stopping
 from rangenav.record import Outcome, Summary, TruthInputs, truth_inputs
 from rangenav.sensors import Measurements, Sensors
 from rangenav.vehicle import Break, Vehicle
@@ -84,10 +85,11 @@ class Picture:
         """How fast the error fades by motion and gains alone; None with noise-matched gains."""
         return convergence.convergence(self.preset)
 
-    def proven(self) -> "Picture":
+    def proven(self, cancelled: Cancelled = never) -> "Picture":
         """The same picture with the worst of all windows. It takes a tenth of a second to some seconds, for which the
-        page has a job."""
-        return replace(self, analysis=analyse(self.preset))
+        page has a job. Raises CancelledError soon after `cancelled` says that another picture is shown."""
+        with stopping(cancelled):
+            return replace(self, analysis=analyse(self.preset))
 
 
 def compute(settings: Settings) -> Picture:

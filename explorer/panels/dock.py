@@ -195,7 +195,7 @@ class Dock:
         """Show the verdict on every window as soon as it is computed, in place of that on the sampled windows."""
         self._proofs.start(
             "the worst of all windows",
-            lambda _progress, _cancelled: picture.proven(),
+            lambda _progress, cancelled: picture.proven(cancelled),
             self.verdict.draw,
             self.verdict.complaint.say,
         )

@@ -5,8 +5,7 @@ import math
 
 from explorer.model import palette
 from explorer.model.compute import Picture
-from rangenav import continuity, sensors
-from rangenav import verdict as verdicts
+from rangenav import continuity, sensors, window_text
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
@@ -46,7 +45,7 @@ def table(picture: Picture) -> str:
 def rows(picture: Picture) -> list[tuple[str, str]]:
     """Name and text of every row of the verdict's table."""
     rows = [*_observability_rows(picture), *_observer_rows(picture)]
-    caveats = verdicts.caveats(picture.preset.world.gravity, picture.preset.sensors.sigma.range)
+    caveats = picture.analysis.caveats(picture.preset)
     if caveats:
         rows.append(("mind", "<br>".join(f"▲ {sentence}" for sentence in caveats)))
     sentences = sensors.effect_sentences(picture.preset.sensors)
@@ -59,6 +58,7 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     analysis, needed = picture.analysis, picture.preset.requirement
     mark, nonlinear = about(picture), f"nonlinear {analysis.nonlinear_rank} of 9"
     rank = f"<b>{mark}{analysis.rank} of 13</b>, {nonlinear}; worst window from {significant(analysis.gramian_at)} s"
+    rank += window_text.later_round(analysis.gramian_at, needed.window, picture.preset.duration)
     rows = [("rank", rank)]
     if analysis.directions:
         rows.append(("blind", "<br>".join(f"✕ {html.escape(direction.summary)}" for direction in analysis.directions)))
@@ -73,12 +73,13 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     alone = continuity.pieces_alone(picture.preset.path, picture.preset.duration)
     rows.append(("μ (PE)", f"{met} {mu} {where}; needs {needed.mu:g}{'' if alone is None else f'; {alone}'}"))
     rows.append(("least λ(W)", _least(float(analysis.gramian[0]), analysis.floor)))
-    for name, start, end in (
-        ("lifted", analysis.lifted_start, analysis.lifted_end),
-        ("nonlinear", analysis.nonlinear_start, analysis.nonlinear_end),
+    for name, window, start, end in (
+        ("lifted", f"window from {significant(analysis.accuracy_at)} s", analysis.lifted_start, analysis.lifted_end),
+        ("nonlinear", "that same window", analysis.nonlinear_start, analysis.nonlinear_end),
     ):
         text = (
             f"position {number(start.position, 'm')} at its start, <b>{mark}{number(end.position, 'm')}</b> at its end"
+            f"; {window}"
         )
         undetermined = math.isnan(start.position) and math.isnan(end.position)
         rows.append((f"σ {name}", "position not determined" if undetermined else text))

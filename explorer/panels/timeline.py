@@ -12,6 +12,7 @@ from explorer.model.playback import STEP, Playback
 from explorer.widgets.controls import when_moved
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
+from rangenav import window_text
 from rangenav.model import STATES
 from rangenav.record import SETTLED_POSITION
 
@@ -127,7 +128,8 @@ class Event:
 def events(picture: Picture) -> tuple[Event, ...]:
     """The start of the worst window, when limits are exceeded most, and when the estimate has settled."""
     analysis, summary = picture.analysis, picture.summary
-    found = [Event(analysis.gramian_at, "▼", palette.WARNING, "the worst window starts")]
+    later = window_text.later_round(analysis.gramian_at, picture.preset.requirement.window, picture.preset.duration)
+    found = [] if later else [Event(analysis.gramian_at, "▼", palette.WARNING, "the worst window starts")]
     found += [Event(one.at, "✕", palette.ERROR, one.summary) for one in picture.breaks]
     if summary.settle_position_s is not None and analysis.rank == STATES and not summary.diverged:
         text = f"the position stays within {SETTLED_POSITION:g} m from here on"

@@ -44,7 +44,7 @@ def verdict_comments(shown: Preset) -> str:
         f"{requirement.window:g} s (worst from t = {motion_analysis.mu_at:.3g} s); "
         f"required: {requirement.mu:.6g}: {met}",
         f"predicted 1-sigma position at the end of the worst window: {lifted} lifted, "
-        f"{nonlinear} nonlinear; required {requirement.position_sigma:g} m",
+        f"{nonlinear} nonlinear in that same window; required {requirement.position_sigma:g} m",
         f"it assumes {noise_assumption(shown.sensors)}",
     ]
     if motion_analysis.verdict.reason:

@@ -17,7 +17,7 @@ import msgspec
 import numpy as np
 
 import rangenav
-from rangenav import analysis, verdict
+from rangenav import analysis
 from rangenav import preset as presets
 from rangenav.certificate import motion_sections, requirements, sections, version_1
 from rangenav.certificate.files import read_bytes
@@ -99,14 +99,15 @@ def _without_artifact(preset: Preset) -> Certificate:
     jumps = motion_sections.jumps_section(preset)
     checks = requirements.requirements(excitation, rank, accuracy, jumps, flyability, preset)
     failures = requirements.failures(checks, excitation, preset.expect, undetermined=accuracy.bound is None)
-    judged = analysis.analyse(preset).verdict
+    analysed = analysis.analyse(preset)
+    judged = analysed.verdict
     return Certificate(
         title=preset.title,
         expect=preset.expect,
         certified=not failures,
         meets=all(check.met for check in checks),
         verdict=judged.word,
-        caveats=verdict.caveats(preset.world.gravity, preset.sensors.sigma.range) or msgspec.UNSET,
+        caveats=analysed.caveats(preset) or msgspec.UNSET,
         verdict_reason=judged.reason or msgspec.UNSET,
         checks=checks,
         failures=failures,

@@ -26,7 +26,7 @@ import numpy as np
 from rangenav import formats, provenance
 from rangenav import preset as presets
 from rangenav.axes import upright
-from rangenav.certificate import files, remedy, requirements
+from rangenav.certificate import advice, files, requirements
 from rangenav.certificate.certify import READERS, FileContents, Reader, certify, read_preset
 from rangenav.certificate.encoding import dumps
 from rangenav.certificate.files import path_for, read_bytes
@@ -105,8 +105,10 @@ def gate(preset: Preset, form: str = "preset") -> str | None:
     """
     issued = certificate_of(preset)
     refused = None if issued.certified and formats.row(form).gate == "claim" else requirements.gate(issued)
-    helps = None if refused is None else remedy.remedy(preset, issued.excitation.at)
-    return refused if helps is None else f"{refused}; it would do to {helps}"
+    if refused is None:
+        return None
+    helps = advice.change(preset)
+    return f"{refused}; {advice.SEARCH if helps is None else f'it would do to {helps}'}"
 
 
 def certificate_of(preset: Preset) -> Certificate:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rangenav import record, vehicle
+from rangenav import record, vehicle, verdict
 from rangenav.observability import accuracy, derivative_bounds
 from rangenav.observability.derivative_bounds import UnboundedDerivativeError
 from rangenav.observability.sums import least
@@ -39,6 +39,9 @@ class Figures:
     excess: dict[str, float]
     """How far each limit of the vehicle is exceeded: log(reached/allowed), or m for heights; at most 0 is within it."""
 
+    farthest: float = math.inf
+    """m, the largest distance to the anchor."""
+
     @property
     def worst_excess(self) -> float:
         """The largest excess; −∞ for a vehicle without limits."""
@@ -64,10 +67,12 @@ def figures(preset: Preset) -> Figures:
         kind="lifted",
         share=ranging.arriving,
     )[:, 0]
+    demands = demanded(preset)
     return Figures(
+        farthest=float(demands.anchor_distance.max()),
         mu=max(BLIND_MU, _least(path, window, last)),
         sigma=float(np.max(np.nan_to_num(sigma, nan=np.inf))),
-        excess=excess(demanded(preset), preset.vehicle),
+        excess=excess(demands, preset.vehicle),
     )
 
 
@@ -105,9 +110,13 @@ def excess(demands: Demands, limits: Vehicle) -> dict[str, float]:
 
 
 def shortfall(reached: Figures, preset: Preset, *, margin: float = 0.0) -> dict[str, float]:
-    """How far μ and σ are from their requirements, as logarithms: met at 0 or below. margin: log, required of both."""
+    """How far μ and σ are from their requirements, as logarithms: met at 0 or below. margin: log, required of both.
+
+    A σ above the sphere on which a range leaves the position misses any requirement, see `verdict.judge`.
+    """
     needed = preset.requirement
+    sigma = min(needed.position_sigma, verdict.sphere(reached.farthest))
     return {
         "excitation": math.log(needed.mu / reached.mu) + margin,
-        "accuracy": math.log(max(reached.sigma, 1e-300) / needed.position_sigma) + margin,
+        "accuracy": math.log(max(reached.sigma, 1e-300) / max(sigma, 1e-300)) + margin,
     }

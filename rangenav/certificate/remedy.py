@@ -57,7 +57,9 @@ class Added:
 
 
 def remedy(preset: Preset, at: float) -> str | None:
-    """A clause on what would meet the requirements, None if nothing does. at: start (s) of the least excited window."""
+    """A clause on what would meet the requirements on samples, None if nothing does, as certificates of version 1 have
+    it. at: start (s) of the least excited window.
+    """
     if provenance.restriction(preset.source, preset.path) is not None:
         return provenance.ADOPT
     if continuity.discontinuity(preset.path, preset.duration) is not None:
@@ -69,7 +71,8 @@ def remedy(preset: Preset, at: float) -> str | None:
     if max(shortfall(reached, preset).values()) > 0:
         added = smallest_tones(preset, at)
         return None if added is None else f"add {described(added)}"
-    return _slower(preset)
+    factor = slower(preset)
+    return None if factor is None else f"fly it {factor:g} times slower, if that leaves excitation enough"
 
 
 def described(added: Added) -> str:
@@ -230,8 +233,8 @@ def _serves(added: Added | None, preset: Preset) -> bool:
     return added is not None and max(shortfall(added.figures, preset, margin=MARGIN).values()) <= 0
 
 
-def _slower(preset: Preset) -> str | None:
-    """A clause on how many times slower a motion must be flown to keep its vehicle's limits; None if it keeps them."""
+def slower(preset: Preset) -> float | None:
+    """How many times slower a motion must be flown to keep its vehicle's limits; None if it keeps them, or never."""
     if max(excess(demanded(preset), preset.vehicle).values(), default=-math.inf) <= 0:
         return None  # what is missed is the accuracy, for which slower may be worse
     factor = 1.0
@@ -243,5 +246,5 @@ def _slower(preset: Preset) -> str | None:
         except ValueError:
             return None
         if not broken:
-            return f"fly it {upwards(factor):g} times slower, if that leaves excitation enough"
+            return upwards(factor)
     return None

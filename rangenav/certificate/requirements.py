@@ -1,9 +1,12 @@
 """Every requirement with a sentence on whether it is met, and the comparison with what the preset expects."""
 
+import math
+from dataclasses import dataclass
+
 import msgspec
 import numpy as np
 
-from rangenav import continuity, provenance
+from rangenav import continuity, provenance, window_text
 from rangenav.certificate import schema
 from rangenav.certificate.schema import Certificate, Check, Expectation
 from rangenav.model import STATES
@@ -11,7 +14,29 @@ from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.provenance import Source
 from rangenav.vehicle import FREE
-from rangenav.verdict import Verdict, excitation_reached
+from rangenav.verdict import Verdict, excitation_reached, says_nothing
+
+NO_LIMITS = "no vehicle limits stated"
+"""What is said of a vehicle that nothing is asked of: met, but no merit."""
+
+
+@dataclass(frozen=True)
+class _Windows:
+    """How the sentences of a certificate name windows; of version 1, which named less, the duration is infinite."""
+
+    window: float
+    duration: float
+
+    def one(self, at: float) -> str:
+        return f"the {self.window:g} s from t = {at:.4g} s{window_text.later_round(at, self.window, self.duration)}"
+
+    def every(self, scope: schema.Scope) -> str:
+        return window_text.every(self.window, self.duration, scope.starts)
+
+    def none(self, scope: schema.Scope | msgspec.UnsetType) -> str:
+        if scope is msgspec.UNSET:
+            return "no window"
+        return window_text.none(self.window, self.duration, scope.starts)
 
 
 def requirements(
@@ -23,13 +48,15 @@ def requirements(
     preset: Preset,
 ) -> tuple[Check, ...]:
     """Every requirement, and whether it is met. Each sentence has the number required and the number reached."""
-    window, source = preset.requirement.window, preset.source
+    source = preset.source
+    current = rank.scope is not msgspec.UNSET  # version 1 has none
+    named = _Windows(preset.requirement.window, preset.duration if current else math.inf)
     return (
-        _excitation(excitation, window),
-        _rank(rank, window),
-        _accuracy(accuracy, window),
+        _excitation(excitation, named),
+        _rank(rank, named),
+        _accuracy(accuracy, named),
         _smooth(jumps),
-        _vehicle(flyability),
+        _vehicle(flyability, current=current),
         *(() if source is None else (_source(source, preset),)),
     )
 
@@ -88,8 +115,8 @@ def gate(certificate: Certificate) -> str | None:
     return f"{certificate.title}: refused: {sentences}"
 
 
-def _excitation(excitation: schema.Excitation, window: float) -> Check:
-    along, where = blindness.name(np.asarray(excitation.direction)), f"the {window:g} s from t = {excitation.at:.4g} s"
+def _excitation(excitation: schema.Excitation, named: _Windows) -> Check:
+    along, where = blindness.name(np.asarray(excitation.direction)), named.one(excitation.at)
     needed = f"{excitation.required:.4g} m²/s⁷ required"
     if excitation.lower is None or excitation.upper is None:
         reached = excitation.found or 0.0
@@ -101,42 +128,59 @@ def _excitation(excitation: schema.Excitation, window: float) -> Check:
         )
         return Check(name="excitation", met=met, proven=False, words=words)
     if excitation.lower >= excitation.required:
-        words = f"no window has an excitation below {excitation.lower:.4g}, {needed}"
+        no_window = named.none(excitation.scope)
+        words = f"{no_window} has an excitation below {excitation.lower:.4g}, {needed}"
         return Check(name="excitation", met=True, proven=True, words=words)
     proven = excitation.upper < excitation.required
     least = "nothing" if excitation.found is None else f"{excitation.found:.4g}"
     words = f"the excitation along {along} over {where} is {least}, {needed}"
-    if not proven:
+    if not proven and (excitation.lower > 0 or excitation.scope is msgspec.UNSET):
         words = f"the excitation is only known to be at least {excitation.lower:.4g} everywhere, {needed}"
+    elif not proven:
+        words = f"{words}, and of the windows between the evaluated ones nothing is proven"
     return Check(name="excitation", met=False, proven=proven, words=words)
 
 
-def _rank(rank: schema.Rank, window: float) -> Check:
+def _rank(rank: schema.Rank, named: _Windows) -> Check:
     met = rank.rank == STATES
     proven = rank.scope is not msgspec.UNSET and rank.scope.basis == "proven"
     words = f"the rank is {rank.rank} of {STATES}"
     if met and rank.scope is not msgspec.UNSET:
-        words += " on every window" if proven else " on sampled windows"
+        words += f" on {named.every(rank.scope)}" if proven else " on sampled windows"
     if not met:
         directions = f": {'; '.join(rank.blind)}" if rank.blind else ""
-        words += f" on the {window:g} s from t = {rank.at:.4g} s{directions}"
+        words += f" on {named.one(rank.at)}{directions}"
     return Check(name="rank", met=met, proven=proven, words=words)
 
 
-def _accuracy(accuracy: schema.Accuracy, window: float) -> Check:
-    sigma, noise = accuracy.lifted.end.position, f"{accuracy.required:.3g} m required, by {accuracy.noise}"
-    bound = None if accuracy.bound is msgspec.UNSET else accuracy.bound
-    if bound is not None and bound <= accuracy.required:
-        words = f"position is predicted to {bound:.3g} m (1-σ) or better after every window of {window:g} s, {noise}"
-        return Check(name="accuracy", met=True, proven=True, words=words)
-    where, within = f"the {window:g} s from t = {accuracy.at:.4g} s", sigma is not None and sigma <= accuracy.required
-    prediction = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
-    words = f"position {prediction} after {where}, {noise}"
+def _accuracy(accuracy: schema.Accuracy, named: _Windows) -> Check:
     if accuracy.scope is msgspec.UNSET:  # version 1: by the worst sampled window
-        return Check(name="accuracy", met=within, proven=False, words=words)
+        return _sampled_accuracy(accuracy, named)
+    sigma, bound = accuracy.lifted.end.position, None if accuracy.bound is msgspec.UNSET else accuracy.bound
+    needed = f"{accuracy.required:.3g} m required of the prediction, by {accuracy.noise}"
+    sphere = math.inf if accuracy.sphere is msgspec.UNSET else accuracy.sphere
+    if bound is not None and bound <= min(accuracy.required, sphere):
+        words = f"position is predicted to {bound:.3g} m (1-σ) or better after {named.every(accuracy.scope)}, {needed}"
+        return Check(name="accuracy", met=True, proven=True, words=words)
+    where, within = named.one(accuracy.at), sigma is not None and sigma <= accuracy.required
+    prediction = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
+    words = f"position {prediction} after {where}, {needed}"
+    if sigma is not None and sphere < sigma <= accuracy.required:
+        words = f"{words}; {says_nothing(sigma, sphere / 2)}"
+        return Check(name="accuracy", met=False, proven=True, words=words)
     if within:
-        words = f"position is only known to be predicted to {bound or 0:.3g} m (1-σ) or better, {noise}"
+        words = f"position is only known to be predicted to {bound or 0:.3g} m (1-σ) or better, {needed}"
     return Check(name="accuracy", met=False, proven=not within, words=words)
+
+
+def _sampled_accuracy(accuracy: schema.Accuracy, named: _Windows) -> Check:
+    """Of version 1, whose bound and scope are unset."""
+    sigma, noise = accuracy.lifted.end.position, f"{accuracy.required:.3g} m required, by {accuracy.noise}"
+    prediction = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
+    met = sigma is not None and sigma <= accuracy.required
+    return Check(
+        name="accuracy", met=met, proven=False, words=f"position {prediction} after {named.one(accuracy.at)}, {noise}"
+    )
 
 
 def _smooth(jumps: schema.Jumps) -> Check:
@@ -151,9 +195,9 @@ def _source(source: Source, preset: Preset) -> Check:
     return Check(name="source", met=why is None, proven=True, words=words)
 
 
-def _vehicle(flyability: schema.Flyability) -> Check:
+def _vehicle(flyability: schema.Flyability, *, current: bool) -> Check:
     if flyability.name == FREE.name and flyability.flyable:
-        words = "no vehicle's limits are asked to be kept"
+        words = NO_LIMITS if current else "no vehicle's limits are asked to be kept"
     elif flyability.flyable:
         words = f"within the limits of {flyability.name}"
     else:

@@ -163,6 +163,9 @@ class Accuracy(Part, frozen=True, kw_only=True):
     """m; no window predicts more for the lifted position at its end."""
     scope: Scope | msgspec.UnsetType = msgspec.UNSET
     """Of the bound."""
+    sphere: float | msgspec.UnsetType = msgspec.UNSET
+    """m; the diameter of the largest sphere on which a range leaves the position. A larger error says nothing, and
+    misses any requirement."""
     range_sigma: float
     range_rate: float
     """Hz"""

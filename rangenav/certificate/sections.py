@@ -6,10 +6,12 @@ import msgspec
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav import verdict
 from rangenav.certificate import schema
 from rangenav.certificate.schema import Claim, Scope, figure, known
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
+from rangenav.motion_analysis import farthest_from_anchor
 from rangenav.observability import accuracy
 from rangenav.observability.worst_accuracy import WorstAccuracy
 from rangenav.observability.worst_excitation import WorstExcitation
@@ -60,7 +62,7 @@ def excitation_section(worst: WorstExcitation, required: float) -> schema.Excita
         at=figure(worst.at),
         direction=vec(worst.direction),
         starts=worst.count,
-        scope=_scope(bounds is not None, worst.starts, worst.reason),
+        scope=_scope(worst.proven(required), worst.starts, worst.reason),
         reason="; ".join(reasons) or msgspec.UNSET,
     )
 
@@ -99,6 +101,7 @@ def accuracy_section(preset: Preset, worst: WorstAccuracy) -> schema.Accuracy:
         range_sigma=sensors.sigma.range,
         range_rate=sensors.range_rate,
         noise=noise_assumption(sensors),
+        sphere=figure(verdict.sphere(farthest_from_anchor(preset.path, preset.world, preset.duration))),
         reason=msgspec.UNSET if bounded else "bound: null, the worst window does not determine the position",
         lifted=schema.Ends(start=sigma(worst.lifted_start), end=sigma(worst.lifted_end)),
         nonlinear=schema.Ends(start=sigma(worst.nonlinear_start), end=sigma(worst.nonlinear_end)),

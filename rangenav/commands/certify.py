@@ -27,7 +27,7 @@ def certify(
     """
     from rangenav import certificate
     from rangenav import preset as presets
-    from rangenav.certificate import remedy
+    from rangenav.certificate import advice
     from rangenav.commands.text import certificates as text
     from rangenav.commands.text import layout
 
@@ -39,7 +39,7 @@ def certify(
     if json:
         print_json(certificate.to_builtins(issued))
     else:
-        helps = None if issued.meets else remedy.remedy(presets.load(preset), issued.excitation.at)
+        helps = None if issued.meets else advice.change(presets.load(preset)) or advice.SEARCH
         layout.show(text.certified(issued, name=preset, written=output, helps=helps))
     if not issued.certified:
         missed = ", ".join(one.name for one in issued.checks if not one.met)

@@ -2,8 +2,9 @@
 
 All windows that start in [a, b] hold [b, a + δ]. In the coordinates of `gramian_rank`, u of a window is A u + B of such
 a core of length m, with A = m/δ and |B| ≤ ε/δ, ε = b − a, so a function with coefficients z in the window has T z in
-the core. In units of floors that no window of the flight exceeds, singular values of the remainders obey
+the core. In units of floors that no rounding in the flight exceeds, singular values of the remainders obey
     sₖ(window) ≥ √(m/δ) sₖ(core) / ‖T⁻¹‖,   T = [[1, B, B²], [0, A, 2AB], [0, 0, A²]]
+The rank needs no quadrature: functions that are independent on the nodes of a core are so on every window around it.
 The Gramian refers to b in the core and to t in the window: W(t) ≥ (m/δ) Φ(b, t)ᵀ W_core Φ(b, t), so
     s₁₃(window) ≥ √(m/δ) / ‖Φ(b, t)⁻¹ H⁺‖
 """
@@ -16,14 +17,23 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
-from rangenav.observability import derivative_bounds, gramian_rank, quadrature, rows, spectrum
+from rangenav.observability import (
+    derivative_bounds,
+    gramian_rank,
+    quadrature,
+    quadrature_bound,
+    rounding,
+    rows,
+    spectrum,
+)
 from rangenav.observability.gramian_rank import CUBIC, ROUNDING, SMALLEST, STATES, UNKNOWNS, Remainders
+from rangenav.progress import stop_if_unwanted
 from rangenav.signals import Signal
 
 AT_ONCE = 200_000
 """Samples that are held at once (some 30 MB)."""
 LARGER = 1.25
-"""The floors allow for numbers so much larger than those of the windows that were sampled."""
+"""Where no bound of the rounding is known, the floors allow for so much more than that of the sampled windows."""
 BLOCKS = (1, 2, 3, 4, 7, 10)
 """Where the states ξ₁ … ξ₄, p, v and g begin, after the first."""
 
@@ -34,13 +44,17 @@ class Flight:
     gravity: Vec3
     window: float
     floor: Float[Array, "9"]
-    """No window's floors are larger."""
+    """No rounding in a column is larger, if `floor_bounded`."""
+    floor_bounded: bool
+    """Whether the floors are bounds; else they are those of sampled windows, and no rank is proved."""
+    size: float
+    """m: the size of the path that the floors stand for."""
     acceleration: float
     """m/s²: a bound of the apparent one; infinite if none is known."""
 
     @property
     def bounded(self) -> bool:
-        """Whether the least singular values are bounded: the rank is without it."""
+        """Whether the least singular values of cores bound those of windows: the rank is without it."""
         return math.isfinite(self.acceleration)
 
     @property
@@ -70,12 +84,10 @@ class Stretches:
 
 
 def of_flight(path: Signal, gravity: Vec3, last: float, window: float) -> Flight:
-    """Floors that no window up to the last start (s) exceeds: |d₄| ≤ (12/35)(|C₂| + gδ²/12), |C₂| ≤ 5 mean|L₂| |p|.
-
-    The size of the path is that of windows half a window apart, which leave out no time.
-    """
-    some = np.linspace(0.0, last, math.ceil(2 * last / window) + 1)
-    size = LARGER * max(float(rows.sample(path, part, window).size.max()) for part in parts(path, some, window))
+    """Floors that no window up to the last start (s) exceeds: |d₄| ≤ (12/35)(|C₂| + gδ²/12), |C₂| ≤ 5 mean|L₂| |p|."""
+    size = rounding.bound(path, last + window)
+    bounded = math.isfinite(size)
+    size = size if bounded else _sampled_size(path, last, window)
     fall = float(np.linalg.norm(gravity))
     floor = np.full(UNKNOWNS, max(size, SMALLEST))
     floor[-1] += 12 / 35 * (5 * 0.39 * size + fall * window**2 / 12)
@@ -84,8 +96,16 @@ def of_flight(path: Signal, gravity: Vec3, last: float, window: float) -> Flight
         gravity=gravity,
         window=window,
         floor=ROUNDING * floor,
+        floor_bounded=bounded,
+        size=max(size, SMALLEST),
         acceleration=_acceleration(path, last + window) + fall,
     )
+
+
+def _sampled_size(path: Signal, last: float, window: float) -> float:
+    """The largest size of windows half a window apart, which leave out no time, and some more."""
+    some = np.linspace(0.0, last, math.ceil(2 * last / window) + 1)
+    return LARGER * max(float(rows.sample(path, part, window).size.max()) for part in parts(path, some, window))
 
 
 def _acceleration(path: Signal, until: float) -> float:
@@ -102,7 +122,7 @@ def _acceleration(path: Signal, until: float) -> float:
 
 def parts(path: Signal, starts: Array, length: float) -> list[Array]:
     """The starts of windows in groups whose samples fit the memory."""
-    nodes = quadrature.count(path, length, float(starts.max()) + length)
+    nodes = quadrature.count(path, length, float(starts.max()) + length, spare=quadrature_bound.SPARE)
     each = max(1, AT_ONCE // nodes)
     return [starts[k : k + each] for k in range(0, len(starts), each)]
 
@@ -127,7 +147,9 @@ def prove(flight: Flight, begin: Array, end: Array, width: float) -> Stretches:
     changes = [_transition_change(width / unit, flight.bound * unit**2) for unit in (flight.window, 1.0)]
     margins, least = [], []
     for part in parts(flight.path, end, length):
-        samples = rows.sample(flight.path, part, length)
+        stop_if_unwanted()
+        tau, weight = quadrature.nodes(flight.path, part, length, spare=quadrature_bound.SPARE)
+        samples = rows.sample_at(flight.path, part, length, tau=tau, weight=weight)
         of = gramian_rank.of(samples, flight.gravity, samples.weight, "start")
         margins.append(np.linalg.svd(of.triangle[:, CUBIC:, CUBIC:] / flight.floor, compute_uv=False))
         least.append(least_singular(of, flight.window, changes))
@@ -165,26 +187,3 @@ def _transition_change(e: float, a: float) -> Float[Array, "7 7"]:
 
 def margin(stretches: Stretches, rank: int) -> Float[Array, "n"]:
     return stretches.margins[:, rank - CUBIC - 1] if rank > CUBIC else np.full(len(stretches.begin), np.inf)
-
-
-def quadrature_error(flight: Flight, weakest: Stretches, rank: int) -> float:
-    """How much the margins of some cores change, relatively, with twice the panels; twice that is allowed for."""
-    if rank == CUBIC:
-        return 0.0
-    change = 0.0
-    for start, width in zip(weakest.end.tolist(), weakest.width.tolist(), strict=True):
-        length = flight.window - width
-        values = []
-        for parts in (1, 2):
-            halves = [
-                quadrature.nodes(flight.path, np.array([start + k * length / parts]), length / parts)
-                for k in range(parts)
-            ]
-            tau = np.concatenate([half[0] + k * length / parts for k, half in enumerate(halves)], axis=1)
-            weight = np.concatenate([half[1] / parts for half in halves], axis=1)
-            samples = rows.sample_at(flight.path, np.array([start]), length, tau=tau, weight=weight)
-            of = gramian_rank.of(samples, flight.gravity, weight, "start")
-            inner = of.triangle[0, CUBIC:, CUBIC:] / flight.floor
-            values.append(float(np.linalg.svd(inner, compute_uv=False)[rank - CUBIC - 1]))
-        change = max(change, abs(values[1] - values[0]) / max(values[0], np.finfo(float).tiny))
-    return min(1.0, 2 * change)

@@ -77,21 +77,23 @@ def fall(
     bounds: SnapBounds,
     projections: tuple[ProjectedSnapBounds, ...],
 ) -> Float[Array, "c"]:
-    """How far λ_min may fall between two neighbouring starts below its lower value there: the best of (1) and (2)."""
+    """How far λ_min may fall between two neighbouring starts below its lower value there: the best of (1) and (2).
+
+    (2) is left out where (1) keeps λ_min above the least value of all: such a cell decides nothing.
+    """
     eigenvalues = np.linalg.eigvalsh(matrix)
     lowest = np.minimum(eigenvalues[1:], eigenvalues[:-1])
-    gaps = [_isotropic(start, window, bounds)]
+    gap, kappa = _isotropic(start, window, bounds), np.diff(start) ** 2 / 8
     for one in projections:
-        kappa = np.diff(start) ** 2 / 8
-        c11, c12, c22 = _curvatures(start, window, bounds, one)
+        open_ = np.flatnonzero(lowest[:, 0] - gap < eigenvalues[:, 0].min())
+        c11, c12, c22 = (kappa * curvature for curvature in _curvatures(start, window, bounds, one))
         allowed = ACROSS_SHARE * np.maximum(lowest[:, one.rank], 0.0)
-        usable = allowed > 0
-        cross = np.divide((kappa * c12) ** 2, allowed, out=np.zeros_like(allowed), where=usable)
-        within, across = kappa * c11 + cross, kappa * c22 + allowed
+        open_ = open_[allowed[open_] > 0]
+        within, across = c11[open_] + c12[open_] ** 2 / allowed[open_], c22[open_] + allowed[open_]
         subtracted = within[:, None, None] * one.projector + across[:, None, None] * (np.eye(3) - one.projector)
-        remaining = np.minimum(*(np.linalg.eigvalsh(ends - subtracted)[:, 0] for ends in (matrix[:-1], matrix[1:])))
-        gaps.append(np.where(usable, np.maximum(lowest[:, 0] - remaining, 0.0), np.inf))
-    return np.minimum.reduce(gaps)
+        ends = (np.linalg.eigvalsh(matrix[open_ + k] - subtracted)[:, 0] for k in (0, 1))
+        gap[open_] = np.minimum(gap[open_], np.maximum(lowest[open_, 0] - np.minimum(*ends), 0.0))
+    return gap
 
 
 def rise(

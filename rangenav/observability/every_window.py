@@ -13,9 +13,10 @@ from numpy import ndarray as Array
 
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
-from rangenav.observability import cores, gramian_rank, rows, windows
+from rangenav.observability import cores, gramian_rank, quadrature_bound, rows, windows
 from rangenav.observability.cores import Flight, Stretches
 from rangenav.observability.gramian_rank import STATES
+from rangenav.progress import stop_if_unwanted
 from rangenav.results import result
 from rangenav.signals import Signal, knots
 
@@ -31,8 +32,8 @@ ROOM = 4000
 """The most cores and windows for that."""
 TIE = 1e-6
 """Windows whose least singular values differ by less than this share are equally weak, and the first one is named."""
-FEW, WEAKEST = 33, 4
-"""Windows that are sampled before any core is, and cores on which the error of the quadrature is measured."""
+FEW = 33
+"""Windows that are sampled before any core is."""
 
 
 @result
@@ -49,15 +50,16 @@ class RankProof:
     margin: float
     """The least bound of the last remainder that counts, in units of its rounding: above 1 if `proved`."""
     smallest_singular: float | None
-    """In units of 1 m and δ: no window has a smaller one; None if rank 13 is not proved, or p̈ has no known bound."""
+    """In units of 1 m and δ: no window has a smaller one; None if rank 13 is not proved, or p̈ or the error of the
+    quadrature has no known bound."""
     smallest_found: float | None
     """The smallest one of a sampled window, at `at`; None if its rank is below 13."""
     eigenvalue: float | None
     """SI: the Gramian (1/δ)∫ of no window has a smaller one; None as `smallest_singular` is."""
     eigenvalue_found: float | None
     """The smallest one of a sampled window."""
-    quadrature: float
-    """The relative error of these bounds by the quadrature, measured with twice the panels; they allow for it."""
+    quadrature: float | None
+    """A bound of the relative error of these two bounds by the quadrature, for which they allow; None for formulas."""
     decomposed: int
     """How many cores and windows were decomposed."""
 
@@ -102,17 +104,17 @@ def rank_over_every_window(path: Signal, gravity: Vec3, duration: float, window:
         proved = _tightened(flight, proved, sampled) if flight.bounded else proved
     every = proved.joined(pending)
     margin = cores.margin(every, sampled.rank)
-    error = cores.quadrature_error(flight, every.some(np.argsort(margin)[:WEAKEST]), sampled.rank)
-    least, whole = float(margin.min()) * (1 - error), len(pending.begin) == 0
-    whole = whole and least > 1.0
+    least = float(margin.min())
+    whole = flight.floor_bounded and len(pending.begin) == 0 and least > 1.0
     full = sampled.rank == STATES
-    bounded = whole and full and flight.bounded
-    singular, in_si = (every.least.min(axis=0) * (1 - error)).tolist()
+    error = _quadrature(flight, last, least) if whole and full else None
+    bounded = whole and error is not None and error < 1 and flight.bounded
+    singular, in_si = (every.least.min(axis=0) * (1 - (error or 0.0))).tolist()
     return RankProof(
         rank=sampled.rank,
         proved=whole,
         at=sampled.at,
-        unproved=_merged(pending if len(pending.begin) or whole else every.some(margin * (1 - error) <= 1.0)),
+        unproved=() if whole else _merged(pending if flight.floor_bounded else every),
         margin=least,
         smallest_singular=singular if bounded else None,
         smallest_found=float(sampled.singular[0]) if full else None,
@@ -147,14 +149,23 @@ def _only_sampled(sampled: _Sampled, last: float) -> RankProof:
         smallest_found=float(sampled.singular[0]) if full else None,
         eigenvalue=None,
         eigenvalue_found=float(sampled.singular[1] ** 2) if full else None,
-        quadrature=0.0,
+        quadrature=None,
         decomposed=sampled.decomposed,
     )
+
+
+def _quadrature(flight: Flight, last: float, margin: float) -> float | None:
+    """A bound of the relative error of the least singular values; None where none is known."""
+    if not quadrature_bound.known(flight.path):
+        return None
+    until = last + flight.window
+    return quadrature_bound.relative(flight.path, flight.window, until, size=flight.size, margin=margin)
 
 
 def _sample(path: Signal, gravity: Vec3, window: float, starts: Array, sampled: _Sampled) -> None:
     """Take the weakest of the windows that start there."""
     for part in cores.parts(path, np.unique(starts), window):
+        stop_if_unwanted()
         samples = rows.sample(path, part, window)
         of = gramian_rank.of(samples, gravity, samples.weight, "start")
         sampled.decomposed += len(part)

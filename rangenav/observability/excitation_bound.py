@@ -31,6 +31,7 @@ from rangenav.observability.eigenvalue_drop import (
 )
 from rangenav.observability.excitation import lowest_between
 from rangenav.observability.sums import GAUSS, NEAR, TURN, additions, cells, first_starts, most_nodes, sums
+from rangenav.progress import stop_if_unwanted
 from rangenav.results import result
 from rangenav.signals import Signal, knots
 
@@ -109,6 +110,7 @@ def excitation_bounds(path: Signal, window: float, end: float) -> ExcitationBoun
     projections = _projections(path, grid.matrix[int(np.argmin(grid.value))], bounds)
     gap = fall(grid.start, grid.matrix, window, bounds, projections)
     for _ in range(ROUNDS):
+        stop_if_unwanted()
         finer = _finer(path, window, grid, gap, bounds)
         if finer is None:
             break

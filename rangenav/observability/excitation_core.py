@@ -19,6 +19,7 @@ from numpy import ndarray as Array
 
 from rangenav.observability import derivative_bounds, quadrature
 from rangenav.observability.excitation_bound import ARITHMETIC, EPSILON, TIE, ExcitationBounds, oriented
+from rangenav.progress import stop_if_unwanted
 from rangenav.signals import Signal, knots
 
 SHARE = 0.02
@@ -71,10 +72,10 @@ def core_bounds(path: Signal, window: float, end: float) -> ExcitationBounds | N
 
 def _least(path: Signal, start: Float[Array, "w"], window: float, smooth: float) -> Float[Array, "w"]:
     """The least singular value of the weighted snaps of each window."""
-    triangles = [
-        np.linalg.qr(_snaps(path, start[k : k + TOGETHER], window, smooth), mode="r")
-        for k in range(0, len(start), TOGETHER)
-    ]
+    triangles = []
+    for k in range(0, len(start), TOGETHER):
+        stop_if_unwanted()
+        triangles.append(np.linalg.qr(_snaps(path, start[k : k + TOGETHER], window, smooth), mode="r"))
     return np.linalg.svd(np.concatenate(triangles), compute_uv=False)[:, -1]
 
 

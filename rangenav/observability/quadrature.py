@@ -31,34 +31,37 @@ ROWS, SNAP = 2, -4
 """Degree of what is squared, relative to the path's degree: rows of ½τ²D, and the fourth derivative."""
 
 
-def count(path: Signal, window: float, until: float) -> int:
+def count(path: Signal, window: float, until: float, *, spare: int = 0) -> int:
     """How many nodes a window (s) has at most, wherever it lies between 0 and `until` (s)."""
     if not knots.has_pieces(path):
-        return PANEL_NODES * _panels(window, path.bandwidth_until(until))
-    return math.prod(_fullest(path, window, until))
+        return (PANEL_NODES + spare) * _panels(window, path.bandwidth_until(until))
+    return math.prod(_fullest(path, window, until, spare))
 
 
 def refuse(path: Signal, window: float, until: float) -> None:
     """Raise ValueError, before any work is done, if some window between 0 and `until` (s) has too many nodes."""
     if knots.has_pieces(path):
         _refuse_tones(window, knots.smooth_bandwidth(path, until))
-        _refuse_pieces(*_fullest(path, window, until))
+        _refuse_pieces(*_fullest(path, window, until, 0))
     else:
         _refuse_tones(window, path.bandwidth_until(until))
 
 
 def nodes(
-    path: Signal, start: Float[Array, "w"], window: float, *, raised: int = ROWS
+    path: Signal, start: Float[Array, "w"], window: float, *, raised: int = ROWS, spare: int = 0
 ) -> tuple[Float[Array, "v k"], Float[Array, "v k"]]:
-    """Nodes τ in [0, window] and weights that sum to one: one row for all windows (v = 1), or a row for each."""
+    """Nodes τ in [0, window] and weights that sum to one: one row for all windows (v = 1), or a row for each.
+
+    raised: the degree of what is squared, relative to the path's. spare: nodes added to each panel that has tones.
+    """
     first, last = float(np.min(start)), float(np.max(start)) + window
     if not knots.has_pieces(path):
-        return _composite(window, path.bandwidth_until(last))
+        return _composite(window, path.bandwidth_until(last), PANEL_NODES + spare)
     _refuse_tones(window, knots.smooth_bandwidth(path, last))
     edges = _edges(path, first, last)
     begin = np.searchsorted(edges, start, side="right")
     panels = int((np.searchsorted(edges, start + window) - begin).max()) + 1
-    each = _panel_nodes(path, edges, window, panels, raised)
+    each = _panel_nodes(path, edges, window, panels, raised, spare)
     _refuse_pieces(panels, each)
     stop = (start + window)[:, None]
     padded = np.append(edges, np.full(panels, np.inf))  # what lies past the window's end becomes its end: no length
@@ -71,26 +74,39 @@ def nodes(
 
 
 @lru_cache(maxsize=64)
-def _composite(window: float, bandwidth: float) -> tuple[Array, Array]:
+def _composite(window: float, bandwidth: float, each: int) -> tuple[Array, Array]:
     """The same panels in every window."""
     _refuse_tones(window, bandwidth)
-    tau, weight = composite(window, _panels(window, bandwidth))
+    tau, weight = composite(window, _panels(window, bandwidth), each)
     return tau[None], weight[None]
 
 
-def composite(window: float, panels: int) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
+def composite(window: float, panels: int, each: int = PANEL_NODES) -> tuple[Float[Array, "k"], Float[Array, "k"]]:
     """Nodes (s, from the window's start) and weights, which add up to 1, of so many equal panels in a window (s)."""
-    x, weight = legendre(PANEL_NODES)
+    x, weight = legendre(each)
     return (np.arange(panels)[:, None] + x).ravel() * (window / panels), np.tile(weight / panels, panels)
 
 
-def _fullest(path: Signal, window: float, until: float) -> tuple[int, int]:
+def panels(path: Signal, window: float, until: float, *, spare: int) -> tuple[float, int]:
+    """The most that the fastest tone turns in a panel (rad), and the least nodes of a panel, of windows up to a time
+    (s).
+    """
+    if not knots.has_pieces(path):
+        bandwidth = path.bandwidth_until(until)
+        return bandwidth * window / _panels(window, bandwidth), PANEL_NODES + spare
+    edges = _edges(path, 0.0, until)
+    longest = min(window, float(np.diff(edges).max()))
+    turn = knots.smooth_bandwidth(path, until) * longest
+    return turn, max(knots.degree(path), 2) + ROWS + 1 + (_mixed(turn) + spare if turn > 0 else 0)
+
+
+def _fullest(path: Signal, window: float, until: float, spare: int) -> tuple[int, int]:
     """The most panels that a window has, and the nodes of each: those of a window that starts just before a knot."""
     edges = _edges(path, 0.0, until)
     inner = edges[1:-1]
     inside = np.searchsorted(inner, inner + window) - np.arange(len(inner))
     panels = 1 + int(inside.max(initial=0))
-    return panels, _panel_nodes(path, edges, window, panels, ROWS)
+    return panels, _panel_nodes(path, edges, window, panels, ROWS, spare)
 
 
 def _edges(path: Signal, first: float, last: float) -> Array:
@@ -108,12 +124,16 @@ def _edges(path: Signal, first: float, last: float) -> Array:
     return np.concatenate([[first], edges, [last]])
 
 
-def _panel_nodes(path: Signal, edges: Array, window: float, panels: int, raised: int) -> int:
+def _panel_nodes(path: Signal, edges: Array, window: float, panels: int, raised: int, spare: int) -> int:
     """Nodes of a panel: exact for the polynomials, and enough for added tones on the longest panel."""
     degree = max(knots.degree(path), 2) + raised  # 2: the drop in D
     turn = knots.smooth_bandwidth(path, float(edges[-1])) * min(window, float(np.diff(edges).max()))
-    mixed = MIXED_NODES + math.ceil(NODES_PER_RADIAN * turn) if turn > 0 else 0
+    mixed = _mixed(turn) + spare if turn > 0 else 0
     return max(degree + 1 + mixed, math.ceil(LEAST_NODES / panels))
+
+
+def _mixed(turn: float) -> int:
+    return MIXED_NODES + math.ceil(NODES_PER_RADIAN * turn)
 
 
 def _panels(window: float, bandwidth: float) -> int:

@@ -17,6 +17,7 @@ from numpy import ndarray as Array
 from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import range_rows, rounding
+from rangenav.progress import stop_if_unwanted
 from rangenav.signals import Signal, curved_part
 
 BERNSTEIN = np.array([[math.comb(j, i) / math.comb(4, i) for j in range(5)] for i in range(5)])
@@ -80,6 +81,7 @@ def greatest(ranging: Ranging, stretches: Stretches) -> tuple[Float[Array, "i"],
         value[chosen], at[chosen] = _of_pivots(ranging, stretches.some(chosen), pivot[chosen])
     unknown = np.flatnonzero(enough & np.isinf(value))
     for k in range(0, len(unknown), AGAIN):
+        stop_if_unwanted()
         chosen = unknown[k : k + AGAIN]
         value[chosen], at[chosen] = _of_own_rows(ranging, stretches.some(chosen))
         if np.isinf(value[chosen]).any():
@@ -91,6 +93,7 @@ def _grouped(pivot: Int[Array, "i"], reach: int) -> Iterator[Array]:
     """Groups of stretches, by a few pivots each."""
     pivots, each = np.unique(pivot), max(1, CHUNK // (2 * reach + 1))
     for k in range(0, len(pivots), each):
+        stop_if_unwanted()
         yield np.flatnonzero(np.isin(pivot, pivots[k : k + each]))
 
 
@@ -164,6 +167,7 @@ def _grown(blocks: Float[Array, "p l s 13"]) -> Float[Array, "m p 13 13"]:
     """R of none, of the first, of the first two … blocks of rows."""
     grown = np.zeros((blocks.shape[1] + 1, len(blocks), STATES, STATES))
     for k in range(blocks.shape[1]):
+        stop_if_unwanted()
         grown[k + 1] = np.linalg.qr(np.concatenate([grown[k], blocks[:, k]], axis=1), mode="r")
     return grown
 

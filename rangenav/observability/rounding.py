@@ -10,12 +10,16 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.observability import derivative_bounds
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
 from rangenav.signals import Signal, curved_part, knots
 
 ROWS = 64 * np.finfo(float).eps
 """Absolute error of a row per metre of path amplitude, where D is a small difference of large positions."""
 SHARES = np.array([0.15, 0.4, 0.65, 0.9])
 """Of a window: where the rounding of a path is measured."""
+FINE = 4097
+"""Edges between which formulas are enclosed: on longer stretches an interval loses more of them."""
 TURN = 1e-8
 """rad of the fastest tone from one to its neighbours: its own second difference is below its rounding there."""
 
@@ -36,6 +40,24 @@ def sizes(
     speed = np.maximum(np.abs(velocity).max(axis=(0, 2)), 2 * np.ptp(curved, axis=2).max(axis=1) / (ends[1] - ends[0]))
     size = np.maximum(largest + speed * np.abs(ends).max(axis=0), _measured(path, ends))
     return size + np.sqrt(np.sum(position**2, axis=1)).max(axis=1) if knots.has_pieces(path) else size
+
+
+def bound(path: Signal, until: float) -> float:
+    """A size (m) whose rounding no curved position from 0 to a time (s) exceeds; infinite if none is known.
+
+    It is no less than |p| + 2|v|t, which `sizes` has of the windows it measures.
+    """
+    curve = curved_part(path)
+    try:
+        edges = derivative_bounds.stretches(curve, until)
+    except UnboundedDerivativeError:
+        return math.inf
+    if path.operations() > 0:
+        edges = np.union1d(edges, np.linspace(0.0, until, FINE))
+    position, speed = curve.derivative_bounds(edges, range(2)).max(axis=1).tolist()
+    moved = path(np.zeros(1)) - curve(np.zeros(1)) if knots.has_pieces(path) else np.zeros(1)
+    size = curve.rounding_bound(edges) + position + 2 * speed * until + float(np.linalg.norm(moved))
+    return size if math.isfinite(size) else math.inf
 
 
 def _measured(path: Signal, ends: Float[Array, "2 w"]) -> Float[Array, "w"]:

@@ -52,6 +52,10 @@ class WorstExcitation:
         """No window has less; None where mu is sampled."""
         return None if self.bounds is None else self.bounds.lower
 
+    def proven(self, required: float) -> bool:
+        """Whether the bounds say anything of the required μ: a lower bound of 0 alone says nothing."""
+        return self.bounds is not None and (self.bounds.lower > 0 or self.bounds.upper < required)
+
     def meets(self, required: float) -> bool | None:
         """Whether every window has at least the required μ; None where that is neither proven nor disproven."""
         if self.mu < required:

@@ -13,9 +13,10 @@ import numpy as np
 
 from rangenav import provenance
 from rangenav.certificate import Certificate, remedy
-from rangenav.certificate.figures import figures
+from rangenav.certificate.figures import Figures, figures
 from rangenav.inputs import require
 from rangenav.observability import blindness
+from rangenav.observability.derivative_bounds import UnboundedDerivativeError
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
 from rangenav.repair import confirmed, path_changes, tones, ways_out
@@ -80,6 +81,7 @@ def repair(
     repeats = target is not None
     nearest_trials: list[Trial] = []
     refused: list[Refused] = []
+    _sampled(preset, by)
     for limited in _limited(preset, by, budget):
         solution = confirmed.smallest(
             _changes(limited, by, before.excitation.at, budget, repeats=repeats),
@@ -110,7 +112,7 @@ def improve(
     Raises CannotRepairError if the motion is blind, which is for `repair`, or if σ does not fall by a tenth.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
-    current, refused = figures(preset), path_changes.refusal(by, preset)
+    current, refused = _sampled(preset, by), path_changes.refusal(by, preset)
     if refused is not None:
         raise CannotRepairError(f"{by}: {refused}")
     if not np.isfinite(current.sigma):
@@ -131,6 +133,16 @@ def improve(
     raise CannotRepairError(
         f"{by}: no change of effort {limit:g} or less, within the limits, lowers the {current.sigma:.3g} m by a tenth"
     )
+
+
+def _sampled(preset: Preset, by: ChangeKind) -> Figures:
+    """The figures of a preset on samples. Raises CannotRepairError where they, and those of any trial, are too much
+    work.
+    """
+    try:
+        return figures(preset)
+    except UnboundedDerivativeError as error:
+        raise CannotRepairError(f"{by}: {error}") from None
 
 
 def _kept(after: Preset, limited: Preset) -> bool:

@@ -53,6 +53,11 @@ class Repair:
     certificate: Certificate
     """Of the preset after, from its written bytes."""
 
+    @property
+    def changed(self) -> bool:
+        """Whether the path was changed; not where the preset met its requirement already."""
+        return self.after.path != self.before.path
+
 
 def changed_preset(change: Change, theta: Float[Array, "n"], preset: Preset, suffix: str) -> Preset:
     """The changed preset with its own vehicle again, a title, and a story that says what was changed."""
@@ -109,17 +114,25 @@ def report(repair: Repair, *, name: str) -> dict[str, Any]:
         "words": repair.description,
         "effort": repair.effort,
         "evaluations": repair.evaluations,
+        "changed": repair.changed,
         "before": figures_entry(repair.figures_before),
         "after": figures_entry(repair.figures_after)
         | {
             "title": repair.after.title,
             "rank": stated.rank.rank,
             "mu_bound": stated.excitation.lower,
+            "sampled": sampled(stated),
             "flyable": stated.vehicle.flyable,
             "thrust_to_weight": stated.limits.thrust_to_weight,
             "certified": stated.certified,
         },
     }
+
+
+def sampled(certificate: Certificate) -> list[str]:
+    """The figures of a certificate that are those of evaluated windows, and not proven of all: "mu", "rank"."""
+    parts = (("mu", certificate.excitation), ("rank", certificate.rank))
+    return [name for name, part in parts if part.scope is not msgspec.UNSET and part.scope.basis == "sampled"]
 
 
 def missed(certificate: Certificate, sampled: Figures) -> float:

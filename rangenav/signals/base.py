@@ -63,6 +63,13 @@ class SignalBase(Input, frozen=True):
         """
         return self.equivalent().derivative_bounds(edges, orders)
 
+    def rounding_bound(self, edges: Float[Array, "k"]) -> float:
+        """How far a computed value may be from the exact one at that time, between the first and the last edge (s).
+
+        In the signal's unit, divided by the rounding ε of one number; infinite where no bound is known.
+        """
+        return self.equivalent().rounding_bound(edges)
+
     def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
         """The signal and its derivatives up to the highest order (1 at least) at times t (s), in one pass."""
         return self.equivalent().jet(t, highest)

@@ -81,6 +81,13 @@ class Sum(SignalBase, frozen=True, kw_only=True, tag="sum", tag_field="kind", om
         """The sum of both parts' bounds."""
         return self.base.derivative_bounds(edges, orders) + self.wiggle.derivative_bounds(edges, orders)
 
+    def rounding_bound(self, edges: Float[Array, "k"]) -> float:
+        """Of both parts, and of adding them and the straight line."""
+        latest = float(np.abs(edges[[0, -1]]).max())
+        straight = math.hypot(*self.offset) + latest * math.hypot(*self.drift)
+        largest = float(self.derivative_bounds(edges, range(1)).max())
+        return sum(part.rounding_bound(edges) for part in self.parts()) + largest + 2 * straight
+
     def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
         """The signal and its derivatives up to the highest order (1 at least) at times t (s)."""
         every = self.base.jet(t, highest) + self.wiggle.jet(t, highest)

@@ -14,12 +14,13 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3, require_within
-from rangenav.signals import expressions
+from rangenav.signals import expressions, rounded
 from rangenav.signals.base import ROUNDING_MARGIN, SignalBase, divided, vector
 from rangenav.signals.expressions import Node
 from rangenav.signals.intervals import Interval
 from rangenav.signals.multisine import AXES, MAX_DRIFT, MAX_OFFSET, common_period
 from rangenav.signals.periodicity import frequencies
+from rangenav.signals.rounded import Rounded
 from rangenav.signals.series import Series, variable
 
 Rows = tuple[Vec3, Vec3, Vec3]
@@ -157,6 +158,23 @@ class Formula(
         with np.errstate(invalid="ignore"):
             mixed = np.where(mix[:, :, None] > 0, mix[:, :, None] * sizes[:, None], 0.0).sum(axis=2)
         return np.hypot(np.hypot(mixed[:, 0], mixed[:, 1]), mixed[:, 2]) * ROUNDING_MARGIN
+
+    def rounding_bound(self, edges: Float[Array, "k"]) -> float:
+        """Each expression with the rounding of all its operations, over intervals of t / slower."""
+        time = Rounded(Interval(edges[:-1], edges[1:]), np.zeros(len(edges) - 1)) / self.slower
+        error, value = np.zeros((3, len(edges) - 1)), np.zeros((3, len(edges) - 1))
+        for axis, k in AXES.items():
+            with np.errstate(all="ignore"):
+                (first, *_) = expressions.evaluate(expressions.parse(getattr(self, axis)), (time,), 0)
+            first = rounded.of(first)
+            error[k], value[k] = first.error / rounded.EPSILON, rounded.size(first.value)
+        mix = np.abs(np.asarray(self.mix))
+        with np.errstate(invalid="ignore"):
+            each = np.where(mix[:, :, None] > 0, mix[:, :, None] * (error + 3 * value), 0.0).sum(axis=1)
+        latest = float(np.abs(edges[[0, -1]]).max())
+        straight = 2 * (math.hypot(*self.offset) + latest * math.hypot(*self.drift))
+        total = float(np.sqrt(np.sum(each**2, axis=0)).max())
+        return total + straight if math.isfinite(total) else math.inf
 
     def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
         """The signal and its derivatives up to the highest order, one after the other."""

@@ -116,6 +116,15 @@ class Multisine(SignalBase, frozen=True, kw_only=True, tag="multisine", tag_fiel
         constant = np.array([self.bound(order) for order in orders]) * ROUNDING_MARGIN
         return np.repeat(constant[:, None], len(edges) - 1, axis=1)
 
+    def rounding_bound(self, edges: Float[Array, "k"]) -> float:
+        """Σ|A| (w t + |phase| + 2) of each axis for its sines and their angles, and for the sum of so many of them."""
+        latest = float(np.abs(edges[[0, -1]]).max())
+        sums = (np.abs(self.offset) + latest * np.abs(self.drift)) * 2
+        for tone in self.tones:
+            turned = tone.frequency * latest + abs(tone.phase) + 2 + len(self.tones)
+            sums[AXES[tone.axis]] += abs(tone.amplitude) * turned
+        return math.hypot(*sums)
+
     def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
         """The signal and its derivatives up to the highest order (1 at least): one sine and one cosine a tone."""
         every = np.zeros((highest + 1, len(t), 3))

@@ -161,6 +161,17 @@ def _hull_of_each(curve: Pieces, order: int) -> Float[Array, "m"]:
     return np.linalg.norm(corners, axis=-1).max(axis=0) * (1 + 1e-12)
 
 
+def rounding(curve: Pieces, latest: float) -> float:
+    """A bound of the rounding of values up to a time (s), in units of ε: n Σ|c_j| hʲ of Horner's rule, and the speed
+    times the rounding of the time since a knot, which is that of numbers as large as the time and the knots.
+    """
+    length, table = np.diff(curve.knots), np.abs(curve.tables[0])
+    powers = (length[None, :] ** np.arange(len(table))[:, None])[..., None]
+    sums = np.linalg.norm((table * powers).sum(axis=0), axis=-1)
+    speed = hull(curve, 1) if len(curve.tables) > 1 else 0.0
+    return len(table) * float(sums.max()) + 2 * speed * (latest + float(np.abs(curve.knots).max()))
+
+
 def bernstein(table: Float[Array, "d m 3"], length: Float[Array, "m"]) -> Float[Array, "d m 3"]:
     """Bernstein coefficients of each piece on its own stretch: b_i = Σ_{j≤i} C(i,j)/C(n,j) c_j hʲ."""
     degree = len(table) - 1

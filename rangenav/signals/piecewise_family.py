@@ -34,6 +34,11 @@ class PiecewiseFamily(SignalBase, frozen=True):
         middle = (edges[:-1] + edges[1:]) / 2
         return np.stack([piecewise.hulls(self.piecewise(), order, middle) for order in orders]) * ROUNDING_MARGIN
 
+    def rounding_bound(self, edges: Float[Array, "k"]) -> float:
+        """Of Horner's rule, and of the time since the last knot."""
+        latest = float(np.abs(edges[[0, -1]]).max())
+        return piecewise.rounding(self.piecewise(), latest)
+
     def jet(self, t: Float[Array, "n"], highest: int) -> Float[Array, "o n 3"]:
         """The signal and its derivatives: one search for the piece, developed anew about each time."""
         return piecewise.jet(self.piecewise(), t, highest)

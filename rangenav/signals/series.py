@@ -12,9 +12,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from rangenav.signals.intervals import ELEMENTARY, Interval
+from rangenav.signals.rounded import Rounded
 
 Series: TypeAlias = tuple[Any, ...]
-"""Coefficients are floats, arrays or Intervals, which have +, −, ×, ÷ in common and no common type."""
+"""Coefficients are floats, arrays, Intervals or Rounded, which have +, −, ×, ÷ in common and no common type."""
 Function: TypeAlias = Callable[[Series, int], Series]
 
 
@@ -172,10 +173,19 @@ _NUMPY |= {"atanh": "arctanh", "pow": "power"}
 
 
 def elementary(name: str, *arguments: Any) -> Any:
-    """The function's value on numbers, arrays or an interval."""
+    """The function's value on numbers, arrays, an interval or a rounded number."""
+    if isinstance(arguments[0], Rounded):
+        return _rounded(name, *arguments)
     if isinstance(arguments[0], Interval):
         return ELEMENTARY[name](*arguments)
     return getattr(np, _NUMPY.get(name, name))(*arguments)
+
+
+def _rounded(name: str, u: Rounded, *exponent: float) -> Rounded:
+    """f(u) with its rounding: f′ is the second coefficient of the series of f over all that u may be."""
+    wide = variable(u.widened)
+    series = real_power(wide, exponent[0], 1) if exponent else FUNCTIONS[name](wide, 1)
+    return u.mapped(ELEMENTARY[name](u.value, *exponent), series[1])
 
 
 def _product_term(a: Sequence[Any], b: Sequence[Any], k: int) -> Any:

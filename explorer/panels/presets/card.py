@@ -133,9 +133,9 @@ def _figures(preset: Preset, certificate_or_reason: CertificateOrReason | None) 
     unit = f"m²/s⁷ over {requirement.window:g} s (required {significant(requirement.mu)})"
     if excitation.found is None:
         mu = f"μ = 0 {unit}: nothing above rounding"
-    elif excitation.lower is not None:
+    elif excitation.lower:
         mu = f"μ ≥ {significant(excitation.lower)} {unit}"
     else:
-        mu = f"μ = {significant(excitation.found)} {unit}, on sampled windows"
+        mu = f"μ = {significant(excitation.found)} {unit}, on the evaluated windows"
     sigma_text = quantity(sigma, "m")
     return f"<br>{mu}<br>predicted σ {sigma_text} (required {significant(requirement.position_sigma)} m)"

@@ -1,6 +1,6 @@
 """`rangenav analyze` for a person."""
 
-from rangenav import continuity
+from rangenav import continuity, window_text
 from rangenav.analysis import Analysis
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group, met
@@ -8,7 +8,6 @@ from rangenav.commands.text.spectrum_bar import spectrum_bar
 from rangenav.commands.text.verdict import accuracy_lines, flight_lines, headline, unjudged_help
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
-from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset
 
 NONLINEAR_STATES = 9
@@ -60,13 +59,15 @@ def excitation_lines(preset: Preset, analysis: Analysis) -> list[str]:
     proven = None if analysis.proof is None else analysis.proof.excitation.meets(needed)
     answer = UNPROVEN[analysis.verdict.excitation] if proven is None else met(proven)
     reached = f"{mu}, required {significant(needed)}: {answer}"
-    return [reached, *([] if alone is None else [alone]), *(_bounded(analysis) if excited else [])]
+    return [reached, *([] if alone is None else [alone]), *(_bounded(preset, analysis) if excited else [])]
 
 
-def _bounded(analysis: Analysis) -> list[str]:
+def _bounded(preset: Preset, analysis: Analysis) -> list[str]:
     """What no window falls below, and which windows that is said of."""
     found = None if analysis.proof is None else analysis.proof.excitation
     if found is None or found.lower is None:
         return ["μ is sampled: nothing is known to bound the path's snap"]
-    where = "at every time" if found.starts == EVERY else "in every window of the flight"
-    return [f"μ is at least {quantity(found.lower, MU)} {where}"]
+    if found.lower <= 0:
+        return ["no bound of μ above 0 is known"]
+    windows = window_text.every(preset.requirement.window, preset.duration, found.starts)
+    return [f"μ is at least {quantity(found.lower, MU)} in {windows}"]

@@ -6,6 +6,8 @@ from pathlib import Path
 import msgspec
 
 from rangenav.certificate import Certificate, Outcome, Verification, path_for, verdict_of
+from rangenav.certificate.requirements import NO_LIMITS
+from rangenav.certificate.schema import Check
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report, group
 from rangenav.commands.text.verdict import plus_minus
@@ -35,7 +37,7 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
         groups=(
             *group(
                 "requirements",
-                (_check(one.met, one.proven and one.name != SOURCE, one.words) for one in certificate.checks),
+                (_check(one) for one in certificate.checks),
             ),
             *group("would help", helps),
             *group("what it covers", *coverage(certificate)),
@@ -61,8 +63,9 @@ def _refusal(certificate: Certificate) -> str:
     )
 
 
-def _check(met: bool, proven: bool, sentence: str) -> str:
-    return f"{'✓' if met else '✗'} {sentence}{' (proven)' if proven else ''}"
+def _check(one: Check) -> str:
+    sign = "–" if one.words == NO_LIMITS else "✓" if one.met else "✗"
+    return f"{sign} {one.words}{' (proven)' if one.proven and one.name != SOURCE else ''}"
 
 
 def intended(certificate: Certificate) -> str:
@@ -74,7 +77,9 @@ def intended(certificate: Certificate) -> str:
 def coverage(certificate: Certificate) -> tuple[str, ...]:
     """For which windows, and for which part of an exported file, the certificate speaks."""
     starts = certificate.claim.starts.replace(">=", "≥")
-    bounded = "μ is bounded" if certificate.excitation.lower is not None else "μ is sampled"
+    excited = certificate.excitation
+    bounded = excited.lower is not None if excited.scope is msgspec.UNSET else excited.scope.basis == "proven"
+    bounded = "μ is bounded" if bounded else "μ is sampled"
     windows = f"{bounded} for windows of {quantity(certificate.claim.window, 's')}, {starts}"
     others = (
         f"{name} is {part.scope.basis}, {part.scope.starts.replace('>=', '≥')}"
@@ -88,14 +93,15 @@ def coverage(certificate: Certificate) -> tuple[str, ...]:
 def claim(certificate: Certificate) -> tuple[Group, ...]:
     """For which windows the certificate speaks, and its figures."""
     excited = certificate.excitation
-    mu = excited.lower if excited.lower is not None else excited.found
-    figures = f"μ ≥ {quantity(mu, 'm²/s⁷')}" if mu else "μ is 0"
+    relation = "=" if not excited.lower else "≥"
+    mu = excited.lower or excited.found
+    figures = f"μ {relation} {quantity(mu, 'm²/s⁷')}" if mu else "μ is 0"
     sigma = certificate.accuracy.lifted.end.position
     return group(
         "what it covers",
         *coverage(certificate),
         f"{figures}, required {significant(excited.required)}; rank {certificate.rank.rank} of {certificate.rank.of}",
-        f"position {plus_minus(sigma)}, required ±{quantity(certificate.accuracy.required, 'm')}",
+        f"position {plus_minus(sigma)}, required of this prediction ±{quantity(certificate.accuracy.required, 'm')}",
     )
 
 

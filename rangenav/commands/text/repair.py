@@ -9,26 +9,37 @@ from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 from rangenav.vehicle import FREE
 
+UNCHANGED = "nothing needs repair: every requirement is met"
+
 
 def report(preset: Preset, answer: Json, *, name: str, written: Path | None) -> Report:
     """What was changed, and what that achieves; `answer` is the command's JSON object."""
     before, after, needed = answer["before"], answer["after"], preset.requirement
     typed = layout.argument(written or name)
+    earlier = f"μ {quantity(before['mu'], 'm²/s⁷')}, position {plus_minus(before['position_sigma'])}"
+    wanted = quantity(needed.position_sigma, "m")
     limits = f"the limits of {preset.vehicle.name}"
     flown = f"✓ within {limits}" if after["flyable"] else f"✗ beyond {limits}"
     if preset.vehicle == FREE:
         flown = "no vehicle is chosen, so no limit applies"
+    mu, rank = (" (sampled)" if figure in after["sampled"] else "" for figure in ("mu", "rank"))
+    again = () if written else (f"repair {typed} --by {answer['by']} -o repaired.toml",)
+    export = (f"export {typed} --to {answer['export']} -o flight.csv",) if written and "export" in answer else ()
+    following = (
+        (*again, *export, f"analyze {typed}") if answer["changed"] else (f"simulate {typed}", f"certify {typed}")
+    )
     return Report(
         subject=layout.subject(name),
         sign="✓" if after["certified"] else "!",
-        answer=layout.three_digits(answer["words"]),
+        answer=layout.three_digits(answer["words"]) if answer["changed"] else UNCHANGED,
         title=preset.title,
         groups=(
-            *group("before", f"μ {quantity(before['mu'], 'm²/s⁷')}, position {plus_minus(before['position_sigma'])}"),
+            *group("before", earlier if answer["changed"] else None),
             *group(
-                "after",
-                f"μ {quantity(after['mu'], 'm²/s⁷')}, required {significant(needed.mu)}; rank {after['rank']} of 13",
-                f"position {plus_minus(after['position_sigma'])}, required ±{quantity(needed.position_sigma, 'm')}",
+                "after" if answer["changed"] else "as it is",
+                f"μ {quantity(after['mu'], 'm²/s⁷')}{mu}, required {significant(needed.mu)}",
+                f"rank {after['rank']} of 13{rank}",
+                f"position {plus_minus(after['position_sigma'])}, required of this prediction ±{wanted}",
                 "✓ certified" if after["certified"] else "✗ not certified",
             ),
             *group(
@@ -36,12 +47,8 @@ def report(preset: Preset, answer: Json, *, name: str, written: Path | None) -> 
                 flown,
                 f"{significant(after['thrust_to_weight'])} × weight in thrust at most",
             ),
-            *group("the search", f"{answer['evaluations']} motions tried"),
+            *group("the search", f"{answer['evaluations']} motions tried" if answer["changed"] else None),
             *group("written", str(written) if written else None),
-            *layout.next_commands(
-                *(() if written else (f"repair {typed} --by {answer['by']} -o repaired.toml",)),
-                *([f"export {typed} --to {answer['export']} -o flight.csv"] if written and "export" in answer else []),
-                f"analyze {typed}",
-            ),
+            *layout.next_commands(*following),
         ),
     )

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from rangenav import continuity, motion, provenance, record, vehicle, verdict
+from rangenav import continuity, motion, provenance, record, vehicle, verdict, window_text
 from rangenav.analysis import Analysis
 from rangenav.commands.text.layout import met
 from rangenav.model import STATES
@@ -20,19 +20,21 @@ CHOOSE = "import --vehicle NAME, a table [vehicle] in the preset, or the page un
 
 def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     """The verdict in a sentence, with its sign."""
-    window, needed = quantity(preset.requirement.window, "s"), preset.requirement.position_sigma
-    at = quantity(analysis.gramian_at, "s")
+    window, duration, needed = preset.requirement.window, preset.duration, preset.requirement.position_sigma
     proven = analysis.proof is not None and analysis.proof.rank_proven
     unmet = analysis.verdict.unmet
-    windows = f"{'every window' if proven else 'all evaluated windows'} of {window}"
+    windows = f"{'every window' if proven else 'all evaluated windows'} of {window_text.of_flight(window, duration)}"
+    later = window_text.later_round(analysis.gramian_at, window, duration)
+    weakest = f"weakest from {quantity(analysis.gramian_at, 's')}{later}"
+    too_large = f"the predicted error {quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}"
     texts = {
-        "observable": f"observable in {windows} (weakest from {at})" + (f", but {unmet}" if unmet else ""),
-        "weak": f"weak: rank {STATES} in {windows}, but the predicted error "
-        f"{quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}"
+        "observable": f"observable in {windows} ({weakest})" + (f", but {unmet}" if unmet else ""),
+        "weak": f"weak: rank {STATES} in {windows}, but {analysis.verdict.reason or too_large}"
         + (f", and {unmet}" if unmet else ""),
         "blind": str(analysis.verdict)
         if analysis.verdict.reason
-        else f"blind: rank {analysis.rank} of {STATES} in the window of {window} from {at}",
+        else f"blind: rank {analysis.rank} of {STATES} in the window of {quantity(window, 's')} from "
+        f"{quantity(analysis.gramian_at, 's')}{later}",
         "not judged": str(analysis.verdict),
     }
     return analysis.verdict.sign, texts[analysis.verdict.word]
@@ -51,10 +53,18 @@ def accuracy_lines(preset: Preset, analysis: Analysis) -> list[str]:
     return [
         *_positions(end, analysis.nonlinear_end.position),
         *_rates(analysis.lifted_end),
-        f"required {plus_minus(needed)}: {met(_most(analysis) <= needed)}",
+        f"required of the predicted error {plus_minus(needed)}: {_reached(preset, analysis)}",
         f"assumed: {noise_assumption(preset.sensors)}",
-        *verdict.caveats(preset.world.gravity, preset.sensors.sigma.range),
+        *(f"! {sentence}" for sentence in analysis.caveats(preset)),
     ]
+
+
+def _reached(preset: Preset, analysis: Analysis) -> str:
+    """Whether the required σ is met, and that it asks for too little where the error says nothing."""
+    most, sphere = _most(analysis), verdict.sphere(analysis.farthest)
+    if sphere < most <= preset.requirement.position_sigma:
+        return f"! met, but an error above {quantity(sphere, 'm')} says nothing of the position"
+    return met(most <= preset.requirement.position_sigma)
 
 
 def _most(analysis: Analysis) -> float:
@@ -67,7 +77,7 @@ def _positions(lifted: float, nonlinear: float) -> list[str]:
         return ["position not determined after the worst window, lifted or nonlinear"]
     return [
         f"position {plus_minus(lifted)} (1-σ, lifted) after the worst window",
-        f"position {plus_minus(nonlinear)} (nonlinear, given a good start)",
+        f"position {plus_minus(nonlinear)} after that same window (nonlinear, given a good start)",
     ]
 
 

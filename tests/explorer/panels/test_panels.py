@@ -4,6 +4,7 @@ import dataclasses
 import html
 import math
 import time
+from queue import Queue
 from typing import Any
 from unittest.mock import MagicMock
 
@@ -28,6 +29,7 @@ from explorer.widgets.section import Section
 from rangenav import analysis, certificate, preset, range_fit, sensors
 from rangenav.attitude import Schedule
 from rangenav.certificate.figures import Figures
+from rangenav.progress import CancelledError
 from rangenav.range_fit import RangeFit
 from rangenav.repair import Repair
 from rangenav.sensors import Noise, Sensors
@@ -313,6 +315,18 @@ def test_the_dock_replaces_the_verdict_of_sampled_windows_as_soon_as_the_other_i
         time.sleep(0.05)
     assert [one.analysis.proof is not None for one in shown] == [True]
     assert shown[0].settings == picture.settings
+
+
+def test_the_proof_of_an_older_picture_is_not_wanted_once_another_is_proven(dock: Dock):
+    with pytest.raises(CancelledError):
+        _computed("trefoil").proven(lambda: True)
+    older, wanted = MagicMock(), Queue()
+    older.proven = wanted.put
+    dock.prove(older)
+    cancelled = wanted.get(timeout=5.0)
+    assert not cancelled()
+    dock.prove(_computed("hover"))
+    assert cancelled()
 
 
 def test_the_download_is_a_preset_whose_first_lines_state_the_verdict_of_that_very_file():

@@ -237,8 +237,8 @@ def test_figures_are_rounded_to_the_side_on_which_bounds_stay_bounds(value: floa
 
 def test_expectations_are_held_against_what_is_found():
     assert certified(replace(SOFT, expect="unobservable")).failures == (
-        "expected unobservable, but no window has an excitation below 139.9, 50 m²/s⁷ required, "
-        "and the rank is 13 of 13 on every window",
+        "expected unobservable, but no window of 12 s at any t ≥ 0 has an excitation below 139.9, 50 m²/s⁷ required, "
+        "and the rank is 13 of 13 on every window of 12 s at every t ≥ 0",
     )
     (said,) = certified(replace(SOFT, expect="weak")).failures
     assert said.startswith("expected weak, but position is predicted to 0.323 m (1-σ) or better after every window of ")

@@ -157,7 +157,9 @@ def test_repair_writes_a_preset_that_certifies(run: Call, tmp_path: Path):
     assert run("certify", file, "-o", certificate.path_for(file))[0] == 0
     code, out, _ = run("repair", file)
     assert code == 0
-    assert "nothing had to be changed" in out
+    assert "✓ nothing needs repair: every requirement is met" in out
+    assert "motions tried" not in out
+    assert "rangenav repair" not in out.split("next", 1)[1]
 
 
 def test_a_repair_that_cannot_be_made_is_a_sentence_and_exit_1(run: Call, tmp_path: Path):

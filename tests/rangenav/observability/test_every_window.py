@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from rangenav import analysis, preset
 from rangenav.inputs import Vec3
-from rangenav.observability import spectrum
+from rangenav.observability import quadrature_bound, spectrum
 from rangenav.observability.every_window import rank_over_every_window
 from rangenav.preset import Requirement
 from rangenav.signals import Formula, Multisine, Polynomials, Signal, Sum, Tone, Waypoint, Waypoints
@@ -73,16 +73,20 @@ def test_of_every_family_rank_13_is_proved_and_no_window_lies_below_the_bounds(p
     assert proof.margin > 1
     starts = np.random.default_rng(0).uniform(0, 11.0, 200)
     dense = spectrum.window_spectra(path, GRAVITY, starts, 5.0)
-    assert proof.smallest_singular is not None
     assert proof.smallest_found is not None
-    assert proof.eigenvalue is not None
-    assert proof.eigenvalue_found is not None
-    assert proof.smallest_singular <= dense.scaled[:, -1].min() * (1 + 1e-9)
-    assert proof.eigenvalue <= dense.eigenvalues[:, 0].min() * (1 + 1e-9)
-    assert 0.5 * proof.smallest_found < proof.smallest_singular <= proof.smallest_found
     assert proof.smallest_found <= dense.scaled[:, -1].min() * (1 + 0.01)
     here = spectrum.window_spectra(path, GRAVITY, np.array([proof.at]), 5.0)
     assert here.scaled[0, -1] == pytest.approx(proof.smallest_found, rel=1e-6)
+    if isinstance(path, Formula):  # nothing bounds what its quadrature leaves out
+        assert (proof.smallest_singular, proof.eigenvalue, proof.quadrature) == (None, None, None)
+        return
+    assert proof.smallest_singular is not None
+    assert proof.eigenvalue is not None
+    assert proof.quadrature is not None
+    assert proof.quadrature < 1e-9
+    assert proof.smallest_singular <= dense.scaled[:, -1].min() * (1 + 1e-9)
+    assert proof.eigenvalue <= dense.eigenvalues[:, 0].min() * (1 + 1e-9)
+    assert 0.5 * proof.smallest_found < proof.smallest_singular <= proof.smallest_found
 
 
 @pytest.mark.parametrize("name", ["hover", "circle", "paper-implied", "vertical-circle", "minimum-snap"])
@@ -94,6 +98,22 @@ def test_a_lower_rank_is_proved_as_well(name: str):
     assert proof.rank == spectrum.window_spectra(p.path, p.world.gravity, starts, window).rank.min()
     assert proof.proved
     assert (proof.smallest_singular, proof.smallest_found) == (None, None)
+
+
+def test_of_a_formula_whose_rounding_has_no_known_bound_the_rank_is_sampled():
+    """√(t² − 10t + 25.01) is smooth, but intervals cannot tell that its argument stays positive."""
+    text = "sin(6*t) + 0.1*sqrt(t*t - 10*t + 25.01)"
+    proof = rank_over_every_window(Formula(x="sin(2*t)", y="cos(4*t)", z=text), GRAVITY, 16.0, 5.0)
+    assert (proof.rank, proof.proved, proof.unproved) == (13, False, ((0.0, 11.0),))
+    assert proof.smallest_singular is None
+
+
+def test_the_error_of_the_quadrature_is_bounded_and_a_margin_that_it_could_eat_shows_nothing():
+    bound = quadrature_bound.relative(LISSAJOUS, 5.0, 16.0, size=30.0, margin=1e8)
+    assert 0 < bound < 1e-9
+    assert quadrature_bound.relative(LISSAJOUS, 5.0, 16.0, size=30.0, margin=1e-6) == 1.0
+    assert quadrature_bound.relative(WAYPOINTS, 5.0, 16.0, size=30.0, margin=1e8) == 0.0
+    assert not quadrature_bound.known(PATHS["formula"])
 
 
 HOP = 0.05
