@@ -7,7 +7,9 @@ from the prior x̂(0), P(0), and their innovations are watched from the first ra
 
 An alarm has probability 1e-6 in each window of a consistent observer. If the mean NIS of its window is below 9, the
 noise may be up to three times the stated one, or the IMU may have a bias: gate and alarm are multiplied by that mean,
-and the gains go on. Otherwise they are given up, and constant gains, which converge from anywhere, run in their place.
+and the gains go on. Up to a mean of 36 the alarm is mild: the gains go on with P multiplied by that mean, and with gate
+and alarm multiplied by 9, for constant gains would follow the bias of a gyro. Above 36 the gains are given up, and
+constant gains, which converge from anywhere, run in their place.
 Ranges are collected, from t0 on, which is the start of the record or the time of an alarm, to determine the state
 without a prior. With the transition Φ(s, t0), the response r(s) to the inputs alone, τ = s − t0, and D(s, t0) of the
 row 𝒞Φ = [1, τ, τ²/2, τ³/6, Dᵀ, τDᵀ, ½τ²Dᵀ], the twice integrated specific force,
@@ -30,9 +32,9 @@ A range that the collected ones exclude at 6 σ is left out. A collection whose 
 anew. If no matched gains are running and few ranges were outliers, they then start from x̂ = (½d², 0, …) and a P that
 excludes no place at the distance d and no speed below σ_v, 10 σ_v or 100 σ_v of P(0), at the first, second and third
 time. Alarms begin a collection, unless one is going on. At most three times may a collection begin by an alarm or gains
-start in this way; gains given up after that are lost, and constant gains stay. The numbers and their reasons stand in
-`kernels.layout`. The functions below are the reference implementation, which is meant to be read and tests the compiled
-one.
+start in this way; gains given up after that are lost, and constant gains stay. The collection of a mild alarm counts
+only if gains are given up in it. The numbers and their reasons stand in `kernels.layout`. The functions below are the
+reference implementation, which is meant to be read and tests the compiled one.
 """
 
 from dataclasses import replace

@@ -72,6 +72,8 @@ class _Now:
     """As in `Estimate.phase`."""
     collection: Collection | None
     """None while no ranges are collected."""
+    counted: bool
+    """Whether the collection is the first one, or one of the three that alarms may begin; a mild alarm's is neither."""
     watch: Watch
     reopened: int
     """Alarms that have begun a collection."""
@@ -98,7 +100,7 @@ class _Observer:
         """The observer at the first sample."""
         phase = acquisition.MATCHED if self.noise_matched else acquisition.CONSTANT
         begun, watch = acquisition.collection() if self.noise_matched else None, acquisition.watch(1.0)
-        return _Now(x=x, P=self.p0, phase=phase, collection=begun, watch=watch, reopened=0)
+        return _Now(x=x, P=self.p0, phase=phase, collection=begun, counted=True, watch=watch, reopened=0)
 
     def output(self, distance: float) -> float:
         """y = ½d², less the bias ½σ² when noise-matched."""
@@ -169,14 +171,22 @@ class _Observer:
         if not alarm:
             return replace(now, watch=new)
         collects, left = now.collection is not None, now.reopened < layout.REOPENINGS
+        if layout.LOOSEST_SCALE < scale <= layout.MILD_SCALE:
+            now = replace(now, watch=acquisition.watch(layout.LOOSEST_SCALE), P=scale * now.P)
+            return now if collects else replace(now, collection=acquisition.collection(), counted=False)
         if scale <= layout.LOOSEST_SCALE:
             now = replace(now, watch=acquisition.watch(scale))
-        else:
-            phase = acquisition.COLLECTING if collects or left else acquisition.LOST
-            now = replace(now, watch=new, P=self.p0, phase=phase)
-        if collects or not left:
+            return now if collects or not left else self._reopened(now, acquisition.collection())
+        now = replace(now, watch=new, P=self.p0, phase=acquisition.COLLECTING)
+        if collects and now.counted:
             return now
-        return replace(now, reopened=now.reopened + 1, collection=acquisition.collection())
+        if not left:
+            return replace(now, phase=acquisition.LOST, collection=None)
+        return self._reopened(now, now.collection or acquisition.collection())
+
+    def _reopened(self, now: _Now, of: Collection) -> _Now:
+        """One of the three collections that alarms may begin."""
+        return replace(now, collection=of, counted=True, reopened=now.reopened + 1)
 
     def _started(self, now: _Now, of: Collection) -> _Now:
         if acquisition.outweighed(of) and acquisition.clean(of) and now.phase == acquisition.COLLECTING:
@@ -203,8 +213,8 @@ class _Observer:
         if now.reopened == layout.REOPENINGS:
             return replace(now, phase=acquisition.LOST, collection=None)
         x, P = acquisition.anywhere(square, self.p0, now.reopened)
-        begun = {"phase": acquisition.MATCHED, "watch": acquisition.watch(1.0), "collection": acquisition.collection()}
-        return replace(now, x=x, P=P, reopened=now.reopened + 1, **begun)
+        now = replace(now, x=x, P=P, phase=acquisition.MATCHED, watch=acquisition.watch(1.0))
+        return self._reopened(now, acquisition.collection())
 
 
 def _due_at_start(z: Measurements, observer: _Observer, now: _Now) -> tuple[float, float] | None:

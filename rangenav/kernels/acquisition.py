@@ -26,6 +26,7 @@ from rangenav.kernels.layout import (
     LOST,
     MATCHED,
     MEAN_SQUARE,
+    MILD_SCALE,
     MOMENTS,
     MOST_REFUSED,
     NEXT_CHECK,
@@ -136,7 +137,9 @@ def start(a, x, P, p):
     outweighed = a[WEIGHT] > IMU_SHARE * a[COUNT]
     if outweighed or a[REFUSED] > MOST_REFUSED + a[COUNT] / 2:
         clean = a[FIT] <= LOOSEST_SCALE * a[COUNT] and a[REFUSED] <= CLEAN_SHARE * a[COUNT]
+        collects = a[COLLECTS]
         collect_anew(a)
+        a[COLLECTS] = collects
         if outweighed and clean and a[PHASE] == COLLECTING:
             _widen(a, x, P, p)
         return
@@ -265,21 +268,33 @@ def outlier(a, innovation, variance):
 
 @kernel
 def watch(a, P, p):
-    """At an alarm: widen gate and alarm, or give up the gains, and collect ranges. A window without one is over."""
+    """At an alarm: widen gate and alarm, inflate P, or give up the gains, and collect ranges. A window without one is
+    over."""
     alarm = not a[WINDOW_SUM] <= ALARM
     if a[WINDOW_COUNT] < ALARM_RANGES and not alarm:
         return
-    scale, collects = a[SCALE] * a[WINDOW_SIZE] / a[WINDOW_COUNT], a[COLLECTS] == 1
+    scale, collects = a[SCALE] * a[WINDOW_SIZE] / a[WINDOW_COUNT], a[COLLECTS]
     a[WINDOW_COUNT] = a[WINDOW_SUM] = a[WINDOW_SIZE] = 0.0
     if not alarm:
         return
+    mild, counted, left = LOOSEST_SCALE < scale <= MILD_SCALE, collects == 1, a[REOPENED] < REOPENINGS
     if scale <= LOOSEST_SCALE:
         a[SCALE] = scale
+    elif mild:
+        a[SCALE] = LOOSEST_SCALE
+        for i in range(N * N):
+            P[i] *= scale
     else:
-        a[PHASE] = COLLECTING if collects or a[REOPENED] < REOPENINGS else LOST
+        a[PHASE] = COLLECTING if counted or left else LOST
         P[:] = 0.0
         for i in range(N):
             P[(N + 1) * i] = p.p0[0 if i < 4 else (i - 1) // 3]
-    if not collects and a[REOPENED] < REOPENINGS:
-        a[REOPENED] += 1
+    if collects == 0 and (mild or left):
         collect_anew(a)
+        a[COLLECTS] = 2.0
+    if a[COLLECTS] == 2 and not mild:
+        if a[PHASE] == LOST:
+            a[COLLECTS] = 0.0
+        elif scale > LOOSEST_SCALE or collects == 0:
+            a[COLLECTS] = 1.0
+            a[REOPENED] += 1

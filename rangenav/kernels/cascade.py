@@ -58,7 +58,7 @@ def propagate(x, P, a, turned, gyro0, gyro1, accel0, accel1, begin, end, interva
     riccati.predict_state(x, ax, ay, az, h, p.b4)
     riccati.predict_covariance(P, ax, ay, az, h)
     _add_noise(x, P, h / 2, matched, p)
-    if a[COLLECTS] == 1:
+    if a[COLLECTS] > 0:
         acquisition.propagate(a, ax, ay, az, h, p.b4)
     return rot.multiply(turned, increment)
 
@@ -86,7 +86,7 @@ def begin(s, distance, p):
     """Keep the correction by a range at the very first IMU sample: it is applied when the first interval starts."""
     a, y, matched = s.acquisition, measured_y(distance, p), s.acquisition[PHASE] == MATCHED
     variance = range_variance(s.x, matched, p)
-    if a[COLLECTS] == 1:
+    if a[COLLECTS] > 0:
         acquisition.collect(a, y, p)
     if not (matched and acquisition.outlier(a, y - s.x[0], s.P[0] + variance)):
         s.pending[0], s.pending[1] = y, variance * (2 if p.symmetric else 1)
@@ -99,7 +99,7 @@ def advance(s, t0, t1, gyro1, accel1, mag1, range_time, distance, first, last, i
     innovation[j] ← (y − ŷ, its variance) for each of them.
     """
     x, P, a, interval, reached = s.x, s.P, s.acquisition, t1 - t0, 0.0
-    collects, matched = a[COLLECTS] == 1, a[PHASE] == MATCHED
+    collects, matched = a[COLLECTS] > 0, a[PHASE] == MATCHED
     old = rot.load(s.turned)
     gravity0 = rot.apply_inverse(old, x[10], x[11], x[12])
     if not np.isnan(s.pending[0]):

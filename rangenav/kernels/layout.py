@@ -53,12 +53,19 @@ LOOSEST_SCALE = 9.0
 at most to this: noise of up to three times the stated one is overconfidence, which `range_fit` states, and no false
 solution, whose NIS is 17 to 7000. With a gyro bias of 1°/s, lissajous and paper-slow end .4 m off and their NIS is 2;
 with constant gains at every alarm they ended 7–11 and 3 m off."""
+MILD_SCALE = 36.0
+"""Above LOOSEST_SCALE and up to this mean NIS, the most that a window with a gate of 36 can show, an alarm is mild: the
+gains go on with P multiplied by that mean and with the loosest gate, while ranges are collected. The next alarm, unless
+it is mild again, gives them up. A bias of the gyro makes such alarms, and constant gains, which would run in place of
+the matched ones, follow a bias far away: with 1°/s about one axis, soft ended 10 and 14 m off in two of three seeds of
+20 s (now 1.2 and 1.6 m), and lissajous lost and 6 to 8 m off in all three of 60 s (now 1 m). A false solution
+contradicts the collected ranges, or is alarmed again."""
 CONTRADICTION = 30.66
 """χ² with 3 degrees of freedom exceeds this with probability 1e-6: the position of the matched gains then contradicts
 the collected ranges."""
 REOPENINGS = 3
-"""Collections that alarms may begin, and starts from a P that excludes nothing; gains that are given up after these are
-lost."""
+"""Collections that alarms may begin (not mild ones), and starts from a P that excludes nothing; gains that are given up
+after these are lost."""
 MATCHED_V = (1e-6, 1e-6, 1e-6, 1e-6)
 """The floor of the process noise of matched gains, in the four blocks: the least v that is allowed."""
 
@@ -73,7 +80,8 @@ the right-hand side. RESPONSE: 13, the state that the inputs alone have made of 
     PHASE, COLLECTS, ELAPSED, COUNT, REFUSED, FIT, WEIGHT, MEAN_SQUARE, NEXT_CHECK, SCALE, WINDOW_COUNT, WINDOW_SUM,
     WINDOW_SIZE, REOPENED, ACQUISITION,
 ) = range(MOMENTS + 9, MOMENTS + 24)  # fmt: skip
-"""More places. COLLECTS: 1 while ranges are collected, which begins with the record. ELAPSED: s since the collection
+"""More places. COLLECTS: 1 while ranges are collected, which begins with the record; 2 in a collection that a mild
+alarm has begun, which counts as one of the three only if gains are given up in it. ELAPSED: s since the collection
 began; COUNT and REFUSED: of its ranges and outliers; FIT: its χ²; WEIGHT: the sum of the IMU's shares of the variances;
 MEAN_SQUARE: m², the smoothed d². SCALE: of gate and alarm. WINDOW_SIZE: as WINDOW_SUM, but outliers count GATE.
 ACQUISITION: the length."""
