@@ -26,7 +26,7 @@ HALVINGS = 14
 """Then the shortest is a millionth of the window: where the rank falls within less, nothing is proved."""
 MOST = 20_000
 """The most cores and windows that are decomposed: about two seconds."""
-TIGHT = 0.9
+TIGHT = 0.8
 """The bound of the least singular value is improved until it is this share of the least one found."""
 ROOM = 4000
 """The most cores and windows for that."""
@@ -101,7 +101,8 @@ def rank_over_every_window(path: Signal, gravity: Vec3, duration: float, window:
             np.concatenate([proved.begin[weakest], proved.end[weakest]]),
             sampled,
         )
-        proved = _tightened(flight, proved, sampled) if flight.bounded else proved
+        bounds = flight.bounded and quadrature_bound.known(path)
+        proved = _tightened(flight, proved, sampled) if bounds else proved
     every = proved.joined(pending)
     margin = cores.margin(every, sampled.rank)
     least = float(margin.min())

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rangenav import analysis, certificate
+from rangenav import analysis, certificate, verdict
 from rangenav import preset as presets
 from rangenav.certificate import Certificate
 from rangenav.observability import excitation
@@ -60,8 +60,9 @@ def judged(kind: str, seed: int, *, count: int) -> Judged:
         bound=bound,
         mu=mu,
         false_certificate=(issued.meets and (too_far or too_weak)) or _bound_fails(issued, sigma, mu),
-        false_observable=analysed.verdict.word == "observable" and too_far,
-        false_refusal=_refused(issued, sigma, mu, preset),
+        false_observable=analysed.verdict.word == "observable"
+        and (too_far or sigma > verdict.sphere(analysed.farthest)),
+        false_refusal=_refused(issued, sigma, mu, preset, analysed.farthest),
         disagreement=analysed.verdict.word != issued.verdict,
     )
 
@@ -73,9 +74,9 @@ def _bound_fails(issued: Certificate, sigma: float, mu: float) -> bool:
     return above or (lower is not None and mu < lower * (1 - SURE))
 
 
-def _refused(issued: Certificate, sigma: float, mu: float, preset: Preset) -> str:
-    needed = preset.requirement
-    within = math.isfinite(sigma) and sigma <= needed.position_sigma * (1 - NEAR) and mu >= needed.mu * (1 + NEAR)
+def _refused(issued: Certificate, sigma: float, mu: float, preset: Preset, farthest: float) -> str:
+    needed, allowed = preset.requirement, min(preset.requirement.position_sigma, verdict.sphere(farthest))
+    within = math.isfinite(sigma) and sigma <= allowed * (1 - NEAR) and mu >= needed.mu * (1 + NEAR)
     if issued.meets or not within:
         return ""
     return "; ".join(check.words for check in issued.checks if not check.met)
