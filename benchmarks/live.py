@@ -152,7 +152,7 @@ def _drag(port: int) -> tuple[np.ndarray, float]:
     tab.wait_for(lambda: handle in tab.nodes, "a handle")
     time.sleep(2)
     home = tuple(tab.nodes[handle]["position"])
-    box, sent, drawn = tab.find("its place (m)"), [], []
+    box, sent, drawn = tab.find("position of the point (m)"), [], []
     tab.on_plot = lambda uuid: drawn.append((uuid, time.perf_counter(), tab.elements[box]["value"][0]))
     tab.drag_message(handle, "start", home, home)
     began, place = time.perf_counter(), home

@@ -1,4 +1,4 @@
-"""Fill the generated parts of the pages: the table of formats and the table of checks.
+"""Fill the generated parts of the pages: the table of formats, the table of checks and the glossary.
 
     python docs/generate.py
 A part stands between `<!-- NAME: begin -->` and `<!-- NAME: end -->` and is replaced as a whole; a test sees that it is
@@ -8,6 +8,7 @@ up to date. Nothing outside the marks is touched.
 from collections.abc import Callable
 from pathlib import Path
 
+from explorer.model import glossary
 from rangenav import formats, record_checks
 
 HERE = Path(__file__).parent
@@ -23,8 +24,14 @@ def table_of_checks() -> str:
     return record_checks.markdown().rstrip()
 
 
+def tables_of_terms() -> str:
+    """One row for each term of the page, from the table in `explorer.model.glossary`."""
+    return glossary.markdown()
+
+
 PARTS: dict[str, dict[str, Callable[[], str]]] = {
     "formats.md": {"table of formats": table_of_formats},
+    "glossary.md": {"glossary": tables_of_terms},
     "how-to/judge-my-flight.md": {"table of checks": table_of_checks},
 }
 """Page → name of the part → what makes it."""

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from explorer.model.compute import Picture
+from explorer.model.glossary import field_label
 from rangenav.model import STATES
 from rangenav.number_format import percent, quantity, significant
 from rangenav.preset import Preset
@@ -28,17 +29,17 @@ class Figure(NamedTuple):
 
 
 FIGURES = (
-    Figure("rank", "of 13", lambda p: p.analysis.rank),
-    Figure("μ", "m²/s⁷", lambda p: p.analysis.mu if p.analysis.mu >= p.analysis.mu_floor else 0.0),
-    Figure("predicted σ, lifted", "m", lambda p: p.analysis.lifted_end.position),
-    Figure("predicted σ, nonlinear", "m", lambda p: p.analysis.nonlinear_end.position),
-    Figure("steady position", "m", lambda p: p.summary.steady_position),
-    Figure("steady velocity", "m/s", lambda p: p.summary.steady_velocity),
-    Figure("steady attitude", "°", lambda p: p.summary.steady_attitude_deg),
+    Figure("quantities determined", "of 13", lambda p: p.analysis.rank),
+    Figure("excitation μ", "m²/s⁷", lambda p: p.analysis.mu if p.analysis.mu >= p.analysis.mu_floor else 0.0),
+    Figure("best error from one window, linear model", "m", lambda p: p.analysis.lifted_end.position),
+    Figure("best error from one window, true model", "m", lambda p: p.analysis.nonlinear_end.position),
+    Figure("steady position error", "m", lambda p: p.summary.steady_position),
+    Figure("steady velocity error", "m/s", lambda p: p.summary.steady_velocity),
+    Figure("steady attitude error", "°", lambda p: p.summary.steady_attitude_deg),
     Figure("position settled", "s", lambda p: p.summary.settle_position_s),
     Figure("attitude settled", "s", lambda p: p.summary.settle_attitude_s),
-    Figure("peak position", "m", lambda p: p.summary.peak_position),
-    Figure("thrust/weight", "", lambda p: p.limits.thrust_to_weight),
+    Figure("largest position error", "m", lambda p: p.summary.peak_position),
+    Figure("thrust over weight", "", lambda p: p.limits.thrust_to_weight),
     Figure("speed", "m/s", lambda p: p.limits.speed),
 )
 
@@ -66,7 +67,7 @@ def notable(before: float | None, after: float | None) -> bool:
 
 
 def choices(a: Preset, b: Preset) -> list[str]:
-    """The settings that differ, by their keys in a preset's file: at most six, then the number of the others."""
+    """The settings that differ, by their labels on the page: at most six, then the number of the others."""
     differing = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
     more = len(differing) - MAX_CHOICES
     return differing if more <= 0 else [*differing[:MAX_CHOICES], f"and {more} more"]
@@ -81,7 +82,9 @@ def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
         for k, (x, y) in enumerate(zip(a, b, strict=True)):
             yield from _choices(x, y, f"{where}[{k + 1}]")
     elif a != b:
-        yield f"{where} {_value(a)} → {_value(b)}" if _short(a) and _short(b) else f"{where} is another"
+        label = field_label(where)
+        label = label[:1].upper() + label[1:]
+        yield f"{label}: {_value(a)} → {_value(b)}" if _short(a) and _short(b) else f"{label}: another one"
 
 
 def _has_tables(entries: Any) -> bool:
@@ -106,7 +109,9 @@ def _sentence(figure: Figure, before: float | None, after: float | None) -> str:
     x, y = _number(before), _number(after)
     first, second = (quantity(value, otherwise=NOT_REACHED) for value in (x, y))
     text = f"{figure.name} {first} → {second} {figure.unit}".rstrip()
-    return f"{text} ({_how_much(x, y)})" if x > 0 and y > 0 and math.isfinite(x + y) and figure.name != "rank" else text
+    return (
+        f"{text} ({_how_much(x, y)})" if x > 0 and y > 0 and math.isfinite(x + y) and figure.unit != "of 13" else text
+    )
 
 
 def _number(value: float | None) -> float:

@@ -5,7 +5,6 @@ the paper's gains are computed from the physical ones only when a visitor moves 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import lru_cache
 
 from msgspec.structs import replace
@@ -30,53 +29,20 @@ class GainContext(Input, frozen=True, kw_only=True):
     sensors: Sensors
 
 
-@dataclass(frozen=True)
-class GainLabel:
-    """How one physical gain is shown on the page."""
-
-    label: str
-    """13 to 16 characters: with its value it takes two lines of viser's narrow label, and no number is broken."""
-    unit: str
-    limits: tuple[float, float]
-    """Of its slider; a value beyond them is checked by the model alone."""
-    hint: str
-
-
-GAIN_LABELS = {
-    "range_sigma": GainLabel(
-        "noise σ of range", "m", (1e-3, 10.0), "σ of one range for which q = rate/(d²σ² + ½σ⁴) is made."
-    ),
-    "accel_sigma": GainLabel("noise σ of accel", "m/s²", (1e-3, 10.0), "σ of one accelerometer sample; decides V(ξ)."),
-    "gyro_sigma": GainLabel(
-        "noise σ of gyro", "rad/s", (1e-4, 1.0), "σ of one gyro sample; decides V(g) = ⅔|g|²σ²/rate."
-    ),
-    "position_factor": GainLabel(
-        "position factor", "", (1e-2, 1e3), "V(p) over what the gyro's noise alone makes of it; 1 adds nothing."
-    ),
-    "velocity_factor": GainLabel(
-        "velocity factor", "", (1e-2, 1e3), "V(v) over what gyro and accelerometer noise make of it; 1 adds nothing."
-    ),
-    "position_box": GainLabel(
-        "position box ±",
-        "m",
-        (0.1, 100.0),
-        "The start may be wrong by this much on each axis; P₀(p) = b²/3 of that box.",
-    ),
-    "velocity_box": GainLabel("velocity box ±", "m/s", (0.1, 100.0), "The same of the velocity; P₀(v) = b²/3."),
-    "gravity_box": GainLabel("gravity box ±", "m/s²", (0.1, 100.0), "The same of gravity in body axes; P₀(g) = b²/3."),
-    "xi_factor": GainLabel(
-        "factor on P₀(ξ)", "", (1e-3, 1e3), "P₀(ξ) over the mean variance of ξ₁…ξ₄ in the three boxes."
-    ),
-    "attitude_time": GainLabel(
-        "slowest time T", "s", (0.02, 100.0), "Slowest time constant of a small attitude error; decides k1."
-    ),
-    "gravity_weight": GainLabel(
-        "gravity weight",
-        "",
-        (1e-2, 1e2),
-        "ρ2|g|²/(ρ1|m|²): what the direction of gravity counts beside that of the magnetic field; decides ρ2.",
-    ),
+GAIN_LIMITS: dict[str, tuple[float, float]] = {
+    "range_sigma": (1e-3, 10.0),
+    "accel_sigma": (1e-3, 10.0),
+    "gyro_sigma": (1e-4, 1.0),
+    "position_factor": (1e-2, 1e3),
+    "velocity_factor": (1e-2, 1e3),
+    "position_box": (0.1, 100.0),
+    "velocity_box": (0.1, 100.0),
+    "gravity_box": (0.1, 100.0),
+    "xi_factor": (1e-3, 1e3),
+    "attitude_time": (0.02, 100.0),
+    "gravity_weight": (1e-2, 1e2),
 }
+"""Ends of the slider of each physical gain, in SI units; a value beyond them is checked by the model alone."""
 
 
 def context_of(settings: Settings) -> GainContext:
@@ -108,10 +74,3 @@ def in_paper_units(physical: PhysicalGains, context: GainContext, known: Iterabl
     at, rest = context.at, {"world": context.world, "sensors": context.sensors}
     unscheduled = [replace(gains, mode="constant", attitude=replace(gains.attitude, schedule=None)) for gains in known]
     return physical_gains.keep_known(physical_gains.to_paper(physical, at, **rest), unscheduled, at, **rest)
-
-
-def with_page_labels(sentence: str) -> str:
-    """A sentence of the model with the names of the fields replaced by the labels of the page."""
-    for name, row in GAIN_LABELS.items():
-        sentence = sentence.replace(name, row.label)
-    return sentence

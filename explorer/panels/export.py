@@ -19,8 +19,8 @@ FILE_HINT = (
     "CSV: every sample to the last digit, with units in its first line; empty where there is no value or only rounding "
     "noise, inf where a window is blind. SVG and PNG: the plot as it is on the page."
 )
-LINES_HINT = "“lines” shows and downloads a few lines of Python; “preset file” downloads the file that they read."
-NOT_IN_LINES = {"reduced_row": "row r₄,₂ printed", "attitude_rate": "attitude rate ½"}
+LINES_HINT = "The Python code computes what is on the page from the preset file; both belong in one folder."
+NOT_IN_LINES = {"reduced_row": "printed row r₄,₂", "attitude_rate": "printed attitude rate"}
 """Switches “as printed” that change only a number next to their control, and no run or plot."""
 PRINTED = (
     'print(f"{result.verdict.word}: rank {result.rank} of 13, μ {result.mu:.4g} m²/s⁷, δ {p.requirement.window:g} s")',
@@ -54,12 +54,12 @@ class ExportPanel:
             self._menu = form.gui.add_dropdown("plot", tuple(self._plot_names), hint=PLOT_HINT)
             plot_formats: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
             form.buttons(
-                "file",
+                "file type",
                 {label: partial(self._write_plot, plot_format) for label, plot_format in plot_formats.items()},
                 hint=FILE_HINT,
             )
         with Section(form, "The same in Python"):
-            form.buttons("Python", {"lines": self._lines, "preset file": self._preset}, hint=LINES_HINT)
+            form.buttons("", {"Download Python": self._lines, "Download preset": self._preset}, hint=LINES_HINT)
             self._lines_block = form.gui.add_html("")
         form.command("Lines of Python for what is on the page", self._lines)
 

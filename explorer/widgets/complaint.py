@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import viser
 
 from explorer.model import palette
+from explorer.model.glossary import in_labels
 
 ALERT = f"color:{palette.ERROR};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em"
 ALERT += ";overflow-wrap:anywhere"
@@ -31,6 +32,7 @@ class Complaint:
 
         With a `text`, show an excerpt of it that points at the column which the sentence names.
         """
+        sentence, more = in_labels(sentence), [in_labels(line) for line in more]
         lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
         alert = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
         shown = f'<div role="alert" style="{ALERT}">{alert}</div>'

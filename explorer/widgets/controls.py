@@ -13,6 +13,7 @@ from typing import Any, Generic, TypeVar
 
 import viser
 
+from explorer.widgets import typed_number
 from explorer.widgets.form import Wake
 from explorer.widgets.section import Section
 from rangenav.inputs import Vec3
@@ -82,20 +83,29 @@ class Control(ABC, Generic[T]):
 
 
 class Number(Control[float]):
-    """A box for a number without a natural range."""
+    """A box for a number without a natural range. What is typed stays as it was typed.
 
-    def __init__(self, section: Section, label: str, *, step: float, hint: str) -> None:
-        self._box = section.gui.add_number(label, 0.0, step=step, hint=hint)
+    viser's own box for a number drops what its step does not foresee: 1.5 s becomes 15 s, and 5e3 becomes 53."""
+
+    def __init__(self, section: Section, label: str, *, hint: str) -> None:
+        self._box = section.gui.add_text(label, "0", hint=hint)
+        self._exact, self._shown = 0.0, "0"
         super().__init__(section, label, self._box)
 
     def read(self) -> float:
-        """The value in the box; it is not checked."""
-        return self._box.value
+        """The value in the box, which is not checked. Raises ValueError if the box holds no number."""
+        if self._box.value == self._shown:
+            return self._exact
+        try:
+            return typed_number.parse(self._box.value)
+        except ValueError as error:
+            raise ValueError(f"{self.name}: {error}") from None
 
     def show(self, value: float) -> None:
-        """Show a value. viser gives what a browser sends the type of what is shown: an int would cut off decimals, and
-        may have hundreds of digits."""
-        self._box.value = float(value)
+        """Show a value; a text that already says it stays as it was typed."""
+        if self._value() != value:
+            self._box.value = typed_number.text(value)
+        self._exact, self._shown = value, self._box.value
 
 
 class Vector(Control[Vec3]):

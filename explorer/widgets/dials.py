@@ -1,22 +1,166 @@
-"""Sliders with numbers: a linear one, and a logarithmic one that shows its value in its label."""
+"""Dials: a slider, and beside it a box that shows and takes the number itself; linear, or over powers of ten.
+
+viser's own box beside a slider cuts what is out of range, drops the e of 5e3, and on a logarithmic slider holds the
+exponent. It is hidden, and a text box stands in its place. What is typed stays as it was typed; the model refuses what
+is out of range, and the reason appears below the control.
+"""
 
 import math
+from abc import abstractmethod
+from typing import Literal
 
 import viser
 
-from explorer.widgets.controls import Control
+from explorer.web.elements import element_id
+from explorer.widgets import typed_number
+from explorer.widgets.controls import CHANGED, Control, when_moved
 from explorer.widgets.section import Section
+from rangenav.inputs import require_within
 from rangenav.number_format import significant
 
 WIDEN = 1.25
 """A slider that must show a value outside its range is widened to this many times the value."""
 LOG_DIGITS, MAX_EXPONENT = 2, 300
 DIGITS = 4
-"""Significant digits of a value in a caption."""
+"""Significant digits of a value in a caption, and of one that a slider has made."""
+ROUNDING = 1e-9
+"""Beyond its limit by so little a number is rounding of another unit."""
+MAX_TEXT, BOX_WIDTH = 8, "4.4rem"
+"""Characters that the box shows of a long number, and its width."""
+BOX_LABEL = "number"
+"""Behind the slider's label, the label of the box. It is read aloud, and not seen."""
+PLACED = (
+    '<style>[id="{slider}"]{{margin:0 calc({width} + 0.6rem) 0.7rem 0}}'
+    '[id="{slider}"] + .mantine-NumberInput-root{{display:none}}'
+    'div:has(> div > p > label[for="{slider}"]){{align-items:flex-end !important;min-height:1.65rem}}'
+    'div:has(> div > div > p > label[for="{box}"]){{margin-top:calc(-1.65rem - 0.5em);pointer-events:none}}'
+    'div:has(> div > p > label[for="{box}"]){{justify-content:flex-end}}'
+    'div:has(> p > label[for="{box}"]){{position:absolute !important;width:1px !important;overflow:hidden;opacity:0}}'
+    'div:has(> p > label[for="{box}"]) + div{{flex:0 0 {width} !important;pointer-events:auto}}</style>'
+)
+"""Places the box at the right end of the row of its slider. The label of the box is kept for readers of the screen."""
 
 
-class Dial(Control[float]):
-    """A linear slider with a number box. The value may be shown in another unit: value · scale."""
+class DialControl(Control[float]):
+    """A slider with a box. The slider has positions, the box has the number; the one moved last counts."""
+
+    def __init__(
+        self,
+        section: Section,
+        label: str,
+        positions: tuple[float, float],
+        step: float,
+        first: float,
+        *,
+        hint: str,
+        marks: tuple[tuple[float, str], ...],
+    ) -> None:
+        """`first` is the value shown first."""
+        low, high = positions
+        self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint, marks=marks)
+        self._box = section.gui.add_text(f"{label}: {BOX_LABEL}", "", hint=hint)
+        section.gui.add_html(PLACED.format(slider=element_id(self._slider), box=element_id(self._box), width=BOX_WIDTH))
+        self._exact, self._source = first, "exact"
+        self._seen_position, self._seen_text = low, ""
+        super().__init__(section, label, self._slider)
+        when_moved(self._box, section.wake)
+
+    _source: Literal["exact", "slider", "box"]
+    """What holds the value: it was written, or the slider was moved last, or the box was typed into last."""
+
+    @abstractmethod
+    def _number_at(self, position: float) -> float:
+        """The number for the box at a position of the slider."""
+
+    @abstractmethod
+    def _position_of(self, number: float) -> float | None:
+        """The position of a number of the box; None if it has none."""
+
+    def _value_of(self, number: float) -> float:
+        """The control's value for a number of the box."""
+        return number
+
+    def _number_of(self, value: float) -> float:
+        """The number that the box shows for a value."""
+        return value
+
+    @property
+    def text(self) -> str:
+        """What the box holds."""
+        return self._box.value
+
+    def type(self, text: str) -> None:
+        """Put a text into the box, as a visitor does."""
+        self._box.value = text
+
+    def read(self) -> float:
+        """The value as written, moved or typed. Raises ValueError if the box holds no number, or the slider sent none.
+
+        Whether the value is within its range is not checked here."""
+        self._look()
+        if self._source == "exact":
+            return self._exact
+        if self._source == "box":
+            try:
+                return self._value_of(typed_number.parse(self._box.value))
+            except ValueError as error:
+                raise ValueError(f"{self.name}: {error}") from None
+        if not math.isfinite(self._slider.value):
+            raise ValueError(f"{self.name} must be a finite number")
+        return self._value_of(self._number_at(self._slider.value))
+
+    def show(self, value: float) -> None:
+        """Show a value; the slider is widened if the value is outside its range."""
+        number = self._number_of(value)
+        self._exact, self._source = value, "exact"
+        self._move_slider(number, widen=True)
+        self._write_box(number)
+        self._seen_position, self._seen_text = self._slider.value, self._box.value
+
+    def mark(self) -> bool:
+        """Let the slider follow what was typed, and the box what the slider says; and mark what differs."""
+        self._look()
+        value = self._value()
+        if value is not None and self._source == "box":
+            self._move_slider(self._number_of(value), widen=False)
+            self._seen_position = self._slider.value
+        elif value is not None and self._source == "slider":
+            self._box.value = self._seen_text = significant(self._number_of(value), DIGITS)
+        return super().mark()
+
+    def _look(self) -> None:
+        """Notice which of the two was moved since the last look."""
+        if self._box.value != self._seen_text:
+            self._source, self._seen_text, self._seen_position = "box", self._box.value, self._slider.value
+        elif self._slider.value != self._seen_position:
+            self._source, self._seen_position = "slider", self._slider.value
+
+    def _move_slider(self, number: float, *, widen: bool) -> None:
+        position = self._position_of(number)
+        if position is None:
+            return
+        if widen:
+            _widen(self._slider, position)
+        self._slider.value = min(max(position, self._slider.min), self._slider.max)
+
+    def _write_box(self, number: float) -> None:
+        """Show a number; a text that already says it stays as it was typed."""
+        try:
+            if typed_number.parse(self._box.value) == number:
+                return
+        except ValueError:
+            pass
+        self._box.value = typed_number.text(number, MAX_TEXT)
+
+    def _relabel(self) -> None:
+        super()._relabel()
+        label = f"{self._text}: {BOX_LABEL}{CHANGED if self._marked else ''}"
+        if label != self._box.label:
+            self._box.label = label
+
+
+class Dial(DialControl):
+    """A linear slider. The value may be shown in another unit: value · scale."""
 
     def __init__(
         self,
@@ -27,81 +171,85 @@ class Dial(Control[float]):
         step: float,
         hint: str,
         scale: float = 1.0,
+        allowed: tuple[float, float] | None = None,
     ) -> None:
-        low, high = limits
+        """`allowed` are the least and the largest number in the unit that is shown, for a value in another unit: the
+        model would name the limits in its own."""
+        self._allowed = allowed
         self._scale, self._digits = scale, max(0, -math.floor(math.log10(step)))
-        self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint)
-        self._exact, self._shown = low / scale, low
-        super().__init__(section, label, self._slider)
+        marks = tuple((end, significant(end, DIGITS)) for end in limits)
+        super().__init__(section, label, limits, step, limits[0] / scale, hint=hint, marks=marks)
 
     def read(self) -> float:
-        """The value as written, or as the visitor has moved it; it is not checked."""
-        value = self._slider.value
-        return self._exact if value == self._shown else value / self._scale
-
-    def show(self, value: float) -> None:
-        """Show a value; the slider is widened if the value is outside its range."""
-        self._exact, self._shown = value, round(value * self._scale, self._digits)
-        _widen(self._slider, self._shown)
-        self._slider.value = self._shown
+        """As in the base class. Raises ValueError for a number that is not allowed, in the unit that is shown."""
+        value = super().read()
+        if self._allowed is not None:
+            require_within(self.name, value * self._scale, self._allowed[0] - ROUNDING, self._allowed[1] + ROUNDING)
+        return value
 
     def reach(self, value: float) -> None:
         """Widen the slider until it reaches a value (in its own unit), which it does not show."""
         if not self._slider.min <= value * self._scale <= self._slider.max:
             _widen(self._slider, round(value * self._scale, self._digits))
 
+    def _number_at(self, position: float) -> float:
+        return position
 
-class LogDial(Control[float]):
-    """A slider over log10, with the value in its label. Its left end may mean zero."""
+    def _position_of(self, number: float) -> float | None:
+        return round(number, self._digits)
+
+    def _value_of(self, number: float) -> float:
+        return number / self._scale
+
+    def _number_of(self, value: float) -> float:
+        return value if self._scale == 1.0 else round(value * self._scale, self._digits)
+
+
+class LogDial(DialControl):
+    """A slider over powers of ten. Its left end may mean zero."""
 
     def __init__(
         self,
         section: Section,
-        symbol: str,
+        label: str,
         limits: tuple[float, float],
         *,
         hint: str,
-        unit: str = "",
         zero_at_left: bool = False,
     ) -> None:
         low, high = (round(math.log10(limit), LOG_DIGITS) for limit in limits)
-        self._symbol, self._unit, self._zero = symbol, unit, zero_at_left
+        self._zero = zero_at_left
         marks = ((low, "0" if zero_at_left else significant(limits[0], DIGITS)), (high, significant(limits[1], DIGITS)))
-        hint = f"{hint} The slider and its box hold the power of ten." + (
-            " Far left: none at all." if zero_at_left else ""
-        )
-        self._slider = section.gui.add_slider(symbol, low, high, 10.0**-LOG_DIGITS, low, hint=hint, marks=marks)
-        self._exact, self._shown = 0.0 if zero_at_left else limits[0], low
-        super().__init__(section, symbol, self._slider)
-
-    def read(self) -> float:
-        """The value as written or moved. Raises ValueError if it is no number."""
-        exponent = self._slider.value
-        if not abs(exponent) <= MAX_EXPONENT:
-            raise ValueError(f"log10 of {self._symbol} must be a number between -{MAX_EXPONENT} and {MAX_EXPONENT}")
-        at_left = self._zero and exponent == self._slider.min
-        return self._exact if exponent == self._shown else 0.0 if at_left else 10.0**exponent
-
-    def mark(self) -> bool:
-        """Bring the label up to date, and say whether the value differs from the preset's."""
-        value = self._value()
-        if value is not None:
-            self._say(value)
-        return super().mark()
+        hint = f"{hint} Far left: none at all." if zero_at_left else hint
+        first = 0.0 if zero_at_left else self._value_of(limits[0])
+        super().__init__(section, label, (low, high), 10.0**-LOG_DIGITS, first, hint=hint, marks=marks)
 
     def show(self, value: float) -> None:
         """Show a value; the slider is widened if the value is outside its range."""
-        at_left = self._zero and value == 0
-        self._exact = value
-        self._shown = self._slider.min if at_left else round(math.log10(value), LOG_DIGITS)
-        if self._zero and not at_left and self._shown <= self._slider.min:  # so that zero has a position to the left
-            self._slider.min = self._shown - 1
-        _widen(self._slider, self._shown)
-        self._slider.value = self._shown
-        self._say(value)
+        position = self._position_of(self._number_of(value))
+        if self._zero and value != 0 and position is not None and position <= self._slider.min:
+            self._slider.min = position - 1  # so that zero has a position to the left
+        super().show(value)
 
-    def _say(self, value: float) -> None:
-        self._caption(f"{self._symbol} = {significant(value, DIGITS)} {self._unit}".rstrip())
+    def _number_at(self, position: float) -> float:
+        if abs(position) > MAX_EXPONENT:
+            raise ValueError(f"{self.name} must be a number, got 10 to the power of {position:g}")
+        return 0.0 if self._zero and position == self._slider.min else 10.0**position
+
+    def _position_of(self, number: float) -> float | None:
+        if number == 0 and self._zero:
+            return self._slider.min
+        return round(math.log10(number), LOG_DIGITS) if number > 0 else None
+
+
+class InverseDial(LogDial):
+    """A logarithmic slider and a box for the inverse of the value."""
+
+    def _value_of(self, number: float) -> float:
+        return 1 / number if number else math.inf
+
+    def _number_of(self, value: float) -> float:
+        return 1 / value
 
 
 def _widen(slider: viser.GuiSliderHandle[float], value: float) -> None:

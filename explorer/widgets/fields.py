@@ -54,7 +54,9 @@ def _control(section: Section, field: str, kind: Any, entry: NumberField, signal
     if kind is not float:
         raise TypeError(f"{field}: only a number or a vector has a control made from its entry, not {kind}")
     if entry.dial is not None:
-        return Dial(section, label, entry.dial, step=entry.step, hint=hint, scale=scale)
+        low, high = (PERCENT * end for end in entry.limits)
+        allowed = (low, high - entry.step if entry.excluded else high) if entry.percent else None
+        return Dial(section, label, entry.dial, step=entry.step, hint=hint, scale=scale, allowed=allowed)
     if entry.percent:
         raise TypeError(f"{field}: a value shown in per cent needs a slider: give its entry a dial")
-    return Number(section, label, step=entry.step, hint=hint)
+    return Number(section, label, hint=hint)

@@ -23,6 +23,16 @@ Action = Callable[[], None]
 MAX_ACTIONS = 64
 """Actions queued while the session is busy; beyond that the oldest are dropped."""
 QUIET = palette.rgb(palette.QUIET_BUTTON)
+BOX = ".mantine-NumberInput-root"
+AXES_STYLE = (
+    f"<style>{BOX}{{position:relative}}"
+    f'{BOX}:nth-child(1):nth-last-child(3)::before{{content:"x"}}'
+    f'{BOX} + {BOX}:nth-child(2):nth-last-child(2)::before{{content:"y"}}'
+    f'{BOX} + {BOX}:nth-child(3):last-child::before{{content:"z"}}'
+    f"{BOX}::before{{position:absolute;left:0.45em;top:50%;transform:translateY(-50%);z-index:2;"
+    "font-size:0.75em;opacity:0.7;pointer-events:none}</style>"
+)
+"""The letters of the axes in the three boxes of a vector."""
 
 
 def _nothing() -> None:
@@ -59,6 +69,7 @@ class Form:
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self.gui, self.wake = gui, wake
+        gui.add_html(AXES_STYLE)
         self.sections: list[FormSection] = []
         self._actions: deque[tuple[Action, bool]] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None

@@ -55,7 +55,7 @@ class Effects(Input, frozen=True, kw_only=True):
             unit="rad/s",
             limits=(0.0, MAX_GYRO_BIAS),
             step=0.001,
-            hint="b_ω (rad/s, body axes): added to the gyro. Not in the paper: its observer has no state for it.",
+            hint="A constant error of the gyro, in body axes; the observer has no state for it (not in the paper).",
             name="gyro bias",
             text=lambda e: f"{_vector(e.gyro_bias)} rad/s; {UNKNOWN}, so attitude and position keep an error",
             body_vector=True,
@@ -65,12 +65,12 @@ class Effects(Input, frozen=True, kw_only=True):
     accel_bias: Annotated[
         Vec3,
         Effect(
-            label="accel bias",
+            label="accelerometer bias",
             unit="m/s²",
             limits=(0.0, MAX_ACCEL_BIAS),
             step=0.01,
-            hint="b_a (m/s², body axes): added to the accelerometer. Not in the paper: the observer has no state for "
-            "it.",
+            hint="A constant error of the accelerometer, in body axes; the observer has no state for it (not in the "
+            "paper).",
             name="accelerometer bias",
             text=lambda e: f"{_vector(e.accel_bias)} m/s²; {UNKNOWN}, so position and velocity keep an error",
             body_vector=True,
@@ -84,7 +84,7 @@ class Effects(Input, frozen=True, kw_only=True):
             unit="m",
             limits=(-MAX_RANGE_ERROR, MAX_RANGE_ERROR),
             step=0.01,
-            hint="b_d (m): added to every range, as antenna delays do. Not in the paper; either sign.",
+            hint="A constant error of every range, of either sign, as antenna delays make it (not in the paper).",
             name="range bias",
             text=lambda e: f"{e.range_bias:g} m; {UNKNOWN}, so position keeps an error of its order or larger",
         ),
@@ -100,7 +100,7 @@ class Effects(Input, frozen=True, kw_only=True):
             step=0.1,
             dial=(0.0, 50.0),
             percent=True,
-            hint="The share of ranges that come out too long. Not in the paper: its observer has no gate.",
+            hint="The share of ranges that come out too long; the observer has no gate (not in the paper).",
             name="outliers",
             text=lambda e: _outliers(e),
         ),
@@ -113,7 +113,7 @@ class Effects(Input, frozen=True, kw_only=True):
             unit="m",
             limits=(0.0, MAX_RANGE_ERROR),
             step=0.1,
-            hint="e (m): the mean excess of an outlier, exponential and never negative, as behind an obstacle.",
+            hint="The mean excess of an outlier, exponential and never negative, as behind an obstacle.",
             shapes="outlier_probability",
         ),
     ] = 1.0
@@ -128,7 +128,7 @@ class Effects(Input, frozen=True, kw_only=True):
             step=0.1,
             dial=(0.0, 90.0),
             percent=True,
-            hint="The share of ranges that do not arrive, each by itself. The paper has a range at all times.",
+            hint="The share of ranges that do not arrive, each independently; the paper has a range at all times.",
             name="drop-outs",
             text=lambda e: (
                 f"{100 * e.dropout_probability:g} of 100 ranges do not arrive; "
@@ -145,7 +145,7 @@ class Effects(Input, frozen=True, kw_only=True):
             unit="s",
             limits=(0.0, MAX_BURST),
             step=0.5,
-            hint="s: from here on no range arrives, for as long as the next box says.",
+            hint="When a silence begins, in which no range arrives; the next box says how long it lasts.",
             shapes="burst_length",
         ),
     ] = 0.0
@@ -157,7 +157,7 @@ class Effects(Input, frozen=True, kw_only=True):
             unit="s",
             limits=(0.0, MAX_BURST),
             step=0.5,
-            hint="s: how long no range arrives; 0 for no such burst. The paper has a range at all times.",
+            hint="How long no range arrives; 0 is no silence. The paper has a range at all times.",
             name="burst",
             text=lambda e: (
                 f"no range from {e.burst_start:g} s to {e.burst_start + e.burst_length:g} s; "
@@ -173,7 +173,7 @@ class Effects(Input, frozen=True, kw_only=True):
             unit="m",
             limits=(0.0, MAX_LEVER_ARM),
             step=0.01,
-            hint="r (m, body axes): from the IMU to the antenna; the range is |p + R r − anchor|. In the paper r = 0.",
+            hint="From the IMU to the antenna in body axes, r; the range is |p + R r − anchor|. In the paper r = 0.",
             name="lever arm",
             text=lambda e: (
                 f"the antenna is {_vector(e.lever_arm)} m from the IMU; the paper has it in the IMU, "

@@ -48,7 +48,9 @@ def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(wide: Visi
     drawn = wide.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width")
     assert drawn == pytest.approx(0.4 * box["width"], abs=2)
     wide.page.mouse.up()
-    _until(lambda: float(wide.number("window δ (s)")) == pytest.approx(0.4 * duration, abs=0.2), "the window")
+    _until(
+        lambda: float(wide.number("time window judged δ (s)")) == pytest.approx(0.4 * duration, abs=0.2), "the window"
+    )
     wide.page.mouse.click(*at(0.75))
     _until(lambda: f"<b>{0.75 * duration:.0f}." in wide.page.content(), "the moment")
     assert wide.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width") == 0
@@ -81,7 +83,7 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     assert wide.page.evaluate(TOLD, ".rn-at")[0] == "none"
     wide.tab("Gains")
     data = wide.chart_data("σ by P")
-    wide.nudge("q", "ArrowLeft", times=3)
+    wide.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=3)
     _until(lambda: wide.chart_data("σ by P") != data, "another picture")
     assert _hidden(wide) == 1
     wide.tab("Export")

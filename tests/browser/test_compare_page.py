@@ -17,7 +17,7 @@ def test_a_pinned_run_stays_in_the_plots_while_a_gain_changes(wide: Visitor):
     assert any("A" in labels for labels in wide.chart_labels())
     assert before[1] == before[3]  # A lies on what it was pinned from
     wide.tab("Gains")
-    wide.nudge("q", "ArrowLeft", times=5)
+    wide.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=5)
     wide.tab("Compare")
     wide.wait_for_text("gains.riccati.q")
     wide.wait_for_text("steady position")
@@ -31,8 +31,8 @@ def test_a_pinned_run_stays_in_the_plots_while_a_gain_changes(wide: Visitor):
 
 def test_seeds_draw_a_band_that_goes_when_a_gain_changes(wide: Visitor):
     wide.tab("Compare")
-    wide.type_number("N", "8")
-    wide.press("N seeds")
+    wide.type_number("runs", "8")
+    wide.press("Run the noise seeds")
     wide.wait_for_text("8 seeds of these settings")
     _wait_for_bands(wide, 4)
     data = wide.chart_data("8 seeds")
@@ -42,7 +42,7 @@ def test_seeds_draw_a_band_that_goes_when_a_gain_changes(wide: Visitor):
     assert mean == sorted(mean)  # each column is thinned by itself: within a pixel a point of one may pass another's
     assert mean[0] < mean[2]
     wide.tab("Gains")
-    wide.nudge("k1", "ArrowLeft")
+    wide.nudge("attitude gain k1 (1/s)", "ArrowLeft")
     _wait_for_bands(wide, 0)
     wide.tab("Compare")
     wide.wait_for_text("the band belonged to others and is gone")
@@ -50,11 +50,11 @@ def test_seeds_draw_a_band_that_goes_when_a_gain_changes(wide: Visitor):
 
 def test_seeds_can_be_stopped(wide: Visitor):
     wide.tab("Motion")
-    wide.type_number("duration (s)", "600")
+    wide.type_number("flight duration (s)", "600")
     wide.wait_for_text("600")
     wide.tab("Compare")
-    wide.type_number("N", "100")
-    wide.press("N seeds")
+    wide.type_number("runs", "100")
+    wide.press("Run the noise seeds")
     wide.wait_for_text("Working:")
     wide.press("Stop")
     wide.wait_for_no_text("Working:")

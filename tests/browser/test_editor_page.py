@@ -28,7 +28,7 @@ def _wait_until_still(read: Callable[[], object]) -> None:
 
 
 def test_a_waypoint_dragged_with_the_mouse_moves_the_path_and_undo_brings_it_back(wide: Visitor):
-    wide.choose("family", "waypoints")
+    wide.choose("path made of", "waypoints")
     _until(lambda: "/handles/waypoint3" in wide.node_names(), "handles")
     _wait_until_still(wide.camera_position)
     table, place = wide.typed(TABLE), wide.node_position("/handles/waypoint3")
@@ -45,7 +45,7 @@ def test_a_waypoint_dragged_with_the_mouse_moves_the_path_and_undo_brings_it_bac
 
 
 def test_a_formula_is_typed_a_mistake_is_pointed_at_and_the_rest_goes_on(wide: Visitor):
-    wide.choose("family", "formulas")
+    wide.choose("path made of", "formulas")
     wide.type_text("x(t) =", "cos(2*t")
     wide.wait_for_text("a ) is missing at the end (column 8)")
     wide.type_text("x(t) =", "cos(2*t)")
@@ -57,20 +57,20 @@ def test_a_formula_is_typed_a_mistake_is_pointed_at_and_the_rest_goes_on(wide: V
 
 
 def test_undo_and_redo_by_buttons_and_keys(wide: Visitor):
-    wide.nudge("A (m)")
+    wide.nudge("amplitude x (m)")
     _until(lambda: "A (m) •" in wide.text(), "the mark")
-    moved = wide.number("A (m)")
+    moved = wide.number("amplitude x (m)")
     wide.press("↶ undo")
-    _until(lambda: wide.number("A (m)") == "1", "the value before")
+    _until(lambda: wide.number("amplitude x (m)") == "1", "the value before")
     wide.page.keyboard.press("Control+Shift+z")
-    _until(lambda: wide.number("A (m)") == moved, "the value again")
-    wide.press("A (m)")
-    _until(lambda: wide.number("A (m)") == "1", "the value of the preset")
+    _until(lambda: wide.number("amplitude x (m)") == moved, "the value again")
+    wide.press("amplitude x (m)")
+    _until(lambda: wide.number("amplitude x (m)") == "1", "the value of the preset")
     wide.wait_for_no_text("A (m) •")
 
 
 def test_the_work_is_there_after_a_reload(wide: Visitor):
-    wide.choose("family", "formulas")
+    wide.choose("path made of", "formulas")
     wide.type_text("y(t) =", "0.4*cos(3*t)")
     wide.wait_until_saved("0.4*cos(3*t)")
     wide.reload()
@@ -81,14 +81,14 @@ def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_
     with served() as first:
         port = first.port
         tab = Visitor(browser, first.url, density=COARSE)
-        tab.choose("family", "waypoints")
+        tab.choose("path made of", "waypoints")
         _until(lambda: "/handles/waypoint3" in tab.node_names(), "handles")
-        tab.type_number("duration (s)", "17")
+        tab.type_number("flight duration (s)", "17")
         tab.wait_for_text("duration (s) •")
         tab.wait_until_saved('"duration":17')
     with served("--port", f"{port}"):
         tab.reload()
-        _until(lambda: tab.number("duration (s)") == "17", "the duration")
+        _until(lambda: tab.number("flight duration (s)") == "17", "the duration")
         assert len(tab.typed(TABLE).split("\n")) == 12
         tab.close()
 
@@ -104,7 +104,7 @@ def test_dragging_the_anchor_changes_the_predicted_accuracy_and_not_the_gramian(
 
 
 def test_two_megabytes_in_a_formula_are_refused_and_nothing_is_lost(wide: Visitor):
-    wide.choose("family", "formulas")
+    wide.choose("path made of", "formulas")
     before = wide.chart_data("norm")
     wide.type_text("x(t) =", "7" * 2_000_000)
     wide.wait_for_text("at most 20000 characters, got 2000000")

@@ -36,19 +36,19 @@ def test_the_language_is_switched_without_a_jump_and_a_word_moves_a_letter(visit
     visitor.tab("Gains")
     visitor.wait_for_text("q = 5000")
     before = _error(visitor, "position")
-    visitor.choose("shown", WORDS)
+    visitor.choose("show gains as", WORDS)
     visitor.wait_for_text("noise σ of range = 0.125 m")
     visitor.wait_for_no_text("q = 5000")
     assert _error(visitor, "position") == before
     assert "•" not in visitor.text()
-    visitor.nudge("noise σ of range", times=3)
+    visitor.nudge("assumed range noise (m)", times=3)
     _until(lambda: _error(visitor, "position") != before, "another error")
     visitor.wait_for_text("0.1349 m •")
     time.sleep(1.5)  # longer than work may wait to be written
     visitor.reload()
     visitor.tab("Gains")
     visitor.wait_for_text("noise σ of range = ")
-    visitor.choose("shown", LETTERS)
+    visitor.choose("show gains as", LETTERS)
     visitor.wait_for_text("q = 4")
 
 
@@ -58,26 +58,26 @@ def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor)
     visitor.press("between m and g")
     visitor.wait_for_text("The start is 0° from the nearest half turn")
     _until(lambda: _error(visitor, "attitude")[0] > 179.9, "a start at 180°")
-    assert visitor.number("R̃(0) angle (°)") == "180"
+    assert visitor.number("initial attitude error (°)") == "180"
     assert max(_error(visitor, "attitude")[-20:]) < SETTLED
     visitor.press("almost: 1° off")
     visitor.wait_for_text("The start is 1° from the nearest half turn")
-    _until(lambda: visitor.number("R̃(0) angle (°)") == "179", "the angle")
+    _until(lambda: visitor.number("initial attitude error (°)") == "179", "the angle")
     _until(lambda: 178.5 < _error(visitor, "attitude")[0] < 179.5, "a start at 179°")
 
 
 def test_nonsense_in_a_physical_box_is_told_there_and_nothing_is_lost(visitor: Visitor):
     visitor.tab("Gains")
-    visitor.choose("shown", WORDS)
+    visitor.choose("show gains as", WORDS)
     visitor.wait_for_text("noise σ of range = 0.125 m")
     before = _error(visitor, "position")
-    visitor.type_number("noise σ of range", "-3")
+    visitor.type_number("assumed range noise (m)", "-3")
     visitor.wait_for_text("noise σ of range asks for q = ")
     visitor.wait_for_text("Not shown")
     assert _error(visitor, "position") == before
     for nonsense in ("", "-", "abc", "1e999", "<b>1</b>"):
-        visitor.type_number("noise σ of range", nonsense)
-    visitor.type_number("noise σ of range", "-0.9")
+        visitor.type_number("assumed range noise (m)", nonsense)
+    visitor.type_number("assumed range noise (m)", "-0.9")
     visitor.wait_for_no_text("asks for q = ")
     visitor.wait_for_no_text("Not shown")
     _until(lambda: _error(visitor, "position") == before, "the curve as it was, to the last bit")

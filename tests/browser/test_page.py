@@ -36,7 +36,7 @@ def test_the_url_is_printed_and_the_page_has_a_scene_plots_and_a_verdict(server:
 def test_a_gain_slider_moved_by_the_keyboard_changes_the_errors(visitor: Visitor):
     visitor.tab("Gains")
     before = visitor.chart_data(ERROR_CURVE)[1]
-    visitor.nudge("q", "ArrowLeft", times=5)
+    visitor.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=5)
     _until(lambda: visitor.chart_data(ERROR_CURVE)[1] != before, "another error curve")
 
 
@@ -125,7 +125,7 @@ def test_a_reload_gives_a_new_session_that_works_on_the_same_preset(visitor: Vis
     visitor.reload()
     visitor.tab("Gains")
     before = visitor.chart_data(ERROR_CURVE)[1]
-    visitor.nudge("q", "ArrowLeft", times=5)
+    visitor.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=5)
     _until(lambda: visitor.chart_data(ERROR_CURVE)[1] != before, "another error curve")
     visitor.tab("Presets")
     visitor.wait_for_text("1:2:3")
@@ -175,5 +175,5 @@ def test_a_narrow_window_gets_one_column_of_plots_whatever_its_pixel_density(ser
 def test_a_slider_shows_in_the_plots_at_once(visitor: Visitor):
     """The promise is 100 ms in the median; here only that nothing is grossly slower, as machines that test are busy."""
     visitor.tab("Gains")
-    times = visitor.slider_to_plot("q", ERROR_CURVE, count=12)
+    times = visitor.slider_to_plot("range weight q (1/(m⁴ s))", ERROR_CURVE, count=12)
     assert quantile(times, 0.5) < 1000

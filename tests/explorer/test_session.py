@@ -74,54 +74,65 @@ def _settled(tab: Wire, seconds: float = 0.6) -> None:
 
 def test_a_gain_changes_the_errors_and_the_label_follows(visitor: Wire):
     before = _drawn(visitor)
-    visitor.set("q", 0.0)
+    visitor.set("range weight q (1/(m⁴ s))", 0.0)
     visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
-    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 1 •", "the label")
+    visitor.wait_for(
+        lambda: visitor.elements[visitor.find("range weight q (1/(m⁴ s))")]["label"] == "q = 1 •", "the label"
+    )
+
+
+SPEED = "speed (slower ⟷ faster)"
 
 
 @pytest.mark.parametrize(
     ("label", "value", "sentence"),
     [
-        ("A (m)", math.nan, "amplitude must be a finite number"),
-        ("A (m)", 1e300, "amplitude must"),
-        ("w (rad/s)", -3.0, "frequency must lie between 1e-06 and 10000 rad/s, got -3"),
-        ("w (rad/s)", 900.0, "faster than the IMU can sample"),
-        ("φ₀ (rad)", math.inf, "phase must be a finite number"),
-        ("slower s", 1e9, "log10 of slower s must be a number"),
-        ("slower s", -2.0, "time_scale must lie between 0.1 and 10"),
-        ("window δ (s)", 25.0, "requirement.window must be shorter than the duration"),
-        ("window δ (s)", math.nan, "window must be a finite number"),
-        ("range (Hz)", 0.0, "range_rate must lie between"),
-        ("IMU (Hz)", 1e12, "imu_rate must lie between"),
-        ("mag (Hz)", 900.0, "mag_rate must lie between 1 Hz and imu_rate"),
-        ("σ range", 200.0, "noise range must lie between"),
-        ("σ gyro", math.nan, "log10 of σ gyro must be a number"),
+        ("amplitude x (m)", math.nan, "amplitude x (m) must be a finite number"),
+        ("amplitude x (m)", 1e300, "amplitude must"),
+        ("amplitude x (m): number", "1e300", "amplitude must"),
+        ("amplitude x (m): number", "a lot", "amplitude x (m): “a lot” is no number"),
+        ("frequency ω (rad/s)", -3.0, "frequency must lie between 1e-06 and 10000 rad/s, got -3"),
+        ("frequency ω (rad/s)", 900.0, "faster than the IMU can sample"),
+        ("phase φ₀ (rad)", math.inf, "phase φ₀ (rad) must be a finite number"),
+        (SPEED, 1e9, f"{SPEED} must be a number"),
+        (f"{SPEED}: number", "20", f"{SPEED} must lie between 0.1 and 10, got 20"),
+        (f"{SPEED}: number", "0", f"{SPEED} must lie between 0.1 and 10, got 0"),
+        ("time window judged δ (s)", 25.0, "time window judged δ must be shorter than the duration"),
+        ("time window judged δ (s)", math.nan, "time window judged δ (s) must be a finite number"),
+        ("flight duration (s)", "1e9", "flight duration must lie between"),
+        ("flight duration (s)", "", "flight duration (s): the box is empty"),
+        ("ranges per second (Hz)", 0.0, "ranges per second must lie between"),
+        ("IMU rate (Hz)", 1e12, "IMU rate must lie between"),
+        ("magnetometer rate (Hz)", 900.0, "magnetometer rate must lie between 1 Hz and IMU rate"),
+        ("range noise σ (m): number", "200", "range noise σ must lie between"),
+        ("gyro noise σ (rad/s)", math.nan, "gyro noise σ (rad/s) must be a finite number"),
+        ("gyro noise σ (rad/s): number", "-1", "gyro noise σ must lie between"),
         ("sensor set", "gold", "sensor set must be one of: paper, "),
-        ("gyro bias (rad/s)", [math.nan, 0.0, 0.0], "gyro_bias must be a finite number"),
+        ("gyro bias (rad/s)", [math.nan, 0.0, 0.0], "gyro bias must be a finite number"),
         ("gyro bias (rad/s)", [0.0], "gyro bias (rad/s) must have three components, got 1"),
-        ("accel bias (m/s²)", [1e30, 0.0, 0.0], "accel_bias must not be longer than 100 m/s²"),
-        ("range bias (m)", 1e9, "range_bias must lie between -1000 and 1000 m"),
-        ("outliers (%)", 100.0, "outlier_probability must lie between 0 and 1, 1 excluded, got 1"),
-        ("outlier size (m)", -1.0, "outlier_size must lie between"),
-        ("drop-outs (%)", math.nan, "dropout_probability must be a finite number"),
-        ("silent from (s)", -1.0, "burst_start must lie between 0"),
-        ("silent for (s)", math.inf, "burst_length must be a finite number"),
-        ("lever arm (m)", [0.0, 0.0, 1e6], "lever_arm must not be longer than 100 m"),
-        ("noise seed", -1.0, "seed must lie between"),
-        ("noise seed", 0.5, "seed must be a whole number"),
-        ("noise seed", math.nan, "seed must be a whole number"),
-        ("q", 9.0, "q must lie between 0.001 and 100000"),
-        ("V(p)", -9.0, "v.position must lie between"),
-        ("P₀(g)", 9.0, "p0.gravity must lie between"),
-        ("k1", -9.0, "k1 must lie between"),
-        ("ρ2", 1e6, "log10 of ρ2 must be a number"),
-        ("gains", "best", "gains must be one of"),
-        ("x̂(0)", "", "x̂(0) must be one of"),
-        ("R̃(0) angle (°)", 900.0, "attitude_angle must lie in"),
-        ("R̃(0) axis", [0.0, 0.0, 0.0], "attitude_axis must not be the zero vector"),
-        ("R̃(0) axis", [1.0], "R̃(0) axis must have three components, got 1"),
-        ("position (m)", [math.nan, 0.0, 0.0], "position_offset must be a finite number"),
-        ("position (m)", [1e30, 0.0, 0.0], "position_offset must not be longer than"),
+        ("accelerometer bias (m/s²)", [1e30, 0.0, 0.0], "accelerometer bias must not be longer than 100 m/s²"),
+        ("range bias (m)", 1e9, "range bias must lie between -1000 and 1000 m"),
+        ("outliers (%)", 100.0, "outliers (%) must lie between 0 and 99.9, got 100"),
+        ("outlier size (m)", -1.0, "outlier size must lie between"),
+        ("drop-outs (%)", math.nan, "drop-outs (%) must be a finite number"),
+        ("silent from (s)", -1.0, "silent from must lie between 0"),
+        ("silent for (s)", math.inf, "silent for (s): “inf” is no number"),
+        ("lever arm (m)", [0.0, 0.0, 1e6], "lever arm must not be longer than 100 m"),
+        ("noise seed", -1.0, "noise seed must lie between"),
+        ("noise seed", 0.5, "noise seed must be a whole number"),
+        ("noise seed", math.nan, "noise seed: “nan” is no number"),
+        ("range weight q (1/(m⁴ s))", 9.0, "range weight q must lie between 0.001 and 100000"),
+        ("process noise V(p)", -9.0, "process noise V(p) must lie between"),
+        ("initial variance P₀(g)", 9.0, "initial variance P₀(g) must lie between"),
+        ("attitude gain k1 (1/s)", -9.0, "attitude gain k1 must lie between"),
+        ("trust in gravity ρ2 (s⁴/m²)", 1e6, "trust in gravity ρ2 (s⁴/m²) must be a number"),
+        ("kind of gains", "best", "kind of gains must be one of"),
+        ("initial estimate x̂(0)", "", "initial estimate x̂(0) must be one of"),
+        ("initial attitude error (°)", 900.0, "initial attitude error (°) must lie between -180 and 180, got 900"),
+        ("axis of that error", [0.0, 0.0, 0.0], "axis of that error must not be the zero vector"),
+        ("axis of that error", [1.0], "axis of that error must have three components, got 1"),
+        ("position offset (m)", [math.nan, 0.0, 0.0], "position offset must be a finite number"),
+        ("position offset (m)", [1e30, 0.0, 0.0], "position offset must not be longer than"),
         ("drift (m/s)", [math.inf, 0.0, 0.0], "drift must be a finite number"),
         ("preset", "nowhere", "preset must be one of"),
     ],
@@ -142,7 +153,7 @@ def test_a_sensor_set_is_loaded_and_effects_that_the_paper_does_not_model_are_na
     visitor.set("sensor set", "UWB behind obstacles")
     visitor.wait_for_text("the paper&#x27;s observer has no gate")
     visitor.wait_for(lambda: _drawn(visitor) != before, "another verdict")
-    assert visitor.value("range (Hz)") == 100.0
+    assert visitor.value("ranges per second (Hz)") == 100.0
     visitor.set("outliers (%)", 0.0)
     visitor.wait_for(lambda: visitor.value("sensor set") == "as set below", "the set to be no longer that one")
     visitor.wait_for(lambda: "has no gate" not in visitor.text(), "the sentence to go")
@@ -164,12 +175,14 @@ def test_a_sentence_is_shown_as_text_and_not_as_html(visitor: Wire):
 
 def test_the_latest_of_many_changes_is_what_remains(visitor: Wire):
     for step in range(60):
-        visitor.set("q", 1.0 + step / 30)
-    visitor.wait_for(lambda: visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •", "the last value")
+        visitor.set("range weight q (1/(m⁴ s))", 1.0 + step / 30)
+    visitor.wait_for(
+        lambda: visitor.elements[visitor.find("range weight q (1/(m⁴ s))")]["label"] == "q = 926.1 •", "the last value"
+    )
     _settled(visitor)
     plot_count = sum(len(group.plots) for group in plot_list.GROUPS)
     assert visitor.counts["GuiUplotMessage"] <= plot_count  # plots are created once, however many changes arrive
-    assert visitor.elements[visitor.find("q")]["label"] == "q = 926.1 •"
+    assert visitor.elements[visitor.find("range weight q (1/(m⁴ s))")]["label"] == "q = 926.1 •"
 
 
 def test_a_preset_replaces_every_control_and_its_tones(visitor: Wire):
@@ -199,12 +212,12 @@ def test_an_idle_session_sends_nothing(visitor: Wire):
 def test_two_tabs_do_not_disturb_each_other(port: int, visitor: Wire):
     other = Wire(port)
     other.wait_for_text("13 of 13")
-    before, label = _proven(other), visitor.value("A (m)")
-    visitor.set("A (m)", 2.0)
+    before, label = _proven(other), visitor.value("amplitude x (m)")
+    visitor.set("amplitude x (m)", 2.0)
     visitor.set("preset", f"{preset.load('circle').title} (circle)")
     visitor.wait_for_text("✕ ≈ blind")
     assert _drawn(other) == before
-    assert other.value("A (m)") == label
+    assert other.value("amplitude x (m)") == label
     other.close()
 
 
@@ -223,7 +236,7 @@ def test_a_tab_that_leaves_in_the_middle_of_a_mistake_is_no_error(port: int, cap
     """Pytest turns an exception in the session's thread, and a message to a closed connection, into a failure."""
     tab = Wire(port)
     tab.wait_for_text("13 of 13")
-    tab.set("duration (s)", 2.0)
+    tab.set("flight duration (s)", 2.0)
     tab.wait_for_text("requirement.window must be shorter than the duration")
     tab.close()
     _wait_for_threads(0)
@@ -235,13 +248,13 @@ def test_a_tab_may_leave_while_its_picture_is_drawn_and_what_it_changed_last_is_
 ):
     tab = Wire(port)
     tab.wait_for_text("13 of 13")
-    tab.set("duration (s)", 25.0)
+    tab.set("flight duration (s)", 25.0)
     tab.close()
     _wait_for_threads(0)
     assert "session" not in caplog.text
     again = Wire(port, storage=tab.storage)
     again.wait_for_text("13 of 13")
-    assert again.value("duration (s)") == 25.0
+    assert again.value("flight duration (s)") == 25.0
     again.close()
 
 
@@ -268,12 +281,12 @@ def test_an_unforeseen_error_is_notified_and_the_session_goes_on(
 
     with monkeypatch.context() as patch:
         patch.setattr("explorer.model.compute.compute", broken)
-        visitor.set("q", 0.5)
+        visitor.set("range weight q (1/(m⁴ s))", 0.5)
         visitor.wait_for(lambda: any("Internal error" in text for text in visitor.notifications), "a notification")
     assert "a programmer's error" in caplog.text
     caplog.clear()
     before = _drawn(visitor)
-    visitor.set("q", 0.0)
+    visitor.set("range weight q (1/(m⁴ s))", 0.0)
     visitor.wait_for(lambda: _drawn(visitor) != before, "the session to go on")
 
 
@@ -335,7 +348,7 @@ def test_a_number_of_hundreds_of_digits_in_any_box_is_no_internal_error(visitor:
         assert not isinstance(value, int), f"{properties['label']}: viser would cut off decimals, and keep every digit"
         entered = NUMERALS if _is_number(value) else [NUMERALS] * len(value)
         visitor.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": entered}})
-    visitor.press("N seeds")
+    visitor.press("Run the noise seeds")
     visitor.wait_for(lambda: "N must be a whole number between 1 and" in visitor.text(), "a complaint", timeout=10)
     assert not any("Internal error" in text for text in visitor.notifications)
 

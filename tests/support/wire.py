@@ -100,8 +100,11 @@ class Wire:
         self._socket.send(msgspec.msgpack.encode(message))
 
     def set(self, label: str, value: Any) -> None:
-        """Set a control as the page would."""
-        self.send({"type": "GuiUpdateMessage", "uuid": self.find(label), "updates": {"value": value}})
+        """Set a control as the page would; a number is typed into a box for numbers."""
+        uuid = self.find(label)
+        if isinstance(self.elements[uuid].get("value"), str) and isinstance(value, int | float):
+            value = str(value)
+        self.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
     def press(self, label: str, option: str | None = None) -> None:
         """Press a button, or the first row's button of this name that is shown."""
@@ -166,10 +169,9 @@ class Wire:
             self.send({"type": "TransformControlsDragEndMessage", **owned})
 
     def find(self, label: str) -> str:
-        """The id of the control whose label begins so; a slider on a log scale ends it with its value."""
+        """The id of the control with this label; the box of a slider has the slider's label and “: number”."""
         for uuid, properties in list(self.elements.items()):
-            name = (properties.get("label") or "").removesuffix(CHANGED)
-            if name == label or name.startswith(f"{label} ="):
+            if (properties.get("label") or "").removesuffix(CHANGED) == label:
                 return uuid
         raise LookupError(f"no control {label!r}")
 

@@ -13,6 +13,7 @@ import viser
 from explorer.model import comparison, consistency, differences
 from explorer.model.comparison import NAMES, Baseline, Comparison, Name, RunInputs
 from explorer.model.compute import Picture
+from explorer.model.glossary import COMPARE
 from explorer.model.jobs import Jobs
 from explorer.panels.compare import text
 from explorer.widgets.controls import Number, Switch
@@ -25,17 +26,9 @@ from rangenav.inputs import require
 
 MAX_SEEDS, SEEDS = 100, 20
 PIN_HINT = "Keeps this run as A: every plot draws it in purple beside what you change from here on, and so does 3-D."
-SEEDS_HINT = "Runs these settings with N seeds, counted up from the noise seed: median, and the band from 10 to 90 %."
-EKF_HINT = (
-    "Extended Kalman filter on position, velocity and attitude with the range itself, from the same start. "
-    "Better near the truth, and lost where its start is too wrong."
-)
+SEEDS_HINT = "Runs these settings with other noise: the plots then show the median and the band from 10 to 90 %."
 OUTDATED = "The settings have changed: the band belonged to others and is gone."
 STOPPED = "The settings changed while the seeds ran, so these were stopped."
-REFINED_HINT = (
-    "Iterated Kalman smoother of the whole record (Gauss–Newton), started by the cascade: what one gets afterwards, "
-    "with all ranges at hand."
-)
 
 
 @dataclass(eq=False)
@@ -90,9 +83,9 @@ class ComparePanel:
     def _build_seeds(self, form: Form) -> None:
         self._seeds_section = section = Section(form, "Many seeds")
         with section:
-            self._count = Number(section, "N", step=1, hint=f"How many seeds, 1 to {MAX_SEEDS}.")
+            self._count = Number(section, COMPARE["runs"].caption, hint=COMPARE["runs"].hint)
             self._count.write(SEEDS, None)
-            form.button("N seeds", self._run_seeds, hint=SEEDS_HINT)
+            form.button("Run the noise seeds", self._run_seeds, hint=SEEDS_HINT)
             self._clear_button = form.button("Remove the band", self._clear_seeds, hint="Takes it off the plots.")
             self._clear_button.visible = False
             self._seeds_line = form.gui.add_html("")
@@ -101,8 +94,8 @@ class ComparePanel:
         section = Section(form, "Other estimators on this record")
         with section:
             self._switches: dict[Name, Switch] = {
-                "EKF": Switch(section, "EKF", hint=EKF_HINT),
-                "refined": Switch(section, "refinement", hint=REFINED_HINT),
+                "EKF": Switch(section, COMPARE["ekf"].caption, hint=COMPARE["ekf"].hint),
+                "refined": Switch(section, COMPARE["refinement"].caption, hint=COMPARE["refinement"].hint),
             }
             self._table = form.gui.add_html("")
 
@@ -171,7 +164,7 @@ class ComparePanel:
             count = self._count.read()
             require(
                 math.isfinite(count) and 1 <= count <= MAX_SEEDS and count == int(count),
-                f"N must be a whole number between 1 and {MAX_SEEDS}, got {count:g}",
+                f"runs must be a whole number between 1 and {MAX_SEEDS}, got {count:g}",
             )
         picture = self._picture
         if picture is None:

@@ -6,6 +6,7 @@ from msgspec.structs import replace
 
 from explorer.model.compute import Picture
 from explorer.model.gain_units import context_of
+from explorer.model.glossary import PAPER_GAINS
 from explorer.model.settings import GainUnits, Settings
 from explorer.panels.gains import summary
 from explorer.panels.gains.paper_units import PaperDials
@@ -17,7 +18,7 @@ from explorer.widgets.html import NOTE
 from explorer.widgets.section import Section
 from rangenav.gains import Gains
 
-UNITS_LABELS: dict[GainUnits, str] = {"paper": "in the paper's letters", "physical": "in physical words"}
+UNITS_LABELS: dict[GainUnits, str] = {"paper": "the paper's letters", "physical": "physical quantities"}
 MODE_LABELS = {"constant": "constant (the paper's theorem)", "noise-matched": "noise-matched (outside it)"}
 
 
@@ -27,10 +28,9 @@ class GainsPanel:
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form)
         with section:
-            hint = "Letters or words for the same gains. Switching changes none of them, and is no step to undo."
-            self.units_choice = Choice(section, "shown", UNITS_LABELS, hint=hint)
-            hint = "Whether q and V stay as they are set (paper, eq. 8), or follow from the noise at the estimate."
-            self.mode = Choice(section, "gains", MODE_LABELS, hint=hint)
+            units, mode = PAPER_GAINS["gain units"], PAPER_GAINS["gain mode"]
+            self.units_choice = Choice(section, units.caption, UNITS_LABELS, hint=units.hint)
+            self.mode = Choice(section, mode.caption, MODE_LABELS, hint=mode.hint)
             self.mode_line = form.gui.add_html("")
         self.paper_dials, self.physical_dials = PaperDials(form), PhysicalDials(form)
         with Section(form, "Attitude filter"):

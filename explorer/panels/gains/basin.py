@@ -59,8 +59,10 @@ class BasinPanel:
         self._section = section = Section(form, "Basin of attraction", expanded=False)
         with section:
             scale = math.degrees(1.0)
-            self._angle = Dial(section, "start angle (°)", (0.0, 180.0), step=0.1, hint=ANGLE_HINT, scale=scale)
-            self._axes = Number(section, "axes", step=1, hint=AXES_HINT)
+            self._angle = Dial(
+                section, "initial attitude error (°)", (0.0, 180.0), step=0.1, hint=ANGLE_HINT, scale=scale
+            )
+            self._axes = Number(section, "number of axes", hint=AXES_HINT)
             self._angle.write(ANGLE, None)
             self._axes.write(AXES, None)
             form.button(COMPUTE_LABEL, self._compute, hint=COMPUTE_HINT)
@@ -106,7 +108,7 @@ class BasinPanel:
         with self._section.catching():
             angle, axes = self._angle.read(), self._axes.read()
             whole = math.isfinite(axes) and axes == int(axes) and 1 <= axes <= MAX_AXES
-            require(whole, f"axes must be a whole number between 1 and {MAX_AXES}, got {axes:g}")
+            require(whole, f"number of axes must be a whole number between 1 and {MAX_AXES}, got {axes:g}")
             chosen, count = effective(self._page.read()), int(axes)
         setup = basin.setup_of(chosen)
 

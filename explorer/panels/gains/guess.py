@@ -4,6 +4,7 @@ import math
 from typing import Literal
 
 from explorer.model.compute import Picture
+from explorer.model.glossary import START
 from explorer.panels.gains.equilibria import EquilibriaSection
 from explorer.widgets.controls import Choice, Vector
 from explorer.widgets.dials import Dial
@@ -19,27 +20,30 @@ STATE_LABELS: dict[Literal["zero", "truth", "offset"], str] = {
 }
 
 
+HALF_TURNS = -180.0, 180.0
+"""Degrees."""
+
+
 class GuessPanel:
     """The initial estimate of the observer."""
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form, "Initial estimate")
         with section:
-            hint = (
-                "x̂(0): zero as in the paper's scenario, the true lifted state, or the lift of truth plus the offsets."
+            state, angle, axis = (START[name] for name in ("initial estimate", "initial angle", "initial axis"))
+            degrees = math.degrees(1.0)
+            self._state = Choice(section, state.caption, STATE_LABELS, hint=state.hint)
+            self._angle = Dial(
+                section, angle.caption, HALF_TURNS, step=0.1, hint=angle.hint, scale=degrees, allowed=HALF_TURNS
             )
-            self._state = Choice(section, "x̂(0)", STATE_LABELS, hint=hint)
-            hint = "Angle of the initial attitude error R̃(0) (degrees); near 180° the filter lingers (paper, U_π)."
-            self._angle = Dial(section, "R̃(0) angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0))
-            hint = "Axis of the initial attitude error, inertial axes; any length but zero."
-            self._axis = Vector(section, "R̃(0) axis", step=0.01, hint=hint)
+            self._axis = Vector(section, axis.caption, step=0.01, hint=axis.hint)
             self._equilibria = EquilibriaSection(form, self._set_attitude_error)
         self._offsets = section = Section(form, "Offsets from the truth", expanded=False)
         with section:
-            hint = "used when x̂(0) is truth plus offsets; inertial axes."
-            self._position = Vector(section, "position (m)", step=0.1, hint=f"m, {hint}")
-            self._velocity = Vector(section, "velocity (m/s)", step=0.1, hint=f"m/s, {hint}")
-            self._gravity = Vector(section, "gravity (m/s²)", step=0.1, hint=f"m/s², {hint}")
+            terms = [START[f"{name} offset"] for name in ("position", "velocity", "gravity")]
+            self._position, self._velocity, self._gravity = (
+                Vector(section, term.caption, step=0.1, hint=term.hint) for term in terms
+            )
 
     def refresh(self) -> None:
         """Show below the control why the guess is invalid. Raises InvalidInputError."""

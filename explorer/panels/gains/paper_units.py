@@ -1,5 +1,7 @@
 """The gains in the paper's units: q, V and P₀ of the Riccati observer, k1, ρ1 and ρ2 of the filter (eq. 8–9)."""
 
+from explorer.model.glossary import PAPER_GAINS
+from explorer.model.glossary.gains import BLOCKS
 from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
@@ -7,7 +9,6 @@ from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 
-BLOCKS = {"xi": "ξ", "position": "p", "velocity": "v", "gravity": "g"}
 K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 """Ranges of the sliders, narrower than what the model accepts."""
 
@@ -18,32 +19,21 @@ class PaperDials:
     def __init__(self, form: Form) -> None:
         self.noise = section = Section(form, "Riccati observer: q and V")
         with section:
-            hint = (
-                "q (1/(m⁴ s)): inverse noise density of y = ½d² in Ṗ = AP + PAᵀ − PCᵀqCP + V (paper, eq. 8). "
-                "Larger trusts the ranges more."
-            )
-            self._q = LogDial(section, "q", Q_RANGE, hint=hint)
+            self._q = _dial(section, "q", Q_RANGE)
             self._process = Section(form, "Process noise V", expanded=False)
-            meaning = (
-                "process noise density per second: larger forgets faster, follows faster, is noisier (paper, eq. 8)"
-            )
             with self._process as section:
-                self._v = _blocks(section, "V", V_RANGE, meaning)
-        self._start = section = Section(form, "Initial covariance P₀", expanded=False)
+                self._v = {block: _dial(section, f"v {block}", V_RANGE) for block in BLOCKS}
+        self._start = section = Section(form, "Initial errors squared: P₀", expanded=False)
         with section:
-            meaning = "diagonal of P(0): how wrong the initial estimate may be, squared (paper, eq. 8)"
-            self._p0 = _blocks(section, "P₀", P0_RANGE, meaning)
+            self._p0 = {block: _dial(section, f"p0 {block}", P0_RANGE) for block in BLOCKS}
 
     def add_attitude(self, form: Form) -> None:
         """Add the dials of the attitude filter to the folder that is being built."""
         self.attitude = section = Section(form)
         with section:
-            hint = "k1 (1/s): scales the whole correction σ = ρ1 (m × R̂ᵀm) + ρ2 (ĝ × R̂ᵀg) (paper, eq. 9)."
-            self._k1 = LogDial(section, "k1", K1_LIMITS, hint=hint, unit="1/s")
-            hint = "ρ1 (no unit): weight of the magnetometer, whose vector has length 1 (paper, eq. 9)."
-            self._rho1 = LogDial(section, "ρ1", RHO1_LIMITS, hint=hint)
-            hint = "ρ2 (s⁴/m²): weight of the estimated gravity. It multiplies |g|² ≈ 96, so 1 is stiff at low rates."
-            self._rho2 = LogDial(section, "ρ2", RHO2_LIMITS, hint=hint)
+            self._k1 = _dial(section, "k1", K1_LIMITS)
+            self._rho1 = _dial(section, "rho1", RHO1_LIMITS)
+            self._rho2 = _dial(section, "rho2", RHO2_LIMITS)
 
     def refresh(self) -> None:
         """Show below the dials why the gains are invalid. Raises InvalidInputError."""
@@ -80,14 +70,10 @@ class PaperDials:
         self.attitude.show(visible)
 
 
-def _blocks(section: Section, name: str, limits: tuple[float, float], meaning: str) -> dict[str, LogDial]:
-    """One dial for each block of the 13-state."""
-
-    def dial(block: str, letter: str) -> LogDial:
-        hint = f"{name}: the {block} block, in the square of its unit: {meaning}."
-        return LogDial(section, f"{name}({letter})", limits, hint=hint)
-
-    return {block: dial(block, letter) for block, letter in BLOCKS.items()}
+def _dial(section: Section, key: str, limits: tuple[float, float]) -> LogDial:
+    """The dial of a gain, with the label and the hint of its term."""
+    term = PAPER_GAINS[key]
+    return LogDial(section, term.caption, limits, hint=term.hint)
 
 
 def _read_blocks(dials: dict[str, LogDial]) -> Blocks:

@@ -9,7 +9,8 @@ from collections.abc import Callable
 
 from msgspec.structs import asdict, replace
 
-from explorer.model.gain_units import GAIN_LABELS, GainContext, in_paper_units, in_physical_units, with_page_labels
+from explorer.model.gain_units import GAIN_LIMITS, GainContext, in_paper_units, in_physical_units
+from explorer.model.glossary import PHYSICAL_GAINS, in_labels
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form
@@ -29,12 +30,12 @@ class PhysicalDials:
     def __init__(self, form: Form) -> None:
         self.dials: dict[str, LogDial] = {}
         self.sections: dict[str, Section] = {}
-        self.noise = Section(form, "Noise the gains are made for: q and V")
+        self.noise = Section(form, "Noise that the gains assume: q and V")
         self._add(self.noise, NOISE)
         with self.noise:
-            factors = Section(form, "Factors on V", expanded=False)
+            factors = Section(form, "Extra drift: factors on V", expanded=False)
         self._add(factors, FACTORS)
-        self._prior = Section(form, "How wrong the start may be: P₀", expanded=False)
+        self._prior = Section(form, "Initial errors that the gains assume: P₀", expanded=False)
         self._add(self._prior, PRIOR)
         self._context: GainContext | None = None
         """The context in which the values shown were computed; None while written gains are not shown yet."""
@@ -42,8 +43,8 @@ class PhysicalDials:
     def _add(self, section: Section, names: tuple[str, ...]) -> None:
         with section:
             for name in names:
-                row = GAIN_LABELS[name]
-                self.dials[name] = LogDial(section, row.label, row.limits, hint=row.hint, unit=row.unit)
+                term = PHYSICAL_GAINS[name]
+                self.dials[name] = LogDial(section, term.caption, GAIN_LIMITS[name], hint=term.hint)
                 self.sections[name] = section
 
     def add_attitude(self, form: Form) -> None:
@@ -78,7 +79,7 @@ class PhysicalDials:
             try:
                 self._show_values(context, moved_dials)
             except ValueError as error:
-                self._keep_without_values(with_page_labels(str(error)), error, moved_dials)
+                self._keep_without_values(in_labels(str(error)), error, moved_dials)
                 return
             with complaining(*self._all_sections):
                 entered = self._entered()
@@ -133,10 +134,10 @@ class PhysicalDials:
         except ValueError as error:
             sentence = str(error)
             cause = next((name for name in changed if name in sentence), changed[0])
-            raise InvalidInputError(self.sections[cause].complaint) from ValueError(with_page_labels(sentence))
+            raise InvalidInputError(self.sections[cause].complaint) from ValueError(in_labels(sentence))
 
 
 def labelled_values(gains: Gains, context: GainContext) -> list[tuple[str, float, str]]:
     """Label, value and unit of every physical value."""
     values = asdict(in_physical_units(gains, context))
-    return [(row.label, values[name], row.unit) for name, row in GAIN_LABELS.items()]
+    return [(term.label, values[name], term.unit) for name, term in PHYSICAL_GAINS.items()]

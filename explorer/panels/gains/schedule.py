@@ -1,5 +1,6 @@
 """A schedule of the gain k1: high while the measured vectors differ from the expected ones, low once they agree."""
 
+from explorer.model.glossary import PAPER_GAINS
 from explorer.widgets.controls import Switch
 from explorer.widgets.dials import LogDial
 from explorer.widgets.form import Form
@@ -8,11 +9,10 @@ from explorer.widgets.section import Section
 from rangenav.attitude import HALFWAY_RANGE, MEMORY_RANGE, AttitudeGains, Schedule
 
 STEADY_LIMITS = (0.01, 50.0)
-SCHEDULE_HINT = (
-    "k1 falls from its dial's value to the steady one as the misalignment s, a low-passed mean of 1 − cos of the "
-    "angles to the magnetic field and to gravity, falls: fast from any start, quiet once it is there."
+EXPLANATION = (
+    "k1 falls to its final value as the misalignment, a smoothed mean of 1 − cos of the angles to the magnetic field "
+    "and to gravity, falls. The theorem assumes a constant k1: of a scheduled one it says nothing."
 )
-OUTSIDE_THEOREM = "The theorem assumes a constant k1: of a scheduled one it says nothing."
 
 
 class ScheduleDials:
@@ -21,16 +21,14 @@ class ScheduleDials:
     def __init__(self, form: Form) -> None:
         self._section = Section(form)
         with self._section as section:
-            self.enabled = Switch(section, "schedule k1", hint=SCHEDULE_HINT)
+            self.enabled = Switch(section, PAPER_GAINS["schedule"].caption, hint=PAPER_GAINS["schedule"].hint)
             self.dials_section = Section(form)
         with self.dials_section as section:
-            form.gui.add_html(NOTE.format(OUTSIDE_THEOREM))
-            hint = "k1 (1/s) once the vectors agree; not above k1 itself."
-            self.steady = LogDial(section, "k1 in the end", STEADY_LIMITS, hint=hint, unit="1/s")
-            hint = "The misalignment s (0 to 2) at which k1 is halfway between its ends, in equal ratios."
-            self.halfway = LogDial(section, "k1 halfway at s", HALFWAY_RANGE, hint=hint)
-            hint = "s, of the low-pass that takes the magnetometer's noise out of the misalignment."
-            self._memory = LogDial(section, "low pass of s", MEMORY_RANGE, hint=hint, unit="s")
+            form.gui.add_html(NOTE.format(EXPLANATION))
+            steady, halfway, memory = (PAPER_GAINS[name] for name in ("steady", "halfway", "memory"))
+            self.steady = LogDial(section, steady.caption, STEADY_LIMITS, hint=steady.hint)
+            self.halfway = LogDial(section, halfway.caption, HALFWAY_RANGE, hint=halfway.hint)
+            self._memory = LogDial(section, memory.caption, MEMORY_RANGE, hint=memory.hint)
         self._last_valid = Schedule()
 
     @property

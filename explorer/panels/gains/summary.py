@@ -8,9 +8,10 @@ from msgspec.structs import replace
 
 from explorer.model import palette
 from explorer.model.compute import Picture
-from explorer.model.gain_units import context_of, with_page_labels
+from explorer.model.gain_units import context_of
+from explorer.model.glossary import PAPER_GAINS, in_labels
+from explorer.model.glossary.gains import BLOCKS
 from explorer.model.settings import GainUnits
-from explorer.panels.gains.paper_units import BLOCKS
 from explorer.panels.gains.physical_units import labelled_values
 from explorer.widgets.dials import DIGITS
 from explorer.widgets.html import NOTE, table
@@ -28,7 +29,7 @@ MODE_TEXTS = {
     ),
 }
 OTHER_UNITS: dict[GainUnits, str] = {
-    "paper": "The same in physical words",
+    "paper": "The same as physical quantities",
     "physical": "The same in the paper's letters",
 }
 STIFFNESS_WARNING = f'<div style="color:{palette.WARNING};font-weight:600;margin-top:0.4em">▲ {{}}</div>'
@@ -37,8 +38,8 @@ STIFFNESS_WARNING = f'<div style="color:{palette.WARNING};font-weight:600;margin
 DIAL_NAMES: dict[GainUnits, dict[str, str]] = {
     "paper": {"rho": "ρ"},
     "physical": {
-        "lower k1 or rho2": "raise the slowest time T or lower the gravity weight",
-        "lower k1 or rho1": "raise the slowest time T",
+        "lower k1 or rho2": "raise the slowest time constant T or lower the trust in gravity",
+        "lower k1 or rho1": "raise the slowest time constant T",
     },
 }
 """Names in the library's sentence → names of the dials that are shown."""
@@ -81,7 +82,7 @@ def in_other_units(picture: Picture, units: GainUnits) -> str:
     try:
         entries = labelled_values(gains, context) if units == "paper" else _paper_values(gains)
     except ValueError as error:
-        return NOTE.format(html.escape(f"not converted: {with_page_labels(str(error))}"))
+        return NOTE.format(html.escape(f"not converted: {in_labels(str(error))}"))
     cells = [(label, f"{significant(value, DIGITS)} {unit}".rstrip()) for label, value, unit in entries]
     half = (len(cells) + 1) // 2
     rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
@@ -92,10 +93,10 @@ def in_other_units(picture: Picture, units: GainUnits) -> str:
 
 def _paper_values(gains: Gains) -> list[tuple[str, float, str]]:
     riccati, attitude_gains = gains.riccati, gains.attitude
-    blocks = [
-        (f"{letter}({sign})", getattr(values, name), "")
-        for letter, values in (("V", riccati.v), ("P₀", riccati.p0))
-        for name, sign in BLOCKS.items()
-    ]
-    attitudes = [("k1", attitude_gains.k1, "1/s"), ("ρ1", attitude_gains.rho1, ""), ("ρ2", attitude_gains.rho2, "")]
-    return [("q", riccati.q, ""), *blocks, *attitudes]
+    values = {
+        "q": riccati.q,
+        **{f"v {block}": getattr(riccati.v, block) for block in BLOCKS},
+        **{f"p0 {block}": getattr(riccati.p0, block) for block in BLOCKS},
+        **{name: getattr(attitude_gains, name) for name in ("k1", "rho1", "rho2")},
+    }
+    return [(PAPER_GAINS[name].label, value, PAPER_GAINS[name].unit) for name, value in values.items()]

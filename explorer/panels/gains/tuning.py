@@ -11,6 +11,7 @@ import msgspec
 import viser
 
 from explorer.model.compute import Picture
+from explorer.model.glossary import COMPARE
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.gains import tradeoff_plot
@@ -39,13 +40,7 @@ CURVES: dict[str, tuple[Measure, Measure]] = {
     "position": ("settle_position", "steady_position"),
     "attitude": ("settle_attitude", "steady_attitude"),
 }
-WEIGHT = "steadiness w"
-STEADINESS_HINT = (
-    "0: settling soon is all that counts; 1: being exact afterwards. J = (1 − w) ln(settling time) + w ln(steady "
-    "error), of position and attitude together; lower is better."
-)
-RUNS_HINT = f"How many noise seeds the gains are tried on, 1 to {MAX_RUNS}; as many others judge them afterwards."
-EVALUATIONS_HINT = f"How many gains are tried, 1 to {MAX_EVALUATIONS}."
+WEIGHT, RUNS_TERM, TRIES = COMPARE["exactness"], COMPARE["tuning runs"], COMPARE["tries"]
 TUNE_HINT = "Searches the gains from those on the page. The page stays usable; nothing changes until you say so."
 CURVE_HINT = (
     "Whose trade-off curve to walk along: gains that none of those tried beats both in settling and in exactness."
@@ -73,16 +68,16 @@ class TuningPanel:
         with section:
             marks = ((0.0, "soon"), (1.0, "exact"))
             self._steadiness = form.gui.add_slider(
-                WEIGHT, 0.0, 1.0, 0.05, STEADINESS, hint=STEADINESS_HINT, marks=marks
+                WEIGHT.caption, 0.0, 1.0, 0.05, STEADINESS, hint=WEIGHT.hint, marks=marks
             )
-            self._runs = Number(section, "seeds", step=1, hint=RUNS_HINT)
-            self._evaluations = Number(section, "gains to try", step=10, hint=EVALUATIONS_HINT)
+            self._runs = Number(section, RUNS_TERM.caption, hint=RUNS_TERM.hint)
+            self._evaluations = Number(section, TRIES.caption, hint=TRIES.hint)
             self._runs.write(RUNS, None)
             self._evaluations.write(EVALUATIONS, None)
             form.button("Tune the gains", self.start, hint=TUNE_HINT)
             self._summary_block, self._plots_block = form.gui.add_html(""), form.gui.add_html("")
-            self._curve = form.gui.add_dropdown("pick along", tuple(CURVES), hint=CURVE_HINT)
-            self._place = form.gui.add_slider("place", 1.0, 2.0, 1.0, 1.0, hint=PLACE_HINT)
+            self._curve = form.gui.add_dropdown("curve to pick from", tuple(CURVES), hint=CURVE_HINT)
+            self._place = form.gui.add_slider("place on the curve", 1.0, 2.0, 1.0, 1.0, hint=PLACE_HINT)
             self._picked_block = form.gui.add_html("")
             self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
             self._discard = form.button("Discard", self._forget_result, hint=DISCARD_HINT)
@@ -102,9 +97,9 @@ class TuningPanel:
         """Look for better gains."""
         with self._section.catching():
             preset, steadiness = effective(self._page.read()), self._steadiness.value
-            runs = _whole("seeds", self._runs.read(), MAX_RUNS)
-            evaluations = _whole("gains to try", self._evaluations.read(), MAX_EVALUATIONS)
-            require(0 <= steadiness <= 1, f"{WEIGHT} must lie between 0 and 1, got {steadiness}")
+            runs = _whole(RUNS_TERM.label, self._runs.read(), MAX_RUNS)
+            evaluations = _whole(TRIES.label, self._evaluations.read(), MAX_EVALUATIONS)
+            require(0 <= steadiness <= 1, f"{WEIGHT.label} must lie between 0 and 1, got {steadiness}")
 
         def work(progress: Progress, cancelled: Cancelled) -> Tuned:
             return tune.tune(
@@ -149,13 +144,13 @@ class TuningPanel:
     def _choose_curve(self) -> None:
         """Show another curve. The browser may have sent one that is not offered."""
         with self._section.catching():
-            require(self._curve.value in CURVES, f"pick along must be one of: {', '.join(CURVES)}")
+            require(self._curve.value in CURVES, f"curve to pick from must be one of: {', '.join(CURVES)}")
         self._offer_choices()
         self._pick()
 
     def _pick(self) -> None:
         with self._section.catching():
-            position = _whole("place", self._place.value, len(self.choices))
+            position = _whole("place on the curve", self._place.value, len(self.choices))
         self.picked = self.choices[position - 1]
         self._score_held_out(self.picked)
         self._update_text()

@@ -5,13 +5,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import cast
 
+from explorer.model.glossary import MOTION
 from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
 from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
 from explorer.widgets.controls import Number, Vector
-from explorer.widgets.dials import Dial, LogDial
+from explorer.widgets.dials import Dial, InverseDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
 from rangenav.inputs import Vec3, require_within
@@ -19,7 +20,11 @@ from rangenav.number_format import significant
 from rangenav.preset import MAX_DURATION, MIN_DURATION
 from rangenav.signals import AngularVelocity, Flown, Signal
 
-ANGULAR_VELOCITY = SignalSlot(unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), open_tones=0)
+ANGULAR_VELOCITY = SignalSlot(
+    menu=MOTION["turning family"].label, unit="rad/s", amplitude=(-3.0, 3.0), frequency=(0.05, 10.0), open_tones=0
+)
+SPEEDS = 1 / MAX_TIME_SCALE, 1 / MIN_TIME_SCALE
+"""The slowest and the fastest."""
 FAMILY_HINT = (
     "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
     "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."
@@ -128,19 +133,11 @@ class _Timing:
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form)
         with section:
-            hint = (
-                "s: the same path run s times slower. Its snap p⁗ falls as s⁻⁴ and the excitation μ over one period as "
-                "s⁻⁷ (paper, PE lemma), while thrust falls towards the weight."
-            )
-            self.time_scale = LogDial(section, "slower s", (MIN_TIME_SCALE, MAX_TIME_SCALE), hint=hint)
+            speed, window, duration = (MOTION[name] for name in ("speed", "window", "duration"))
+            self.time_scale = InverseDial(section, speed.caption, SPEEDS, hint=speed.hint)
             self._line = form.gui.add_markdown("")
-            hint = (
-                "δ (s): the window of the excitation ∫p⁗p⁗ᵀ and of the Gramian (paper, uniform observability). "
-                "Dragging across a plot draws one; a click goes to that moment."
-            )
-            self._window = Dial(section, "window δ (s)", (0.5, 15.0), step=0.1, hint=hint)
-            hint = f"How long the flight is, {MIN_DURATION:g} to {MAX_DURATION:g} s; a longer one takes longer to show."
-            self._duration = Number(section, "duration (s)", step=1.0, hint=hint)
+            self._window = Dial(section, window.caption, (0.5, 15.0), step=0.1, hint=window.hint)
+            self._duration = Number(section, duration.caption, hint=duration.hint)
 
     def refresh(self) -> None:
         with self.section.catching():
@@ -150,9 +147,10 @@ class _Timing:
     def read(self) -> tuple[float, float, float]:
         """Time scale, duration (s) and window (s)."""
         with self.section.checking():
-            duration = self._duration.read()
-            require_within("duration", duration, MIN_DURATION, MAX_DURATION, "s")
-            return self.time_scale.read(), duration, self._window.read()
+            scale, duration, window = self.time_scale.read(), self._duration.read(), self._window.read()
+            require_within(MOTION["speed"].label, 1 / scale if scale else math.inf, *SPEEDS)
+            require_within(MOTION["duration"].label, duration, MIN_DURATION, MAX_DURATION, "s")
+            return scale, duration, window
 
     def write(self, choice: MotionChoice, base: MotionChoice) -> None:
         self.time_scale.write(choice.time_scale, base.time_scale)
@@ -163,10 +161,19 @@ class _Timing:
         self._window.show(length)
 
     def draw(self, time_scale: float) -> None:
-        period, window = significant(time_scale**-7), significant(time_scale**-8)
-        line = f"μ ∝ s⁻⁷ over one period: × {period}; over a fixed δ about s⁻⁸: × {window}"
+        line = speed_sentence(1 / time_scale)
         if line != self._line.content:
             self._line.content = line
+
+
+def speed_sentence(speed: float) -> str:
+    """What a speed other than 1 does to the excitation."""
+    if speed == 1.0:
+        return "At speed 1 the path is run as it was designed."
+    more, times = ("less", 1 / speed) if speed < 1 else ("more", speed)
+    pace = f"{significant(times)} times as {'slow' if speed < 1 else 'fast'}"
+    period, window = significant(times**7), significant(times**8)
+    return f"{pace}: {period} times {more} excitation in a period, {window} times in a window."
 
 
 class _AngularVelocity:
@@ -179,8 +186,8 @@ class _AngularVelocity:
             self.signal_editor = SignalEditor(form, ANGULAR_VELOCITY, ANGULAR_VELOCITY_LABELS, hint=FAMILY_HINT)
             self._start_section = start = Section(form, "Initial attitude R(0)", expanded=True)
             with start:
-                hint = "Degrees about the inertial axes, as a rotation vector: the axis, as long as the angle."
-                self._rotation = Vector(start, "turn (°)", step=0.1, hint=hint, scale=math.degrees(1.0))
+                term = MOTION["initial attitude"]
+                self._rotation = Vector(start, term.caption, step=0.1, hint=term.hint, scale=math.degrees(1.0))
 
     def refresh(self, duration: float) -> None:
         self.signal_editor.refresh(duration)

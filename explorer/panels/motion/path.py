@@ -9,6 +9,7 @@ from typing import cast
 import msgspec
 import numpy as np
 
+from explorer.model.glossary import MOTION
 from explorer.model.settings import Drafts
 from explorer.panels.motion.families import PATH_LABELS, ROWS
 from explorer.panels.motion.families.editor import SignalSlot
@@ -20,11 +21,13 @@ from rangenav import signals, so3
 from rangenav.inputs import Vec3, require
 from rangenav.signals import Family, Multisine, Signal, Sum, Tone
 
-PATH = SignalSlot(unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), open_tones=1)
-WIGGLE = SignalSlot(unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), open_tones=0)
+PATH = SignalSlot(
+    menu=MOTION["path family"].label, unit="m", amplitude=(-3.0, 3.0), frequency=(0.05, 20.0), open_tones=1
+)
+WIGGLE = SignalSlot(menu="second motion made of", unit="m", amplitude=(-1.0, 1.0), frequency=(0.05, 20.0), open_tones=0)
 FAMILY_HINT = (
     "; ".join(f"{row.path_label}: {row.path_hint}" for row in ROWS if row.path_label)
-    + ". What is entered in one is kept while another is in use."
+    + ". Each keeps what is entered in it."
 )
 FIRST_WIGGLE = Multisine(tones=(Tone(axis="z", amplitude=0.1, frequency=6.0),))
 """The wiggle offered at first, on the axis that planar paths lack."""
@@ -41,8 +44,9 @@ class PathPanel:
             self.base_editor = SignalEditor(form, PATH, PATH_LABELS, hint=FAMILY_HINT)
             self._wiggle_section = Section(form)
             with self._wiggle_section:
-                hint = "A second signal added to the path, of any family: a planar path may need only a little of it."
-                self._has_wiggle = Switch(self._wiggle_section, "plus a wiggle", hint=hint)
+                self._has_wiggle = Switch(
+                    self._wiggle_section, MOTION["second motion"].label, hint=MOTION["second motion"].hint
+                )
             self._wiggle_editor = SignalEditor(form, WIGGLE, PATH_LABELS, hint=FAMILY_HINT, visible=False)
             self._sum_offset = _SumOffset(form)
 
@@ -122,9 +126,9 @@ class _SumOffset:
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Offset and drift of the sum", expanded=False)
         with section:
-            self._offset = Vector(section, "sum's offset (m)", step=0.01, hint="m, inertial axes: added to both.")
+            self._offset = Vector(section, "offset of the sum (m)", step=0.01, hint="m, inertial axes: added to both.")
             self._drift = Vector(
-                section, "sum's drift (m/s)", step=0.01, hint="m/s, inertial axes; it excites nothing."
+                section, "drift of the sum (m/s)", step=0.01, hint="m/s, inertial axes; it excites nothing."
             )
 
     def read(self, path: Sum) -> Sum:
@@ -154,9 +158,11 @@ class PathTransforms:
         self._section = section = Section(form, "Whole path: scale, turn, mirror, centre", expanded=False)
         with section:
             hint = "All these keep the anchor where it is and change the path about it; Ctrl+Z takes a press back."
-            self._factor = Number(section, "factor", step=0.1, hint=f"Times as large, seen from the anchor. {hint}")
-            self._axis = Choice(section, "axis", AXES, hint="To turn about, through the anchor; or a mirror's normal.")
-            self._angle = Number(section, "angle (°)", step=5.0, hint="To turn by, right-handed about the axis.")
+            self._factor = Number(section, "size factor", hint=f"Times as large, seen from the anchor. {hint}")
+            self._axis = Choice(
+                section, "axis or normal", AXES, hint="To turn about, through the anchor; or a mirror's normal."
+            )
+            self._angle = Number(section, "angle of the turn (°)", hint="To turn by, right-handed about the axis.")
             actions = {
                 "scale": lambda: self._change(self._scaled),
                 "turn": lambda: self._change(self._turned),

@@ -25,7 +25,7 @@ class SignalEditor:
         self._form, self._slot, self._labels, self._visible = form, slot, labels, visible
         self._section = section = Section(form)
         with section:
-            self.family_menu = Choice(section, "family", labels, hint=hint)
+            self.family_menu = Choice(section, slot.menu, labels, hint=hint)
         self.editors: dict[str, Editor] = {}
         self._last_valid: dict[str, AngularVelocity] = {}
         """The last valid signal of each family."""

@@ -6,6 +6,7 @@ from functools import partial
 from typing import Literal
 
 from explorer.model import palette
+from explorer.model.glossary import MOTION, SENSING, VERDICT
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import ORIGIN, FlightOptions, FlightReport, WorldSource, judge, world_evidence
 from explorer.widgets.controls import Choice, Number, Switch, Vector, when_moved
@@ -30,9 +31,7 @@ AnchorSource = Literal["", "file", "given"]
 ANCHOR_SOURCES: dict[AnchorSource, str] = {"file": "as the file says", "given": "as given below"}
 ASKED_ANCHOR: dict[AnchorSource, str] = {"": "choose", "given": "as given below"}
 """Where the file does not say where the anchor of its ranges stands."""
-WHERE = (
-    "where does the anchor stand? the file does not say: choose “as given below” for “its anchor”, and give its place"
-)
+WHERE = "where does the anchor stand? the file does not say: choose “as given below” and give its position"
 BLIND_FROM = "blind where they begin at "
 """Before the times at which the blind windows of a record begin."""
 HEAD = '<div style="color:{};font-weight:700;font-size:1.15em">{}</div>'
@@ -62,17 +61,17 @@ class FlightPanel:
         self._section = section = Section(form, "Recorded flight")
         with section:
             self._evidence = form.gui.add_html("")
-            self._anchor_source = Choice(section, "its anchor", ANCHOR_SOURCES, hint=ANCHOR_HINT)
-            self._anchor = Vector(section, "anchor at (m)", step=0.01, hint=PLACE_HINT)
-            self._world = Choice(section, "gravity, field", WORLD_SOURCES, hint=WORLD_HINT)
-            self._gravity = Vector(section, "its gravity (m/s²)", step=0.01, hint="Inertial.")
-            self._magnetic = Vector(section, "its field", step=0.01, hint="Its direction, inertial.")
+            self._anchor_source = Choice(section, "anchor from", ANCHOR_SOURCES, hint=ANCHOR_HINT)
+            self._anchor = Vector(section, MOTION["anchor"].caption, step=0.01, hint=PLACE_HINT)
+            self._world = Choice(section, "gravity and field from", WORLD_SOURCES, hint=WORLD_HINT)
+            self._gravity = Vector(section, MOTION["gravity"].caption, step=0.01, hint="Inertial.")
+            self._magnetic = Vector(section, MOTION["magnetic"].caption, step=0.01, hint="Its direction, inertial.")
             self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC_HINT)
-            self._sigma = Number(section, "ranges ± (m)", step=0.01, hint=SIGMA_HINT)
-            self._begin = Number(section, "from (s)", step=1, hint=PART_HINT)
-            self._end = Number(section, "to (s)", step=1, hint=PART_HINT)
-            self._window = Number(section, "windows of (s)", step=0.5, hint=WINDOW_HINT)
-            self._weak = Number(section, "weak above (m)", step=0.1, hint=WEAK_HINT)
+            self._sigma = Number(section, SENSING["range noise"].caption, hint=SIGMA_HINT)
+            self._begin = Number(section, "begin at (s)", hint=PART_HINT)
+            self._end = Number(section, "end at (s)", hint=PART_HINT)
+            self._window = Number(section, MOTION["window"].caption, hint=WINDOW_HINT)
+            self._weak = Number(section, VERDICT["wanted error"].caption, hint=WEAK_HINT)
             form.button("Was it informative?", self._judge, hint=JUDGE_HINT)
             self._report_block = form.gui.add_html("", visible=False)
         for choice in (self._anchor_source, self._world):

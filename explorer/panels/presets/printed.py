@@ -131,32 +131,32 @@ def _attitude_rate(picture: Picture) -> str:
 
 MISPRINTS = {
     "model": Misprint(
-        "model: C₅ = 0",
+        "use the paper's misprinted model",
         "Printed: C₅ ≡ 0 and B_m with |g|² (paper, eq. 6–7). Derived: C₅ = 6 on the g block and 3|g|² into ξ₄.",
         _model,
     ),
     "excitation": Misprint(
-        "φ printed",
+        "printed signal φ",
         "Printed: φ = ä − ω×ȧ − 2ω×(ω×a). Derived: φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗ (paper, eq. 11–12).",
         _excitation,
     ),
     "reduced_row": Misprint(
-        "row r₄,₂ printed",
+        "printed row r₄,₂",
         "Printed: 4ȧᵀ − 3aᵀ[ω]x. Derived: 4ȧᵀ − 4aᵀ[ω]x (paper, eq. 11–12, the reduced pair).",
         _reduced_row,
     ),
     "body_axes": Misprint(
-        "PE in body axes",
+        "excitation in body axes",
         "Printed: pair (Ā, R̄ r₄), so the integral of φφᵀ runs in body axes. Derived: inertial axes, ∫p⁗p⁗ᵀ.",
         _body_axes,
     ),
     "initial_values": Misprint(
-        "p(0), v(0) printed",
+        "printed initial values",
         "Printed: p(0) = (1, 0, 0), v(0) = (−.0125, 2.5, −4.33), which belong to another, planar path.",
         _initial_values,
     ),
     "attitude_rate": Misprint(
-        "attitude rate ½",
+        "printed attitude rate",
         "Printed: the error equation has −k1 R̂ψ(MR̃). Derived: −2 k1 ψ(MR̃), twice as fast (paper, eq. 10).",
         _attitude_rate,
     ),

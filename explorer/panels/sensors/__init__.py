@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from explorer.model.glossary import SENSING
 from explorer.panels.sensors.effects import STYLE, EffectsFolder
 from explorer.panels.sensors.noise import NoiseFolder
 from explorer.widgets.controls import Choice, Number
@@ -36,29 +37,21 @@ class SensorsPanel:
 
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form)
-        hint = "Rates, noise and faults of known sensors, to start from. Choosing one replaces all of them below."
         names = {name: name for name in SENSOR_SETS} | {CUSTOM: "as set below"}
         with section:
-            self.sensor_set = Choice(section, "sensor set", names, hint=hint)
+            self.sensor_set = Choice(section, SENSING["sensor set"].caption, names, hint=SENSING["sensor set"].hint)
             self.set_text = form.gui.add_html("")
-        hint = (
-            "Hz: how often a range d = |p − anchor| + noise arrives (paper, eq. 3); each is one correction by y = ½d²."
-        )
-        with section:
-            self.range_rate = Dial(section, "range (Hz)", (MIN_RANGE_RATE, 200.0), step=0.1, hint=hint)
+            self.range_rate = _rate_dial(section, "range rate", (MIN_RANGE_RATE, 200.0), step=0.1)
         self.noise = NoiseFolder(form)
         section = Section(form, "IMU and magnetometer rates", expanded=False)
         with section:
-            hint = "Hz: gyro and accelerometer, and with them the observer's step. Faster makes every change slower."
-            self.imu_rate = Dial(section, "IMU (Hz)", (20.0, 1000.0), step=10.0, hint=hint)
-            hint = "Hz: the magnetometer, read on the IMU's clock; it cannot be faster."
-            self.mag_rate = Dial(section, "mag (Hz)", (1.0, 1000.0), step=1.0, hint=hint)
+            self.imu_rate = _rate_dial(section, "imu rate", (20.0, 1000.0), step=10.0)
+            self.mag_rate = _rate_dial(section, "mag rate", (1.0, 1000.0), step=1.0)
         self._rate_dials = {"range_rate": self.range_rate, "imu_rate": self.imu_rate, "mag_rate": self.mag_rate}
         self.effects = EffectsFolder(form)
-        hint = "The same seed gives the same noise to the last bit; another one another run. A whole number from 0."
         self._seed_section = section = Section(form)
         with section:
-            self._seed = Number(section, "noise seed", step=1.0, hint=hint)
+            self._seed = Number(section, SENSING["seed"].caption, hint=SENSING["seed"].hint)
         self._shown_set = CUSTOM
 
     def refresh(self) -> None:
@@ -132,6 +125,10 @@ class SensorsPanel:
             html.escape(SENSOR_SETS[self._shown_set].summary) if self._shown_set in SENSOR_SETS else "None of the sets."
         )
         self.set_text.content = f'<div style="{STYLE}">{text}</div>'
+
+
+def _rate_dial(section: Section, key: str, limits: tuple[float, float], *, step: float) -> Dial:
+    return Dial(section, SENSING[key].caption, limits, step=step, hint=SENSING[key].hint)
 
 
 def _set_of(sensors: Sensors) -> str:

@@ -2,6 +2,7 @@
 
 import html
 
+from explorer.model.glossary import SENSING
 from explorer.widgets.fields import FieldControls
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
@@ -16,7 +17,7 @@ class EffectsFolder:
     def __init__(self, form: Form) -> None:
         self.description = form.gui.add_html("", visible=False)
         """A sentence for each effect that is on. It stands outside the folder, which may be closed."""
-        self._section = section = Section(form, "Not in the paper", expanded=False)
+        self._section = section = Section(form, SENSING["unmodelled"].label.capitalize(), expanded=False)
         with section:
             self.fields = FieldControls(section, Effects, effects.rows())
 

@@ -3,6 +3,7 @@
 density n (unit/√Hz)     standard deviation per sample σ = n √(IMU rate)
 """
 
+from explorer.model.glossary import SENSING
 from explorer.widgets.controls import Switch
 from explorer.widgets.dials import DIGITS, LogDial
 from explorer.widgets.form import Form
@@ -17,31 +18,25 @@ class NoiseFolder:
     """Standard deviations per sample. Gyro and accelerometer have dials for noise densities as well."""
 
     def __init__(self, form: Form) -> None:
-        def dial(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
-            hint = f"{symbol} ({unit or 1}): deviation of white noise per sample of the {what} (paper, eq. 2–3)."
-            return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
-
-        def density(symbol: str, unit: str, limits: tuple[float, float], what: str) -> LogDial:
-            hint = f"{symbol} ({unit}): density of the {what}'s white noise; per sample it is {symbol[0]}·√(IMU rate)."
-            return LogDial(section, symbol, limits, hint=hint, unit=unit, zero_at_left=True)
+        def dial(key: str, limits: tuple[float, float]) -> LogDial:
+            return LogDial(section, SENSING[key].caption, limits, hint=SENSING[key].hint, zero_at_left=True)
 
         self._section = section = Section(form, "Noise")
         with section:
-            self._range = dial("σ range", "m", (1e-3, 10.0), "range")
-            hint = "On: gyro and accelerometer noise as data sheets give it, and kept when the IMU's rate changes."
-            self.as_density = Switch(section, "IMU noise as density", hint=hint)
+            self._range = dial("range noise", (1e-3, 10.0))
+            self.as_density = Switch(section, SENSING["density"].caption, hint=SENSING["density"].hint)
             self.groups: dict[Unit, Section] = {}
             self._gyro: dict[Unit, LogDial] = {}
             self._accel: dict[Unit, LogDial] = {}
             with self._group(form, "sample") as section:
-                self._gyro["sample"] = dial("σ gyro", "rad/s", (1e-4, 1.0), "gyro")
-                self._accel["sample"] = dial("σ accel", "m/s²", (1e-3, 10.0), "accelerometer")
+                self._gyro["sample"] = dial("gyro noise", (1e-4, 1.0))
+                self._accel["sample"] = dial("accel noise", (1e-3, 10.0))
             with self._group(form, "density") as section:
-                self._gyro["density"] = density("n gyro", "rad/s/√Hz", (1e-6, 0.1), "gyro")
-                self._accel["density"] = density("n accel", "m/s²/√Hz", (1e-5, 1.0), "accelerometer")
+                self._gyro["density"] = dial("gyro density", (1e-6, 0.1))
+                self._accel["density"] = dial("accel density", (1e-5, 1.0))
             section = self._section
             self.other_unit_line = form.gui.add_markdown("")
-            self._mag = dial("σ mag", "", (1e-3, 1.0), "magnetometer, a unit vector; the paper prints σ² = 0.01")
+            self._mag = dial("mag noise", (1e-3, 1.0))
         self._unit: Unit = "sample"
         self._converted: tuple[Noise, float, Noise] | None = None
 

@@ -2,6 +2,7 @@
 
 import math
 
+from explorer.model.glossary import MOTION
 from explorer.widgets.controls import Vector
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section, complaining
@@ -22,18 +23,15 @@ class WorldPanel:
     def __init__(self, form: Form, relabel: Action) -> None:
         self._anchor_section = anchor = Section(form, "Anchor")
         with anchor:
-            hint = "m, inertial axes; drag the beacon in the scene or type. It changes σ, never the Gramian or μ."
-            self._anchor = Vector(anchor, "anchor (m)", step=0.05, hint=hint)
+            self._anchor = Vector(anchor, MOTION["anchor"].caption, step=0.05, hint=MOTION["anchor"].hint)
         self.section = axes = Section(form, "Gravity and axes")
         with axes:
             self._line = form.gui.add_markdown("")
-            hint = "m/s², inertial axes, as it enters v̇ = g + R a; “up” in the scene is −g."
-            self._gravity = Vector(axes, "g (m/s²)", step=0.01, hint=hint)
+            self._gravity = Vector(axes, MOTION["gravity"].caption, step=0.01, hint=MOTION["gravity"].hint)
             self._relabel = form.button("Relabel the axes: z up ↔ z down", relabel, hint=RELABEL_HINT)
         self._magnetic_section = magnetic = Section(form, "Magnetic direction")
         with magnetic:
-            hint = "Inertial axes, of any length: only its direction counts, and it must not be that of gravity."
-            self._magnetic = Vector(magnetic, "m", step=0.01, hint=hint)
+            self._magnetic = Vector(magnetic, MOTION["magnetic"].caption, step=0.01, hint=MOTION["magnetic"].hint)
         self._unit_magnetic: Vec3 = (0.0, 0.0, 0.0)
 
     def refresh(self) -> None:

@@ -8,6 +8,7 @@ import math
 
 import numpy as np
 
+from explorer.model.glossary import MOTION
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
@@ -29,12 +30,9 @@ class TwinPanel:
         self._turn: Vec3 | None = None
         self._shown: tuple[float, Vec3] | None = None
         with section:
-            hint = "Turns the twin about the anchor, as dragging it in the scene does; its range stays the true one."
-            self.angle = Dial(
-                section, "twin's angle (°)", (-180.0, 180.0), step=0.1, hint=hint, scale=math.degrees(1.0)
-            )
-            hint = "Of that turn, inertial axes; any length but zero. To and fro on a line there is only one."
-            self.axis = Vector(section, "twin's axis", step=0.01, hint=hint)
+            angle, axis, degrees = MOTION["twin turn"], MOTION["twin axis"], math.degrees(1.0)
+            self.angle = Dial(section, angle.caption, (-180.0, 180.0), step=0.1, hint=angle.hint, scale=degrees)
+            self.axis = Vector(section, axis.caption, step=0.01, hint=axis.hint)
             form.button("The usual twin", self.use_default, hint="A right angle, where that leads far enough.")
         section.show(False)
 

@@ -2,6 +2,7 @@
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.model.glossary import MOTION
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
@@ -9,10 +10,8 @@ from rangenav import vehicle
 from rangenav.number_format import significant
 from rangenav.vehicle import CATALOGUE, Vehicle
 
-HINT = (
-    "The limits that the path is held against; the path is marked where it breaks one. Of a vehicle's thrust "
-    f"{vehicle.THRUST_MARGIN:.0%} is kept in hand to steer with."
-)
+NO_LIMITS = "No limits"
+"""What the menu calls the vehicle that has none."""
 CELL = "padding:0.1em 0.5em 0.1em 0;white-space:nowrap"
 BAR = (
     '<div style="width:2.2em;height:0.55em;background:{};display:inline-block;vertical-align:middle">'
@@ -28,7 +27,7 @@ class VehiclePanel:
     def __init__(self, form: Form) -> None:
         self._section = section = Section(form, "Vehicle and its limits")
         with section:
-            self._choice = Choice(section, "vehicle", _labels(CATALOGUE), hint=HINT)
+            self._choice = Choice(section, MOTION["vehicle"].caption, _labels(CATALOGUE), hint=MOTION["vehicle"].hint)
             self._table = form.gui.add_html("")
 
     def refresh(self) -> None:
@@ -62,7 +61,7 @@ def _labels(vehicles: tuple[Vehicle, ...]) -> dict[Vehicle, str]:
     """The label of each vehicle: its name, with an addition if another vehicle has the same name."""
     labels: dict[Vehicle, str] = {}
     for candidate in vehicles:
-        label = candidate.name
+        label = NO_LIMITS if candidate == vehicle.FREE else candidate.name
         while label in labels.values():
             label += " (of the preset)"
         labels.setdefault(candidate, label)

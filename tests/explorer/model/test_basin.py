@@ -164,8 +164,8 @@ def test_equilibria_are_named_at_both_ends(page: Page):
 
 def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:
     """Compute a basin, and wait until it is shown."""
-    editing.set("axes", axes)
-    editing.set("start angle (°)", angle)
+    editing.set("number of axes", axes)
+    editing.set("initial attitude error (°)", angle)
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for(lambda: editing.tab.nodes["/basin"]["visible"], "the globe")
     editing.settle()
@@ -216,7 +216,7 @@ def test_when_gains_path_or_sensors_change_it_is_removed_with_a_sentence(editing
 
 def test_moving_the_window_keeps_it(editing: Editing):
     compute(editing)
-    editing.set("window δ (s)", 5.0)
+    editing.set("time window judged δ (s)", 5.0)
     assert editing.tab.nodes["/basin"]["visible"]
 
 
@@ -237,7 +237,7 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
     editing.tab.wait_for(lambda: len(stops) == 1 and editing.session.jobs.running is None, "the job to end")
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°**, 25 %")
-    editing.set("k1", 0.3)
+    editing.set("attitude gain k1 (1/s)", 0.3)
     editing.tab.wait_for(lambda: len(stops) == 2, "the job to end")
     editing.tab.wait_for_text("The settings changed while the starts ran")
     assert not editing.tab.nodes["/basin"]["visible"]
@@ -262,7 +262,7 @@ def test_nonsense_gets_a_sentence(editing: Editing, label: str, value: float, se
 
 
 def test_settings_that_cannot_be_shown_are_refused_in_the_section_of_the_starts(editing: Editing):
-    editing.tab.set("duration (s)", 5.0)
+    editing.tab.set("flight duration (s)", 5.0)
     editing.tab.wait_for_text("Not shown")
     editing.tab.press(panel.COMPUTE_LABEL)
     sentence = "requirement.window must be shorter than the duration"

@@ -1,6 +1,5 @@
 """The dock reads back the settings that were written to it: undo, redo and autosave depend on it."""
 
-import math
 from typing import Any
 
 import msgspec
@@ -13,7 +12,7 @@ from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Choice, Number, Switch, Text, Vector
-from explorer.widgets.dials import Dial, LogDial
+from explorer.widgets.dials import Dial, DialControl, InverseDial, LogDial
 from rangenav import axes
 from rangenav.signals import Flown, Multisine
 from rangenav.vehicle import CATALOGUE
@@ -84,11 +83,14 @@ def test_vehicles_of_one_name_are_told_apart(dock: Dock):
         assert dock.vehicle.read() == chosen
 
 
+TYPED = st.sampled_from(("5000", "5e3", "5 000", "-0.2", "0", "1e-3", "", "1e", "1e9", "five", "nan", "12,5"))
+"""What a visitor types into the box of a number."""
 VALUES: dict[type, st.SearchStrategy[Any]] = {
     Choice: st.integers(0, 99),
-    Dial: st.floats(-3, 90),
-    LogDial: st.floats(-6, 5),
-    Number: st.one_of(st.floats(-1, 30), st.just(math.nan)),
+    Dial: st.one_of(st.floats(-3, 90), TYPED),
+    LogDial: st.one_of(st.floats(-6, 5), TYPED),
+    InverseDial: st.one_of(st.floats(-1, 1), TYPED),
+    Number: TYPED,
     Vector: st.tuples(*[st.floats(-2, 2)] * 3),
     Switch: st.booleans(),
     Text: st.sampled_from(("sin(t)", "2*cos(3*t)", "t t", "", "0 0 0 0\n9 1 0 2\n20 0 0 1", "0 0 0 0\n0 1 1 1")),
@@ -106,7 +108,10 @@ def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
     value = dict(zip(VALUES, values, strict=True))[type(control)]
     if isinstance(control, Choice):
         value = control.handle.options[value % len(control.handle.options)]
-    control.handle.value = value
+    if isinstance(control, DialControl) and isinstance(value, str):
+        control.type(value)
+    else:
+        control.handle.value = value
 
 
 def _read(dock: Dock) -> Settings | None:

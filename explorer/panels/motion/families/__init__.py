@@ -117,7 +117,7 @@ ROWS = (
         editor=waypoints_editor,
         convert=conversion.waypoints,
         path_label="waypoints",
-        path_hint="a smooth curve (C⁸) through timed points",
+        path_hint="a smooth curve through timed points",
         angular_velocity_label="keyframes",
     ),
     FamilyRow(
@@ -127,7 +127,7 @@ ROWS = (
         editor=minimum_snap_editor,
         convert=conversion.minimum_snap,
         path_label="minimum snap",
-        path_hint="what flight planners make, which lowers what this needs",
+        path_hint="as flight planners make it, with little snap",
     ),
     FamilyRow(
         name="polynomials",

@@ -17,6 +17,8 @@ from rangenav.signals import AngularVelocity
 class SignalSlot:
     """The properties in which the edited signals (path, wiggle, angular velocity) differ on the page."""
 
+    menu: str
+    """The label of the menu of families."""
     unit: str
     amplitude: tuple[float, float]
     frequency: tuple[float, float]

@@ -40,19 +40,19 @@ class PointsEditor(Generic[F]):
         self._section = section = Section(form)
         with section:
             hint = "Whether the curve ends at its last point, at rest or in motion, or closes smoothly and repeats."
-            self._ends = Choice(section, "ends", ENDS, hint=hint)
+            self._ends = Choice(section, "ends of the curve", ENDS, hint=hint)
             hint = "s from the first point until it is reached again; used by a closed curve."
-            self._period = Number(section, "period (s)", step=0.01, hint=hint)
+            self._period = Number(section, "period (s)", hint=hint)
             hint = f"One point per line: t x y z, in s and {slot.unit}; times must increase. Paste a whole path here."
-            self._text = Text(section, "points: t x y z", hint=hint, longest=MAX_TEXT, lines=True)
+            self._text = Text(section, "points, a line t x y z each", hint=hint, longest=MAX_TEXT, lines=True)
         self._point_section = Section(form)
         with self._point_section as section:
             hint = "The point that the boxes below move; dragging one in the scene chooses it."
-            self._chosen = Choice(section, "point", {0: "1"}, hint=hint)
+            self._chosen = Choice(section, "chosen point", {0: "1"}, hint=hint)
             hint = "s: after the point before and before the next."
-            self._time = Number(section, "its time (s)", step=0.01, hint=hint)
+            self._time = Number(section, "time of the point (s)", hint=hint)
             hint = f"{slot.unit}: where the curve is at that time."
-            self._value = Vector(section, f"its place ({slot.unit})", step=0.001, hint=hint)
+            self._value = Vector(section, f"position of the point ({slot.unit})", step=0.001, hint=hint)
             hint = "A point between this one and the next, where the curve passes already; or none where this one is."
             actions = {"+ after it": self._insert, "− delete it": self._delete}
             form.buttons("", actions, hint=hint)

@@ -1,21 +1,27 @@
-"""Sines: A sin(w t + φ₀) on an axis, as many as wanted, on an offset that drifts."""
+"""Sines: A sin(ω t + φ₀) on an axis, as many as wanted, on an offset that drifts."""
 
 from collections.abc import Callable
 from functools import partial
 
 import msgspec
 
+from explorer.model.glossary import MOTION
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
-from rangenav.number_format import significant
+from rangenav.inputs import Vec3
+from rangenav.number_format import MINUS, significant, vector
 from rangenav.signals import Multisine, Tone
 from rangenav.signals.multisine import LETTERS, Axis
 
-NEW = (0.25, 4.0)
-"""Amplitude and frequency (rad/s) of a new tone."""
+NEW_AMPLITUDE = 0.25
+NEW_FREQUENCIES = (4.0, 5.0, 3.0, 6.0, 2.0, 7.0, 3.5, 4.5, 5.5, 8.0)
+"""rad/s; a new tone has the first that no other tone has: tones of one frequency make an ellipse, which is blind."""
+OFFSET_AND_DRIFT = "Offset and drift"
+SAME_FREQUENCY = 0.05
+"""Relative: two frequencies closer than this count as one."""
 
 
 class SinesEditor:
@@ -25,24 +31,24 @@ class SinesEditor:
         self._form, self._slot = form, slot
         self._tones: list[_ToneSection] = []
         self._base: Multisine | None = None
-        self._list = Section(form)
-        self._bottom = Section(form)
-        with self._bottom:
+        self._top = Section(form)
+        with self._top:
             actions = {f"+ {axis}": partial(self._add, axis) for axis in LETTERS}
-            form.buttons("add a tone", actions, hint="One more sine on this axis.")
+            form.buttons("add a tone along", actions, hint="One more sine along this axis, of another frequency.")
+        self._list = Section(form)
         self._offset_and_drift = _OffsetAndDrift(form, slot)
 
     def refresh(self) -> None:
         """Show each tone in its label. Raises InvalidInputError after showing the reason below the control."""
         for tone in self._tones:
             tone.refresh()
-        with complaining(self._bottom, self._offset_and_drift.section):
-            self.read()
+        with complaining(self._top, self._offset_and_drift.section):
+            self._offset_and_drift.describe(self.read())
 
     def read(self) -> Multisine:
         """The signal that the sliders show. Raises InvalidInputError."""
         tones = tuple(tone.read() for tone in self._tones)
-        with self._bottom.checking():
+        with self._top.checking():
             return self._offset_and_drift.read(Multisine(tones=tones))
 
     def write(self, signal: Multisine, base: Multisine | None) -> None:
@@ -61,7 +67,7 @@ class SinesEditor:
 
     def show(self, visible: bool) -> None:
         """Show or hide all of it."""
-        for section in (self._list, self._bottom, self._offset_and_drift.section):
+        for section in (self._list, self._top, self._offset_and_drift.section):
             section.show(visible)
 
     def _new_section(self, axis: Axis, *, expanded: bool) -> "_ToneSection":
@@ -69,9 +75,9 @@ class SinesEditor:
             return _ToneSection(self._form, self._slot, axis, self._remove, expanded=expanded)
 
     def _add(self, axis: Axis) -> None:
-        with self._bottom.answering():
+        with self._top.answering():
             tones = tuple(tone.read() for tone in self._tones)
-            added = Tone(axis=axis, amplitude=NEW[0], frequency=NEW[1])
+            added = Tone(axis=axis, amplitude=NEW_AMPLITUDE, frequency=new_frequency(tones))
             Multisine(tones=(*tones, added))  # refuses one too many
         self._tones.append(self._new_section(axis, expanded=True))
         self._tones[-1].write(added, None)
@@ -91,13 +97,13 @@ class _ToneSection:
         self.axis: Axis = axis
         self.section = section = Section(form, axis, expanded=expanded)
         with section:
-            hint = f"A ({slot.unit}): adds A sin(w t + φ₀) to the {axis} component; its fourth derivative is A w⁴."
-            self._amplitude = Dial(section, f"A ({slot.unit})", slot.amplitude, step=0.001, hint=hint)
-            hint = "w (rad/s): the tone's frequency at s = 1; it must stay below the IMU's Nyquist frequency."
-            self._frequency = Dial(section, "w (rad/s)", slot.frequency, step=0.01, hint=hint)
-            hint = "φ₀ (rad): the tone's phase at t = 0; π/2 makes it a cosine."
-            self._phase = Dial(section, "φ₀ (rad)", (-3.142, 3.142), step=0.001, hint=hint)
+            amplitude, frequency, phase = (MOTION[name] for name in ("amplitude", "frequency", "phase"))
+            label = f"{amplitude.label} {axis} ({slot.unit})"
+            self._amplitude = Dial(section, label, slot.amplitude, step=0.001, hint=amplitude.hint)
+            self._frequency = Dial(section, frequency.caption, slot.frequency, step=0.01, hint=frequency.hint)
+            self._phase = Dial(section, phase.caption, (-3.142, 3.142), step=0.001, hint=phase.hint)
             form.buttons("", {"− remove this tone": partial(remove, self)}, hint="Ctrl+Z brings it back.")
+        self._unit = slot.unit
 
     def refresh(self) -> None:
         with self.section.catching():
@@ -120,16 +126,15 @@ class _ToneSection:
         self._update_label(tone)
 
     def _update_label(self, tone: Tone) -> None:
-        self.section.caption(
-            f"{tone.axis}: {significant(tone.amplitude)} sin({significant(tone.frequency)} t {tone.phase:+.3g})"
-        )
+        self.section.caption(tone_caption(tone, self._unit))
 
 
 class _OffsetAndDrift:
     """Offset and drift of a signal; a line or a hover has nothing else."""
 
     def __init__(self, form: Form, slot: SignalSlot) -> None:
-        self.section = section = Section(form, "Offset and drift", expanded=False)
+        self._unit = slot.unit
+        self.section = section = Section(form, OFFSET_AND_DRIFT, expanded=False)
         with section:
             hint = f"{slot.unit}: added to the tones. It moves a path against the anchor; the excitation stays."
             self._offset = Vector(section, f"offset ({slot.unit})", step=0.01, hint=hint)
@@ -140,6 +145,31 @@ class _OffsetAndDrift:
         with self.section.checking():
             return msgspec.structs.replace(signal, offset=self._offset.read(), drift=self._drift.read())
 
+    def describe(self, signal: Multisine) -> None:
+        self.section.caption(offset_caption(signal.offset, signal.drift, self._unit))
+
     def write(self, signal: Multisine, base: Multisine | None) -> None:
         self._offset.write(signal.offset, base and base.offset)
         self._drift.write(signal.drift, base and base.drift)
+        self.describe(signal)
+
+
+def tone_caption(tone: Tone, unit: str) -> str:
+    """What a tone is, for its folded heading: x: 0.25 m · sin(4 t + 1.57)."""
+    phase = f" {'+' if tone.phase > 0 else MINUS} {significant(abs(tone.phase))}" if tone.phase else ""
+    return f"{tone.axis}: {significant(tone.amplitude)} {unit} · sin({significant(tone.frequency)} t{phase})"
+
+
+def offset_caption(offset: Vec3, drift: Vec3, unit: str) -> str:
+    """What offset and drift are, for their folded heading."""
+    parts = [f"offset {vector(offset)} {unit}"] if any(offset) else []
+    parts += [f"drift {vector(drift)} {unit}/s"] if any(drift) else []
+    return f"{OFFSET_AND_DRIFT}: {', '.join(parts) or 'none'}"
+
+
+def new_frequency(tones: tuple[Tone, ...]) -> float:
+    """A frequency (rad/s) that no tone has; the first one if all of them are taken."""
+    taken = [abs(tone.frequency) for tone in tones]
+    return next(
+        (f for f in NEW_FREQUENCIES if all(abs(f - other) > SAME_FREQUENCY * f for other in taken)), NEW_FREQUENCIES[0]
+    )

@@ -52,7 +52,7 @@ def test_a_pinned_run_is_in_every_plot_until_it_is_unpinned(comparing: tuple[Wir
     tab.wait_for(lambda: all(any(name.startswith("A") for name in shown) for shown in labels(session)), "A")
     tab.wait_for_text("Nothing is chosen otherwise yet.")
     pinned = panel(session).pinned
-    tab.set("q", 0.0)
+    tab.set("range weight q (1/(m⁴ s))", 0.0)
     tab.wait_for(lambda: "gains.riccati.q 5000 → 1" in page_text(tab), "what was chosen otherwise")
     assert "steady position" in page_text(tab)
     assert panel(session).pinned is pinned
@@ -70,12 +70,12 @@ def test_pinning_is_no_step_of_the_history(comparing: tuple[Wire, Session]):
 
 def test_seeds_give_a_band_which_never_outlives_the_settings(comparing: tuple[Wire, Session]):
     tab, session = comparing
-    tab.set("N", 5)
+    tab.set("runs", 5)
     time.sleep(PRESS)
-    tab.press("N seeds")
+    tab.press("Run the noise seeds")
     tab.wait_for_text(f"5 seeds {BAND}")
     tab.wait_for(lambda: sum("5 seeds" in shown for shown in labels(session)) == 4, "four bands")
-    tab.set("k1", 0.3)
+    tab.set("attitude gain k1 (1/s)", 0.3)
     tab.wait_for_text("the band belonged to others and is gone")
     assert not any("5 seeds" in shown for shown in labels(session))
     assert panel(session).seeds is None
@@ -83,11 +83,11 @@ def test_seeds_give_a_band_which_never_outlives_the_settings(comparing: tuple[Wi
 
 def test_moving_the_window_or_the_vehicle_keeps_the_band_for_the_runs_are_the_same(comparing: tuple[Wire, Session]):
     tab, session = comparing
-    tab.set("N", 3)
+    tab.set("runs", 3)
     time.sleep(PRESS)
-    tab.press("N seeds")
+    tab.press("Run the noise seeds")
     tab.wait_for_text(f"3 seeds {BAND}")
-    tab.set("window δ (s)", 5.0)
+    tab.set("time window judged δ (s)", 5.0)
     tab.wait_for_text("over δ = 5 s")
     assert sum("3 seeds" in shown for shown in labels(session)) == 4
 
@@ -105,14 +105,14 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
         stops.append(True)
 
     monkeypatch.setattr("rangenav.ensemble.seeds", endless)
-    tab.press("N seeds")
+    tab.press("Run the noise seeds")
     tab.wait_for_text("20 seeds**, 25 %")
     tab.press("Stop")
     tab.wait_for(lambda: len(stops) == 1 and session.jobs.running is None, "the job to end")
     tab.wait_for(lambda: "20 seeds**, 25 %" not in tab.text(), "its progress to be gone")
-    tab.press("N seeds")
+    tab.press("Run the noise seeds")
     tab.wait_for_text("20 seeds**, 25 %")
-    tab.set("q", 1.0)
+    tab.set("range weight q (1/(m⁴ s))", 1.0)
     tab.wait_for(lambda: len(stops) == 2, "the job to end")
     tab.wait_for_text("The settings changed while the seeds ran")
     assert panel(session).seeds is None
@@ -121,18 +121,18 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
 @pytest.mark.parametrize("value", [0, 101, 2.5, math.nan, math.inf, -1e300])
 def test_a_nonsense_number_of_seeds_gets_a_sentence(comparing: tuple[Wire, Session], value: float):
     tab, session = comparing
-    tab.set("N", value)
+    tab.set("runs", value)
     time.sleep(PRESS)
-    tab.press("N seeds")
+    tab.press("Run the noise seeds")
     tab.wait_for_text("N must be a whole number between 1 and 100")
     assert session.jobs.running is None
 
 
 def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple[Wire, Session]):
     tab, session = comparing
-    tab.set("EKF", True)
+    tab.set("extended Kalman filter (EKF)", True)
     time.sleep(PRESS)
-    tab.set("refinement", True)
+    tab.set("refinement afterwards", True)
     tab.wait_for(lambda: "refined: converged after" in page_text(tab), "the refinement's words")
     assert sum({"EKF", "refined"} <= shown for shown in labels(session)) == 4
     before = page_text(tab)
@@ -140,9 +140,9 @@ def test_estimators_are_drawn_tabulated_and_follow_the_settings(comparing: tuple
     tab.set("noise seed", 3.0)
     tab.wait_for(lambda: panel(session).baseline_results.results["refined"][0] != run, "another refinement")
     tab.wait_for(lambda: page_text(tab) != before and "at work" not in page_text(tab), "its words")
-    tab.set("EKF", False)
+    tab.set("extended Kalman filter (EKF)", False)
     time.sleep(PRESS)
-    tab.set("refinement", False)
+    tab.set("refinement afterwards", False)
     tab.wait_for_text("Switch one on")
     assert not any({"EKF", "refined"} & shown for shown in labels(session))
 
@@ -153,7 +153,7 @@ def test_a_record_without_ranges_is_refused_by_the_refinement_alone(comparing: t
     time.sleep(PRESS)
     tab.set("silent for (s)", 100.0)
     time.sleep(PRESS)
-    tab.set("refinement", True)
+    tab.set("refinement afterwards", True)
     tab.wait_for_text("a refinement needs ranges")
     assert "Not shown" not in page_text(tab)
     assert panel(session).enabled == {"refined"}

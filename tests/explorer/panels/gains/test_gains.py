@@ -10,7 +10,8 @@ from msgspec.structs import replace
 
 from explorer.model import gain_units
 from explorer.model.compute import compute
-from explorer.model.gain_units import GAIN_LABELS, context_of, in_physical_units
+from explorer.model.gain_units import context_of, in_physical_units
+from explorer.model.glossary import PHYSICAL_GAINS
 from explorer.model.settings import GainUnits, Settings
 from explorer.panels.dock import Dock
 from explorer.panels.gains import summary
@@ -87,7 +88,7 @@ def test_gains_with_a_schedule_and_far_outside_the_sliders_survive_the_other_uni
     assert refreshed(dock) == settings
 
 
-@pytest.mark.parametrize("name", GAIN_LABELS)
+@pytest.mark.parametrize("name", PHYSICAL_GAINS)
 def test_a_physical_value_that_is_moved_changes_its_gains_and_no_bit_of_the_others(dock: Dock, name: str):
     _choose_units(dock, "physical")
     before = refreshed(dock).preset.gains
@@ -101,7 +102,7 @@ def test_a_physical_value_that_is_moved_changes_its_gains_and_no_bit_of_the_othe
     )
 
 
-@pytest.mark.parametrize("name", GAIN_LABELS)
+@pytest.mark.parametrize("name", PHYSICAL_GAINS)
 def test_a_physical_value_moved_away_and_back_or_reset_leaves_the_presets_own_gains(dock: Dock, name: str):
     _choose_units(dock, "physical")
     refreshed(dock)
@@ -111,10 +112,10 @@ def test_a_physical_value_moved_away_and_back_or_reset_leaves_the_presets_own_ga
     assert refreshed(dock) != SLOW
     dial.show(good)
     assert refreshed(dock) == SLOW
-    for other in GAIN_LABELS:
+    for other in PHYSICAL_GAINS:
         _dial(dock, other).show(0.9 * _dial(dock, other).read())
         refreshed(dock)
-    for other in GAIN_LABELS:
+    for other in PHYSICAL_GAINS:
         assert _dial(dock, other).mark()
         _dial(dock, other).reset()
         refreshed(dock)
@@ -140,7 +141,7 @@ def test_another_motion_anchor_or_rate_gives_the_same_gains_other_physical_value
         settings = refreshed(dock)
         assert settings.preset.gains == gains
         physical = in_physical_units(gains, context_of(settings))
-        assert all(_dial(dock, name).read() == getattr(physical, name) for name in GAIN_LABELS)
+        assert all(_dial(dock, name).read() == getattr(physical, name) for name in PHYSICAL_GAINS)
         assert shown != (physical.range_sigma, physical.position_factor, physical.gyro_sigma)
     _choose_units(dock, "paper")
     assert refreshed(dock).preset.gains == gains
@@ -162,7 +163,7 @@ def test_a_physical_value_moved_together_with_the_path_means_what_it_says_on_the
 def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
     _choose_units(dock, "physical")
     refreshed(dock)
-    for name in GAIN_LABELS:
+    for name in PHYSICAL_GAINS:
         _dial(dock, name).show(0.8 * _dial(dock, name).read())
         refreshed(dock)
     dock.motion.timing.time_scale.show(3.0)
@@ -175,12 +176,12 @@ def test_everything_reset_at_once_is_the_preset_to_the_last_bit(dock: Dock):
 def test_a_physical_value_of_any_size_is_a_sentence_and_never_an_overflow(dock: Dock, far: float):
     _choose_units(dock, "physical")
     good = refreshed(dock).preset.gains
-    for name in GAIN_LABELS:
+    for name in PHYSICAL_GAINS:
         shown = _dial(dock, name).read()
         _dial(dock, name).show(far)
         with pytest.raises(InvalidInputError) as refusal:
             refreshed(dock)
-        assert GAIN_LABELS[name].label in str(refusal.value.__cause__)
+        assert PHYSICAL_GAINS[name].label in str(refusal.value.__cause__)
         assert dock.gains.physical_dials.sections[name].complaint.content
         _dial(dock, name).show(shown)
         assert refreshed(dock).preset.gains == good

@@ -41,24 +41,24 @@ def _label(page: Editing, label: str) -> str:
 
 def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page: Editing):
     picture = page.session.picture
-    page.set("shown", PHYSICAL_UNITS)
+    page.set("show gains as", PHYSICAL_UNITS)
     page.tab.wait_for(lambda: _label(page, "noise σ of range") == "noise σ of range = 0.125 m", "the words")
     assert page.session.picture is picture
     assert page.session.history.depth == (0, 0)
-    page.set("noise σ of range", math.log10(0.25))
+    page.set("assumed range noise (m)", math.log10(0.25))
     q = page.settings.preset.gains.riccati.q
     assert page.settings.preset.gains == replace(
         picture.settings.preset.gains,  # type: ignore[union-attr]
         riccati=replace(picture.settings.preset.gains.riccati, q=q),  # type: ignore[union-attr]
     )
-    page.set("shown", PAPER_UNITS)
+    page.set("show gains as", PAPER_UNITS)
     page.tab.wait_for(lambda: _label(page, "q").startswith(f"q = {q:.4g}"), "the letter")
     assert page.settings.preset.gains.riccati.q == q
     assert page.session.history.depth == (1, 0)
     page.command("Undo")
     assert page.settings == picture.settings  # type: ignore[union-attr]
     assert page.session.dock.gains.units == "paper"
-    page.set("shown", PHYSICAL_UNITS)
+    page.set("show gains as", PHYSICAL_UNITS)
     page.command("Redo")
     assert page.session.dock.gains.units == "physical"
     assert page.settings.preset.gains.riccati.q == q
@@ -68,19 +68,19 @@ def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page
 def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, SessionServer]):
     storage = Storage()
     first = _visitor(sessions, storage)
-    first.set("shown", PHYSICAL_UNITS)
-    first.set("slowest time T", 0.0)
-    first.set("schedule k1", True)
-    first.set("low pass of s", 0.5)
-    first.set("schedule k1", False)
+    first.set("show gains as", PHYSICAL_UNITS)
+    first.set("slowest time constant T (s)", 0.0)
+    first.set("k1 falls as the directions agree", True)
+    first.set("smoothing time (s)", 0.5)
+    first.set("k1 falls as the directions agree", False)
     expected = first.settings
     first.tab.close()
     again = _visitor(sessions, storage)
     again.tab.wait_for(lambda: again.settings == expected, "the work")
     assert again.session.dock.gains.units == "physical"
-    assert again.tab.value("shown") == PHYSICAL_UNITS
+    assert again.tab.value("show gains as") == PHYSICAL_UNITS
     again.tab.wait_for(lambda: _label(again, "slowest time T").startswith("slowest time T = 1 s"), "the word")
-    again.set("schedule k1", True)
+    again.set("k1 falls as the directions agree", True)
     assert again.settings.preset.gains.attitude.schedule == Schedule(memory=10**0.5)
     again.tab.close()
 
@@ -91,15 +91,15 @@ def test_work_saved_before_there_were_gain_units_opens(page: Editing):
 
 
 def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Editing):
-    page.set("shown", PHYSICAL_UNITS)
+    page.set("show gains as", PHYSICAL_UNITS)
     gains, before = page.settings.preset.gains, _label(page, "noise σ of range")
-    page.set("anchor (m)", [5.0, 0.0, 0.0])
+    page.set("anchor position (m)", [5.0, 0.0, 0.0])
     assert page.settings.preset.gains == gains
     page.tab.wait_for(lambda: _label(page, "noise σ of range") != before, "other words")
     page.set("preset", next(o for o in page.tab.elements[page.tab.find("preset")]["options"] if "(soft)" in o))
     page.tab.wait_for(lambda: page.settings.origin == "soft", "the preset")
     assert page.session.dock.gains.units == "physical"
-    page.set("shown", PAPER_UNITS)
+    page.set("show gains as", PAPER_UNITS)
     assert page.settings.preset.gains == page.session.catalog.presets["soft"].gains
 
 
@@ -123,7 +123,7 @@ def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Edi
 def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
     page: Editing, label: str, value: Any, sentence: str
 ):
-    page.set("shown", PHYSICAL_UNITS)
+    page.set("show gains as", PHYSICAL_UNITS)
     good, before = page.tab.value(label), page.settings
     page.set(label, value)
     if not sentence:  # a dial of what is switched off decides nothing
@@ -139,14 +139,14 @@ def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
 
 
 def test_a_schedule_is_switched_on_edited_and_off_and_undo_goes_back_through_it(page: Editing):
-    page.set("schedule k1", True)
+    page.set("k1 falls as the directions agree", True)
     assert page.settings.preset.gains.attitude.schedule == Schedule()
     page.tab.wait_for(lambda: page.tab.text().count("at k1 = ") == 2, "both ends")
-    page.set("k1 in the end", -1.0)
+    page.set("final k1 (1/s)", -1.0)
     assert page.settings.preset.gains.attitude.schedule == Schedule(steady=0.1)
-    page.set("schedule k1", False)
+    page.set("k1 falls as the directions agree", False)
     assert page.settings.preset.gains.attitude.schedule is None
-    page.set("schedule k1", True)
+    page.set("k1 falls as the directions agree", True)
     assert page.settings.preset.gains.attitude.schedule == Schedule(steady=0.1)
     for _ in range(4):
         page.command("Undo")
@@ -156,12 +156,12 @@ def test_a_schedule_is_switched_on_edited_and_off_and_undo_goes_back_through_it(
 
 def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
     assert STIFF not in page.tab.text()
-    page.set("ρ2", 0.0)
+    page.set("trust in gravity ρ2 (s⁴/m²)", 0.0)
     page.tab.wait_for_text(STIFF)
     page.tab.wait_for_text("lower k1 or ρ2, or sample faster")
-    page.set("shown", PHYSICAL_UNITS)
+    page.set("show gains as", PHYSICAL_UNITS)
     page.tab.wait_for_text("raise the slowest time T or lower the gravity weight, or sample faster")
-    page.set("gravity weight", 0.0)
+    page.set("trust in gravity", 0.0)
     page.tab.wait_for(lambda: STIFF not in page.tab.text(), "no warning")
 
 
@@ -189,10 +189,10 @@ def test_the_three_undesired_equilibria_are_started_from_by_their_buttons_and_un
 def test_noise_matched_gains_say_so_and_keep_q_and_v_for_later(page: Editing):
     noise = page.session.dock.gains.paper_dials.noise
     riccati = page.settings.preset.gains.riccati
-    page.set("gains", "noise-matched (outside it)")
+    page.set("kind of gains", "noise-matched (outside it)")
     page.tab.wait_for_text("own dials are not shown")
     assert not noise.visible
     assert page.settings.preset.gains.riccati == riccati
-    page.set("gains", "constant (the paper's theorem)")
+    page.set("kind of gains", "constant (the paper's theorem)")
     assert noise.visible
     assert page.settings.preset == page.session.catalog.presets["paper-slow"]

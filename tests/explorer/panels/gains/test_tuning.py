@@ -39,8 +39,8 @@ def tuned(editing: Editing) -> Editing:
 
 def tune_gains(editing: Editing, seeds: float = SEEDS, tried: float = TRIED) -> None:
     """Set the boxes and start."""
-    editing.set("seeds", seeds)
-    editing.set("gains to try", tried)
+    editing.set("runs per try", seeds)
+    editing.set("sets of gains to try", tried)
     editing.press("Tune the gains")
 
 
@@ -58,7 +58,7 @@ def page_text(editing: Editing) -> str:
 
 def pick(editing: Editing, place: float) -> None:
     """Move the slider along the curve, and wait until the session has applied it."""
-    editing.run(lambda: editing.tab.set("place", place))
+    editing.run(lambda: editing.tab.set("place on the curve", place))
 
 
 def test_a_result_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned: Editing):
@@ -103,7 +103,7 @@ def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
 def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editing):
     depth, before = tuned.session.history.depth, tuned.settings
     pick(tuned, 1)
-    tuned.run(lambda: tuned.tab.set("pick along", "attitude"))
+    tuned.run(lambda: tuned.tab.set("curve to pick from", "attitude"))
     assert tuned.session.history.depth == depth
     assert tuned.settings == before
 
@@ -112,7 +112,7 @@ def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editin
     ("curve", "settle", "steady"), [(c, *m) for c, m in [("position", POSITION[1:3]), ("attitude", ATTITUDE[1:3])]]
 )
 def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: str, settle: str, steady: str):
-    tuned.run(lambda: tuned.tab.set("pick along", curve))
+    tuned.run(lambda: tuned.tab.set("curve to pick from", curve))
     walk, result = panel(tuned).choices, panel(tuned).result
     assert result is not None
     times, errors = ([getattr(point, name) for point in walk] for name in (settle, steady))
@@ -141,11 +141,11 @@ def test_discarding_takes_the_result_off_and_leaves_the_gains(tuned: Editing):
 
 
 def test_another_path_or_sensor_is_named_with_the_result_and_another_gain_is_not(tuned: Editing):
-    tuned.set("k1", 0.3)
+    tuned.set("attitude gain k1 (1/s)", 0.3)
     assert "The page shows" not in tuned.tab.text()
-    tuned.set("slower s", 0.3)
+    tuned.set("speed (slower ⟷ faster)", 0.3)
     tuned.tab.wait_for_text("The page shows another path by now")
-    tuned.set("range (Hz)", 20.0)
+    tuned.set("ranges per second (Hz)", 20.0)
     tuned.tab.wait_for_text("The page shows another path and other sensors by now")
     tuned.command("Undo")
     tuned.command("Undo")
@@ -172,7 +172,9 @@ def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
     monkeypatch.setattr("rangenav.tune.tune", endless)
     tune_gains(editing)
     editing.tab.wait_for_text(f"auto-tune, {TRIED} gains**, 48 %")
-    editing.set("k1", 0.3)  # the page is not held up, and the job goes on for what it was started with
+    editing.set(
+        "attitude gain k1 (1/s)", 0.3
+    )  # the page is not held up, and the job goes on for what it was started with
     assert gains(editing) != before
     editing.tab.wait_for_text(f"auto-tune, {TRIED} gains**, 48 %")
     assert HEARD == []
@@ -213,7 +215,7 @@ def test_nonsense_in_a_box_gets_a_sentence(editing: Editing, label: str, value: 
 
 @pytest.mark.parametrize("value", [math.nan, -1, 7.5])
 def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
-    editing.set("steadiness w", value)
+    editing.set("soon ⟷ exact w", value)
     editing.press("Tune the gains")
     editing.tab.wait_for_text("steadiness w must lie between 0 and 1")
     assert editing.session.jobs.running is None
@@ -228,7 +230,7 @@ def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str
 
 
 def test_too_much_work_is_refused_in_a_sentence_where_it_was_asked_for(editing: Editing):
-    editing.set("duration (s)", 600.0)
+    editing.set("flight duration (s)", 600.0)
     tune_gains(editing, 32, 2000)
     editing.tab.wait_for_text("runs × duration × IMU rate must not exceed")
 

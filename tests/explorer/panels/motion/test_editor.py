@@ -28,22 +28,22 @@ def test_each_family_starts_from_what_was_there_and_keeps_what_was_entered(editi
         ("minimum snap", MinimumSnap),
         ("polynomials", Polynomials),
     ):
-        editing.set("family", label)
+        editing.set("path made of", label)
         path = editing.settings.preset.path
         assert isinstance(path, kind)
         assert np.abs(path(np.linspace(0, 3, 50)) - places).max() < 0.05
-    editing.set("family", "formulas")
+    editing.set("path made of", "formulas")
     editing.set("x(t) =", "cos(3*t)")
-    editing.set("family", "sines")
+    editing.set("path made of", "sines")
     assert editing.settings.preset.path == start
-    editing.set("family", "formulas")
+    editing.set("path made of", "formulas")
     path = editing.settings.preset.path
     assert isinstance(path, Formula)
     assert path.x == "cos(3*t)"
 
 
 def test_a_mistake_in_a_formula_is_pointed_at_and_undone(editing: Editing):
-    editing.set("family", "formulas")
+    editing.set("path made of", "formulas")
     good = editing.settings
     editing.set("y(t) =", "sin(2*t")
     assert any("column 8" in text and "sin(2*t\n       ^" in text for text in editing.refusals())
@@ -71,7 +71,7 @@ def test_a_mistake_in_a_formula_is_pointed_at_and_undone(editing: Editing):
 def test_a_hostile_formula_gets_a_sentence_within_a_second_and_the_picture_stays(
     editing: Editing, text: str, sentence: str
 ):
-    editing.set("family", "formulas")
+    editing.set("path made of", "formulas")
     good = editing.settings
     began = time.monotonic()
     editing.tab.set("z(t) =", text)
@@ -99,10 +99,10 @@ def test_a_hostile_formula_gets_a_sentence_within_a_second_and_the_picture_stays
     ],
 )
 def test_bad_waypoints_get_a_sentence_and_the_picture_stays(editing: Editing, text: str, sentence: str):
-    editing.set("family", "waypoints")
+    editing.set("path made of", "waypoints")
     good = editing.settings
-    editing.set("ends", "open: at rest at both ends")
-    editing.tab.set("points: t x y z", text)
+    editing.set("ends of the curve", "open: at rest at both ends")
+    editing.tab.set("points, a line t x y z each", text)
     editing.tab.wait_for(lambda: any(sentence in complaint for complaint in editing.refusals()), sentence)
     editing.command("Undo")
     editing.wait_until_accepted()
@@ -110,9 +110,9 @@ def test_bad_waypoints_get_a_sentence_and_the_picture_stays(editing: Editing, te
 
 
 def test_coincident_points_and_repeated_places_are_a_path(editing: Editing):
-    editing.set("family", "waypoints")
-    editing.set("ends", "open: at rest at both ends")
-    editing.set("points: t x y z", "0 1 1 1\n5 1 1 1\n10 2 1 1\n15 2 1 1\n20 1 1 1")
+    editing.set("path made of", "waypoints")
+    editing.set("ends of the curve", "open: at rest at both ends")
+    editing.set("points, a line t x y z each", "0 1 1 1\n5 1 1 1\n10 2 1 1\n15 2 1 1\n20 1 1 1")
     editing.wait_until_accepted()
     path = editing.settings.preset.path
     assert isinstance(path, Waypoints)
@@ -120,50 +120,50 @@ def test_coincident_points_and_repeated_places_are_a_path(editing: Editing):
 
 
 def test_an_open_curve_may_be_in_motion_at_its_ends(editing: Editing):
-    editing.set("family", "waypoints")
-    editing.set("ends", "open: in motion at both ends")
+    editing.set("path made of", "waypoints")
+    editing.set("ends of the curve", "open: in motion at both ends")
     editing.wait_until_accepted()
     path = editing.settings.preset.path
     assert isinstance(path, Waypoints)
     assert (path.free_ends, path.period) == (True, None)
     assert abs(path(np.zeros(1) + path.points[0].time, 1)).max() > 0.01
-    editing.set("ends", "open: at rest at both ends")
+    editing.set("ends of the curve", "open: at rest at both ends")
     editing.wait_until_accepted()
     assert not editing.settings.preset.path.free_ends  # type: ignore[union-attr]
 
 
 def test_a_waypoint_is_moved_retimed_inserted_and_deleted_by_numbers(editing: Editing):
-    editing.set("family", "waypoints")
+    editing.set("path made of", "waypoints")
     before = editing.settings.preset.path
     assert isinstance(before, Waypoints)
-    editing.set("point", "3")
-    editing.set("its place (m)", (0.5, 0.25, -0.125))
+    editing.set("chosen point", "3")
+    editing.set("position of the point (m)", (0.5, 0.25, -0.125))
     path = editing.settings.preset.path
     assert isinstance(path, Waypoints)
     assert path.points[2].value == (0.5, 0.25, -0.125)
     assert path.points[3] == before.points[3]
-    assert "0.5  0.25  -0.125" in editing.tab.value("points: t x y z")
-    editing.set("its time (s)", 0.6)
+    assert "0.5  0.25  -0.125" in editing.tab.value("points, a line t x y z each")
+    editing.set("time of the point (s)", 0.6)
     assert editing.settings.preset.path.points[2].time == 0.6  # type: ignore[union-attr]
     editing.press("", "+ after it")
     assert len(editing.settings.preset.path.points) == len(before.points) + 1  # type: ignore[union-attr]
-    assert editing.tab.value("point") == "4"
+    assert editing.tab.value("chosen point") == "4"
     editing.press("", "− delete it")
     assert len(editing.settings.preset.path.points) == len(before.points)  # type: ignore[union-attr]
-    editing.set("its time (s)", 0.1)
+    editing.set("time of the point (s)", 0.1)
     assert any("must come at least" in complaint for complaint in editing.refusals())
 
 
 def test_the_table_and_the_boxes_show_the_same_point(editing: Editing):
-    editing.set("family", "waypoints")
-    lines = editing.tab.value("points: t x y z").split("\n")
+    editing.set("path made of", "waypoints")
+    lines = editing.tab.value("points, a line t x y z each").split("\n")
     lines[0] = "0  0.7  0.6  0.5"
-    editing.set("points: t x y z", "\n".join(lines))
-    assert tuple(editing.tab.value("its place (m)")) == (0.7, 0.6, 0.5)
+    editing.set("points, a line t x y z each", "\n".join(lines))
+    assert tuple(editing.tab.value("position of the point (m)")) == (0.7, 0.6, 0.5)
 
 
 def test_polynomials_are_typed_as_in_their_files_and_jumps_are_named(editing: Editing):
-    editing.set("family", "polynomials")
+    editing.set("path made of", "polynomials")
     header = "duration,x^0,x^1,…"
     row = "5,0,1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,"
     editing.set("pieces", f"{header}\n{row}\n{row}")
@@ -201,13 +201,13 @@ def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
     assert "blind</b>" not in editing.tab.text()
     editing.set("plus a wiggle", False)
     assert editing.settings.preset.path == path.base
-    editing.set("plus a wiggle", True)
+    editing.set("add a second motion", True)
     assert editing.settings.preset.path == path
 
 
 def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi(editing: Editing):
     before = editing.session.picture
-    editing.set("R̃(0) angle (°)", 0.0)
+    editing.set("initial attitude error (°)", 0.0)
     families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
     editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": "formulas"}})
     editing.settle()
@@ -240,12 +240,12 @@ def test_a_flown_body_leans_as_its_thrust_does(editing: Editing):
 def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(editing: Editing):
     before = editing.settings.preset.path
     at = np.linspace(0, 3, 40)
-    editing.set("factor", 2.0)
+    editing.set("size factor", 2.0)
     editing.press("", "scale")
     assert np.allclose(editing.settings.preset.path(at), 2 * before(at), atol=1e-12)
     editing.command("Undo")
     assert editing.settings.preset.path == before
-    editing.set("angle (°)", 90.0)
+    editing.set("angle of the turn (°)", 90.0)
     editing.press("", "turn")
     x, y, z = before(at).T
     assert np.allclose(editing.settings.preset.path(at), np.stack([-y, x, z], axis=1), atol=1e-12)
@@ -253,17 +253,17 @@ def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(e
     editing.press("", "mirror")
     assert np.allclose(editing.settings.preset.path(at), np.stack([x, y, -z], axis=1), atol=1e-12)
     editing.command("Undo")
-    editing.set("anchor (m)", (1.0, 2.0, 3.0))
+    editing.set("anchor position (m)", (1.0, 2.0, 3.0))
     editing.press("", "centre")
     box = editing.settings.preset.path(np.linspace(0, 20, 4001))
     assert np.allclose((box.max(axis=0) + box.min(axis=0)) / 2, (1, 2, 3), atol=1e-3)
-    editing.set("factor", math.nan)
+    editing.set("size factor", math.nan)
     editing.press("", "scale")
     assert any("the factor must be a number" in complaint for complaint in editing.refusals())
 
 
 def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be_measured(editing: Editing):
-    editing.set("anchor (m)", (0.5, 0.25, -1.0))
+    editing.set("anchor position (m)", (0.5, 0.25, -1.0))
     before, picture = editing.settings, editing.session.picture
     editing.press("Relabel the axes: z up ↔ z down")
     once, flipped = editing.settings, editing.session.picture
@@ -278,7 +278,7 @@ def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be
 
 
 def test_a_vehicle_is_held_against_the_path_and_what_breaks_is_named(editing: Editing):
-    editing.set("slower s", math.log10(0.5))
+    editing.set("speed (slower ⟷ faster)", math.log10(0.5))
     editing.set("vehicle", "Crazyflie 2.1")
     picture = editing.session.picture
     assert picture is not None
@@ -287,7 +287,7 @@ def test_a_vehicle_is_held_against_the_path_and_what_breaks_is_named(editing: Ed
 
 
 def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
-    editing.set("family", "waypoints")
+    editing.set("path made of", "waypoints")
     before = editing.settings.preset.path
     assert isinstance(before, Waypoints)
     editing.drag("/handles/waypoint3", (0.2, 0.9, -0.4), steps=5)
@@ -296,8 +296,8 @@ def test_a_waypoint_is_dragged_and_everything_follows(editing: Editing):
     assert isinstance(path, Waypoints)
     assert path.points[2].value == pytest.approx((0.2, 0.9, -0.4), abs=1e-2)
     assert path.points[:2] == before.points[:2]
-    assert editing.tab.value("point") == "3"
-    assert tuple(editing.tab.value("its place (m)")) == path.points[2].value
+    assert editing.tab.value("chosen point") == "3"
+    assert tuple(editing.tab.value("position of the point (m)")) == path.points[2].value
     editing.command("Undo")
     assert editing.settings.preset.path == before
 
@@ -315,9 +315,9 @@ def test_the_anchor_is_dragged_and_the_gramian_stays(editing: Editing):
 
 
 def test_a_waypoint_of_a_sum_is_where_its_handle_is(editing: Editing):
-    editing.set("family", "waypoints")
-    editing.set("plus a wiggle", True)
-    editing.set("sum's offset (m)", (0.0, 0.0, -2.0))
+    editing.set("path made of", "waypoints")
+    editing.set("add a second motion", True)
+    editing.set("offset of the sum (m)", (0.0, 0.0, -2.0))
     path, handle = editing.settings.preset.path, editing.tab.nodes["/handles/waypoint1"]
     assert isinstance(path, Sum)
     place = np.add(path.base.points[0].value, (0, 0, -2))  # type: ignore[union-attr]
@@ -340,7 +340,7 @@ def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(ed
     editing.set("preset", f"{hover.title} (hover)")
     editing.tab.wait_for(lambda: editing.tab.nodes["/twin"]["visible"], "the twin")
     usual = editing.tab.nodes["/twin"]["position"]
-    editing.set("twin's angle (°)", 35.0)
+    editing.set("turn of the twin (°)", 35.0)
     turn = editing.settings.twin_turn
     assert turn is not None
     assert math.hypot(*turn) == pytest.approx(math.radians(35.0))

@@ -24,7 +24,7 @@ NOT_SHOWN = "Not shown"
 def test_undo_and_redo_go_over_everything_and_a_drag_is_one_step(editing: Editing):
     states = [editing.settings]
     for step in range(6):  # as while a slider is dragged
-        editing.tab.set("A (m)", 1.0 + 0.01 * (step + 1))
+        editing.tab.set("amplitude x (m)", 1.0 + 0.01 * (step + 1))
         time.sleep(0.05)
     editing.settle()
     states.append(editing.settings)
@@ -50,7 +50,7 @@ def test_undo_and_redo_go_over_everything_and_a_drag_is_one_step(editing: Editin
 
 
 def test_another_preset_is_a_step_that_can_be_undone(editing: Editing):
-    editing.set("A (m)", 1.5)
+    editing.set("amplitude x (m)", 1.5)
     before = editing.settings
     editing.set("preset", f"{preset.load('hover').title} (hover)")
     assert editing.settings.origin == "hover"
@@ -60,15 +60,15 @@ def test_another_preset_is_a_step_that_can_be_undone(editing: Editing):
 
 
 def test_what_differs_from_the_preset_is_marked_and_can_be_reset(editing: Editing):
-    editing.set("A (m)", 1.5)
-    editing.set("w (rad/s)", 3.0)
-    assert editing.tab.elements[editing.tab.find("A (m)")]["label"] == "A (m) •"
+    editing.set("amplitude x (m)", 1.5)
+    editing.set("frequency ω (rad/s)", 3.0)
+    assert editing.tab.elements[editing.tab.find("amplitude x (m)")]["label"] == "A (m) •"
     editing.press("reset", "A (m)")
-    assert editing.tab.elements[editing.tab.find("A (m)")]["label"] == "A (m)"
+    assert editing.tab.elements[editing.tab.find("amplitude x (m)")]["label"] == "A (m)"
     assert editing.settings.preset.path.tones[0].frequency == 3.0  # type: ignore[union-attr]
     editing.command("Reset the last control")
     assert editing.settings.preset == preset.load("paper-slow")
-    editing.set("q", 1.0)
+    editing.set("range weight q (1/(m⁴ s))", 1.0)
     editing.set("noise seed", 5.0)
     editing.command("Reset all controls")
     assert editing.settings.preset == preset.load("paper-slow")
@@ -78,19 +78,19 @@ def test_what_differs_from_the_preset_is_marked_and_can_be_reset(editing: Editin
     ("seconds", "sentence"), [(0.0, "between 0.5 and 3600"), (1e6, "between 0.5 and 3600"), (3.0, "")]
 )
 def test_durations_beyond_reason_get_a_sentence(editing: Editing, seconds: float, sentence: str):
-    editing.set("duration (s)", seconds)
+    editing.set("flight duration (s)", seconds)
     complaint = " ".join(editing.refusals())
     assert sentence in complaint if sentence else "requirement.window must be shorter than the duration" in complaint
 
 
 def test_a_long_flight_has_windows_of_minutes_and_pings_every_ten_seconds(editing: Editing):
-    editing.set("slower s", 1.0)
-    editing.set("duration (s)", 1200.0)
-    editing.set("window δ (s)", 200.0)
-    editing.set("range (Hz)", 0.1)
+    editing.set("speed (slower ⟷ faster)", 1.0)
+    editing.set("flight duration (s)", 1200.0)
+    editing.set("time window judged δ (s)", 200.0)
+    editing.set("ranges per second (Hz)", 0.1)
     chosen = editing.settings.preset
     assert (chosen.duration, chosen.requirement.window, chosen.sensors.range_rate) == (1200.0, 200.0, 0.1)
-    assert editing.tab.elements[editing.tab.find("window δ (s)")]["max"] >= 600.0
+    assert editing.tab.elements[editing.tab.find("time window judged δ (s)")]["max"] >= 600.0
 
 
 def _complaints_below_controls(editing: Editing, sentence: str) -> list[str]:
@@ -119,28 +119,28 @@ def test_a_refused_number_is_reported_at_its_box_and_no_longer_once_it_is_good(
 
 
 def test_a_sentence_about_the_whole_goes_when_another_takes_its_place(editing: Editing):
-    editing.set("w (rad/s)", 1e4)
+    editing.set("frequency ω (rad/s)", 1e4)
     assert _complaints_below_controls(editing, "faster than the IMU")
-    editing.set("range (Hz)", 2000.0)
-    editing.set("IMU (Hz)", 0.0)
+    editing.set("ranges per second (Hz)", 2000.0)
+    editing.set("IMU rate (Hz)", 0.0)
     assert not _complaints_below_controls(editing, "faster than the IMU")
     assert _complaints_below_controls(editing, "imu_rate must lie")
 
 
 def test_why_a_button_did_nothing_is_said_until_something_else_is_shown(editing: Editing):
-    editing.set("family", "waypoints")
-    editing.set("ends", "open: at rest at both ends")
-    editing.set("points: t x y z", "0 0 0 0\n20 1 1 1")
+    editing.set("path made of", "waypoints")
+    editing.set("ends of the curve", "open: at rest at both ends")
+    editing.set("points, a line t x y z each", "0 0 0 0\n20 1 1 1")
     before = editing.settings
     editing.press("", "− delete it")
     assert _complaints_below_controls(editing, "2 to 2000 waypoints")
     assert editing.settings == before
-    editing.set("q", 1.0)
+    editing.set("range weight q (1/(m⁴ s))", 1.0)
     editing.tab.wait_for(lambda: not _complaints_below_controls(editing, "2 to 2000 waypoints"), "no complaint")
 
 
 def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
-    editing.set("A (m)", 1.5)
+    editing.set("amplitude x (m)", 1.5)
     editing.press("", "− remove this tone")
     before = editing.settings
     editing.command("Reset the last control")
@@ -149,10 +149,10 @@ def test_the_control_of_a_tone_that_was_removed_is_not_reset(editing: Editing):
 
 
 def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alone(editing: Editing):
-    editing.set("q", 1.0)
+    editing.set("range weight q (1/(m⁴ s))", 1.0)
     before = editing.settings
     time.sleep(0.8)  # longer than a moment
-    form, uuid = editing.session.form, editing.tab.find("range (Hz)")
+    form, uuid = editing.session.form, editing.tab.find("ranges per second (Hz)")
     run_actions, dial = form.run_actions, editing.session.dock.sensors.range_rate
 
     def busy(before: Action) -> bool:
@@ -172,8 +172,8 @@ def test_undo_of_a_change_that_has_not_been_shown_yet_takes_back_that_change_alo
 
 
 def test_the_download_of_an_edited_path_is_read_back_exactly(editing: Editing):
-    editing.set("family", "waypoints")
-    editing.set("plus a wiggle", True)
+    editing.set("path made of", "waypoints")
+    editing.set("add a second motion", True)
     shown = editing.settings.preset
     text = preset.dumps(shown)
     assert preset.loads(text, source="test") == shown
@@ -188,9 +188,9 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
     storage = Storage()
     port, server = sessions
     editing = Editing(tab := Wire(port, storage=storage), newest(server, tab))
-    editing.set("family", "formulas")
+    editing.set("path made of", "formulas")
     editing.set("x(t) =", "cos(3*t)")
-    editing.set("q", 2.0)
+    editing.set("range weight q (1/(m⁴ s))", 2.0)
     expected = editing.settings
     tab.close()
     back = Wire(port, storage=storage)
@@ -211,8 +211,8 @@ def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, Sessio
     browser = Storage()
     first = Editing(one := Wire(port, storage=browser), newest(server, one))
     second = Editing(two := Wire(port, storage=Storage(shared=browser.shared)), newest(server, two))
-    first.set("q", 1.0)
-    second.set("q", 3.0)
+    first.set("range weight q (1/(m⁴ s))", 1.0)
+    second.set("range weight q (1/(m⁴ s))", 3.0)
     one.close()
     two.close()
     back = Wire(port, storage=browser)

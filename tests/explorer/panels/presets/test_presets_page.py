@@ -29,7 +29,7 @@ SAVE, TIDY = "keep", "tidy"
 def test_what_is_kept_is_offered_to_every_tab_with_a_drawing_and_a_badge(
     page: Editing, data: Library, sessions: tuple[int, SessionServer]
 ):
-    page.set("q", 1.25)
+    page.set("range weight q (1/(m⁴ s))", 1.25)
     shown = page.settings.preset
     save_as(page, "Mein <b>Flug</b> / über ../ alles")
     (name,) = data.stamps()
@@ -60,7 +60,7 @@ def test_a_save_over_what_another_page_has_changed_is_refused_and_both_are_kept(
     save_as(page, "mine")
     theirs = preset.dumps(SHIPPED["soft"]).encode()
     data.save("mine", theirs, known={page.settings.edition})
-    page.set("q", 2.0)
+    page.set("range weight q (1/(m⁴ s))", 2.0)
     mine = page.settings
     page.press(SAVE, "save")
     assert any("changed elsewhere since you opened it" in text for text in page.refusals())
@@ -74,7 +74,7 @@ def test_a_save_over_what_another_page_has_changed_is_refused_and_both_are_kept(
 def test_saving_again_and_again_is_no_conflict_with_oneself_and_undo_still_goes_back(page: Editing, data: Library):
     save_as(page, "mine")
     before = page.settings
-    page.set("q", 2.0)
+    page.set("range weight q (1/(m⁴ s))", 2.0)
     page.press(SAVE, "save")
     assert "saved as mine.toml" in page.tab.text()
     saved = data.read("mine")
@@ -169,7 +169,7 @@ def test_presets_are_browsed_one_after_the_other_and_all_at_a_glance(page: Editi
 
 def test_renaming_keeps_what_was_changed_and_not_saved(page: Editing, data: Library):
     save_as(page, "old")
-    page.set("q", 2.0)
+    page.set("range weight q (1/(m⁴ s))", 2.0)
     changed = page.settings.preset
     page.set("title", "飛行 two")
     page.press(TIDY, "rename")
@@ -193,7 +193,7 @@ def test_a_disk_that_refuses_is_a_sentence_and_the_work_stays_on_the_page(
     def refuse(*_: object, **__: object) -> None:
         raise OSError(number, os.strerror(number))
 
-    page.set("q", 2.0)
+    page.set("range weight q (1/(m⁴ s))", 2.0)
     mine = page.settings
     page.set("title", "mine")
     with monkeypatch.context() as patched:
