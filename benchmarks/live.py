@@ -36,7 +36,7 @@ CURVES = ("waypoints", "closed waypoints", "minimum snap")
 WARM, FIRST = "page answers, warm caches", "page answers, nothing compiled yet"
 MAX_START = {WARM: 3.0, FIRST: 20.0}
 """s"""
-SLIDERS = (("Gains", "q", "error"), ("Motion", "A (m)", "error"))
+SLIDERS = (("Gains", "range weight q (1/(m⁴ s))", "error"), ("Motion", "amplitude x (m)", "error"))
 """Tab, slider, and the curve whose plot has to change."""
 
 

@@ -62,6 +62,9 @@ class DialControl(Control[float]):
         section.gui.add_html(PLACED.format(slider=element_id(self._slider), box=element_id(self._box), width=BOX_WIDTH))
         self._exact, self._source = first, "exact"
         self._seen_position, self._seen_text = low, ""
+        self._shown: tuple[float, str] = self._seen_position, self._seen_text
+        """Position and text of the value that was written. Where a visitor goes back to one of them, the exact value
+        is meant, and not the rounded one that slider and box show."""
         super().__init__(section, label, self._slider)
         when_moved(self._box, section.wake)
 
@@ -98,9 +101,12 @@ class DialControl(Control[float]):
 
         Whether the value is within its range is not checked here."""
         self._look()
-        if self._source == "exact":
+        position, text = self._shown
+        if self._source == "exact" or (self._source == "slider" and self._slider.value == position):
             return self._exact
         if self._source == "box":
+            if self._box.value == text:
+                return self._exact
             try:
                 return self._value_of(typed_number.parse(self._box.value))
             except ValueError as error:
@@ -115,7 +121,7 @@ class DialControl(Control[float]):
         self._exact, self._source = value, "exact"
         self._move_slider(number, widen=True)
         self._write_box(number)
-        self._seen_position, self._seen_text = self._slider.value, self._box.value
+        self._shown = self._seen_position, self._seen_text = self._slider.value, self._box.value
 
     def mark(self) -> bool:
         """Let the slider follow what was typed, and the box what the slider says; and mark what differs."""

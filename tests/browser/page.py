@@ -6,6 +6,7 @@ is what the browser has: chart data, node poses, text on the page.
 
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -208,19 +209,23 @@ class Visitor:
         time.sleep(INPUT_PAUSE)
 
     def folder(self, label: str) -> None:
-        """Open or close a folder."""
-        self.page.get_by_text(label, exact=True).first.click()
+        """Open or close the folder whose heading begins so."""
+        self.page.get_by_text(re.compile(f"^{re.escape(label)}")).first.click()
         time.sleep(0.4)
 
     def beside(self, label: str) -> Locator:
-        """The control whose label begins so."""
+        """The control with this label, whether or not it is marked as changed."""
         marked = f"normalize-space(.)='{label}' or normalize-space(.)='{label} •'"
-        found = f"//label[{marked} or starts-with(normalize-space(.), '{label} =')]"
-        return self.page.locator(f"xpath={found}").first.locator(ROW)
+        return self.page.locator(f"xpath=//label[{marked}]").first.locator(ROW)
+
+    def box(self, label: str) -> Locator:
+        """The box for a number with this label, or beside the slider with this label."""
+        own = self.beside(f"{label}: number")
+        return (own if own.count() else self.beside(label)).locator("input")
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:
         """Type into the number box beside a label."""
-        field = self.beside(label).locator("input[type=text], input[inputmode]").nth(box)
+        field = self.box(label).nth(box)
         field.click()
         field.fill(text)
         time.sleep(INPUT_PAUSE)
@@ -238,7 +243,7 @@ class Visitor:
 
     def number(self, label: str) -> str:
         """What the number box beside a label shows."""
-        return self.beside(label).locator("input[type=text], input[inputmode]").first.input_value()
+        return self.box(label).first.input_value()
 
     def nudge(self, label: str, key: str = "ArrowRight", times: int = 1) -> None:
         """Move a slider with the keyboard."""

@@ -88,7 +88,7 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     assert _hidden(wide) == 1
     wide.tab("Export")
     time.sleep(0.5)
-    wide.press("lines")
+    wide.press("Download Python")
     wide.wait_for_text("record.run(p)")
     time.sleep(0.5)
     wide.page.locator('[data-curve="position-1"]').click()

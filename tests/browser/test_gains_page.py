@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from tests.browser.page import PATIENCE, Visitor
 
-LETTERS, WORDS = "in the paper's letters", "in physical words"
+LETTERS, WORDS = "the paper's letters", "physical quantities"
 SETTLED = 5.0
 """°, below which the verdict counts an attitude as settled."""
 
@@ -32,24 +32,24 @@ CURVE = """(name) => {
 """The plot that stands closest below its own title: viser tells them apart by ids that change when one is rebuilt."""
 
 
-def test_the_language_is_switched_without_a_jump_and_a_word_moves_a_letter(visitor: Visitor):
+def test_the_units_are_switched_without_a_jump_and_a_physical_value_moves_a_gain(visitor: Visitor):
     visitor.tab("Gains")
-    visitor.wait_for_text("q = 5000")
+    visitor.wait_for_text("range weight q")
     before = _error(visitor, "position")
     visitor.choose("show gains as", WORDS)
-    visitor.wait_for_text("noise σ of range = 0.125 m")
-    visitor.wait_for_no_text("q = 5000")
+    visitor.wait_for_text("assumed range noise")
+    visitor.wait_for_no_text("range weight q")
     assert _error(visitor, "position") == before
     assert "•" not in visitor.text()
     visitor.nudge("assumed range noise (m)", times=3)
     _until(lambda: _error(visitor, "position") != before, "another error")
-    visitor.wait_for_text("0.1349 m •")
+    _until(lambda: visitor.number("assumed range noise (m)") == "0.1349", "the number")
     time.sleep(1.5)  # longer than work may wait to be written
     visitor.reload()
     visitor.tab("Gains")
-    visitor.wait_for_text("noise σ of range = ")
+    visitor.wait_for_text("assumed range noise")
     visitor.choose("show gains as", LETTERS)
-    visitor.wait_for_text("q = 4")
+    visitor.wait_for_text("range weight q")
 
 
 def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor):
@@ -69,15 +69,15 @@ def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor)
 def test_nonsense_in_a_physical_box_is_told_there_and_nothing_is_lost(visitor: Visitor):
     visitor.tab("Gains")
     visitor.choose("show gains as", WORDS)
-    visitor.wait_for_text("noise σ of range = 0.125 m")
-    before = _error(visitor, "position")
-    visitor.type_number("assumed range noise (m)", "-3")
-    visitor.wait_for_text("noise σ of range asks for q = ")
+    visitor.wait_for_text("assumed range noise")
+    before, good = _error(visitor, "position"), visitor.number("assumed range noise (m)")
+    visitor.type_number("assumed range noise (m)", "1e-3")
+    visitor.wait_for_text("assumed range noise asks for q = ")
     visitor.wait_for_text("Not shown")
     assert _error(visitor, "position") == before
     for nonsense in ("", "-", "abc", "1e999", "<b>1</b>"):
         visitor.type_number("assumed range noise (m)", nonsense)
-    visitor.type_number("assumed range noise (m)", "-0.9")
+    visitor.type_number("assumed range noise (m)", good)
     visitor.wait_for_no_text("asks for q = ")
     visitor.wait_for_no_text("Not shown")
     _until(lambda: _error(visitor, "position") == before, "the curve as it was, to the last bit")

@@ -9,7 +9,10 @@ def _open(visitor: Visitor, section: str) -> None:
 
 
 def _gains(visitor: Visitor) -> list[str]:
-    return [visitor.number(label) for label in ("q", "k1", "ρ2")]
+    return [
+        visitor.number(label)
+        for label in ("range weight q (1/(m⁴ s))", "attitude gain k1 (1/s)", "trust in gravity ρ2 (s⁴/m²)")
+    ]
 
 
 def test_a_search_is_stopped_and_another_is_run_small_and_used(wide: Visitor):

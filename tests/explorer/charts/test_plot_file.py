@@ -250,11 +250,11 @@ def test_a_visitor_gets_the_file_of_the_plot_they_chose(tab: Wire, kind: plot_fi
 
 
 def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):
-    name, lines = _download(tab, "Python", "lines")
+    name, lines = _download(tab, "", "Download Python")
     settings = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
     assert (name, lines.decode()) == ("paper-slow.py", python_lines(settings, "paper-slow.toml"))
     assert "flight = record.run(p)" in tab.text()
-    assert _download(tab, "Python", "preset file") == ("paper-slow.toml", preset_file.document(settings))
+    assert _download(tab, "", "Download preset") == ("paper-slow.toml", preset_file.document(settings))
 
 
 def test_a_plot_that_is_none_is_refused_beside_the_buttons(tab: Wire):

@@ -202,7 +202,13 @@ def test_the_run_started_from_the_slowest_settles_when_its_dot_said_and_ctrl_z_t
 
 
 @pytest.mark.parametrize(
-    ("label", "value"), [("k1", 0.3), ("slower s", 0.2), ("range (Hz)", 20.0), ("noise seed", 3.0)]
+    ("label", "value"),
+    [
+        ("attitude gain k1 (1/s)", 0.3),
+        ("speed (slower ⟷ faster)", 0.2),
+        ("ranges per second (Hz)", 20.0),
+        ("noise seed", 3.0),
+    ],
 )
 def test_when_gains_path_or_sensors_change_it_is_removed_with_a_sentence(editing: Editing, label: str, value: float):
     compute(editing)
@@ -246,12 +252,12 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
 @pytest.mark.parametrize(
     ("label", "value", "sentence"),
     [
-        ("axes", 0, "axes must be a whole number between 1 and"),
-        ("axes", 2.5, "axes must be a whole number between 1 and"),
-        ("axes", math.nan, "axes must be a whole number between 1 and"),
-        ("axes", 1e300, "axes must be a whole number between 1 and"),
-        ("start angle (°)", 200.0, "angle must lie"),
-        ("start angle (°)", math.nan, "angle must"),
+        ("number of axes", 0, "number of axes must be a whole number between 1 and"),
+        ("number of axes", 2.5, "number of axes must be a whole number between 1 and"),
+        ("number of axes", math.nan, "number of axes: “nan” is no number"),
+        ("number of axes", 1e300, "number of axes must be a whole number between 1 and"),
+        ("initial attitude error (°)", 200.0, "angle must lie"),
+        ("initial attitude error (°)", math.nan, "initial attitude error (°) must be a finite"),
     ],
 )
 def test_nonsense_gets_a_sentence(editing: Editing, label: str, value: float, sentence: str):

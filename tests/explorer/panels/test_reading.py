@@ -22,11 +22,11 @@ MOVES: dict[str, Callable[[Dock], None]] = {
     "nothing": lambda dock: None,
     "another family of the path": lambda dock: dock.motion.path.base_editor.family_menu.show("waypoints"),
     "another family of ω": lambda dock: dock.motion.angular_velocity.signal_editor.family_menu.show("flown"),
-    "a tone": lambda dock: _move(dock, "A (m)", 0.7),
+    "a tone": lambda dock: _move(dock, "amplitude x (m)", 0.7),
     "a curve that closes": lambda dock: _close(dock),
-    "a wiggle": lambda dock: _move(dock, "plus a wiggle", True),
+    "a wiggle": lambda dock: _move(dock, "add a second motion", True),
     "the time scale": lambda dock: dock.motion.timing.time_scale.show(1.5),
-    "gravity": lambda dock: _move(dock, "g (m/s²)", (0.0, 0.0, -9.81)),
+    "gravity": lambda dock: _move(dock, "gravity g (m/s²)", (0.0, 0.0, -9.81)),
     "a sensor set": lambda dock: dock.sensors.sensor_set.show("paper"),
     "a rate": lambda dock: dock.sensors.range_rate.show(17.0),
     "noise as a density": lambda dock: dock.sensors.noise.as_density.show(True),
@@ -38,10 +38,10 @@ MOVES: dict[str, Callable[[Dock], None]] = {
 }
 INVALID: dict[str, tuple[str, Any]] = {
     "a seed that is no whole number": ("noise seed", 1.5),
-    "a duration that is too short": ("duration (s)", 0.0),
-    "a magnetic direction along gravity": ("m", (0.0, 0.0, 1.0)),
-    "a frequency beyond what the IMU can sample": ("w (rad/s)", 1e4),
-    "an axis without a length": ("R̃(0) axis", (0.0, 0.0, 0.0)),
+    "a duration that is too short": ("flight duration (s)", 0.0),
+    "a magnetic direction along gravity": ("magnetic direction m", (0.0, 0.0, 1.0)),
+    "a frequency beyond what the IMU can sample": ("frequency ω (rad/s)", 1e4),
+    "an axis without a length": ("axis of that error", (0.0, 0.0, 0.0)),
 }
 
 
@@ -55,10 +55,10 @@ def _close(dock: Dock) -> None:
     """Close a curve through points whose period is too short for it."""
     dock.motion.path.base_editor.family_menu.show("waypoints")
     refreshed(dock)
-    _move(dock, "ends", "rest")
+    _move(dock, "ends of the curve", "rest")
     refreshed(dock)
     _move(dock, "period (s)", 0.1)
-    _move(dock, "ends", "closed")
+    _move(dock, "ends of the curve", "closed")
 
 
 def _move_physical(dock: Dock, factor: float) -> None:

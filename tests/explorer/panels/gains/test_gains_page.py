@@ -19,8 +19,11 @@ pytestmark = pytest.mark.slow
 
 NOT_SHOWN = "Not shown"
 
-PAPER_UNITS, PHYSICAL_UNITS = "in the paper's letters", "in physical words"
+PAPER_UNITS, PHYSICAL_UNITS = "the paper's letters", "physical quantities"
 STIFF = "▲ The attitude filter is stiff"
+
+
+RANGE_NOISE, WEIGHT = "assumed range noise (m)", "range weight q (1/(m⁴ s))"
 
 
 def _visitor(sessions: tuple[int, SessionServer], storage: Storage | None = None) -> Editing:
@@ -35,14 +38,15 @@ def page(sessions: tuple[int, SessionServer]) -> Iterator[Editing]:
     visitor.tab.close()
 
 
-def _label(page: Editing, label: str) -> str:
-    return page.tab.elements[page.tab.find(label)]["label"]
+def _number(page: Editing, label: str) -> str:
+    """What the box beside a slider shows."""
+    return page.tab.value(f"{label}: number")
 
 
 def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page: Editing):
     picture = page.session.picture
     page.set("show gains as", PHYSICAL_UNITS)
-    page.tab.wait_for(lambda: _label(page, "noise σ of range") == "noise σ of range = 0.125 m", "the words")
+    page.tab.wait_for(lambda: _number(page, RANGE_NOISE) == "0.125", "the number")
     assert page.session.picture is picture
     assert page.session.history.depth == (0, 0)
     page.set("assumed range noise (m)", math.log10(0.25))
@@ -52,7 +56,7 @@ def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page
         riccati=replace(picture.settings.preset.gains.riccati, q=q),  # type: ignore[union-attr]
     )
     page.set("show gains as", PAPER_UNITS)
-    page.tab.wait_for(lambda: _label(page, "q").startswith(f"q = {q:.4g}"), "the letter")
+    page.tab.wait_for(lambda: _number(page, WEIGHT) == f"{q:.4g}", "the number")
     assert page.settings.preset.gains.riccati.q == q
     assert page.session.history.depth == (1, 0)
     page.command("Undo")
@@ -62,7 +66,7 @@ def test_switching_the_gain_units_draws_nothing_anew_and_is_no_step_to_undo(page
     page.command("Redo")
     assert page.session.dock.gains.units == "physical"
     assert page.settings.preset.gains.riccati.q == q
-    page.tab.wait_for(lambda: _label(page, "noise σ of range").endswith("= 0.25 m •"), "the word, marked")
+    page.tab.wait_for(lambda: _number(page, RANGE_NOISE) == "0.25", "the number")
 
 
 def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(sessions: tuple[int, SessionServer]):
@@ -79,7 +83,7 @@ def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(s
     again.tab.wait_for(lambda: again.settings == expected, "the work")
     assert again.session.dock.gains.units == "physical"
     assert again.tab.value("show gains as") == PHYSICAL_UNITS
-    again.tab.wait_for(lambda: _label(again, "slowest time T").startswith("slowest time T = 1 s"), "the word")
+    again.tab.wait_for(lambda: _number(again, "slowest time constant T (s)") == "1", "the number")
     again.set("k1 falls as the directions agree", True)
     assert again.settings.preset.gains.attitude.schedule == Schedule(memory=10**0.5)
     again.tab.close()
@@ -92,10 +96,10 @@ def test_work_saved_before_there_were_gain_units_opens(page: Editing):
 
 def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Editing):
     page.set("show gains as", PHYSICAL_UNITS)
-    gains, before = page.settings.preset.gains, _label(page, "noise σ of range")
+    gains, before = page.settings.preset.gains, _number(page, RANGE_NOISE)
     page.set("anchor position (m)", [5.0, 0.0, 0.0])
     assert page.settings.preset.gains == gains
-    page.tab.wait_for(lambda: _label(page, "noise σ of range") != before, "other words")
+    page.tab.wait_for(lambda: _number(page, RANGE_NOISE) != before, "other words")
     page.set("preset", next(o for o in page.tab.elements[page.tab.find("preset")]["options"] if "(soft)" in o))
     page.tab.wait_for(lambda: page.settings.origin == "soft", "the preset")
     assert page.session.dock.gains.units == "physical"
@@ -106,18 +110,22 @@ def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Edi
 @pytest.mark.parametrize(
     ("label", "value", "sentence"),
     [
-        ("noise σ of range", -3.0, "noise σ of range asks for q = "),
-        ("noise σ of range", math.nan, "log10 of noise σ of range must be a number"),
-        ("noise σ of accel", 200.0, "noise σ of accel must lie between 1e-30 and 1e+30"),
-        ("noise σ of gyro", 2.0, "noise σ of gyro with position factor asks for v.position = "),
-        ("position factor", -9.0, "noise σ of gyro with position factor asks for v.position = "),
-        ("velocity factor", 8.0, "velocity factor with both sigmas asks for v.velocity = "),
-        ("position box ±", 2.0, "factor on P₀(ξ) with the boxes asks for p0.xi = "),
-        ("factor on P₀(ξ)", -math.inf, "log10 of factor on P₀(ξ) must be a number"),
-        ("slowest time T", -6.0, "slowest time T asks for k1 = "),
-        ("gravity weight", 6.0, "which must lie between"),
-        ("shown", "in Latin", "shown must be one of"),
-        ("k1 halfway at s", 0.7, ""),
+        (RANGE_NOISE, -3.0, "assumed range noise asks for q = "),
+        (RANGE_NOISE, math.nan, f"{RANGE_NOISE} must be a finite number"),
+        ("assumed accelerometer noise (m/s²)", 200.0, "assumed accelerometer noise must lie between 1e-30 and 1e30"),
+        (
+            "assumed gyro noise (rad/s)",
+            2.0,
+            "assumed gyro noise with position drift factor asks for process noise V(p) = ",
+        ),
+        ("position drift factor", -9.0, "assumed gyro noise with position drift factor asks for process noise V(p) = "),
+        ("velocity drift factor", 8.0, "velocity drift factor with both sigmas asks for process noise V(v) = "),
+        ("initial position error ± (m)", 2.0, "initial ξ factor with the boxes asks for initial variance P₀(ξ) = "),
+        ("initial ξ factor", -math.inf, "initial ξ factor must be a finite number"),
+        ("slowest time constant T (s)", -6.0, "slowest time constant T asks for k1 = "),
+        ("trust in gravity", 6.0, "which must lie between"),
+        ("show gains as", "in Latin", "show gains as must be one of"),
+        ("misalignment at half way", 0.7, ""),
     ],
 )
 def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
@@ -160,7 +168,7 @@ def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
     page.tab.wait_for_text(STIFF)
     page.tab.wait_for_text("lower k1 or ρ2, or sample faster")
     page.set("show gains as", PHYSICAL_UNITS)
-    page.tab.wait_for_text("raise the slowest time T or lower the gravity weight, or sample faster")
+    page.tab.wait_for_text("raise the slowest time constant T or lower the trust in gravity, or sample faster")
     page.set("trust in gravity", 0.0)
     page.tab.wait_for(lambda: STIFF not in page.tab.text(), "no warning")
 

@@ -198,12 +198,11 @@ def test_a_result_stays_when_another_search_is_stopped(tuned: Editing, monkeypat
 @pytest.mark.parametrize(
     ("label", "value"),
     [
-        ("seeds", 0),
-        ("seeds", 33),
-        ("seeds", 2.5),
-        ("seeds", math.nan),
-        ("gains to try", math.inf),
-        ("gains to try", 1e300),
+        ("runs per try", 0),
+        ("runs per try", 33),
+        ("runs per try", 2.5),
+        ("runs per try", 1e6),
+        ("sets of gains to try", 1e300),
     ],
 )
 def test_nonsense_in_a_box_gets_a_sentence(editing: Editing, label: str, value: float):
@@ -217,11 +216,13 @@ def test_nonsense_in_a_box_gets_a_sentence(editing: Editing, label: str, value: 
 def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
     editing.set("soon ⟷ exact w", value)
     editing.press("Tune the gains")
-    editing.tab.wait_for_text("steadiness w must lie between 0 and 1")
+    editing.tab.wait_for_text("soon ⟷ exact w must lie between 0 and 1")
     assert editing.session.jobs.running is None
 
 
-@pytest.mark.parametrize(("label", "value"), [("place", 0), ("place", 1e9), ("pick along", "nothing")])
+@pytest.mark.parametrize(
+    ("label", "value"), [("place on the curve", 0), ("place on the curve", 1e9), ("curve to pick from", "nothing")]
+)
 def test_a_place_that_was_not_offered_gets_a_sentence(tuned: Editing, label: str, value: object):
     before = panel(tuned).picked
     tuned.run(lambda: tuned.tab.set(label, value))

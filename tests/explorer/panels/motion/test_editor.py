@@ -278,7 +278,7 @@ def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be
 
 
 def test_a_vehicle_is_held_against_the_path_and_what_breaks_is_named(editing: Editing):
-    editing.set("speed (slower ⟷ faster)", math.log10(0.5))
+    editing.set("speed (slower ⟷ faster)", math.log10(2.0))
     editing.set("vehicle", "Crazyflie 2.1")
     picture = editing.session.picture
     assert picture is not None
