@@ -1,7 +1,6 @@
 """What follows from the gains: time constants, stiffness, and the same gains in the units that are not in use."""
 
 import html
-from itertools import zip_longest
 
 import numpy as np
 from msgspec.structs import replace
@@ -84,11 +83,9 @@ def in_other_units(picture: Picture, units: GainUnits) -> str:
     except ValueError as error:
         return NOTE.format(html.escape(f"not converted: {in_labels(str(error))}"))
     cells = [(label, f"{significant(value, DIGITS)} {unit}".rstrip()) for label, value, unit in entries]
-    half = (len(cells) + 1) // 2
-    rows = [left + right for left, right in zip_longest(cells[:half], cells[half:], fillvalue=("", ""))]
     distance, speed = quantity(context.at.distance, "m"), quantity(context.at.speed, "m/s")
     heading = f"at the path's typical {distance} from the anchor and {speed}"
-    return NOTE.format(html.escape(heading) + table((), rows))
+    return NOTE.format(html.escape(heading) + table((), cells))
 
 
 def _paper_values(gains: Gains) -> list[tuple[str, float, str]]:

@@ -57,7 +57,7 @@ class BundlePanel:
             self.formats = {
                 row.name: Switch(section, row.label, hint=FORMAT_HINT.format(row.hint)) for row in choices()
             }
-            self._ramp = Number(section, "ramps (s)", step=0.5, hint=RAMP_HINT)
+            self._ramp = Number(section, "ramps (s)", hint=RAMP_HINT)
             self._ramp.show(formats.RAMP)
             self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
             form.button("Export as a zip", self._export, hint=EXPORT_HINT)

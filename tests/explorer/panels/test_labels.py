@@ -11,7 +11,7 @@ LONGEST = 260
 """Characters of a hint: a longer one covers the controls above it."""
 
 
-HIDDEN = {"pointer", "range-values"}
+HIDDEN = {"pointer", "range-values", "page"}
 """Boxes that no visitor sees: scripts of the page write into them."""
 
 

@@ -232,14 +232,14 @@ def test_the_other_units_are_in_a_table(dock: Dock):
     dock.gains.draw(picture)
     physical = in_physical_units(SLOW.preset.gains, context_of(SLOW))
     assert f"{physical.range_sigma:.4g} m" in dock.gains.other_units_table.content
-    assert dock.gains.other_units_section.label == "The same in physical words"
+    assert dock.gains.other_units_section.label == "The same as physical quantities"
     _choose_units(dock, "physical")
     refreshed(dock)
     dock.gains.draw(picture)
     assert "5000" in dock.gains.other_units_table.content
     assert all(
         dock.gains.other_units_table.content.count(f">{letter}<") == 1
-        for letter in ("P₀(ξ)", "P₀(p)", "V(g)", "ρ1", "k1")
+        for letter in ("initial variance P₀(ξ)", "process noise V(g)", "attitude gain k1")
     )
     assert dock.gains.other_units_section.label == "The same in the paper's letters"
 

@@ -195,11 +195,11 @@ def test_tones_are_added_and_removed_and_come_back(editing: Editing):
 def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
     editing.set("preset", f"{preset.load('circle').title} (circle)")
     assert "blind</b>" in editing.tab.text()
-    editing.set("plus a wiggle", True)
+    editing.set("add a second motion", True)
     path = editing.settings.preset.path
     assert isinstance(path, Sum)
     assert "blind</b>" not in editing.tab.text()
-    editing.set("plus a wiggle", False)
+    editing.set("add a second motion", False)
     assert editing.settings.preset.path == path.base
     editing.set("add a second motion", True)
     assert editing.settings.preset.path == path
@@ -354,7 +354,7 @@ def test_the_evil_twin_follows_its_numbers_and_a_drag_and_undo_brings_it_back(ed
     anchor, true = np.asarray(hover.world.anchor), hover.path(np.zeros(()))
     apart = np.linalg.norm(usual - true) / np.linalg.norm(true - anchor)
     shortest = math.degrees(2 * math.asin(apart / 2))  # a drag takes the shortest of all turns that lead there
-    assert editing.tab.value("twin's angle (°)") == pytest.approx(shortest, abs=0.1)
+    assert editing.tab.value("turn of the twin (°)") == pytest.approx(shortest, abs=0.1)
     editing.tab.press_own("undo")
     editing.tab.wait_for(lambda: np.allclose(editing.tab.nodes["/twin"]["position"], turned), "it, where it was")
     editing.press("The usual twin")

@@ -79,7 +79,7 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
     assert "the path&#x27;s snap was not in Tour 1.txt" in page.tab.text()
     assert page.settings.preset.world.gravity[2] < 0
     save_as(page, "Tour kept")
-    page.set("slower s", 0.05)  # another path: a design of the visitor's
+    page.set("speed (slower ⟷ faster)", 0.05)  # another path: a design of the visitor's
     assert "not judged</b>" not in page.tab.text()
 
 
