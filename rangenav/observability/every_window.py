@@ -32,8 +32,8 @@ ROOM = 4000
 """The most cores and windows for that."""
 TIE = 1e-6
 """Windows whose least singular values differ by less than this share are equally weak, and the first one is named."""
-FEW = 33
-"""Windows that are sampled before any core is."""
+FEW, CLOSER = 33, 4
+"""Windows that are sampled before any core is, and how often the neighbourhood of the weakest is where no bound is."""
 
 
 @result
@@ -103,6 +103,8 @@ def rank_over_every_window(path: Signal, gravity: Vec3, duration: float, window:
         )
         bounds = flight.bounded and quadrature_bound.known(path)
         proved = _tightened(flight, proved, sampled) if bounds else proved
+        if not bounds:
+            _look_closer(flight, proved, last, sampled)
     every = proved.joined(pending)
     margin = cores.margin(every, sampled.rank)
     least = float(margin.min())
@@ -224,6 +226,17 @@ def _tightened(flight: Flight, proved: Stretches, sampled: _Sampled) -> Stretche
         begin, end = np.concatenate([some.begin, middle]), np.concatenate([middle, some.end])
         proved = proved.some(~widest).joined(_cores(flight, begin, end, float(some.width[0]) / 2, sampled))
     return proved
+
+
+def _look_closer(flight: Flight, proved: Stretches, last: float, sampled: _Sampled) -> None:
+    """Sample windows in the stretches whose cores are weakest, then around the weakest one: no bound leads there."""
+    some = proved.some(np.argsort(proved.least[:, 0])[:FEW])
+    _sample(flight.path, flight.gravity, flight.window, (some.begin + some.end) / 2, sampled)
+    reach = float(proved.width.max()) / 2
+    for _ in range(CLOSER):
+        around = np.linspace(sampled.at - reach, sampled.at + reach, 9)
+        _sample(flight.path, flight.gravity, flight.window, np.clip(around, 0.0, last), sampled)
+        reach /= 4
 
 
 def _merged(stretches: Stretches) -> tuple[tuple[float, float], ...]:
