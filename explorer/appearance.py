@@ -5,6 +5,7 @@ import viser
 
 from explorer.charts import Charts, plot_size
 from explorer.display import Display
+from explorer.model import layers
 from explorer.panels import dock
 from explorer.scene import Scene
 from explorer.web.door import Window
@@ -13,6 +14,10 @@ WIDE = 1200
 """px: from this width of the window on, the dock of controls has its full width."""
 NARROW_SHARE, BIG_SHARE = 0.84, 1.3
 """The dock's width in a narrower window, and with big type, by its full width."""
+
+
+AROUND_SCENE = 140
+"""px of the window's height that the verdict and the timeline take from the scene (page.css)."""
 
 
 class Appearance:
@@ -36,7 +41,8 @@ class Appearance:
         if width != self._controls_width:
             self._controls_width = width
             self._client.gui.main_panel.set_width(width)
-        self._scene.appear(hidden=window.hidden, big=big)
+        height = max(window.height - AROUND_SCENE * (1.4 if big else 1.0), 100.0)
+        self._scene.appear(hidden=layers.hidden(window.switched), big=big, height=height)
         if self._charts.resize(plot_size(window.width, window.height, big=big)):
             self._display.redraw()
 

@@ -16,15 +16,16 @@ Rgb = tuple[int, int, int]
 
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, GREY = "#E69F00", "#56B4E9", "#888888"
-OLIVE = "#999933"
-"""Of Tol's muted scheme: a hue that Okabe–Ito leaves free."""
+SLATE = "#6B7785"
+"""Neither a run nor a vector: of things that stand."""
 LIGHT_GREEN, LIGHT_PURPLE = "#78CDAF", "#E4B2CE"
 
 # Runs: the same in plots, in the 3-D picture and in text
 TRUTH, ESTIMATE = BLUE, VERMILLION
-PINNED, TWIN = PURPLE, OLIVE
-ESTIMATORS: dict[Literal["EKF", "refined"], Color] = {"EKF": ORANGE, "refined": GREEN}
-"""The estimators that are compared with the cascade."""
+PINNED, TWIN = PURPLE, ORANGE
+ESTIMATORS: dict[Literal["EKF", "refined"], Color] = {"EKF": SKY, "refined": GREEN}
+"""The estimators that are compared with the cascade. All runs stay apart for readers with deuteranopia and protanopia:
+a test simulates both."""
 SEEDS, SEEDS_EDGE = GREY, VERMILLION
 """The median of many seeds, and the edges of the band around it."""
 
@@ -45,15 +46,15 @@ TRANSLUCENT, FILL = "B0", "38"
 """Opacities (hexadecimal, 0 to FF), put behind a colour: curves that show through, and what is tinted below a curve."""
 
 # The 3-D picture
-ANCHOR, RANGE_SPHERE, WAYPOINT = ORANGE, SKY, BLUE
+ANCHOR, RANGE_SPHERE, WAYPOINT = SLATE, SKY, BLUE
 GRAVITY, GRAVITY_ESTIMATE = GREEN, LIGHT_GREEN
 MAGNETIC, MAGNETIC_ESTIMATE = PURPLE, LIGHT_PURPLE
 """The estimate of a vector has the lighter tint of the true one."""
 BLIND_DIRECTION, LIMIT_EXCEEDED = ORANGE, VERMILLION
 EXCITATION, WEAKEST_AXIS = GREEN, ORANGE
 EQUILIBRIUM = PURPLE
-TRAIL_START = "#CDC3BE"
-"""Where an estimated path begins; it ends in the colour of its estimator."""
+TAIL_END = "#F0B48C"
+"""The far end of the estimate's tail, which begins in the colour of the estimate."""
 GLOBE, GLOBE_INK = "#D6D6D6", "#141414"
 SETTLING_SCALE: tuple[Color, ...] = (
     "#FDE725", "#ADDC30", "#5EC962", "#28AE80", "#21918C", "#2C728E", "#3B528B", "#472C7A", "#440154",

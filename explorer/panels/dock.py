@@ -18,6 +18,7 @@ from explorer.panels.gains import GainsPanel
 from explorer.panels.gains.basin import BasinPanel
 from explorer.panels.gains.guess import GuessPanel
 from explorer.panels.gains.tuning import TuningPanel
+from explorer.panels.legend import add_legend
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.presets.bundle import BundlePanel
 from explorer.panels.presets.flights import FlightPanel
@@ -63,6 +64,7 @@ class Dock:
             "tune": lambda: self.tuning.start(),
             "model": lambda: self.printed.write(Printed()),
         }
+        add_legend(gui)
         answers: dict[str, Action] = {
             "stop": jobs.cancel,
             "accept": lambda: self.repair.accept(),

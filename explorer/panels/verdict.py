@@ -133,4 +133,4 @@ def _answer(name: str) -> str:
 
 def _progress_bar(name: str, fraction: float, button: str = "") -> str:
     bar = f'<progress max="1" value="{fraction:.3f}"></progress>'
-    return f'<div class="rn-progress" role="status">{html.escape(name)} {bar} {100 * fraction:.0f} % {button}</div>'
+    return f'<div class="rn-progress" role="status">{html.escape(name)}, {100 * fraction:.0f} % {bar} {button}</div>'

@@ -1,5 +1,6 @@
 """The 3-D picture: nodes created once, assigned by draw(picture), moved by move(picture, time). Up is −g."""
 
+import time as clock
 from collections.abc import Callable
 
 import numpy as np
@@ -9,20 +10,25 @@ from explorer.model import palette
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 from explorer.model.details import Details
+from explorer.scene.airframe import shape_of
 from explorer.scene.basin import Globe
-from explorer.scene.bounds import EMPTY_LINE, SceneBounds, near_truth, nearest_sample, path_segments, scene_bounds
-from explorer.scene.comparison import TRAIL_THICKNESS, TWO_COLORS, ComparisonNodes, draw_dashed
+from explorer.scene.bounds import EMPTY_LINE, SceneBounds, nearest_sample, path_segments, scene_bounds
+from explorer.scene.comparison import ComparisonNodes
 from explorer.scene.estimate import EstimateNodes
 from explorer.scene.excitation import ExcitationEllipsoid
+from explorer.scene.labels import Labels
 from explorer.scene.limits import LimitMarks
+from explorer.scene.tail import Tail
 from explorer.scene.twin import TwinGhost
 from explorer.scene.vehicle import Vehicle
 from explorer.scene.view import View
 from explorer.scene.world import BlindDirections, WorldNodes
 from rangenav.inputs import Vec3
 
-ESTIMATE_DASHES = 14
-"""Dashes per radius of the scene."""
+PATH_THICKNESS, BIG_PATH_THICKNESS = 3.0, 7.0
+"""px"""
+LABEL_PERIOD = 0.3
+"""s between two arrangements of the labels while time moves."""
 
 
 class Scene:
@@ -33,28 +39,47 @@ class Scene:
         scene = client.scene
         self._time = 0.0
         self._bounds: SceneBounds | None = None
+        self._drawn: tuple[Picture, Comparison] | None = None
+        self._details: Details | None = None
+        self._arranged_at = 0.0
+        self._labels = labels = Labels(scene, client.camera)
         self._view = View(client.camera, wake)
-        self._world = WorldNodes(scene)
+        self._world = WorldNodes(scene, labels)
         self._path = scene.add_line_segments(
-            "/path", EMPTY_LINE, palette.rgb(palette.TRUTH), thickness=3.0, thickness_units="screen"
+            "/path", EMPTY_LINE, palette.rgb(palette.TRUTH), thickness=PATH_THICKNESS, thickness_units="screen"
         )
-        self._limits = LimitMarks(scene)
-        self._trail = scene.add_line_segments(
-            "/trail", EMPTY_LINE, TWO_COLORS, thickness=TRAIL_THICKNESS, thickness_units="screen"
-        )
-        self._vehicle = Vehicle(scene, "vehicle", palette.TRUTH, opacity=None, label_above=True)
-        self._estimate = EstimateNodes(scene)
-        self._comparison = ComparisonNodes(scene)
-        self._globe = Globe(scene)
-        self._twin, self._excitation = TwinGhost(scene, wake), ExcitationEllipsoid(scene)
-        self._blind = BlindDirections(scene)
+        self._limits, self._tail = LimitMarks(scene, labels), Tail(scene)
+        self._vehicle = Vehicle(scene, labels, "vehicle", palette.TRUTH, opacity=None, rank=1)
+        self._estimate = EstimateNodes(scene, labels)
+        self._comparison = ComparisonNodes(scene, labels)
+        self._globe = Globe(scene, labels)
+        self._twin, self._excitation = TwinGhost(scene, labels, wake), ExcitationEllipsoid(scene, labels)
+        self._blind = BlindDirections(scene, labels)
 
     def take_twin_drag(self) -> Vec3 | None:
         """Where the visitor has dragged the evil twin since the last call (m, inertial frame); None if nowhere."""
         return self._twin.take_drag()
 
-    def appear(self, *, hidden: frozenset[str], big: bool) -> None:
-        """Switch layers off and on, and take big labels and thick lines, or the usual ones."""
+    def appear(self, *, hidden: frozenset[str], big: bool, height: float) -> None:
+        """Switch layers off and on (names of `explorer.model.layers`), with big labels and thick lines, or the usual
+        ones. height: of the picture, CSS px."""
+        vectors = "vectors" not in hidden
+        self._world.appear(vectors=vectors, sphere="sphere" not in hidden)
+        self._estimate.appear(vectors=vectors, ellipsoid="uncertainty" not in hidden)
+        self._tail.appear(enabled="tail" not in hidden, big=big)
+        self._path.visible = "path" not in hidden
+        self._path.thickness = BIG_PATH_THICKNESS if big else PATH_THICKNESS
+        self._excitation.enabled = "excitation" not in hidden
+        self._blind.enabled, self._twin.enabled = "blind" not in hidden, "twin" not in hidden
+        self._labels.appear(shown="labels" not in hidden, big=big, height=height)
+        if self._drawn is not None and self._bounds is not None:
+            picture, _ = self._drawn
+            self._world.fit(picture.preset.world, self._bounds)
+            self._blind.draw(picture, self._bounds)
+            if self._details is not None:
+                self._twin.draw(picture, self._details.twin, self._bounds)
+            self.move(picture, self._time)
+            self._labels.arrange()
 
     @property
     def bounds(self) -> SceneBounds | None:
@@ -65,13 +90,13 @@ class Scene:
         """Show another picture and the runs compared with it, at the time shown last. The camera stands still while
         a handle is dragged."""
         self._bounds = bounds = scene_bounds(picture)
+        self._drawn, self._details = (picture, comparison), None
         self._world.fit(picture.preset.world, bounds)
-        self._vehicle.fit(bounds)
+        self._vehicle.fit(bounds, shape_of(picture.preset.vehicle))
         self._estimate.fit(picture, bounds)
         self._path.points = path_segments(picture.motion, bounds).astype(np.float32)
         self._limits.draw(picture.motion, picture.breaks, bounds)
-        positions = near_truth(picture.position_estimate, picture.motion, bounds)
-        draw_dashed(self._trail, positions, bounds, palette.ESTIMATE, per_radius=ESTIMATE_DASHES)
+        self._tail.draw(picture, bounds)
         self._blind.draw(picture, bounds)
         self._twin.hide()
         self._excitation.hide()
@@ -79,14 +104,17 @@ class Scene:
         self._globe.draw(picture, comparison.basin, bounds)
         self._view.frame(bounds, picture.motion.position, dragging=dragging)
         self.move(picture, self._time)
+        self._labels.arrange()
 
     def draw_details(self, picture: Picture, details: Details) -> None:
         """Show the evil twin and the excitation, which take longer to compute; called when nothing has changed for a
         moment."""
         assert self._bounds is not None, "draw comes before draw_details"
+        self._details = details
         self._twin.draw(picture, details.twin, self._bounds)
         self._excitation.show(picture)
         self.move(picture, self._time)
+        self._labels.arrange()
 
     def move(self, picture: Picture, time: float) -> None:
         """Move every node that moves to the sample nearest to a time (s)."""
@@ -98,7 +126,10 @@ class Scene:
         self._vehicle.place(position, picture.motion.rotation[k])
         self._world.move(position)
         self._estimate.move(picture, k, bounds)
+        self._tail.move(picture, k)
         self._comparison.move(time)
         self._twin.move(picture, time)
         self._excitation.move(time, bounds)
-        self._view.follow_up()
+        if self._view.follow_up() or clock.monotonic() > self._arranged_at + LABEL_PERIOD:
+            self._arranged_at = clock.monotonic()
+            self._labels.arrange()

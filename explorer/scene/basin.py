@@ -5,6 +5,7 @@ Dots that never settle are larger, have another shape, and a colour that is not 
 """
 
 import math
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float
@@ -13,7 +14,8 @@ from viser import SceneApi
 
 from explorer.model import basin, palette
 from explorer.model.compute import Picture
-from explorer.scene.bounds import EMPTY_LINE, SceneBounds
+from explorer.scene.bounds import EMPTY_LINE, SceneBounds, near_truth
+from explorer.scene.labels import Label, Labels
 from explorer.scene.view import view_direction
 from rangenav.ensemble import Basin
 from rangenav.number_format import quantity, subscript
@@ -47,7 +49,7 @@ TITLE = 1.55
 class Globe:
     """The node /basin and all below it; hidden while there is no basin."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
         self._root = scene.add_frame("/basin", show_axes=False, visible=False)
         self._core = scene.add_icosphere(
             "/basin/core", CORE, palette.rgb(palette.GLOBE), subdivisions=5, cast_shadow=False, receive_shadow=False
@@ -67,14 +69,12 @@ class Globe:
         self._sticks = scene.add_line_segments(
             "/basin/equilibria", EMPTY_LINE, palette.rgb(palette.EQUILIBRIUM), thickness=4.0, thickness_units="screen"
         )
-        self._names = [
-            scene.add_label(f"/basin/u{k}", "", anchor="center-center", font_screen_scale=0.9) for k in range(6)
-        ]
+        self._names = [labels.add(f"/basin/u{k}", partial(self._name_at, k), rank=30 + k) for k in range(6)]
         self._pointer = scene.add_line_segments(
             "/basin/slowest/pointer", EMPTY_LINE, ink, thickness=2.0, thickness_units="screen"
         )
-        self._slowest = scene.add_label("/basin/slowest/label", "", anchor="bottom-center", font_screen_scale=0.9)
-        self._title = scene.add_label("/basin/title", "", anchor="bottom-center", font_screen_scale=0.9)
+        self._slowest = labels.add("/basin/slowest/label", lambda: self._at(self._slowest), rank=29)
+        self._title = labels.add("/basin/title", lambda: self._at(self._title), rank=28)
         self._drawn: Basin | None = None
 
     def draw(self, picture: Picture, shown: Basin | None, bounds: SceneBounds) -> None:
@@ -84,9 +84,11 @@ class Globe:
             self._drawn = None
             return
         radius = SIZE * bounds.view_radius
-        self._root.position = globe_centre(picture.motion.position, np.asarray(picture.preset.world.anchor), bounds)
+        estimate = near_truth(picture.position_estimate, picture.motion, bounds)
+        run = np.vstack([picture.motion.position, estimate[np.isfinite(estimate).all(axis=1)]])
+        self._root.position = globe_centre(run, np.asarray(picture.preset.world.anchor), bounds)
         self._core.scale = radius
-        self._title.position = TITLE * radius * bounds.up
+        self._title.handle.position = TITLE * radius * bounds.up
         if shown is not self._drawn:
             self._drawn = shown
             self._draw_dots(shown, radius, bounds.up)
@@ -106,20 +108,29 @@ class Globe:
         self._rim.points = (0.995 * radius * axis[None]).astype(np.float32)
         self._rim.point_size = (EMPHASIS if settles[last] else EMPHASIS**2) * size
         self._pointer.points = (radius * np.array([[axis, POINTER * axis]])).astype(np.float32)
-        self._slowest.position = POINTER * radius * axis
-        self._slowest.anchor = "bottom-center" if axis @ up >= 0 else "top-center"  # not across the pointer
-        self._slowest.text = (
+        self._slowest.handle.position = POINTER * radius * axis
+        self._slowest.side = "bottom-center" if axis @ up >= 0 else "top-center"  # not across the pointer
+        self._slowest.handle.anchor = self._slowest.side
+        self._slowest.write(
             f"slowest, {quantity(when, 's')}" if settles[last] else f"not settled in {quantity(starts.time[-1], 's')}"
         )
-        self._title.text = f"starts at {quantity(np.degrees(starts.angle), '°', digits=4)}"
+        self._title.write(f"starts at {quantity(np.degrees(starts.angle), '°', digits=4)}")
 
     def _draw_equilibria(self, picture: Picture, radius: float) -> None:
         axes = basin.equilibria(picture)
         self._sticks.points = (STICK * radius * np.stack([-axes, axes], axis=1)).astype(np.float32)
         for k, label in enumerate(self._names):
             sign = (1.0, -1.0)[k % 2]
-            label.position = sign * LABEL * radius * axes[k // 2]
-            label.text = f"{'+' if sign > 0 else '−'}u{subscript(k // 2 + 1)}"
+            label.handle.position = sign * LABEL * radius * axes[k // 2]
+            label.write(f"{'+' if sign > 0 else '−'}u{subscript(k // 2 + 1)}")
+
+    def _name_at(self, k: int) -> Float[Array, "3"] | None:
+        return self._at(self._names[k])
+
+    def _at(self, label: Label) -> Float[Array, "3"] | None:
+        if not self._root.visible:
+            return None
+        return np.asarray(self._root.position) + np.asarray(label.handle.position)
 
 
 def globe_centre(path: Float[Array, "n 3"], anchor: Float[Array, "3"], bounds: SceneBounds) -> Float[Array, "3"]:

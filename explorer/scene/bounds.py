@@ -23,7 +23,7 @@ SPHERE_SHARE = 0.8
 """Share of the largest range sphere that the camera should see."""
 MIN_RADIUS = 0.01
 """m, for a path that stays at its anchor."""
-UNIT_SHARE, MIN_UNIT_SHARE, STATIONARY_SHARE = 0.16, 0.04, 0.3
+UNIT_SHARE, MIN_UNIT_SHARE, STATIONARY_SHARE = 0.22, 0.05, 0.32
 """The airframe's size by the scene's radius. A path of 2 cm that is 3 m away gets a small vehicle, so that the vehicle
 does not cover it; a stationary vehicle has no path to cover."""
 SAGITTA_SHARE = 0.002

@@ -1,7 +1,7 @@
 """The runs that are compared with the run on the page, in the 3-D picture.
 
 The pinned run A has its true path where that differs, its estimated path, and a ghost. Each other estimator has its
-estimated path. Every run has the colour that it has in the plots, and dashes of its own length.
+estimated path. Every run is a thin solid line in the colour that it has in the plots.
 """
 
 import numpy as np
@@ -12,31 +12,30 @@ from viser import LineSegmentsHandle, SceneApi
 from explorer.model import palette
 from explorer.model.comparison import NAMES, NOTHING, Comparison, Name
 from explorer.model.compute import Picture
-from explorer.scene.bounds import EMPTY_LINE, SceneBounds, dashes_along, near_truth, nearest_sample, path_segments
+from explorer.scene.airframe import shape_of
+from explorer.scene.bounds import EMPTY_LINE, SceneBounds, near_truth, nearest_sample, path_segments
+from explorer.scene.labels import Labels
 from explorer.scene.vehicle import Vehicle
 from rangenav.comparison import Candidate
 from rangenav.motion import Motion
 
-PINNED_DASHES = 36
-"""Dashes per radius of the scene; the estimate of the run on the page has 14."""
-ESTIMATOR_DASHES: dict[Name, int] = {"EKF": 7, "refined": 24}
-TRAIL_THICKNESS, PATH_THICKNESS = 2.0, 1.5
+TRAIL_THICKNESS, PATH_THICKNESS = 1.5, 1.5
 """px; the true path has 3."""
-TWO_COLORS = np.zeros((1, 2, 3), dtype=np.uint8)
-"""A colour for each end from the start: the browser cannot turn a line of one colour into one of many."""
+MAX_PIECES = 600
+"""Line segments of an estimated path."""
 
 
 class ComparisonNodes:
     """The nodes /pinned, /pinned_path, /pinned_trail and one path for each other estimator."""
 
-    def __init__(self, scene: SceneApi) -> None:
-        self._ghost = Vehicle(scene, "pinned", palette.PINNED, opacity=0.35, label_above=False)
-        self._ghost.label.text, self._ghost.label.anchor = "A", "center-right"  # clear of the other vehicles' labels
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
+        self._ghost = Vehicle(scene, labels, "pinned", palette.PINNED, opacity=0.35, rank=5, text="A")
         self._ghost.show(False)
         self._path = _line(scene, "/pinned_path", palette.rgb(palette.PINNED), PATH_THICKNESS)
-        self._trail = _line(scene, "/pinned_trail", TWO_COLORS, TRAIL_THICKNESS)
+        self._trail = _line(scene, "/pinned_trail", palette.rgb(palette.PINNED), TRAIL_THICKNESS)
         self._estimators: dict[Name, LineSegmentsHandle] = {
-            name: _line(scene, f"/{name.lower()}_trail", TWO_COLORS, TRAIL_THICKNESS) for name in NAMES
+            name: _line(scene, f"/{name.lower()}_trail", palette.rgb(palette.ESTIMATORS[name]), TRAIL_THICKNESS)
+            for name in NAMES
         }
         self._comparison: Comparison = NOTHING
         self._bounds: SceneBounds | None = None
@@ -53,7 +52,7 @@ class ComparisonNodes:
         for name, line in self._estimators.items():
             if name in runs:
                 positions = near_truth(_positions(picture, runs[name]), picture.motion, bounds)
-                draw_dashed(line, positions, bounds, palette.ESTIMATORS[name], per_radius=ESTIMATOR_DASHES[name])
+                _draw_path(line, positions)
             elif line.visible:
                 line.visible = False
 
@@ -70,32 +69,25 @@ class ComparisonNodes:
             self._ghost.place(position, rotation)
 
     def _draw_pinned(self, a: Picture, picture: Picture, bounds: SceneBounds) -> None:
-        self._ghost.fit(bounds)
+        self._ghost.fit(bounds, shape_of(a.preset.vehicle))
         self._path.visible = differs = not _same(a.motion, picture.motion)
         if differs:
             self._path.points = _inside(path_segments(a.motion, bounds), bounds)
         positions = near_truth(a.position_estimate, a.motion, bounds)
-        draw_dashed(self._trail, positions, bounds, palette.PINNED, per_radius=PINNED_DASHES)
+        _draw_path(self._trail, positions)
 
 
-def draw_dashed(
-    line: LineSegmentsHandle,
-    positions: Float[Array, "n 3"],
-    bounds: SceneBounds,
-    color: palette.Color,
-    *,
-    per_radius: int,
-) -> None:
-    """Draw an estimated path, paler where it is earlier: an estimate may wander far before it settles."""
-    dashes, progress = dashes_along(positions, bounds, per_radius=per_radius)
-    line.visible = len(dashes) > 0
-    if len(dashes):
-        early, late = np.array(palette.linear(palette.TRAIL_START)), np.array(palette.linear(color))
-        colors = early + progress[..., None] * (late - early)
-        line.points, line.colors = dashes.astype(np.float32), colors.astype(np.uint8)
+def _draw_path(line: LineSegmentsHandle, positions: Float[Array, "n 3"]) -> None:
+    """Draw an estimated path where it is known (not NaN)."""
+    points = positions[:: -(-len(positions) // MAX_PIECES)]
+    lines = np.stack([points[:-1], points[1:]], axis=1)
+    lines = lines[np.isfinite(lines).all(axis=(1, 2))]
+    line.visible = len(lines) > 0
+    if len(lines):
+        line.points = lines.astype(np.float32)
 
 
-def _line(scene: SceneApi, name: str, color: palette.Rgb | Array, thickness: float) -> LineSegmentsHandle:
+def _line(scene: SceneApi, name: str, color: palette.Rgb, thickness: float) -> LineSegmentsHandle:
     return scene.add_line_segments(
         name, EMPTY_LINE, color, thickness=thickness, thickness_units="screen", visible=False
     )

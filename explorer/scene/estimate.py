@@ -9,8 +9,10 @@ from viser.transforms import SO3
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.scene.airframe import shape_of
 from explorer.scene.arrows import Arrow
 from explorer.scene.bounds import SCENE_RADII, SceneBounds, ellipsoid_axes, last_known
+from explorer.scene.labels import Labels
 from explorer.scene.vehicle import Vehicle
 from rangenav.number_format import quantity
 
@@ -18,8 +20,9 @@ from rangenav.number_format import quantity
 class EstimateNodes:
     """The nodes /estimate and /ellipsoid, and the arrows under /compass that belong to the estimate."""
 
-    def __init__(self, scene: SceneApi) -> None:
-        self._ghost = Vehicle(scene, "estimate", palette.ESTIMATE, opacity=0.4, label_above=False)
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
+        self._ghost = Vehicle(scene, labels, "estimate", palette.ESTIMATE, opacity=0.4, rank=2)
+        self._ellipsoid_enabled, self._compass = True, np.zeros(3)
         self._ellipsoid = scene.add_icosphere(
             "/ellipsoid",
             1.0,
@@ -30,15 +33,25 @@ class EstimateNodes:
             cast_shadow=False,
             receive_shadow=False,
         )
-        self._gravity = Arrow(scene, "/compass/gravity_estimate", "g est.", palette.GRAVITY_ESTIMATE)
-        self._magnetic = Arrow(scene, "/compass/magnetic_estimate", "m est.", palette.MAGNETIC_ESTIMATE)
-        self._away = Arrow(scene, "/compass/far", "", palette.ESTIMATE)
+        origin = lambda: self._compass  # noqa: E731
+        self._gravity = Arrow(
+            scene, labels, "/compass/gravity_estimate", "g est.", palette.GRAVITY_ESTIMATE, rank=22, origin=origin
+        )
+        self._magnetic = Arrow(
+            scene, labels, "/compass/magnetic_estimate", "m est.", palette.MAGNETIC_ESTIMATE, rank=23, origin=origin
+        )
+        self._away = Arrow(scene, labels, "/compass/far", "", palette.ESTIMATE, rank=2, origin=origin)
         self._magnetic_samples = np.zeros((0, 3))
+
+    def appear(self, *, vectors: bool, ellipsoid: bool) -> None:
+        """Switch the layers on or off; they follow at the next `move`."""
+        self._gravity.enabled = self._magnetic.enabled = vectors
+        self._ellipsoid_enabled = ellipsoid
 
     def fit(self, picture: Picture, bounds: SceneBounds) -> None:
         """Take the sizes of a scene and the magnetometer samples of a picture."""
         self._magnetic_samples = last_known(picture.measurements.mag)
-        self._ghost.fit(bounds)
+        self._ghost.fit(bounds, shape_of(picture.preset.vehicle))
         unit = bounds.unit
         self._gravity.fit(length=2.2 * unit, radius=0.022 * unit)
         self._magnetic.fit(length=2.0 * unit, radius=0.022 * unit)
@@ -47,7 +60,7 @@ class EstimateNodes:
     def move(self, picture: Picture, k: int, bounds: SceneBounds) -> None:
         """Show the estimate at sample k."""
         position, rotation = picture.position_estimate[k], picture.estimate.rotation[k]
-        finite = bool(np.isfinite(rotation).all())
+        finite, self._compass = bool(np.isfinite(rotation).all()), picture.motion.position[k]
         self._gravity.point(rotation @ picture.estimate.state[k, 10:13] if finite else np.zeros(3))
         self._magnetic.point(rotation @ self._magnetic_samples[k] if finite else np.zeros(3))
         inside = finite and bool(bounds.contains(position))
@@ -72,9 +85,9 @@ class EstimateNodes:
     def _move_ellipsoid(self, picture: Picture, k: int, bounds: SceneBounds) -> None:
         axes = ellipsoid_axes(picture.estimate.covariance[k, 0])
         drawn = axes is not None and axes[0][2] < SCENE_RADII * bounds.radius
-        self._ellipsoid.visible = drawn
-        self._ghost.label.text = "estimate, 1σ by P" if drawn else "estimate, σ by P too large to draw"
-        if axes is not None and drawn:
+        self._ellipsoid.visible = drawn and self._ellipsoid_enabled
+        self._ghost.label.write("estimate" if drawn else "estimate (very uncertain)")
+        if axes is not None and drawn and self._ellipsoid_enabled:
             x, y, z = (float(axis) for axis in axes[0])
             self._ellipsoid.scale = (x, y, z)
             self._ellipsoid.wxyz = SO3.from_matrix(picture.estimate.rotation[k] @ axes[1]).wxyz

@@ -12,6 +12,7 @@ from explorer.model import details, palette
 from explorer.model.compute import Picture
 from explorer.scene.arrows import Arrow
 from explorer.scene.bounds import SceneBounds
+from explorer.scene.labels import Labels
 from rangenav.number_format import significant
 from rangenav.observability import blindness
 from rangenav.observability.ellipsoid import Ellipsoid
@@ -25,7 +26,7 @@ THINNEST = 0.004
 class ExcitationEllipsoid:
     """Nodes /excitation and /weakest; hidden where nothing is excited."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
         self._node = scene.add_icosphere(
             "/excitation",
             1.0,
@@ -36,8 +37,10 @@ class ExcitationEllipsoid:
             receive_shadow=False,
             visible=False,
         )
-        self._weakest = Arrow(scene, "/weakest", "", palette.WEAKEST_AXIS, both_ways=True)
+        self._weakest = Arrow(scene, labels, "/weakest", "", palette.WEAKEST_AXIS, rank=15, both_ways=True)
         self._picture: Picture | None = None
+        self.enabled = True
+        """Whether the layer is switched on; takes effect at the next `move`."""
 
     def hide(self) -> None:
         """Hide it until the next `show`: it belongs to an earlier path."""
@@ -51,7 +54,10 @@ class ExcitationEllipsoid:
 
     def move(self, time: float, bounds: SceneBounds) -> None:
         """Show the excitation of the window that starts at a time (s)."""
-        if self._picture is not None:
+        if not self.enabled:
+            self._node.visible = False
+            self._weakest.hide()
+        elif self._picture is not None:
             self.draw(self._picture, details.excitation_at(self._picture.preset, time), bounds)
 
     def draw(self, picture: Picture, ellipsoid: Ellipsoid, bounds: SceneBounds) -> None:

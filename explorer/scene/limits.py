@@ -1,7 +1,7 @@
 """The parts of the path that exceed limits of the vehicle: a thick line over them, and markers with labels.
 
 Each marker stands where one limit is exceeded most. The line is recognised without its colour: it is wider than the
-other lines, and the estimate's path is dashed.
+other lines.
 """
 
 import math
@@ -14,14 +14,15 @@ from viser import SceneApi
 
 from explorer.model import palette
 from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, chord_samples
+from explorer.scene.labels import Labels
 from rangenav.motion import Motion
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import WORDS, Break
 
 THICKNESS = 8.0
 """px; the line of the path itself has 3."""
-LABEL_ANCHORS = ("bottom-left", "top-left", "bottom-right")
-"""The sides of the markers on which the labels lie: two limits are often exceeded most at the same position."""
+MARKS = 3
+"""How many limits get a marker."""
 MARKER_SHARE = 0.12
 """Radius of a marker, in units of the scene."""
 
@@ -29,21 +30,12 @@ MARKER_SHARE = 0.12
 class LimitMarks:
     """The nodes under /path/broken."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
         color = palette.rgb(palette.LIMIT_EXCEEDED)
         self._line = scene.add_line_segments(
             "/path/broken", EMPTY_LINE, color, thickness=THICKNESS, thickness_units="screen", visible=False
         )
-        markers, labels = [], []
-        for k, anchor in enumerate(LABEL_ANCHORS):
-            name = f"/path/broken{k + 1}"
-            markers.append(
-                scene.add_icosphere(
-                    name, 1.0, color, subdivisions=0, flat_shading=True, scale=INVISIBLE_SIZE, visible=False
-                )
-            )
-            labels.append(scene.add_label(f"{name}/label", "", anchor=anchor, font_screen_scale=0.9))
-        self._markers, self._labels = markers, labels
+        self._marks = [_Mark(scene, labels, k) for k in range(MARKS)]
 
     def draw(self, motion: Motion, breaks: tuple[Break, ...], bounds: SceneBounds) -> None:
         """Show where limits are exceeded. At most three get a marker: those that are exceeded for longest."""
@@ -51,12 +43,27 @@ class LimitMarks:
         self._line.visible = len(lines) > 0
         if len(lines):
             self._line.points = lines.astype(np.float32)
-        for k, (marker, label) in enumerate(zip(self._markers, self._labels, strict=True)):
-            marker.visible = k < len(breaks)
-            if k < len(breaks):
-                at = int(np.argmin(np.abs(motion.time - breaks[k].at)))
-                marker.position, marker.scale = motion.position[at], MARKER_SHARE * bounds.unit
-                label.text = marker_label(breaks[k])
+        for k, mark in enumerate(self._marks):
+            mark.draw(motion, breaks[k] if k < len(breaks) else None, bounds)
+
+
+class _Mark:
+    """A marker with a label where one limit is exceeded most."""
+
+    def __init__(self, scene: SceneApi, labels: Labels, k: int) -> None:
+        name, color = f"/path/broken{k + 1}", palette.rgb(palette.LIMIT_EXCEEDED)
+        self._node = scene.add_icosphere(
+            name, 1.0, color, subdivisions=0, flat_shading=True, scale=INVISIBLE_SIZE, visible=False
+        )
+        where = lambda: np.asarray(self._node.position) if self._node.visible else None  # noqa: E731
+        self._label = labels.add(f"{name}/label", where, rank=10 + k, side="bottom-left")
+
+    def draw(self, motion: Motion, limit_break: Break | None, bounds: SceneBounds) -> None:
+        self._node.visible = limit_break is not None
+        if limit_break is not None:
+            at = int(np.argmin(np.abs(motion.time - limit_break.at)))
+            self._node.position, self._node.scale = motion.position[at], MARKER_SHARE * bounds.unit
+            self._label.write(marker_label(limit_break))
 
 
 def exceeding_samples(breaks: tuple[Break, ...], count: int) -> Bool[Array, "n"]:

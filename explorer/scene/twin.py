@@ -10,7 +10,9 @@ from viser import MeshHandle, SceneApi, SceneNodeDragEvent
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.scene.airframe import shape_of
 from explorer.scene.bounds import EMPTY_LINE, MAX_POINTS, SceneBounds, dashes_along, nearest_sample
+from explorer.scene.labels import Labels
 from explorer.scene.vehicle import Vehicle
 from rangenav.inputs import Vec3
 from rangenav.twin import Refusal, Twin
@@ -22,7 +24,7 @@ MAX_REACH = 1e6
 class TwinGhost:
     """The nodes /twin, /twin_path and /twin_ranges; hidden while there is no twin."""
 
-    def __init__(self, scene: SceneApi, wake: Callable[[], None]) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels, wake: Callable[[], None]) -> None:
         """`wake` is called from viser's loop when the visitor has dragged the twin."""
         self._wake, self._lock = wake, threading.Lock()
         self._twin: Twin | None = None
@@ -34,9 +36,11 @@ class TwinGhost:
             "/twin_ranges", EMPTY_LINE, color, thickness=1.5, thickness_units="screen"
         )
         # opaque: a translucent vehicle is lost inside the range sphere
-        self._vehicle = Vehicle(scene, "twin", palette.TWIN, opacity=None, label_above=True)
+        self._vehicle = Vehicle(scene, labels, "twin", palette.TWIN, opacity=None, rank=4)
         for part in self._vehicle.parts:
             part.on_drag("left")(self._record_drag)
+        self.enabled = True
+        """Whether the layer is switched on; takes effect at the next `draw`."""
         self._show(False)
 
     def hide(self) -> None:
@@ -46,7 +50,8 @@ class TwinGhost:
 
     def draw(self, picture: Picture, twin: Twin | Refusal, bounds: SceneBounds) -> None:
         """Show the twin of a picture, or none; `move` then puts its vehicle at a time."""
-        self._twin, self._bounds = (twin if isinstance(twin, Twin) else None), bounds
+        shown = twin if isinstance(twin, Twin) and self.enabled else None
+        self._twin, self._bounds = shown, bounds
         if self._twin is None:
             self._show(False)
             return
@@ -55,8 +60,8 @@ class TwinGhost:
         self._path.visible = len(dashes) > 0
         if len(dashes):
             self._path.points = dashes.astype(np.float32)
-        self._vehicle.fit(bounds)
-        self._vehicle.label.text = "evil twin, drag it" if self._twin.draggable else "evil twin"
+        self._vehicle.fit(bounds, shape_of(picture.preset.vehicle))
+        self._vehicle.label.write("evil twin, drag it" if self._twin.draggable else "evil twin")
 
     def move(self, picture: Picture, time: float) -> None:
         """Put the twin where it is at the sample nearest to a time (s), in the attitude of the true vehicle."""

@@ -1,4 +1,4 @@
-"""A vehicle in the 3-D picture: airframe and body axes. The true one is opaque, an estimate a translucent ghost."""
+"""A vehicle in the 3-D picture: its body and body axes. The true one is opaque, an estimate a translucent ghost."""
 
 import numpy as np
 from jaxtyping import Float
@@ -9,17 +9,28 @@ from viser.transforms import SO3
 from explorer.model import palette
 from explorer.scene import airframe
 from explorer.scene.bounds import SceneBounds, rotation_from_x
+from explorer.scene.labels import Labels
 
 
 class Vehicle:
     """Nodes under /NAME that move together."""
 
     def __init__(
-        self, scene: SceneApi, name: str, color: palette.Color, *, opacity: float | None, label_above: bool
+        self,
+        scene: SceneApi,
+        labels: Labels,
+        name: str,
+        color: palette.Color,
+        *,
+        opacity: float | None,
+        rank: int,
+        text: str | None = None,
     ) -> None:
+        """rank: of its label among all labels. text: of the label; by default the name."""
         rgb = palette.rgb(color)
         self._root = scene.add_frame(f"/{name}", axes_length=1.0, axes_radius=0.02, origin_color=rgb)
-        frame, rotors = airframe.frame(), airframe.rotors()
+        self._shape: airframe.Shape = "quadrotor"
+        frame, rotors = airframe.body(self._shape), airframe.see_through(self._shape)
         self._body = scene.add_mesh_simple(
             f"/{name}/frame",
             frame.vertices,
@@ -32,16 +43,20 @@ class Vehicle:
         self._rotors = scene.add_mesh_simple(
             f"/{name}/rotors", rotors.vertices, rotors.faces, color=rgb, opacity=(opacity or 1.0) * 0.5, side="double"
         )
-        anchor = "bottom-center" if label_above else "top-center"
-        self.label = scene.add_label(f"/{name}/label", name, anchor=anchor, font_screen_scale=0.9)
+        where = lambda: np.asarray(self._root.position) if self._root.visible else None  # noqa: E731
+        self.label = labels.add(f"/{name}/label", where, rank=rank, text=name if text is None else text)
 
     @property
     def parts(self) -> tuple[MeshHandle, ...]:
         """The nodes that a visitor can drag."""
         return self._body, self._rotors
 
-    def fit(self, bounds: SceneBounds) -> None:
-        """Take the sizes of a scene. The rotors are up when R = I."""
+    def fit(self, bounds: SceneBounds, shape: airframe.Shape) -> None:
+        """Take the sizes of a scene and the shape of a vehicle. It stands upright when R = I."""
+        if shape != self._shape:
+            self._shape = shape
+            for mesh, part in ((self._body, airframe.body(shape)), (self._rotors, airframe.see_through(shape))):
+                mesh.vertices, mesh.faces = part.vertices.astype(np.float32), part.faces.astype(np.uint32)
         self._root.axes_length, self._root.axes_radius = 0.9 * bounds.unit, 0.025 * bounds.unit
         self._root.origin_radius = 0.05 * bounds.unit
         # the mesh's z axis is up, the body's may be down, as in the paper: first z to x, then x to up

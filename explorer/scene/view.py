@@ -85,15 +85,15 @@ class View:
         self._framed = bounds
         self._look(bounds)
 
-    def follow_up(self) -> None:
-        """React to the camera that the browser has reported.
+    def follow_up(self) -> bool:
+        """React to the camera that the browser has reported. Returns whether it has reported one.
 
         The browser takes over a new up direction only after the camera pose that was sent with it, and the camera is
         then elsewhere: the pose is sent again, at most three times. Docks that have opened since leave a narrower
         picture: the path is framed anew, unless the visitor has moved the camera.
         """
         if not self._reported or self._sent is None or self._framed is None:
-            return
+            return False
         self._reported = False
         retries, self._retries = self._retries, 0
         if not self._at(self._sent):
@@ -101,6 +101,7 @@ class View:
                 self._send(self._sent, retries - 1)
         elif self._reshaped():
             self._look(self._framed)
+        return True
 
     def _camera_reported(self, _: CameraHandle) -> None:
         self._reported = True

@@ -9,8 +9,10 @@ from viser.transforms import SO3
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.scene import airframe
 from explorer.scene.arrows import Arrow
 from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, rotation_from_x
+from explorer.scene.labels import Labels
 from rangenav.motion import World
 from rangenav.observability import blindness
 from rangenav.observability.blindness import Direction
@@ -18,30 +20,35 @@ from rangenav.observability.blindness import Direction
 USUAL_UP = (0.0, 0.0, -1.0)
 """The paper's z axis points down."""
 GRID_RADII, FADE_RADII, CELLS_PER_SECTION = 16, 14, 5
-BEACON_SHARE, LABEL_SHARE = 0.22, 0.4
-"""Radius of the beacon, and height of the anchor's label above it, clear of the drag handle; in units of the scene."""
+BEACON_SHARE, RINGS_SHARE, LABEL_SHARE = 0.16, 0.36, 0.42
+"""Radius of the beacon, size of the rings around it, and height of the anchor's label above it, clear of the drag
+handle; in units of the scene."""
 MIN_MAST = 0.01
 """Radii; a shorter mast is hidden."""
 MIN_RANGE = 1e-6
 """m: the least radius of the range sphere, as the browser takes no scale of 0."""
-MAX_BLIND = 6
-"""Blind directions that are drawn."""
+MAX_BLIND, PARALLEL = 6, 0.999
+"""Blind directions that are drawn; and the cosine above which two directions are the same."""
 
 
 class WorldNodes:
     """The grid, and the nodes under /anchor and /compass that show the true world."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
         self._scene, self._up = scene, np.array(USUAL_UP)
         scene.set_up_direction(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         color = palette.rgb(palette.ANCHOR)
         self._anchor = scene.add_frame("/anchor", show_axes=False)
         self._beacon = scene.add_icosphere(
-            "/anchor/beacon", 1.0, color, subdivisions=1, flat_shading=True, scale=INVISIBLE_SIZE
+            "/anchor/beacon", 1.0, color, subdivisions=2, flat_shading=True, scale=INVISIBLE_SIZE
+        )
+        rings = airframe.beacon()
+        self._rings = scene.add_mesh_simple(
+            "/anchor/rings", rings.vertices, rings.faces, color=color, opacity=0.75, side="double", scale=INVISIBLE_SIZE
         )
         self._mast = scene.add_line_segments("/anchor/mast", EMPTY_LINE, color, thickness=3.0, thickness_units="screen")
-        self._label = scene.add_label("/anchor/label", "anchor", anchor="bottom-center", font_screen_scale=0.9)
+        self._label = labels.add("/anchor/label", self._above_anchor, rank=0, text="anchor")
         self._sphere = scene.add_icosphere(
             "/anchor/range",
             1.0,
@@ -54,9 +61,15 @@ class WorldNodes:
             receive_shadow=False,
         )
         self._compass = scene.add_frame("/compass", show_axes=False)
-        self._gravity = Arrow(scene, "/compass/gravity", "g", palette.GRAVITY)
-        self._magnetic = Arrow(scene, "/compass/magnetic", "m", palette.MAGNETIC)
-        self._anchor_position = np.zeros(3)
+        origin = lambda: np.asarray(self._compass.position)  # noqa: E731
+        self._gravity = Arrow(scene, labels, "/compass/gravity", "g", palette.GRAVITY, rank=20, origin=origin)
+        self._magnetic = Arrow(scene, labels, "/compass/magnetic", "m", palette.MAGNETIC, rank=21, origin=origin)
+        self._anchor_position, self._label_height = np.zeros(3), np.zeros(3)
+
+    def appear(self, *, vectors: bool, sphere: bool) -> None:
+        """Switch the layers on or off."""
+        self._gravity.enabled = self._magnetic.enabled = vectors
+        self._sphere.visible = sphere
 
     def fit(self, world: World, bounds: SceneBounds) -> None:
         """Take the sizes of a scene and the vectors of a world; values that have not changed are not sent again."""
@@ -64,8 +77,10 @@ class WorldNodes:
         unit, up = bounds.unit, bounds.up
         self._anchor_position = np.asarray(world.anchor)
         self._anchor.position = self._anchor_position
-        self._beacon.scale = BEACON_SHARE * unit
-        self._label.position = LABEL_SHARE * unit * up
+        self._beacon.scale, self._rings.scale = BEACON_SHARE * unit, RINGS_SHARE * unit
+        self._rings.wxyz = _upright(bounds)
+        self._label_height = LABEL_SHARE * unit * up
+        self._label.handle.position = self._label_height
         height = float((self._anchor_position - bounds.ground) @ up)
         self._mast.points = np.array([[[0.0, 0.0, 0.0], -height * up]])
         self._mast.visible = height > MIN_MAST * bounds.radius
@@ -88,20 +103,30 @@ class WorldNodes:
         self._grid.cell_size, self._grid.section_size = cell, CELLS_PER_SECTION * cell
         self._grid.fade_distance = FADE_RADII * bounds.radius
         self._grid.position = bounds.ground
-        self._grid.wxyz = (SO3(np.array(rotation_from_x(bounds.up))) @ SO3.from_y_radians(np.pi / 2)).wxyz
+        self._grid.wxyz = _upright(bounds)
+
+    def _above_anchor(self) -> Float[Array, "3"]:
+        return self._anchor_position + self._label_height
+
+
+def _upright(bounds: SceneBounds) -> Float[Array, "4"]:
+    """The quaternion that turns z up."""
+    return (SO3(np.array(rotation_from_x(bounds.up))) @ SO3.from_y_radians(np.pi / 2)).wxyz
 
 
 class BlindDirections:
-    """Arrows along the blind directions, on the path in the middle of the window of least rank."""
+    """Arrows along the blind directions, on the path in the middle of the window of least rank; one label for all."""
 
-    def __init__(self, scene: SceneApi) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels) -> None:
         self._arrows = [
-            Arrow(scene, f"/blind{i}", "", palette.BLIND_DIRECTION, both_ways=True) for i in range(MAX_BLIND)
+            Arrow(scene, labels, f"/blind{i}", "", palette.BLIND_DIRECTION, rank=3 + i, both_ways=True)
+            for i in range(MAX_BLIND)
         ]
+        self.enabled = True
 
     def draw(self, picture: Picture, bounds: SceneBounds) -> None:
-        """Show the blind directions of a picture."""
-        directions: tuple[Direction, ...] = picture.analysis.directions
+        """Show the blind directions of a picture; the same direction of two quantities is one arrow."""
+        directions = distinct(picture.analysis.directions) if self.enabled else ()
         middle = picture.analysis.gramian_at + picture.preset.requirement.window / 2
         position = picture.preset.path(np.array([middle]))[0]
         for i, arrow in enumerate(self._arrows):
@@ -110,12 +135,21 @@ class BlindDirections:
                 continue
             arrow.fit(length=0.7 * bounds.radius, radius=0.006 * bounds.radius)
             arrow.place(position)
-            arrow.set_label(blind_label(directions[i]))
+            arrow.set_label(blind_label(directions, picture.analysis.directions) if i == 0 else "")
             arrow.point(directions[i].vector)
 
 
-def blind_label(direction: Direction) -> str:
-    """Which quantities cannot be determined along a blind direction."""
-    along = blindness.name(direction.vector)
-    kinds = [kind for kind in direction.kinds if kind != "snap"]
+def distinct(directions: tuple[Direction, ...]) -> tuple[Direction, ...]:
+    """The first of all that have the same direction in space, up to its sign."""
+    found: list[Direction] = []
+    for direction in directions:
+        if not any(abs(direction.vector @ other.vector) > PARALLEL for other in found):
+            found.append(direction)
+    return tuple(found)
+
+
+def blind_label(shown: tuple[Direction, ...], every: tuple[Direction, ...]) -> str:
+    """Which quantities cannot be determined along the directions that are shown."""
+    along = ", ".join(dict.fromkeys(blindness.name(direction.vector) for direction in shown))
+    kinds = dict.fromkeys(kind for direction in every for kind in direction.kinds if kind != "snap")
     return f"blind along {along}: {', '.join(kinds)}" if kinds else f"no snap along {along}"

@@ -3,7 +3,7 @@
 viser 1.1.1 reports none of it. A script in the page (page.js) writes it into a hidden text box, as if it were typed
 there, and brings the style sheet (page.css) along. The text is a query string:
 
-    width=1366&height=768&flags=dark+unfolded&hidden=sphere&query=preset%3Dhover&event=1712345678901:repair
+    width=1366&height=768&flags=dark+unfolded&switched=sphere&query=preset%3Dhover&event=1712345678901:repair
 
 A browser may write anything: what does not have this form is ignored.
 """
@@ -43,8 +43,8 @@ class Window:
     """CSS px."""
     flags: frozenset[str] = field(default=frozenset())
     """dark, big, unfolded, welcomed, …: what the visitor, the system or the address has chosen."""
-    hidden: frozenset[str] = field(default=frozenset())
-    """Layers of the scene that are switched off."""
+    switched: frozenset[str] = field(default=frozenset())
+    """Layers of the scene that the visitor has switched, off or on."""
     query: str = ""
     """What follows the question mark in the address."""
 
@@ -90,7 +90,7 @@ class Door:
                 width=int(width),
                 height=int(height),
                 flags=_names(said.get("flags", [""])[0]),
-                hidden=_names(said.get("hidden", [""])[0]),
+                switched=_names(said.get("switched", [""])[0]),
                 query=said.get("query", [""])[0],
             )
             for event in said.get("event", []):

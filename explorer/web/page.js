@@ -1,10 +1,10 @@
 // Runs in the visitor's browser (viser 1.1.1). It keeps what only the browser knows, and reports it to the session.
 //
-//   width=1366&height=768&flags=dark+unfolded&hidden=sphere&query=preset%3Dhover&event=1712345678901:repair
+//   width=1366&height=768&flags=dark+unfolded&switched=sphere&query=preset%3Dhover&event=1712345678901:repair
 //
 // flags    choices that are kept in localStorage: they are classes of the page's root element, so that the style sheet
 //          follows without a round trip
-// hidden   layers of the scene that are switched off
+// switched layers of the scene that were switched, off or on
 // event    buttons pressed in the last second, each with a number of its own: viser drops all but the last input of 50 ms
 //
 // A button of the page's own HTML names what it does:
@@ -18,7 +18,7 @@
   const dark = matchMedia('(prefers-color-scheme: dark)');
   const query = location.search.slice(1);
   const present = new URLSearchParams(query).has('present');
-  let kept = {flags: [], hidden: []}, events = [], last = '', stamp = 0;
+  let kept = {flags: [], switched: []}, events = [], last = '', stamp = 0;
   try { kept = {...kept, ...JSON.parse(localStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
   const keep = () => {
     try { localStorage.setItem(KEY, JSON.stringify(kept)); } catch (refused) { console.info(String(refused)); }
@@ -39,7 +39,7 @@
     document.querySelectorAll('[data-rn-flag]').forEach(button =>
       press(button, kept.flags.includes(button.dataset.rnFlag) || shown.includes(button.dataset.rnFlag)));
     document.querySelectorAll('[data-rn-layer]').forEach(button =>
-      press(button, !kept.hidden.includes(button.dataset.rnLayer)));
+      press(button, kept.switched.includes(button.dataset.rnLayer) === ('rnOff' in button.dataset)));
   };
   const show = () => {
     const shown = flags();
@@ -53,7 +53,7 @@
     if (!box) { setTimeout(() => report(again), 50); return; }
     events = events.filter(event => Date.now() - parseInt(event) < 1000);
     const text = new URLSearchParams([
-      ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['hidden', kept.hidden.join(' ')],
+      ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['switched', kept.switched.join(' ')],
       ['query', query], ...events.map(event => ['event', event]),
     ]).toString();
     if (text === last && !again) return;
@@ -64,7 +64,7 @@
   const change = () => { keep(); show(); report(); };
   const act = (kind, name) => {
     if (kind === 'flag') { kept.flags = toggled(kept.flags, name); change(); }
-    if (kind === 'layer') { kept.hidden = toggled(kept.hidden, name); change(); }
+    if (kind === 'layer') { kept.switched = toggled(kept.switched, name); change(); }
     if (kind === 'event') { stamp = Math.max(Date.now(), stamp + 1); events.push(stamp + ':' + name); report(); }
   };
   document.addEventListener('click', click => {

@@ -19,6 +19,7 @@ from explorer.model import details
 from explorer.panels.world.twin import TwinPanel
 from explorer.scene.bounds import scene_bounds
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
+from explorer.scene.labels import Labels
 from explorer.scene.twin import TwinGhost
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Form
@@ -198,7 +199,10 @@ def test_the_window_that_is_looked_at_is_a_band_over_every_plot(page: Page) -> N
 
 def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(page: Page) -> None:
     example = picture("circle")
-    ghost, computed = TwinGhost(page.scene, lambda: None), details.details(example.preset).twin
+    ghost, computed = (
+        TwinGhost(page.scene, Labels(page.scene, page.client.camera), lambda: None),
+        details.details(example.preset).twin,
+    )
     ghost.draw(example, computed, scene_bounds(example))
     ghost.move(example, 3.2149)
     k = int(np.argmin(np.abs(example.motion.time - 3.2149)))
@@ -215,7 +219,7 @@ def test_the_twin_flies_where_its_range_is_the_true_one_in_the_true_attitude(pag
 
 
 def test_without_a_twin_nothing_of_it_is_shown(page: Page) -> None:
-    ghost = TwinGhost(page.scene, lambda: None)
+    ghost = TwinGhost(page.scene, Labels(page.scene, page.client.camera), lambda: None)
     for name in ("circle", "paper-slow"):
         example = picture(name)
         ghost.draw(example, details.details(example.preset).twin, scene_bounds(example))
@@ -226,7 +230,7 @@ def test_without_a_twin_nothing_of_it_is_shown(page: Page) -> None:
 def test_a_twin_off_the_stage_is_not_drawn_and_no_error(page: Page) -> None:
     example = picture("circle")
     p = replace(example.preset, world=replace(example.preset.world, anchor=(0.0, 0.0, 50.0)))
-    ghost = TwinGhost(page.scene, lambda: None)
+    ghost = TwinGhost(page.scene, Labels(page.scene, page.client.camera), lambda: None)
     ghost.draw(example, twin.twin(p), scene_bounds(example))
     ghost.move(example, 1.0)
     assert not page.node("/twin").visible
@@ -240,7 +244,7 @@ def drag(ghost: TwinGhost, position: tuple) -> None:
 
 def test_a_drag_is_stored_until_it_is_taken_and_only_if_it_is_a_position(page: Page) -> None:
     notes: list[None] = []
-    ghost = TwinGhost(page.scene, lambda: notes.append(None))
+    ghost = TwinGhost(page.scene, Labels(page.scene, page.client.camera), lambda: notes.append(None))
     assert ghost.take_drag() is None
     for hostile in ((float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (1e30, 0.0, 0.0)):
         drag(ghost, hostile)
@@ -254,7 +258,7 @@ def test_a_drag_is_stored_until_it_is_taken_and_only_if_it_is_a_position(page: P
 
 
 def test_a_twin_says_whether_it_may_be_dragged(page: Page) -> None:
-    ghost, label = TwinGhost(page.scene, lambda: None), "/twin/label"
+    ghost, label = TwinGhost(page.scene, Labels(page.scene, page.client.camera), lambda: None), "/twin/label"
     for name, text in (("hover", "evil twin, drag it"), ("circle", "evil twin")):
         example = picture(name)
         ghost.draw(example, details.details(example.preset).twin, scene_bounds(example))
@@ -335,7 +339,7 @@ def test_where_nothing_can_be_turned_there_is_nothing_to_turn_it_with(panel: Twi
 def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_weakest_axis(page: Page) -> None:
     example = picture("lissajous")
     shown, bounds, computed = (
-        ExcitationEllipsoid(page.scene),
+        ExcitationEllipsoid(page.scene, Labels(page.scene, page.client.camera)),
         scene_bounds(example),
         details.excitation_at(example.preset, 2.0),
     )
@@ -355,7 +359,7 @@ def test_the_ellipsoid_has_the_proportions_of_the_excitation_and_its_arrow_the_w
 
 def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> None:
     example, resting = picture("circle"), picture("hover")
-    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(example)
+    shown, bounds = ExcitationEllipsoid(page.scene, Labels(page.scene, page.client.camera)), scene_bounds(example)
     shown.draw(example, details.excitation_at(example.preset, 0.0), bounds)
     scale = np.array(page.node("/excitation").scale)  # type: ignore[attr-defined]
     assert scale[0] == pytest.approx(THINNEST * scale[2])
@@ -371,7 +375,7 @@ def test_a_flat_excitation_is_a_disc_and_none_at_all_is_hidden(page: Page) -> No
 
 def test_an_unchanged_ellipsoid_sends_nothing(page: Page) -> None:
     example = picture("lissajous")
-    shown, bounds = ExcitationEllipsoid(page.scene), scene_bounds(example)
+    shown, bounds = ExcitationEllipsoid(page.scene, Labels(page.scene, page.client.camera)), scene_bounds(example)
     shown.draw(example, details.excitation_at(example.preset, 2.0), bounds)
     page.messages.clear()
     shown.draw(example, details.excitation_at(example.preset, 2.001), bounds)

@@ -1,11 +1,13 @@
 """The page has one palette: no other module spells a colour, and every text colour can be read."""
 
 import io
+import itertools
 import re
 import tokenize
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import explorer
@@ -73,3 +75,50 @@ def test_linear_light_is_the_srgb_curve_within_three_percent() -> None:
         for meant, sent in zip(palette.rgb(color), palette.linear(color), strict=True):
             exact = meant / 255 / 12.92 if meant <= 10 else ((meant / 255 + 0.055) / 1.055) ** 2.4
             assert sent / 255 == pytest.approx(exact, abs=0.03)
+
+
+MACHADO = {
+    "usual vision": np.eye(3),
+    "protanopia": np.array(
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]
+    ),
+    "deuteranopia": np.array(
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]
+    ),
+}
+"""What a reader sees of linear red, green and blue: Machado, Oliveira and Fernandes, A physiologically-based model for
+simulation of color vision deficiency (2009), severity 1."""
+TO_XYZ = np.array(
+    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
+)
+"""Of linear sRGB (IEC 61966-2-1)."""
+WHITE_POINT = np.array([0.95047, 1.0, 1.08883])
+APART = 17.0
+"""ΔE*ab (CIE 1976) between two runs. 2.3 can just be told apart side by side; orange and vermillion have 18."""
+
+
+def lab(color: str, vision: np.ndarray) -> np.ndarray:
+    """CIELAB of a colour as a reader sees it."""
+    shares = np.array(palette.rgb(color)) / 255
+    linear = np.where(shares <= 0.04045, shares / 12.92, ((shares + 0.055) / 1.055) ** 2.4)
+    x, y, z = np.cbrt(TO_XYZ @ np.clip(vision @ linear, 0.0, 1.0) / WHITE_POINT)
+    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+@pytest.mark.parametrize("vision", MACHADO)
+def test_the_runs_stay_apart_for_every_reader(vision: str) -> None:
+    runs = [palette.TRUTH, palette.ESTIMATE, palette.PINNED, palette.TWIN, *palette.ESTIMATORS.values()]
+    gaps = [
+        float(np.linalg.norm(lab(one, MACHADO[vision]) - lab(other, MACHADO[vision])))
+        for one, other in itertools.combinations(runs, 2)
+    ]
+    assert min(gaps) >= APART
+
+
+def test_the_simulation_confuses_the_red_and_the_green_that_deuteranopes_confuse() -> None:
+    red, green = "#B3261E", "#6B6B00"
+    usual, deutan = (
+        np.linalg.norm(lab(red, MACHADO[vision]) - lab(green, MACHADO[vision]))
+        for vision in ("usual vision", "deuteranopia")
+    )
+    assert deutan < 0.4 * usual

@@ -103,7 +103,7 @@ def test_of_many_broken_limits_three_are_said_and_all_are_drawn(page: Page) -> N
     scene, example = Scene(page.client, lambda: None), picture("paper", weak)
     scene.draw(example)
     assert len(example.breaks) == 5
-    assert len(label_texts(page)) == len(limits.LABEL_ANCHORS)
+    assert len(label_texts(page)) == limits.MARKS
     path = page.scene.get_handle_by_name("/path")
     assert isinstance(path, viser.LineSegmentsHandle)
     assert len(line(page).points) == len(path.points)

@@ -87,7 +87,7 @@ def test_a_move_is_small(page: Page) -> None:
     sent = page.messages[before:]
     assert len(sent) < 20
     page.messages[:] = sent
-    assert len(list(page.numbers())) < 100
+    assert len(list(page.numbers())) < 400  # 240 of them are the tail
 
 
 def test_blind_directions_have_arrows_with_a_word_and_observable_paths_have_none(page: Page) -> None:
