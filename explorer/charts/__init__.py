@@ -20,8 +20,10 @@ TWO_PANELS = 1570
 """px: a wider window has room for two panels."""
 FOLDED = 1000
 """px: in a narrower window the panel of plots is folded to a bar, which a click unfolds."""
-AROUND, MIN_HEIGHT, MAX_HEIGHT = 360, 90, 320
-"""px around four plots in a panel: titles, legends, tabs and the status line; and the limits of a plot's height."""
+USUAL_HEIGHT, OF_WINDOW, GROWTH = 102, 768, 0.19
+"""px: four plots of this height fill a panel in a window of that height; and by how much each grows with it."""
+MIN_HEIGHT, MAX_HEIGHT = 90, 320
+"""px of a plot."""
 TITLES = {plot.name: plot.title for group in plot_list.GROUPS for plot in group.plots}
 """The title of each plot, by the plot's name."""
 
@@ -40,7 +42,7 @@ class PlotSize:
 def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
     """For a window of this width and height (CSS px), and for `big` type."""
     two_panels = width >= TWO_PANELS and not big
-    plot_height = round(min(max((height - AROUND * (1.5 if big else 1.0)) / 4, MIN_HEIGHT), MAX_HEIGHT))
+    plot_height = round(min(max(USUAL_HEIGHT + GROWTH * (height - OF_WINDOW), MIN_HEIGHT), MAX_HEIGHT))
     panel_width = WIDTH if width >= 1200 else round(0.8 * WIDTH)
     return PlotSize(
         two_panels=two_panels,
