@@ -214,6 +214,7 @@ class Dock:
         self.basin.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
+        self.bundle.draw(picture)
 
     @property
     def actions(self) -> dict[str, Action]:
@@ -221,8 +222,10 @@ class Dock:
         return self.verdict.actions | self._undo.actions
 
     def draw_progress(self) -> None:
-        """Show the progress of the running job, or the motion that a search has found, below the verdict."""
+        """Show the progress of the running job below the verdict and beside its button, and what a search has found."""
         self.verdict.draw_progress(self._jobs.running, self.repair.outcome, found=self.repair.found)
+        self.repair.progress.draw()
+        self.bundle.progress.draw()
 
     @property
     def changed(self) -> bool:

@@ -1,4 +1,4 @@
-"""The running job: its name, its progress and a button to stop it. Shown above the verdict while there is a job."""
+"""The running job of a panel: its name, its progress and a button to stop it, beside the button that started it."""
 
 import html
 
@@ -9,8 +9,9 @@ from explorer.widgets.form import Form
 class ProgressPanel:
     """A line, a bar and a button."""
 
-    def __init__(self, form: Form, jobs: Jobs) -> None:
-        self._jobs, self._shown = jobs, False
+    def __init__(self, form: Form, jobs: Jobs, names: tuple[str, ...]) -> None:
+        """`names`: beginnings of the names of the jobs that are shown."""
+        self._jobs, self._names, self._shown = jobs, names, False
         self._line = form.gui.add_markdown("", visible=False)
         self._bar = form.gui.add_progress_bar(0.0, visible=False, animated=True)
         self._button = form.button("Stop", jobs.cancel, hint="Ends the work at once; what was there before stays.")
@@ -18,7 +19,8 @@ class ProgressPanel:
 
     def draw(self) -> None:
         """Show the progress of the running job."""
-        job = self._jobs.running
+        running = self._jobs.running
+        job = running if running is not None and running.name.startswith(self._names) else None
         if (job is not None) != self._shown:
             self._shown = job is not None
             self._line.visible = self._bar.visible = self._button.visible = self._shown

@@ -96,15 +96,22 @@ def certified(
     return certify(read_bytes(path), source=path.name, form=form, context=context, loop=again, readers=readers())
 
 
-@lru_cache(maxsize=CACHED)
 def gate(preset: Preset, form: str = "preset") -> str | None:
     """Why a preset may not be exported in a format and what would help, one sentence; None if it may.
 
     What is to be flown must meet every requirement; of a preset and of a run it is enough that the preset is what it
     says it is, so that a hover can be studied.
     """
+    if formats.row(form).gate == "claim" and certificate_of(preset).certified:
+        return None
+    return _refusal(preset)
+
+
+@lru_cache(maxsize=CACHED)
+def _refusal(preset: Preset) -> str | None:
+    """Which requirements a preset misses and what would help, one sentence; None if it meets them."""
     issued = certificate_of(preset)
-    refused = None if issued.certified and formats.row(form).gate == "claim" else requirements.gate(issued)
+    refused = requirements.gate(issued)
     if refused is None:
         return None
     helps = advice.change(preset)

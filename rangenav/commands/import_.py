@@ -59,7 +59,7 @@ def import_(
         anchor: Where the anchor stands (m), which no path says; outside the path, below it, by default.
         ends: What the path does after its end; by default it repeats if it ends where it begins.
         window: Window δ (s) over which the path is judged; 6 s by default, half the path if that is shorter, and
-            whole loops of 10 to 15 s of a path that repeats.
+            whole loops of 10 to 20 s of a path that repeats.
         vehicle: Vehicle whose limits the path is to keep; none by default.
         json: Print one JSON object.
     """

@@ -21,8 +21,8 @@ from rangenav.signals import AngularVelocity, Flown, Multisine, Polynomials, Sig
 
 WINDOW = 6.0
 """s, as in the shipped presets; half the flight if that is shorter."""
-LOOP_WINDOW = (10.0, 15.0)
-"""s: the least and the most that whole turns of a loop may last to be its window; else it is WINDOW."""
+LOOP_WINDOW = (10.0, 20.0)
+"""s: the least and the most that whole turns of a loop may last to be its window; a longer loop has the least."""
 LOOPED = 20.0
 """s, that a loop is flown at least."""
 NEAREST, SHARE = 1.0, 0.5
@@ -129,10 +129,11 @@ def _path(result: ImportResult, ends: Ends | None) -> tuple[Signal, bool]:
     return msgspec.structs.replace(path, ends="repeat"), True
 
 
-def _window_of_loop(period: float) -> float | None:
-    """Whole turns, since a window of whole turns has the same excitation wherever it begins; None if that is long."""
-    window = period * math.ceil(LOOP_WINDOW[0] / period - SAME_LENGTH)
-    return window if window <= LOOP_WINDOW[1] else None
+def _window_of_loop(period: float) -> float:
+    """Whole turns, since a window of whole turns has the same excitation wherever it begins, unless they are long."""
+    least, most = LOOP_WINDOW
+    window = period * math.ceil(least / period - SAME_LENGTH)
+    return window if window <= most else least
 
 
 def _looped(period: float, window: float) -> float:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 
 from explorer.model.changes import with_changes
+from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.storage.bundle import Bundle, Refused, Send, pack
@@ -16,6 +17,7 @@ from explorer.widgets.controls import Number, Switch
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.certificate.cures import Cure
@@ -37,6 +39,7 @@ RAMP_HINT = (
 )
 EXPORT_HINT = "Certifies the written bytes, then downloads the zip."
 CURE_HINT = "Makes this change on the page, and exports again. Ctrl+Z takes it back."
+EXPORTING = "export"
 LOOK = "no small change cures that: “Make it observable”, under Repair, looks for a larger one"
 
 
@@ -52,6 +55,8 @@ class BundlePanel:
         self._form, self._catalog, self._page, self._jobs, self._send = form, catalog, page, jobs, send
         self._section = section = Section(form, "Download with certificate", expanded=False)
         self._cures_section: Section | None = None
+        self._cured: Preset | None = None
+        """What the cures on the page are for."""
         with section:
             form.buttons("formats", {"all": self._all, "none": self._none}, hint=ALL_HINT)
             self.formats = {
@@ -61,8 +66,14 @@ class BundlePanel:
             self._ramp.show(formats.RAMP)
             self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
             form.button("Export as a zip", self._export, hint=EXPORT_HINT)
+            self.progress = ProgressPanel(form, jobs, (EXPORTING,))
             self._result_line = form.gui.add_html("", visible=False)
         form.command("Export as a zip", self._export)
+
+    def draw(self, picture: Picture) -> None:
+        """Take the cures from the page when they are those of something else."""
+        if self._cured is not None and effective(picture.settings) != self._cured:
+            self._forget_cures()
 
     def target(self, preset: Preset) -> ExportTarget | None:
         """The format of a motion that a repair has in mind: one that is switched on, or what the vehicle flies."""
@@ -108,7 +119,7 @@ class BundlePanel:
                 cancelled=cancelled,
             )
 
-        self._jobs.start("export", work, partial(self._done, shown), self._refuse)
+        self._jobs.start(EXPORTING, work, partial(self._done, shown), self._refuse)
 
     def _refuse(self, reason: str) -> None:
         """Show a line for each failure, until something else is on the page."""
@@ -129,6 +140,7 @@ class BundlePanel:
 
     def _show_cures(self, shown: Preset, refused: Refused) -> None:
         """A button for each cure of the first file that was refused."""
+        self._cured = shown
         with self._section:
             self._cures_section = section = Section(self._form, f"What cures it ({refused.format_name})")
         with section:
@@ -147,6 +159,7 @@ class BundlePanel:
             self._start(replace(cure.options, ramp=self._ramp.read()))
 
     def _forget_cures(self) -> None:
+        self._cured = None
         if self._cures_section is not None:
             self._cures_section.remove()
             self._cures_section = None

@@ -15,6 +15,7 @@ from explorer.widgets.controls import Choice
 from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE, bullets, table
 from explorer.widgets.page import Page
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import repair
 from rangenav.certificate.figures import Figures
@@ -30,6 +31,8 @@ CHANGE_LABELS: dict[ChangeKind, str] = {
     "timescale": "its speed",
     "waypoints": "moving waypoints",
 }
+REPAIRING, IMPROVING = "making it observable", "improving the motion"
+"""Beginnings of the names of the jobs."""
 ROUNDING = 1e-12
 """m²/s⁷: a smaller μ is rounding error."""
 KIND_HINT = "What may be changed about the motion. The vehicle's limits are kept."
@@ -80,6 +83,7 @@ class RepairPanel:
             self._kind = Choice(section, "by changing", CHANGE_LABELS, hint=KIND_HINT)
             form.button("Make it observable", self.start, hint=REPAIR_HINT)
             form.button("Improve it", self._improve, hint=IMPROVE_HINT, quiet=True)
+            self.progress = ProgressPanel(form, jobs, (REPAIRING, IMPROVING))
             self._description = form.gui.add_html("", visible=False)
             self.accept_button = form.button("Accept the motion", self.accept, hint=ACCEPT_HINT)
             self._discard_button = form.button("Discard the motion", self.discard, hint=DISCARD_HINT, quiet=True)
@@ -104,8 +108,9 @@ class RepairPanel:
                 return repair.improve(shown, by=by, progress=progress, cancelled=cancelled)
             return repair.repair(shown, by=by, target=target, progress=progress, cancelled=cancelled)
 
-        name = "improving the motion" if improve else "making it observable"
-        self._jobs.start(f"{name} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by))
+        self._jobs.start(
+            f"{IMPROVING if improve else REPAIRING} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by)
+        )
 
     def _refuse(self, by: ChangeKind, reason: str) -> None:
         """Show why there is no such change, with the label of its kind in the menu."""
