@@ -131,7 +131,10 @@ def test_the_command_line_writes_certifies_and_verifies(answer, run, complaint, 
     assert said["certificate"] == str(tmp_path / "soft.csv.certificate.json")
     assert holds(run, tmp_path / "soft.csv")
     refused = complaint("export", "circle", "--to", "reference", "-o", tmp_path / "circle.csv")
-    assert "circle: Horizontal circle, anchor 1.5 m off its plane: refused: the excitation along z over" in refused
+    assert refused.startswith("circle: on this motion the ranges of 10 s do not tell the position along z (")
+    assert "Horizontal circle, anchor 1.5 m off its plane: refused: the excitation along z over" in refused
+    assert "what cures it: add a tone of at least" in refused
+    assert ": rangenav repair circle --by tones --export reference -o repaired.toml" in refused
     assert "it would do to add a tone of at least" in refused
     marked = answer("export", "circle", "--to", "reference", "-o", tmp_path / "circle.csv", "--uncertified")
     assert marked["uncertified"]
