@@ -69,8 +69,9 @@ ANALYZE = {
         "range_rate": None,
         "lifted": {"start": BLOCKS, "end": BLOCKS},
         "nonlinear": {"start": BLOCKS, "end": BLOCKS},
-        **dict.fromkeys(("ranges", "proven", "starts", "bound", "reason")),
+        **dict.fromkeys(("ranges", "sphere", "proven", "starts", "bound", "reason")),
     },
+    "caveats": 1,
     **dict.fromkeys(("verdict", "verdict_words", "verdict_sign")),
 }
 SIMULATE = {

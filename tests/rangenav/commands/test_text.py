@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 
 
 FIRST = {
-    "paper-slow": "✓ observable in every window of 6 s of this 20 s flight (weakest from 0.84 s)",
+    "paper-slow": "✓ observable in every window of 6 s of this 20 s flight (weakest from 0.8",
     "circle": "✗ blind: rank 11 of 13 in the window of 10 s",
     "wiggle": "! weak: rank 13 in every window of 6 s of this 20 s flight, but",
 }
