@@ -85,8 +85,9 @@ VERDICT = {
         meaning="The root mean square of the error over the last quarter of the run.",
     ),
     "diverged": Term(
-        label="covariance diverges",
-        meaning="The observer's own 1 σ of the position exceeds 100 m, so its errors say nothing.",
+        label="diverged",
+        meaning="The observer's own 1 σ of the position exceeds 100 m, its innovations are 3 times too large, or its "
+        "distance from the anchor is wrong by 3 times the longest range and does not come back.",
     ),
     "range fit": Term(
         label="fit to the ranges",
