@@ -18,7 +18,7 @@ import msgspec
 import viser
 
 from explorer.appearance import Appearance, set_theme
-from explorer.charts import TITLES, Charts, plot_size
+from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
 from explorer.display import Display
 from explorer.interaction import Interaction
 from explorer.model import compute, palette
@@ -26,6 +26,7 @@ from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
+from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
 from explorer.panels.session_actions import SessionActions
@@ -158,6 +159,10 @@ class Session:
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions
+        with client.atomic():
+            commands = Commands(client, self.form, self._notify)
+            commands.add_plots(GROUP_TITLES)
+            commands.add_presets({name: p.title for name, p in self.shared.shipped.items()}, self._open)
         self._built = True
         self._restore()
 

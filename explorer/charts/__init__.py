@@ -24,6 +24,8 @@ USUAL_HEIGHT, OF_WINDOW, GROWTH = 102, 768, 0.19
 """px: four plots of this height fill a panel in a window of that height; and by how much each grows with it."""
 MIN_HEIGHT, MAX_HEIGHT = 90, 320
 """px of a plot."""
+GROUP_TITLES = {group.title: {plot.name: plot.title for plot in group.plots} for group in plot_list.GROUPS}
+"""The titles of the plots by their names, for each group of plots that share a tab."""
 TITLES = {plot.name: plot.title for group in plot_list.GROUPS for plot in group.plots}
 """The title of each plot, by the plot's name."""
 

@@ -160,9 +160,10 @@ class Form:
         *,
         key: HotkeyKey | None = None,
         modifier: KeyModifier | None = None,
+        step: bool = True,
     ) -> None:
-        """A command of the Ctrl+K palette, with an optional hotkey."""
-        self.gui.add_command(label, hotkey=key, modifier=modifier).on_trigger(lambda _: self.do(action))
+        """A command of the Ctrl+K palette, with an optional hotkey. With `step` it can be undone."""
+        self.gui.add_command(label, hotkey=key, modifier=modifier).on_trigger(lambda _: self.do(action, step=step))
 
     @property
     def waiting(self) -> bool:

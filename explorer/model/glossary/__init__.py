@@ -33,7 +33,7 @@ KEY = re.compile(r"\b[a-z][a-z0-9]*(?:_[a-z0-9]+|\.[a-z][a-z0-9_]*)+(?![a-z0-9_(
 """A key in a sentence: a word with an underscore or a dot inside."""
 EXPONENT = re.compile(r"(\d)e\+0*(\d)")
 """1e+08 is written as 1e8, as a person types it."""
-SUBJECT = re.compile(r"^(?:noise )?([a-z][a-z0-9]*)(?= must )")
+SUBJECT = re.compile(r"(?:^|(?<=: ))(noise )?([a-z][a-z0-9]*)(?= must )")
 """A key of one word is recognised at the beginning of a rule only: “q must lie between …”."""
 
 
@@ -73,9 +73,7 @@ def in_labels(sentence: str) -> str:
     """A sentence of the library with the labels of the page in place of the keys of a preset's file."""
     sentence = EXPONENT.sub(r"\1e\2", sentence)
     text = KEY.sub(lambda match: _known(match[0]), sentence)
-    if sentence.startswith("noise "):
-        return SUBJECT.sub(lambda match: BY_FIELD.get(match[0], match[0]), text)
-    return SUBJECT.sub(lambda match: LAST.get(match[1], match[0]), text)
+    return SUBJECT.sub(lambda match: (BY_FIELD if match[1] else LAST).get(match[0], match[0]), text)
 
 
 def _known(key: str) -> str:

@@ -69,7 +69,7 @@ PAPER_GAINS = {
         fields=("gains.attitude.rho2",),
     ),
     "schedule": Term(
-        label="k1 falls as the directions agree",
+        label="scheduled k1",
         meaning="k1 is high while measured and expected directions differ, then low; outside the theorem.",
         fields=("gains.attitude.schedule",),
     ),

@@ -60,6 +60,7 @@ def test_a_fields_term_names_a_key_that_presets_have():
     ("sentence", "shown"),
     [
         ("q must lie between 1 and 2, got 3", "range weight q must lie between 1 and 2, got 3"),
+        ("Not shown: q must be 1. More.", "Not shown: range weight q must be 1. More."),
         ("p0.position must lie between 1 and 2, got 3", "initial variance P₀(p) must lie between 1 and 2, got 3"),
         ("accel_bias must not be longer than 100 m/s²", "accelerometer bias must not be longer than 100 m/s²"),
         ("noise range must lie between 1 and 2 or be 0", "range noise σ must lie between 1 and 2 or be 0"),

@@ -74,9 +74,9 @@ def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(s
     first = _visitor(sessions, storage)
     first.set("show gains as", PHYSICAL_UNITS)
     first.set("slowest time constant T (s)", 0.0)
-    first.set("k1 falls as the directions agree", True)
+    first.set("scheduled k1", True)
     first.set("smoothing time (s)", 0.5)
-    first.set("k1 falls as the directions agree", False)
+    first.set("scheduled k1", False)
     expected = first.settings
     first.tab.close()
     again = _visitor(sessions, storage)
@@ -84,7 +84,7 @@ def test_the_gain_units_and_the_gains_are_there_after_a_reload_to_the_last_bit(s
     assert again.session.dock.gains.units == "physical"
     assert again.tab.value("show gains as") == PHYSICAL_UNITS
     again.tab.wait_for(lambda: _number(again, "slowest time constant T (s)") == "1", "the number")
-    again.set("k1 falls as the directions agree", True)
+    again.set("scheduled k1", True)
     assert again.settings.preset.gains.attitude.schedule == Schedule(memory=10**0.5)
     again.tab.close()
 
@@ -147,14 +147,14 @@ def test_nonsense_in_a_physical_value_gets_a_sentence_and_the_picture_stays(
 
 
 def test_a_schedule_is_switched_on_edited_and_off_and_undo_goes_back_through_it(page: Editing):
-    page.set("k1 falls as the directions agree", True)
+    page.set("scheduled k1", True)
     assert page.settings.preset.gains.attitude.schedule == Schedule()
     page.tab.wait_for(lambda: page.tab.text().count("at k1 = ") == 2, "both ends")
     page.set("final k1 (1/s)", -1.0)
     assert page.settings.preset.gains.attitude.schedule == Schedule(steady=0.1)
-    page.set("k1 falls as the directions agree", False)
+    page.set("scheduled k1", False)
     assert page.settings.preset.gains.attitude.schedule is None
-    page.set("k1 falls as the directions agree", True)
+    page.set("scheduled k1", True)
     assert page.settings.preset.gains.attitude.schedule == Schedule(steady=0.1)
     for _ in range(4):
         page.command("Undo")

@@ -1,0 +1,61 @@
+"""What the palette (Ctrl+K) finds besides the buttons: tabs, plots, presets, exports, every control by its label."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import viser
+
+from explorer.web import keys
+from explorer.web.elements import Step, place_of
+from explorer.widgets.form import Form
+
+TABS = ("Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Export")
+KEYS = (
+    "Space plays and pauses · ← and → step · Home goes to the start · Ctrl+Z undoes, Ctrl+Shift+Z redoes · "
+    "Ctrl+K finds everything · Esc lets go of a handle · on a slider ← and → move the slider"
+)
+
+
+class Commands:
+    """The commands of one visitor, and the hints of all labels."""
+
+    def __init__(self, client: viser.ClientHandle, form: Form, notify: Callable[[str, str], None]) -> None:
+        """`notify` shows a title and a sentence for a few seconds."""
+        self._client, self._form, self._notify = client, form, notify
+        hints = {control.name: control.handle.hint for control in self._controls()}
+        keys.install(client, {label: hint for label, hint in hints.items() if hint})
+        for tab in TABS:
+            self._go(f"{tab} tab", [("tab", tab)], "")
+        for name in hints:
+            form.command(f"Control: {name}", partial(self._go_to_control, name), step=False)
+        form.command("Help: keys", partial(notify, "Keys", KEYS), step=False)
+
+    def add_plots(self, groups: Mapping[str, Mapping[str, str]]) -> None:
+        """Find plots: the title of each group of plots, and in it the titles of the plots by their names."""
+        for group, titles in groups.items():
+            self._go(f"{group} tab", [("tab", group)], "")
+            for name, title in titles.items():
+                self._go(f"Plot: {title}", [("tab", group)], name)
+                self._go(f"Export: the plot {title}", [("tab", "Export")], "plot")
+
+    def add_presets(self, titles: Mapping[str, str], open_preset: Callable[[str], None]) -> None:
+        """Open a preset; `titles` by their names."""
+        for name, title in titles.items():
+            self._form.command(f"Preset: {title} ({name})", partial(open_preset, name))
+
+    def _controls(self) -> list[Any]:
+        """The controls of all sections that exist now, the topmost first."""
+        return [control for section in self._form.sections for control in section.controls]
+
+    def _go(self, label: str, steps: list[Step], target: str) -> None:
+        self._form.command(label, partial(keys.go_to, self._client, steps, target), step=False)
+
+    def _go_to_control(self, name: str) -> None:
+        """Bring the first control of a name that is on the page into sight, or say that there is none now."""
+        places = (place_of(control.handle) for control in self._controls() if control.name == name)
+        place = next((steps for steps in places if steps is not None), None)
+        if place is None:
+            self._notify(f"“{name}” is not shown", "It belongs to a choice that is not made at present.")
+        else:
+            keys.go_to(self._client, place, name)

@@ -1,0 +1,69 @@
+// Runs in the visitor's browser (viser 1.1.1). Keys belong to what has the focus; a command finds a control and goes there.
+//
+// viser listens for the keys of commands at the root element and ignores text boxes only: an arrow on a slider would also
+// step the time, and Space on a button would also play. This listener is further in, and keeps such keys from the root.
+(() => {
+  if (window.rnKeys) { window.rnKeys.hints = HINTS; return; }
+  const ARROWS = ['ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'Home', 'End'];
+  const OWNERS = [
+    ['[role=slider], [role=tab], [role=listbox], [role=option], [role=menu]', ARROWS],
+    ['button, summary, a, [role=button], [role=tab], [role=option]', [' ', 'Enter']],
+  ];
+  document.body.addEventListener('keydown', event => {
+    const focus = event.target.closest ? event.target : document.body;
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (OWNERS.some(([owner, keys]) => keys.includes(event.key) && focus.closest(owner))) event.stopPropagation();
+  });
+
+  // The palette writes keys as viser names them.
+  const KEYS = {arrowleft: '←', arrowright: '→', arrowup: '↑', arrowdown: '↓', space: 'Space', home: 'Home', escape: 'Esc'};
+  const rename = () => document.querySelectorAll('[class*=Spotlight-action] *').forEach(part => {
+    if (part.children.length) return;
+    const text = part.textContent, end = text.match(/^(.*\()?(arrow\w+|space|home|escape)(\))?$/);
+    if (end && KEYS[end[2]]) part.firstChild.nodeValue = (end[1] || '') + KEYS[end[2]] + (end[3] || '');
+  });
+  document.addEventListener('keydown', () => [60, 200, 500].forEach(later => setTimeout(rename, later)), true);
+  document.addEventListener('click', () => [200, 500].forEach(later => setTimeout(rename, later)), true);
+
+  // A label has the hint of its control, and a control the name of its label.
+  const name = label => label.textContent.replace(' •', '').trim();
+  document.addEventListener('pointerover', event => {
+    const label = event.target.closest && event.target.closest('label[for]');
+    const hint = label && window.rnKeys.hints[name(label)];
+    if (hint && label.title !== hint) label.title = hint;
+  });
+  const row = label => label.closest('p').parentElement.parentElement;
+  document.addEventListener('focusin', event => {
+    const focus = event.target, labels = [...document.querySelectorAll('label[for]')];
+    if (!focus.matches || !focus.matches('[role=slider], input, textarea') || focus.getAttribute('aria-label')) return;
+    const own = labels.find(label => label.closest('p') && row(label).contains(focus));
+    if (own) focus.setAttribute('aria-label', name(own));
+  });
+
+  const pause = ms => new Promise(done => setTimeout(done, ms));
+  const own = element => element.firstChild && element.firstChild.nodeType === 3 ? element.firstChild.data.trim() : '';
+  const show = async ([kind, wanted]) => {
+    if (kind === 'tab') {
+      const tab = [...document.querySelectorAll('[role=tab]')].find(one => one.textContent.trim() === wanted);
+      if (tab && tab.getAttribute('aria-selected') !== 'true') { tab.click(); await pause(200); }
+    }
+    if (kind === 'folder') {
+      const head = [...document.querySelectorAll('.mantine-Paper-root')].find(one => own(one) === wanted);
+      const body = head && head.nextElementSibling;
+      if (body && body.getBoundingClientRect().height < 2) { head.click(); await pause(300); }
+    }
+  };
+  const go = async (steps, wanted) => {
+    for (const step of steps) await show(step);
+    const labels = [...document.querySelectorAll('label')].filter(one => one.getClientRects().length);
+    const label = labels.find(one => name(one) === wanted);
+    const plot = document.querySelector(`[data-plot="${wanted}"]`);
+    const place = label ? row(label) : plot;
+    if (!place) return;
+    place.scrollIntoView({block: 'center'});
+    place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: 0.6}, {background: '#56B4E900'}], 1800);
+    const control = label && place.querySelector('[role=slider], input, textarea, button');
+    if (control) control.focus({preventScroll: true});
+  };
+  window.rnKeys = {hints: HINTS, go};
+})();

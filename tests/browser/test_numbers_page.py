@@ -1,0 +1,81 @@
+"""Numbers are typed as numbers, keys belong to what has the focus, and the palette finds everything on the page."""
+
+import re
+import time
+
+import pytest
+
+from tests.browser.page import BLUR, Visitor
+
+WEIGHT, NOISE = "range weight q (1/(m⁴ s))", "range noise σ (m)"
+
+
+def _until(holds, what: str, seconds: float = 30.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline, f"waited in vain for {what}"
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize("text", ["5e2", "5 00", "500"])
+def test_a_weight_is_typed_as_the_number_that_it_is(visitor: Visitor, text: str):
+    visitor.tab("Gains")
+    assert visitor.number(WEIGHT) == "5000"
+    visitor.type_number(WEIGHT, text)
+    if text == "5 00":  # no group of three digits
+        visitor.wait_for_text("is no number")
+    else:
+        _until(lambda: visitor.page.get_by_text(f"{WEIGHT} •").count() > 0, "a mark of the change")
+        assert "Not shown" not in visitor.text()
+    assert visitor.number(WEIGHT) == text
+
+
+def test_what_is_out_of_range_is_named_with_the_range_and_stays_as_typed(visitor: Visitor):
+    visitor.tab("Gains")
+    visitor.type_number(WEIGHT, "1e12")
+    visitor.wait_for_text("range weight q must lie between 0.001 and 100000, got 1e12")
+    visitor.page.evaluate(BLUR)
+    assert visitor.number(WEIGHT) == "1e12"
+
+
+def test_an_arrow_on_a_slider_moves_the_slider_and_not_the_time(visitor: Visitor):
+    visitor.tab("Gains")
+    visitor.nudge(WEIGHT, "ArrowRight", times=2)
+    _until(lambda: visitor.number(WEIGHT) == "5248", "two steps of the slider")
+    assert "<b>0.00 s</b>" in visitor.page.content()
+    visitor.page.evaluate(BLUR)
+    visitor.page.keyboard.press("ArrowRight")
+    _until(lambda: "<b>0.00 s</b>" not in visitor.page.content(), "a step in time")
+
+
+def _search(visitor: Visitor, words: str) -> list[str]:
+    visitor.page.evaluate(BLUR)
+    visitor.page.keyboard.press("Control+k")
+    visitor.page.locator(".mantine-Spotlight-search input").first.fill(words)
+    time.sleep(0.7)
+    found = visitor.page.locator(".mantine-Spotlight-action").all_inner_texts()
+    return [re.sub(r"\s+", " ", text) for text in found]
+
+
+@pytest.mark.parametrize(
+    ("words", "entry"),
+    [
+        ("gains tab", "Gains tab"),
+        ("hover", "Preset: Hover (hover)"),
+        ("position error", "Plot: Position error"),
+        ("export attitude", "Export: the plot Attitude error"),
+        ("range noise", f"Control: {NOISE}"),
+        ("help", "Help: keys"),
+        ("step on", "One step on in time →"),
+    ],
+)
+def test_the_palette_finds_tabs_presets_plots_exports_controls_and_help(visitor: Visitor, words: str, entry: str):
+    assert entry in _search(visitor, words)
+    visitor.page.keyboard.press("Escape")
+
+
+def test_a_control_that_was_found_is_opened_and_has_the_focus(visitor: Visitor):
+    _search(visitor, "process noise V(p)")
+    visitor.page.keyboard.press("Enter")
+    focus = "() => document.activeElement.getAttribute('aria-label')"
+    _until(lambda: visitor.page.evaluate(focus) == "process noise V(p)", "the focus")
