@@ -31,7 +31,7 @@ BOX_LABEL = "number"
 """Behind the slider's label, the label of the box. It is read aloud, and not seen."""
 PLACED = (
     '<style>[id="{slider}"]{{margin:0 calc({width} + 0.6rem) 0.7rem 0}}'
-    '[id="{slider}"] + .mantine-NumberInput-root{{display:none}}'
+    '[id="{slider}"] + .mantine-NumberInput-root, [id="{slider}"] .mantine-Slider-label{{display:none}}'
     'div:has(> div > p > label[for="{slider}"]){{align-items:flex-end !important;min-height:1.65rem}}'
     'div:has(> div > div > p > label[for="{box}"]){{margin-top:calc(-1.65rem - 0.5em);pointer-events:none}}'
     'div:has(> div > p > label[for="{box}"]){{justify-content:flex-end}}'
@@ -58,7 +58,7 @@ class DialControl(Control[float]):
         """`first` is the value shown first."""
         low, high = positions
         self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint, marks=marks)
-        self._box = section.gui.add_text(f"{label}: {BOX_LABEL}", "", hint=hint)
+        self._box = section.gui.add_text(f"{label}: {BOX_LABEL}", "")
         section.gui.add_html(PLACED.format(slider=element_id(self._slider), box=element_id(self._box), width=BOX_WIDTH))
         self._exact, self._source = first, "exact"
         self._seen_position, self._seen_text = low, ""
