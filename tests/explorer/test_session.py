@@ -102,7 +102,7 @@ SPEED, WEIGHT = "speed (slower ⟷ faster)", "range weight q (1/(m⁴ s))"
         ("ranges per second (Hz)", 0.0, "ranges per second must lie between"),
         ("IMU rate (Hz)", 1e12, "IMU rate must lie between"),
         ("magnetometer rate (Hz)", 900.0, "magnetometer rate must lie between 1 Hz and IMU rate"),
-        ("range noise σ (m): number", "200", "range noise σ must lie between"),
+        ("range noise σ (m): number", "1e9", "range noise σ must lie between"),
         ("gyro noise σ (rad/s)", math.nan, "gyro noise σ (rad/s) must be a finite number"),
         ("gyro noise σ (rad/s): number", "-1", "gyro noise σ must lie between"),
         ("sensor set", "gold", "sensor set must be one of: paper, "),

@@ -16,8 +16,8 @@ from rangenav.number_format import MINUS, significant, vector
 from rangenav.signals import Multisine, Tone
 from rangenav.signals.multisine import LETTERS, Axis
 
-NEW_AMPLITUDE = 0.25
-NEW_FREQUENCIES = (4.0, 5.0, 3.0, 6.0, 2.0, 7.0, 3.5, 4.5, 5.5, 8.0)
+NEW_AMPLITUDE = 0.5
+NEW_FREQUENCIES = (4.0, 6.0, 3.0, 5.0, 2.0, 7.0, 3.5, 4.5, 5.5, 8.0)
 """rad/s; a new tone has the first that no other tone has: tones of one frequency make an ellipse, which is blind."""
 OFFSET_AND_DRIFT = "Offset and drift"
 SAME_FREQUENCY = 0.05
