@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from rangenav import formats
-from rangenav.certificate import exports
+from rangenav.certificate import exports, ramp_limits
 from rangenav.certificate.schema import Certificate
 from rangenav.formats import ExportOptions, OutputFile
 from rangenav.observability import blindness
@@ -24,7 +24,7 @@ from rangenav.preset import Preset
 CACHED = 32
 FINER_HELPS = {"excitation", "rank", "accuracy"}
 """Checks that shorter pieces may meet where longer ones do not."""
-PIECES = frozenset({"pieces"})
+PIECES, RAMPS = frozenset({"pieces"}), frozenset({"ramps"})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -59,7 +59,8 @@ class RefusedExportError(ValueError):
         super().__init__(sentence)
         self.preset, self.format_name, self.options = preset, format_name, options
         self.missed = missed
-        """Names of the certificate's checks that are missed; "pieces" where the format holds too little of the path."""
+        """Names of the certificate's checks that are missed; "pieces" where the format holds too little of the path,
+        "ramps" where these are too much for the vehicle."""
 
 
 def write(
@@ -185,6 +186,10 @@ def _first_certified(preset: Preset, format_name: str, output: Path, options: Ex
         while k < len(every):
             written = every[k](output)
             failure, missed = written.unfit or _lacks_excitation(written, preset), PIECES
+            ramps = None if failure else ramp_limits.broken(preset, written)
+            if ramps is not None:
+                failure, missed = ramps, RAMPS
+                break
             if failure is None:
                 issued = _certified(preset, format_name, output, written, options)
                 if issued.certified:

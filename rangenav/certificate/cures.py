@@ -78,7 +78,9 @@ def _candidates(refused: RefusedExportError) -> Iterator[Cure]:
     if "pieces" in missed:
         for text, flag, changed in _fitted(preset, options):
             yield cure(text, changed, flag)
-        yield from _shorter_ramps(preset, format_name, options)
+        yield from _other_ramps(preset, format_name, options, (0.5,))
+    if "ramps" in missed:
+        yield from _other_ramps(preset, format_name, options, (2.0, 4.0))
     if "vehicle" in missed and formats.row(format_name).own_attitude and options.attitude == "flown":
         yield replace(
             cure("write the preset's own attitude", preset, "--attitude preset"),
@@ -93,16 +95,19 @@ def _candidates(refused: RefusedExportError) -> Iterator[Cure]:
         )
 
 
-def _shorter_ramps(preset: Preset, format_name: str, options: ExportOptions) -> Iterator[Cure]:
-    half = float(f"{options.ramp / 2:.2g}")
-    if half >= hover_ramps.SHORTEST:
-        yield Cure(
-            text=f"use ramps of {half:g} s",
-            preset=preset,
-            format_name=format_name,
-            options=replace(options, ramp=half),
-            command=f"export NAME --to {format_name} --ramp {half:g} -o OUT.csv",
-        )
+def _other_ramps(
+    preset: Preset, format_name: str, options: ExportOptions, factors: tuple[float, ...]
+) -> Iterator[Cure]:
+    for factor in factors:
+        ramp = float(f"{options.ramp * factor:.2g}")
+        if hover_ramps.SHORTEST <= ramp <= hover_ramps.LONGEST:
+            yield Cure(
+                text=f"use ramps of {ramp:g} s",
+                preset=preset,
+                format_name=format_name,
+                options=replace(options, ramp=ramp),
+                command=f"export NAME --to {format_name} --ramp {ramp:g} -o OUT.csv",
+            )
 
 
 def _fitted(preset: Preset, options: ExportOptions) -> Iterator[tuple[str, str, Preset]]:

@@ -14,6 +14,7 @@ from rangenav.formats.path_preset import as_preset, choices
 from rangenav.observability import excitation
 from rangenav.signals import Flown, MinimumSnap, Polynomials, Waypoint
 from rangenav.signals.polynomials import from_minimum_snap
+from rangenav.vehicle import Vehicle
 from tests.support.present import present
 
 pytestmark = pytest.mark.slow
@@ -101,6 +102,19 @@ def test_the_ramp_is_a_choice_and_is_recognised_when_the_file_is_read(ramp: floa
     assert present(again.path.period) == pytest.approx(present(SHIPPED["soft"].path.period))
     with pytest.raises(ValueError, match=r"a ramp must last 0\.2 to 20 s, got 0\.01 s"):
         formats.export(SHIPPED["soft"], "polynomial", tmp_path / "y.csv", ramp=0.01)
+
+
+def test_ramps_that_are_too_much_for_the_vehicle_are_refused_and_longer_ones_offered(tmp_path: Path):
+    """The witness: the jerk of the written ramp, by differences of its positions."""
+    slow = replace(SHIPPED["soft"], vehicle=Vehicle(name="slow", jerk=20.0))
+    assert certified_export.refusal(slow, "polynomial", PLAIN) is None
+    refused = present(certified_export.refusal(slow, "polynomial", ExportOptions(ramp=0.5)))
+    assert "its ramps of 0.5 s, which no certificate covers, are too much for slow: jerk" in str(refused)
+    formats.export(slow, "polynomial", tmp_path / "x.csv", ramp=0.5)
+    path = present(formats.read(tmp_path / "x.csv", "polynomial", part=(0.0, None)).path)
+    t = np.linspace(0, 0.5, 2001)
+    assert np.linalg.norm(np.diff(path(t), n=3, axis=0) / (t[1] - t[0]) ** 3, axis=-1).max() > 20.0
+    assert "use ramps of 2 s" in [cure.text for cure in cures.cures(refused)]
 
 
 def test_a_yaw_that_does_not_repeat_with_the_path_makes_no_loop():
