@@ -83,7 +83,8 @@ RUNS: dict[tuple[str, ...], tuple[tuple[object, ...], ...]] = {
         ("export", "soft", "--to", "reference", "-o", "soft.csv"),
         ("export", "circle", "--to", "npz", "-o", "x.npz", "--uncertified"),
         ("import", "soft.csv", "--from", "reference", "-o", "again.toml"),
-        ("repair", "circle", "-o", "round.toml"),
+        ("export", "soft", "--to", "polynomial", "-o", "loop.csv"),
+        ("repair", "circle", "--export", "polynomial", "-o", "round.toml"),
     ),
     ("log",): (
         ("log", "flight.csv", "--window", 8),
