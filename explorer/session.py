@@ -13,6 +13,7 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
+from urllib.parse import parse_qs
 
 import msgspec
 import viser
@@ -47,7 +48,8 @@ from explorer.widgets.form import Form
 
 PROGRESS_PERIOD = 0.1
 """s between two updates of the progress of the compilation."""
-PAPER = "paper"
+PAPER, LESSON = "paper", "hover"
+"""The presets of the paper's figures, and of the first steps."""
 
 log = logging.getLogger(__name__)
 
@@ -64,6 +66,7 @@ class Session:
         self._built = False
         """Whether the page is complete; it stays incomplete if the tab disconnects while the page is being built."""
         self.history = History()
+        self._address_read = False
         self._autosave = Autosave(shared.work_files, shared.first, self._notify_about_work)
         self._playback = Playback(shared.shipped[shared.first].duration)
         self.thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
@@ -134,7 +137,7 @@ class Session:
         client = self._client
         set_theme(client, dark=False)
         client.gui.set_panel_label("rangenav")
-        self._door = Door(client, self._wake.set)
+        self._door = Door(client, self._wake.set, welcome=not self.shared.requested)
         actions = SessionActions(
             restart_preset=self._restart_preset,
             show_paper_figures=self._show_paper_figures,
@@ -158,7 +161,7 @@ class Session:
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.charts, scene, self._display)
-        self._actions = self.dock.actions | timeline.actions
+        self._actions = self.dock.actions | timeline.actions | {"learn": lambda: self._open(LESSON)}
         with client.atomic():
             commands = Commands(client, self.form, self._notify)
             commands.add_plots(GROUP_TITLES)
@@ -194,6 +197,7 @@ class Session:
     def _react(self) -> None:
         """Apply the changes of the visitor, and update the marks of the form."""
         self._appearance.follow(self._door.window)
+        self._open_preset_of_address()
         for name in self._door.take_events():
             if name in self._actions:
                 self.form.do(self._actions[name])
@@ -203,6 +207,16 @@ class Session:
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()
+
+    def _open_preset_of_address(self) -> None:
+        """Show, once, the preset that the page's address names: …/?preset=hover."""
+        window = self._door.window
+        if window is None or self._address_read:
+            return
+        self._address_read = True
+        (name,) = parse_qs(window.query).get("preset", [""])[-1:]
+        if name in self.catalog.presets and name != self.dock.origin:
+            self._open(name)
 
     def _apply_changes(self) -> bool:
         """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""

@@ -28,6 +28,7 @@ from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.session_actions import SessionActions
 from explorer.panels.undo import UndoPanel
 from explorer.panels.verdict import VerdictPanel
+from explorer.panels.welcome import add_welcome
 from explorer.panels.world import WorldPanel
 from explorer.panels.world.relabel import in_axes_of, relabelled
 from explorer.panels.world.twin import TwinPanel
@@ -65,6 +66,7 @@ class Dock:
             "model": lambda: self.printed.write(Printed()),
         }
         add_legend(gui)
+        add_welcome(gui)
         answers: dict[str, Action] = {
             "stop": jobs.cancel,
             "accept": lambda: self.repair.accept(),

@@ -8,7 +8,7 @@ import html
 
 import viser
 
-from explorer.model import assessment, palette
+from explorer.model import assessment, glossary, palette
 from explorer.model.assessment import Answer, Cure, Level
 from explorer.model.compute import Picture
 from explorer.model.jobs import Job
@@ -103,7 +103,10 @@ def _rows(picture: Picture, given: tuple[Answer, ...]) -> str:
     lines = []
     for answer in given:
         sign, color = SIGNS[answer.level]
-        question = f'<b style="color:{color}">{sign}</b> {assessment.QUESTIONS[answer.question]}'
+        hint = html.escape(glossary.hint(answer.term)) if answer.term in glossary.TERMS else ""
+        question = (
+            f'<span title="{hint}"><b style="color:{color}">{sign}</b> {assessment.QUESTIONS[answer.question]}</span>'
+        )
         text = "<br>".join(html.escape(part) for part in (answer.summary, *answer.remarks))
         lines.append(f"<tr><td>{question}</td><td>{text}</td></tr>")
     subject = f'<div style="{DIMMED}">{html.escape(subject_of(picture))}</div>'

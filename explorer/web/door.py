@@ -19,6 +19,7 @@ from urllib.parse import parse_qs
 
 import viser
 
+from explorer.model import palette
 from explorer.web.connection import run_script
 
 LABEL = "page"
@@ -30,6 +31,8 @@ SIZE, EVENT, NAME = (
     re.compile(r"[a-z-]{1,30}"),
 )
 FOLDER = Path(__file__).parent
+COLORS = f":root {{ --rn-dimmed: {palette.SECONDARY_TEXT}; }}\n"
+"""The colours of the style sheet that the browser's theme lacks: viser's own grey of labels is too pale to be read."""
 MARK = '<span class="rn-door"></span>'
 
 
@@ -52,8 +55,9 @@ class Window:
 class Door:
     """The hidden box of one visitor."""
 
-    def __init__(self, client: viser.ClientHandle, wake: Callable[[], None]) -> None:
-        """`wake` is called from viser's threads when something was reported."""
+    def __init__(self, client: viser.ClientHandle, wake: Callable[[], None], *, welcome: bool = True) -> None:
+        """`wake` is called from viser's threads when something was reported. `welcome`: whether a new visitor is
+        welcomed with a card."""
         self._client, self._wake, self._lock = client, wake, threading.Lock()
         self._window: Window | None = None
         self._events: deque[str] = deque(maxlen=MAX_EVENTS)
@@ -61,7 +65,7 @@ class Door:
         client.gui.add_html(MARK)
         self._box = client.gui.add_text(LABEL, "")
         self._box.on_update(lambda _: self.receive(self._box.value))
-        run_script(client, script())
+        run_script(client, script(welcome=welcome))
 
     @property
     def window(self) -> Window | None:
@@ -101,10 +105,15 @@ class Door:
         self._wake()
 
 
-def script() -> str:
+def script(*, welcome: bool) -> str:
     """The script that the browser runs, with the style sheet in it."""
-    style = (FOLDER / "page.css").read_text(encoding="utf-8")
-    return (FOLDER / "page.js").read_text(encoding="utf-8").replace("STYLE_SHEET", json.dumps(style))
+    style = COLORS + (FOLDER / "page.css").read_text(encoding="utf-8")
+    return (
+        (FOLDER / "page.js")
+        .read_text(encoding="utf-8")
+        .replace("STYLE_SHEET", json.dumps(style))
+        .replace("SKIP_WELCOME", json.dumps(not welcome))
+    )
 
 
 def _names(text: str) -> frozenset[str]:

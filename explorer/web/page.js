@@ -11,13 +11,15 @@
 //   data-rn-event="repair"      an action of the session
 //   data-rn-flag="unfolded"     switches a flag
 //   data-rn-layer="tail"        switches a layer of the scene
+//   data-rn-tab="Gains"         brings a tab to the front
 (() => {
   if (window.rnPage) { window.rnPage.report(true); return; }
   const KEY = 'rangenav-view', root = document.documentElement;
   const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
   const dark = matchMedia('(prefers-color-scheme: dark)');
   const query = location.search.slice(1);
-  const present = new URLSearchParams(query).has('present');
+  const asked = new URLSearchParams(query), present = asked.has('present');
+  let welcomed = SKIP_WELCOME || asked.has('preset');  // whoever asks for a preset is not held up by the card
   let kept = {flags: [], switched: []}, events = [], last = '', stamp = 0;
   try { kept = {...kept, ...JSON.parse(localStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
   const keep = () => {
@@ -27,6 +29,7 @@
   // 'theme' and 'type' say that the visitor has chosen the other one than the system's, or than the address asks for
   const flags = () => {
     const shown = kept.flags.filter(flag => flag !== 'theme' && flag !== 'type');
+    if (welcomed && !shown.includes('welcomed')) shown.push('welcomed');
     if (dark.matches !== kept.flags.includes('theme')) shown.push('dark');
     if (present !== kept.flags.includes('type')) shown.push('big');
     return shown;
@@ -43,8 +46,8 @@
   };
   const show = () => {
     const shown = flags();
-    [...root.classList].filter(name => name.startsWith('rn-')).forEach(name => root.classList.remove(name));
-    shown.forEach(flag => root.classList.add('rn-' + flag));
+    [...root.classList].filter(name => name.startsWith('rn-is-')).forEach(name => root.classList.remove(name));
+    shown.forEach(flag => root.classList.add('rn-is-' + flag));
     mark();
   };
   const report = again => {
@@ -61,18 +64,35 @@
     put.call(box, text);
     box.dispatchEvent(new Event('input', {bubbles: true}));
   };
+  // viser's docks take a press for the beginning of a drag; the Enter key only selects
+  const select = label => {
+    const tab = [...document.querySelectorAll('[role=tab]')].find(one => one.textContent.trim() === label);
+    if (!tab) return;
+    if (tab.dataset.dockTab === undefined) tab.click();
+    else tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', code: 'Enter', bubbles: true, cancelable: true}));
+  };
   const change = () => { keep(); show(); report(); };
   const act = (kind, name) => {
-    if (kind === 'flag') { kept.flags = toggled(kept.flags, name); change(); }
+    if (kind === 'flag') {
+      name.split(' ').forEach(flag => {
+        const on = flags().includes(flag);
+        if (flag === 'welcomed' && on) { welcomed = false; kept.flags = kept.flags.filter(one => one !== flag); }
+        else kept.flags = toggled(kept.flags, flag);
+      });
+      change();
+    }
+    if (kind === 'tab') select(name);
     if (kind === 'layer') { kept.switched = toggled(kept.switched, name); change(); }
     if (kind === 'event') { stamp = Math.max(Date.now(), stamp + 1); events.push(stamp + ':' + name); report(); }
   };
   document.addEventListener('click', click => {
-    const button = click.target.closest && click.target.closest('[data-rn-event], [data-rn-flag], [data-rn-layer]');
+    const button = click.target.closest
+      && click.target.closest('[data-rn-event], [data-rn-flag], [data-rn-layer], [data-rn-tab]');
     if (!button) return;
     if (button.dataset.rnEvent) act('event', button.dataset.rnEvent);
     if (button.dataset.rnFlag) act('flag', button.dataset.rnFlag);
     if (button.dataset.rnLayer) act('layer', button.dataset.rnLayer);
+    if (button.dataset.rnTab) act('tab', button.dataset.rnTab);
   });
   dark.addEventListener('change', () => { show(); report(); });
   let later = 0;

@@ -22,6 +22,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from explorer.model import palette
+from explorer.web.without_webgl import add_script
 
 CHECKED_AGAINST = "1.1.1"
 NAMES = ("127.0.0.1", "localhost")
@@ -155,6 +156,7 @@ def _checked(process_request: Callable) -> Callable[[ServerConnection, Request],
         sentence = refusal(request, port)
         response = connection.respond(403, sentence + "\n") if sentence else process_request(connection, request)
         if response is not None:
+            add_script(response)
             add_headers(response, port)
         return response
 

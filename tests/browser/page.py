@@ -44,6 +44,8 @@ FIRST, OTHER, OTHER_VERDICT = "(paper-slow)", "(circle)", "nothing excites z"
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
+WELCOMED = "localStorage['rangenav-view'] ??= JSON.stringify({flags: ['welcomed'], switched: []})"
+"""The card of the first visit was closed before: most tests are not about it."""
 WRITTEN = "document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || '')"
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
@@ -127,13 +129,18 @@ class Visitor:
         density: float = 1,
         beside: "Visitor | None" = None,
         says: str = VERDICT,
+        welcomed: bool = True,
     ) -> None:
-        """`beside` another one it is a second tab of the same browser; the page is drawn when it says `says`."""
+        """`beside` another one it is a second tab of the same browser; the page is drawn when it says `says`.
+
+        `welcomed`: whether the card of the first visit was closed before."""
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
         self._says, self._alone = says, beside is None
         size, scale = ViewportSize(width=width, height=height), density
         context = beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
+        if welcomed:
+            context.add_init_script(WELCOMED)
         self.page: Page = context.new_page()
         self.page.on("console", self._listen)
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
@@ -205,7 +212,7 @@ class Visitor:
 
     def tab(self, label: str) -> None:
         """Bring a tab to the front."""
-        self.page.get_by_text(label, exact=True).first.click()
+        self.page.get_by_role("tab", name=label, exact=True).first.click()
         time.sleep(INPUT_PAUSE)
 
     def folder(self, label: str) -> None:

@@ -35,7 +35,7 @@ NO_DOCK = 0.5
 """s after which a server without docks is not waited for any longer."""
 CHANGED = " •"
 """Ends the label of a control that differs from its preset."""
-WAIT_TIMEOUT = 10.0
+WAIT_TIMEOUT = 90.0
 """s; the first picture may have to wait for a compiler."""
 
 

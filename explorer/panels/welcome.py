@@ -1,0 +1,52 @@
+"""The first minute: a card over the scene with one sentence, the marks of the scene and four doors; and a second card
+with the first steps. Both are shown and closed in the browser, which remembers it; “?” brings the first one back."""
+
+import viser
+
+from explorer.model.layers import LAYERS
+from explorer.panels.legend import mark
+
+SENTENCE = (
+    "One radio range to one anchor, an IMU and a magnetometer: when is that enough to know where you are? "
+    "Change the motion, the sensors or the gains, and the page says so at once."
+)
+MARKS = ("path", "tail", "uncertainty", "sphere", "blind", "twin")
+DOORS = (
+    (
+        "Learn",
+        "why a hover is lost and a wave is found, in four steps",
+        'data-rn-event="learn" data-rn-flag="welcomed steps"',
+    ),
+    ("Tune", "an observer: its gains, on this motion", 'data-rn-flag="welcomed" data-rn-tab="Gains"'),
+    ("Design", "a motion to fly, and take it as a file", 'data-rn-flag="welcomed" data-rn-tab="Presets"'),
+    ("Look around", "drag the scene, press play", 'data-rn-flag="welcomed"'),
+)
+"""Name, what is behind it, and what the button does."""
+DOOR = '<button type="button" class="rn-door-button" {}><b>{}</b><span>{}</span></button>'
+STEPS = (
+    "This vehicle hovers. Press <b>▶ play</b>: the range never changes, and the estimate (orange) does not arrive.",
+    "Press <b>▾ why</b> above: 5 of 13 quantities are determined. The evil twin flies elsewhere with the same ranges.",
+    "In <b>Motion</b>, add a tone along x, one along y and one along z. Equal frequencies stay on a line: make the "
+    "three frequencies differ. Or press <b>make it observable</b> above.",
+    "Press play again: the estimate arrives, and the verdict is green once the predicted error is as wanted.",
+)
+CLOSE = '<button type="button" class="rn-button" data-rn-flag="{}" aria-label="Close">{}</button>'
+
+
+def add_welcome(gui: viser.GuiApi) -> None:
+    """Put both cards over the scene."""
+    gui.add_html(f'<div class="rn-card rn-welcome" role="dialog" aria-label="Welcome">{welcome()}</div>')
+    steps = "".join(f"<li>{step}</li>" for step in STEPS)
+    head = f'<div class="rn-card-head"><b>First steps</b>{CLOSE.format("steps", "✕")}</div>'
+    gui.add_html(f'<div class="rn-card rn-steps" role="dialog" aria-label="First steps">{head}<ol>{steps}</ol></div>')
+
+
+def welcome() -> str:
+    """The first card, as HTML."""
+    layers = {layer.name: layer for layer in LAYERS}
+    marks = "".join(
+        f"<span>{mark(layers[name])} <b>{layers[name].label}</b> {layers[name].hint}</span>" for name in MARKS
+    )
+    doors = "".join(DOOR.format(action, name, what) for name, what, action in DOORS)
+    head = f'<div class="rn-card-head"><b>rangenav</b>{CLOSE.format("welcomed", "✕")}</div>'
+    return f'{head}<p>{SENTENCE}</p><div class="rn-doors">{doors}</div><div class="rn-marks">{marks}</div>'

@@ -1,0 +1,83 @@
+"""The first visit, windows that change their size, and a browser without WebGL."""
+
+import time
+
+from playwright.sync_api import Browser
+
+from tests.browser.page import CHROMIUM, COARSE, PATIENCE, Server, Visitor
+
+BOX = "selector => { const b = document.querySelector(selector).getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom] }"  # noqa: E501
+SIZES = ((1366, 768), (1920, 1080), (911, 512), (400, 800))
+
+
+def box(visitor: Visitor, selector: str) -> tuple[float, float, float, float]:
+    left, top, right, bottom = visitor.page.evaluate(BOX, selector)
+    return left, top, right, bottom
+
+
+def test_a_new_visitor_is_welcomed_once_and_the_question_mark_brings_the_card_back(server: Server, browser: Browser):
+    tab = Visitor(browser, server.url, density=COARSE, welcomed=False)
+    card = tab.page.get_by_role("dialog", name="Welcome")
+    assert card.is_visible()
+    tab.press("Learn")
+    card.wait_for(state="hidden")
+    tab.wait_for_text("5 of 13 quantities determined", PATIENCE)
+    assert tab.page.get_by_role("dialog", name="First steps").is_visible()
+    tab.reload()
+    assert not card.is_visible()
+    tab.press("Help")
+    card.wait_for(state="visible")
+    tab.press("Tune")
+    card.wait_for(state="hidden")
+    tab.wait_for_text("Auto-tune")
+    assert tab.complaints == []
+    tab.close()
+
+
+def test_a_link_with_a_preset_opens_it_and_skips_the_card(server: Server, browser: Browser):
+    tab = Visitor(browser, f"{server.url}?preset=circle", density=COARSE, welcomed=False)
+    tab.wait_for_text("nothing excites z", PATIENCE)
+    assert not tab.page.get_by_role("dialog", name="Welcome").is_visible()
+    tab.close()
+
+
+def test_verdict_scene_timeline_and_controls_never_cover_each_other_while_the_window_changes(visitor: Visitor):
+    for width, height in (*SIZES, SIZES[0]):
+        visitor.page.set_viewport_size({"width": width, "height": height})
+        deadline = time.monotonic() + PATIENCE
+        while True:
+            _, _, _, verdict = box(visitor, ".rn-verdict")
+            left, top, right, bottom = box(visitor, "[data-dock-root] > :first-child")
+            line_left, line_top, line_right, line_bottom = box(visitor, ".rn-transport")
+            apart = verdict <= top + 1 and bottom <= line_top + 1 and line_bottom <= height + 1
+            if apart and right - left > 250 and bottom - top > 180 and abs(line_left - left) < 25:
+                break
+            assert time.monotonic() < deadline, (
+                width,
+                height,
+                verdict,
+                top,
+                bottom,
+                line_top,
+                line_bottom,
+                left,
+                right,
+            )
+            time.sleep(0.1)
+        assert line_right <= right + 1
+
+
+def test_without_webgl_plots_controls_and_verdict_work_and_the_page_says_what_is_missing(
+    server: Server, browser: Browser
+):
+    arguments = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+    without = browser.browser_type.launch(executable_path=CHROMIUM, headless=True, args=arguments)
+    tab = Visitor(without, server.url)
+    assert "it has no WebGL" in tab.text()
+    assert len(tab.chart_labels()) >= 4
+    tab.tab("Presets")
+    tab.choose("preset", "(circle)")
+    tab.wait_for_text("nothing excites z")
+    assert "ws://" not in tab.text()
+    assert tab.complaints == []
+    without.close()
