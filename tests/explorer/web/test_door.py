@@ -1,22 +1,24 @@
 """What the browser reports comes through the door as values; what no browser of ours would write is ignored."""
 
+from collections.abc import Iterator
+
 import pytest
 
 from explorer.model import layers
 from explorer.web.door import Door, Window
+from explorer.web.security import open_server
 from tests.support.wire import Wire
 
 
 @pytest.fixture(scope="module")
-def door() -> Door:
-    from explorer.web.security import open_server
-
+def door() -> Iterator[Door]:
+    """The door of a connected browser."""
     server = open_server("127.0.0.1", 0)
     visitor = Wire(server.get_port())
     visitor.wait_for(server.get_clients, "the connection")
     (client,) = server.get_clients().values()
     door = Door(client, lambda: None)
-    yield door  # type: ignore[misc]
+    yield door
     visitor.close()
     server.stop()
 
