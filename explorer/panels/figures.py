@@ -5,6 +5,7 @@ import math
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.model.glossary import TERMS
 from rangenav import continuity, sensors, window_text
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
@@ -20,6 +21,25 @@ CHIP = f'<span style="color:{{}};{CHIP_STYLE}">{{}}</span>'
 def about(picture: Picture) -> str:
     """The mark of what comes from sampled windows; empty once all windows are judged."""
     return "≈ " if picture.analysis.proof is None else ""
+
+
+TERMS_OF_ROWS: dict[str, tuple[str, str]] = {
+    "rank": ("rank", ""),
+    "blind": ("blind", ""),
+    "μ (PE)": ("excitation", ""),
+    "least λ(W)": ("weakest direction", ""),
+    "σ lifted": ("window accuracy", ": linear model"),
+    "σ nonlinear": ("window accuracy", ": true model"),
+    "settled": ("settled", ""),
+    "ranges": ("range fit", ""),
+    "steady error": ("steady error", ""),
+    "this run": ("steady error", ""),
+    "observer": ("diverged", ""),
+    "mind": ("verdict", ": mind"),
+    "sensors": ("unmodelled", ""),
+    "vehicle": ("vehicle limits", ""),
+}
+"""Row → the term of the glossary that names and defines it, and what is added to the name."""
 
 
 def number(value: float, unit: str = "") -> str:
@@ -39,7 +59,13 @@ def chips(picture: Picture) -> str:
 
 def table(picture: Picture) -> str:
     """The rows as HTML."""
-    return f"<table>{''.join(ROW.format(name, text) for name, text in rows(picture))}</table>"
+    return f"<table>{''.join(ROW.format(_named(name), text) for name, text in rows(picture))}</table>"
+
+
+def _named(row: str) -> str:
+    """The label of a row's term, which shows its definition."""
+    key, addition = TERMS_OF_ROWS[row]
+    return f'<span title="{html.escape(TERMS[key].hint)}">{html.escape(TERMS[key].label)}{addition}</span>'
 
 
 def rows(picture: Picture) -> list[tuple[str, str]]:
@@ -100,7 +126,7 @@ def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
     if blind:
         errors = f"position {number(summary.steady_position, 'm')}, attitude {number(summary.steady_attitude_deg)}°"
         return [
-            ("this run", f"steady error {errors}: along what cannot be told it is this start's luck, no accuracy"),
+            ("this run", f"steady error {errors}: along the blind directions this error depends on the initial guess"),
             fit,
         ]
     settled = (

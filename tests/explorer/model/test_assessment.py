@@ -5,6 +5,7 @@ import pytest
 
 from explorer.model import assessment
 from explorer.model.compute import compute
+from explorer.model.glossary import TERMS
 from explorer.model.settings import Printed, Settings
 from rangenav import preset
 from rangenav.sensors import Effects
@@ -65,6 +66,11 @@ def test_an_estimate_better_than_one_window_is_explained_and_the_explanation_has
     assert given.level == "mind"
     assert "±1.7" in given.summary
     assert "0.118 m off" in given.remarks[0]
+
+
+@pytest.mark.parametrize("name", ["paper-slow", "hover", "wiggle"])
+def test_every_answer_names_the_term_that_defines_its_number(name):
+    assert all(answer.term in TERMS for answer in assessment.answers(compute(Settings(preset=preset.load(name)))))
 
 
 def test_lost_ranges_are_in_the_predicted_accuracy_and_so_are_no_error_of_the_model():
