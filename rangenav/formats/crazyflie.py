@@ -41,7 +41,8 @@ def upload(cf, file="{file}"):
     memory.trajectory = [
         Poly4D(row[0], *(Poly4D.Poly(row[k : k + 8]) for k in (1, 9, 17, 25))) for row in rows
     ]
-    memory.write_data_sync()
+    if not memory.write_data_sync():
+        raise RuntimeError("the pieces did not arrive in the Crazyflie's memory")
 
 
 def fly(cf, loops):

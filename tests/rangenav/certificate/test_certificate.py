@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from rangenav import analysis, certificate, motion, preset
 from rangenav.certificate import encoding, exports, schema
 from rangenav.certificate.remedy import with_tones
-from rangenav.certificate.schema import Certificate
+from rangenav.certificate.schema import Certificate, Loop
 from rangenav.motion import World
 from rangenav.preset import Preset
 from rangenav.signals import Flown, Formula, Multisine, Piece, Polynomials, Sum, Tone
@@ -430,7 +430,7 @@ def test_gravity_and_axes_are_said():
     assert tilted.frame.up == "(0.00, -0.60, -0.80)"
 
 
-def tones_file(content: bytes, source: str, context: Preset | None) -> certificate.FileContents:
+def tones_file(content: bytes, source: str, context: Preset | None, loop: Loop | None) -> certificate.FileContents:
     """A made-up format that holds a path and nothing else: axis, amplitude and frequency a line."""
     if context is None:
         raise ValueError(f"{source}: says nothing of the world")

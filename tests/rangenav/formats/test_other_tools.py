@@ -12,7 +12,7 @@ import scipy.io
 
 from rangenav import formats, motion, preset, record
 from rangenav.axes import upright
-from rangenav.formats import exported_run, frames, hover_ramps
+from rangenav.formats import crazyflie, exported_run, frames, hover_ramps
 from rangenav.observability import excitation
 from rangenav.signals import polynomials
 from tests.support.present import present
@@ -171,6 +171,60 @@ def test_what_cflib_sends_a_crazyflie_is_the_path_to_the_precision_of_its_floats
     loop = polynomials.loop(flown, written.figures["loop_first"], written.figures["loop_pieces"])
     mu = excitation.eigenvalues(loop, np.linspace(0, end - begin, 101), p.requirement.window)[:, 0]
     np.testing.assert_allclose(mu.min(), written.figures["mu"], rtol=2e-3)
+
+
+class FakeCrazyflie:
+    """As much of a Crazyflie as the program talks to: its trajectory memory, its commander, and the clock."""
+
+    def __init__(self) -> None:
+        self.clock, self.defined, self.started, self.trajectory = 0.0, {}, [], []
+        self.mem = self.high_level_commander = self
+
+    def get_mems(self, kind: int):
+        assert kind == 18  # cflib's number of the trajectory memory
+        return [self]
+
+    def write_data_sync(self) -> bool:
+        return True
+
+    def define_trajectory(self, name: int, offset: int, count: int) -> None:
+        self.defined[name] = (offset, count)
+
+    def start_trajectory(self, name: int) -> None:
+        self.started.append((self.clock, name))
+
+    def monotonic(self) -> float:
+        return self.clock
+
+    def sleep(self, seconds: float) -> None:
+        self.clock += seconds
+
+
+def test_the_program_of_a_loop_flies_the_path_through_its_ramps_and_three_loops(tmp_path):
+    """What a Crazyflie holds after cflib's upload, played from each start command on as its firmware does."""
+    pytest.importorskip("cflib.crazyflie.mem", reason="cflib is not installed")
+    p = preset.load("eight-repaired")
+    written = formats.export(p, "polynomial", tmp_path / "x.csv")
+    (begin, end), figures, drone = present(written.steady), written.figures, FakeCrazyflie()
+    text = crazyflie.script(str(tmp_path / "x.csv"), begin, end - begin, figures["loop_first"], figures["loop_pieces"])
+    program: dict = {}
+    exec(compile(text, "fly.py", "exec"), program)
+    program["time"] = drone
+    program["upload"](drone)
+    program["fly"](drone, 3)
+    held = b"".join(bytes(piece.pack()) for piece in drone.trajectory)
+    course = hover_ramps.HoverRamps(path=upright(p).path, duration=begin + 3 * (end - begin), ramp=begin)
+    at = 0.0
+    for moment, name in drone.started:
+        assert moment == pytest.approx(at, abs=1e-6)
+        offset, count = drone.defined[name]
+        for k in range(count):
+            numbers = struct.unpack("<33f", held[offset + 132 * k : offset + 132 * (k + 1)])
+            local = np.linspace(0, numbers[32], 9)
+            place = [np.polynomial.polynomial.polyval(local, numbers[first : first + 8]) for first in (0, 8, 16)]
+            np.testing.assert_allclose(np.transpose(place), course(at + local), atol=3e-4)
+            at += numbers[32]
+    assert at == pytest.approx(course.end, abs=1e-5)  # and nothing of the path is left
 
 
 # --- ROS
