@@ -13,6 +13,7 @@ import logging
 import threading
 import time
 from collections.abc import Iterator
+from functools import partial
 from urllib.parse import parse_qs
 
 import msgspec
@@ -154,20 +155,25 @@ class Session:
             exports = ExportActions(
                 plan_plot=self.charts.file_writer, settings=self._named_settings, download=self._send
             )
-            ExportPanel(self.form, TITLES, exports)
+            exporting = ExportPanel(self.form, TITLES, exports)
         self.form.command("Show all curves", self.charts.show_all_curves)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
-        self.form.command("Let go of the handle", handles.deselect, key="escape")
+        self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.charts, scene, self._display)
-        self._actions = self.dock.actions | timeline.actions | {"learn": lambda: self._open(LESSON)}
+        self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
+        self._actions |= {"learn": lambda: self._open(LESSON)}
         with client.atomic():
             commands = Commands(client, self.form, self._notify)
             commands.add_plots(GROUP_TITLES)
             commands.add_presets({name: p.title for name, p in self.shared.shipped.items()}, self._open)
         self._built = True
         self._restore()
+
+    def _escape(self, handles: DragHandles) -> None:
+        self.charts.close_large()
+        handles.deselect()
 
     def _restore(self) -> None:
         """Show the work that this tab's visitor had. A preset that was requested on the command line is shown instead,

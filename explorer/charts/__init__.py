@@ -9,6 +9,7 @@ from viser import ClientHandle
 
 from explorer.charts import cursor_values, markup, plot_file, plot_list
 from explorer.charts.chart import Chart, ChartStyle
+from explorer.charts.large_view import LargeView
 from explorer.charts.plot_tabs import PlotPanel
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.model.comparison import NOTHING, Comparison
@@ -39,6 +40,8 @@ class PlotSize:
     width: int = WIDTH
     """px of a single panel."""
     style: ChartStyle = field(default_factory=ChartStyle)
+    window_height: float = OF_WINDOW
+    """px"""
 
 
 def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
@@ -51,6 +54,7 @@ def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
         folded=width < FOLDED,
         width=round(1.25 * WIDTH) if big and width >= 1200 else panel_width,
         style=ChartStyle(height=plot_height, big=big),
+        window_height=height,
     )
 
 
@@ -70,6 +74,7 @@ class Charts:
         self._switched_off: dict[str, set[int]] = {name: set() for name in TITLES}
         self._live = client.gui.add_html("")
         """The one element that changes as time moves, also where no plot is in sight."""
+        self._large: LargeView | None = None
         self._size = size
         self._panels = self._build(size)
 
@@ -108,11 +113,42 @@ class Charts:
         """The charts of all panels and tabs."""
         return [chart for panel in self._panels for chart in panel.charts]
 
+    @property
+    def actions(self) -> dict[str, Callable[[], None]]:
+        """What the buttons of the plots do, by the names that they send."""
+        return {f"expand-{name}": partial(self._expand, name) for name in TITLES} | {"close-large": self.close_large}
+
+    def _expand(self, name: str) -> None:
+        """Show a plot large."""
+        self.close_large()
+        chart = next(chart for chart in self.charts if chart.plot.name == name)
+        style = self._size.style
+        self._large = LargeView(
+            self._client, chart.base, self._size.window_height, self._switched_off[name], big=style.big
+        )
+        if self._picture is not None:
+            self._large.chart.draw(self._picture, self._comparison)
+
+    def close_large(self) -> None:
+        """Close the large view, if there is one."""
+        if self._large is not None:
+            self._large.close()
+            self._large = None
+
+    def _draw_large(self, *, slow: bool) -> None:
+        """Draw the large view, if its plot belongs to the groups that are drawn now."""
+        if self._large is None or self._picture is None:
+            return
+        name = self._large.chart.base.name
+        if slow == any(group.slow and name in {plot.name for plot in group.plots} for group in plot_list.GROUPS):
+            self._large.chart.draw(self._picture, self._comparison)
+
     def draw(self, picture: Picture, comparison: Comparison = NOTHING) -> None:
         """Show another picture and the runs compared with it; the cursor stays at its time."""
         self._picture, self._comparison = picture, comparison
         for panel in self._panels:
             panel.draw(picture, comparison)
+        self._draw_large(slow=False)
         self.cursor(picture, self._time)
 
     def draw_details(self, picture: Picture) -> None:
@@ -120,6 +156,7 @@ class Charts:
         for a moment."""
         for panel in self._panels:
             panel.draw_details(picture, self._comparison)
+        self._draw_large(slow=True)
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
@@ -178,7 +215,8 @@ class Charts:
 
     def _toggle_clicked(self) -> None:
         clicks = self._pointer.take_clicks()
-        for chart in self.charts:
+        large = [] if self._large is None else [self._large.chart]
+        for chart in (*self.charts, *large):
             for column in chart.plot.in_legend:
                 if clicks.count(curve_id(chart.plot, column)) % 2:
                     chart.toggle(column)

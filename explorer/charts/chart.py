@@ -29,6 +29,8 @@ class ChartStyle:
     """px"""
     big: bool = False
     """Big type and thick curves, for a projector."""
+    large: bool = False
+    """Whether it is the plot of the large view."""
 
 
 @dataclass(eq=False)
@@ -90,7 +92,8 @@ class Chart:
     def _describe(self, drawing: Drawing) -> None:
         """Assign axes, legend and curves if any of their inputs has changed."""
         switched_off = frozenset(self.switched_off)
-        inputs = (drawing.axis, drawing.hidden, self.duration, switched_off, self.plot.curves, self.style)
+        empty = self.plot.reason_if_empty(drawing)
+        inputs = (drawing.axis, drawing.hidden, self.duration, switched_off, self.plot.curves, self.style, empty)
         if inputs != self.described:
             self.described = inputs
             if self.plot.bands != self.bands:
@@ -100,6 +103,8 @@ class Chart:
             self.handle.axes = axes(self.plot, drawing.axis, self.style)
             self.header.content = markup.header(
                 self.plot,
+                large=self.style.large,
+                empty=empty,
                 height=self.style.height,
                 big=self.style.big,
                 hidden=drawing.hidden,
@@ -120,7 +125,7 @@ def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off:
     """An empty plot under its header; the first draw fills it."""
     axis = (0.1, 1.0)
     empty = tuple(np.linspace(0.5, 1.0, 2) for _ in range(1 + len(plot.curves)))
-    header = client.gui.add_html(markup.header(plot, height=style.height, big=style.big, hidden=()))
+    header = client.gui.add_html(markup.header(plot, height=style.height, big=style.big, large=style.large, hidden=()))
     handle = client.gui.add_uplot(
         empty,
         series(plot.curves, (), style),
@@ -128,7 +133,7 @@ def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off:
         axes=axes(plot, axis, style),
         legend={"show": False},  # its numbers have three decimals: 1e-6 would be 0
         cursor={
-            "sync": {"key": "t"},
+            "sync": {"key": "t" if plot.along_flight else plot.x_name},
             "drag": {"x": False, "y": False},
         },  # a zoom would displace the time cursor
         height=style.height,
@@ -173,4 +178,7 @@ def axes(plot: Plot, axis: curves.Range, style: ChartStyle) -> tuple[uplot.Axis,
     width, height = markup.axis_sizes(style.big)
     font = BIG_FONT if style.big else FONT
     y = uplot.Axis(size=width, gap=2, font=font, splits=tuple(positions), values=tuple(labels))
-    return uplot.Axis(size=height, gap=2, font=font), y
+    x = uplot.Axis(size=height, gap=2, font=font)
+    if not plot.along_flight:  # another quantity than the time of the flight
+        x["stroke"], x["grid"] = palette.OTHER_AXIS, {"stroke": f"{palette.OTHER_AXIS}{palette.FILL}", "dash": (2, 4)}
+    return x, y

@@ -39,7 +39,7 @@ STYLE = f"""<style>
 .rn-plot summary::-webkit-details-marker {{ display: none; }}
 .rn-title {{ display: flex; align-items: baseline; gap: 6px; white-space: nowrap; }}
 .rn-title b {{ font-weight: 600; }} .rn-unit {{ opacity: .65; }}
-.rn-fold {{ margin-left: auto; opacity: .65; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
+.rn-fold {{ margin: 0 24px 0 auto; opacity: .75; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
 .rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-variant-numeric: tabular-nums;
   font-size: calc(11px * var(--rn-scale, 1)); }}
 .rn-legend {{ margin: 0 {MARGIN}px; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
@@ -50,6 +50,13 @@ STYLE = f"""<style>
 .rn-v {{ display: inline-block; min-width: calc(43px * var(--rn-scale, 1)); font-weight: 500; }}
 .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-note {{ margin: 0 {MARGIN}px; font-size: calc(11px * var(--rn-scale, 1)); line-height: 1.25; opacity: .75; }}
+.rn-expand {{ all: unset; cursor: pointer; position: absolute; right: {MARGIN}px; top: -3px; padding: 0 4px;
+  font-size: calc(16px * var(--rn-scale, 1)); }}
+.rn-expand:hover {{ background: {palette.DEFINITION_FILL}; }}
+.rn-expand:focus-visible {{ outline: 2px solid {palette.FOCUS}; }}
+.rn-empty {{ position: absolute; inset: 0; display: flex; align-items: center; justify-content: center;
+  text-align: center; padding: 0 10px; font-size: calc(12px * var(--rn-scale, 1)); }}
+.rn-other {{ color: {palette.PRINTED_FORMULA}; opacity: 1; right: 0; }}
 .rn-definition {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
   background: {palette.DEFINITION_FILL}; }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; line-height: 1.6;
@@ -68,6 +75,12 @@ STYLE = f"""<style>
 </style>"""
 
 
+EXPAND = (
+    '<button type="button" class="rn-expand" data-rn-event="expand-{}" title="Large view, with export" '
+    'aria-label="Large view: {}">⤢</button>'
+)
+
+
 def variable(plot: Plot, column: int) -> str:
     """The CSS variable that carries the value of a curve at the cursor."""
     return f"--{curve_id(plot, column)}"
@@ -83,6 +96,8 @@ def header(
     *,
     height: int,
     big: bool = False,
+    large: bool = False,
+    empty: str = "",
     hidden: tuple[int, ...],
     switched_off: frozenset[int] = frozenset(),
 ) -> str:
@@ -97,18 +112,23 @@ def header(
     span = f"width:calc(var({WINDOW_SPAN}, 0) * 100%)"
     brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * 100%)"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
+    expand = "" if large else EXPAND.format(plot.name, plot.title)
+    other = f'<span class="rn-seconds rn-other">{plot.x_name} (s)</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.definition.note}</div>' if plot.definition.note else ""
     equation = f'<div class="rn-equation">{plot.definition.equation}</div>'
+    moving = (
+        f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};{span}"></div>'
+        f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
+    )
+    reason = f'<div class="rn-empty">{escape(empty)}</div>' if empty else ""
     return (
-        f'{STYLE}<div class="rn-plot" data-plot="{plot.name}"><details>'
+        f'{STYLE}<div class="rn-plot" data-plot="{plot.name}">{expand}<details>'
         f'<summary><div class="rn-title">{title}</div></summary>'
         f'<div class="rn-definition">{equation}{plot.definition.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'
-        f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px;{ends}">'
-        f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};{span}"></div>'
-        f'<div class="rn-brush" style="{brush}"></div>'
-        f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
+        f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px;{ends}">{reason}'
+        f'{moving if plot.along_flight else other}<div class="rn-brush" style="{brush}"></div>'
         f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
     )
 

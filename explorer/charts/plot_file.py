@@ -1,4 +1,5 @@
-"""A plot as a file: a table (CSV) of all samples, or a picture (SVG, PNG) with the page's axes, colours and dashes.
+"""A plot as a file: a table (CSV) of all samples, or a picture (SVG, PNG, PDF) with the page's axes and
+colours.
 
 A file holds every sample. A cell of the table is empty where there is no value: after a curve has ended, or below the
 rounding floor. It is "inf" where a window is blind. No viser here.
@@ -20,7 +21,7 @@ from explorer.model import palette
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-PlotFormat = Literal["csv", "svg", "png"]
+PlotFormat = Literal["csv", "svg", "png", "pdf"]
 MAX_CELLS = 5_000_000
 """About 100 MB of text; a larger download would block a browser."""
 SIZE, DOTS = (7.2, 3.6), 200
@@ -69,7 +70,17 @@ def png(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> byte
     return _picture(plot, drawing, columns, duration, "png", {})
 
 
-WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {"csv": table, "svg": svg, "png": png}
+def pdf(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
+    """A vector picture for LaTeX."""
+    return _picture(plot, drawing, columns, duration, "pdf", {"CreationDate": None})
+
+
+WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {
+    "csv": table,
+    "svg": svg,
+    "png": png,
+    "pdf": pdf,
+}
 
 
 def _picture(

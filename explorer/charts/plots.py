@@ -74,6 +74,21 @@ class Plot:
     """Pairs of curves, upper and lower, between which the plot is tinted."""
     x_name: str = "t"
     """The quantity (s) along the horizontal axis, which has the same length in all plots."""
+    empty: str = ""
+    """Why there is nothing to see where the `deciding` curves have no number but zeros."""
+    deciding: tuple[int, ...] = (0,)
+    """Columns."""
+
+    @property
+    def along_flight(self) -> bool:
+        """Whether the horizontal axis is the time of the flight, so that the cursor belongs there."""
+        return self.x_name in ("t", "window start")
+
+    def reason_if_empty(self, drawing: "Drawing") -> str:
+        """Why there is nothing to see; empty where there is something."""
+        values = drawing.values[:, self.deciding]
+        gone = set(self.deciding) <= set(drawing.hidden)
+        return self.empty if gone or not np.any(np.isfinite(values) & (values != 0.0)) else ""
 
     @property
     def in_legend(self) -> tuple[int, ...]:

@@ -9,12 +9,16 @@ from explorer.model import palette
 from rangenav.number_format import subscript
 from rangenav.observability.functions import NAMES
 
+NO_ESTIMATE = "The estimate is not a number."
+
 
 def error_plot(name: str, title: str, unit: str, draw: plots.Callable, text: definitions.Definition) -> Plot:
     """An error, and the σ that the observer's P claims for it."""
     actual = Curve(label="error", color=palette.ESTIMATE)
     claimed = Curve(label="σ by P", color=palette.CLAIMED_SIGMA, dash=DASHED)
-    return Plot(name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, definition=text)
+    return Plot(
+        name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, definition=text, empty=NO_ESTIMATE
+    )
 
 
 def components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:

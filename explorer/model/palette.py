@@ -40,6 +40,8 @@ DERIVED, PRINTED = BLUE, ORANGE
 """A formula as derived, and as the paper prints it."""
 MEASURED = SKY
 TURN_RATE = ORANGE
+OTHER_AXIS = PURPLE
+"""A horizontal axis that is not the time of the flight."""
 PLOT_GRID = "#DDDDDD"
 """Of an exported picture."""
 TRANSLUCENT, FILL = "B0", "38"

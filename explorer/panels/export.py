@@ -1,4 +1,4 @@
-"""The Export tab: any plot as CSV, SVG or PNG, and the lines of Python that compute the same in a notebook."""
+"""The Export tab: any plot as CSV, SVG, PNG or PDF, and the lines of Python that compute the same in a notebook."""
 
 import html
 import json
@@ -10,14 +10,15 @@ from typing import Literal
 
 from explorer.model.settings import Settings
 from explorer.storage import preset_file
-from explorer.widgets.form import Form
+from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
 
-PlotFormat = Literal["csv", "svg", "png"]
+PlotFormat = Literal["csv", "svg", "png", "pdf"]
+FORMATS: tuple[PlotFormat, ...] = ("csv", "svg", "png", "pdf")
 PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."
 FILE_HINT = (
     "CSV: every sample to the last digit, with units in its first line; empty where there is no value or only rounding "
-    "noise, inf where a window is blind. SVG and PNG: the plot as it is on the page."
+    "noise, inf where a window is blind. SVG, PNG and PDF: the plot as it is on the page."
 )
 LINES_HINT = "The Python code computes what is on the page from the preset file; both belong in one folder."
 NOT_IN_LINES = {"reduced_row": "printed row r₄,₂", "attitude_rate": "printed attitude rate"}
@@ -52,7 +53,7 @@ class ExportPanel:
         self._plots = Section(form, "A plot as a file")
         with self._plots:
             self._menu = form.gui.add_dropdown("plot", tuple(self._plot_names), hint=PLOT_HINT)
-            plot_formats: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png"}
+            plot_formats: dict[str, PlotFormat] = {"CSV": "csv", "SVG": "svg", "PNG": "png", "PDF": "pdf"}
             form.buttons(
                 "file type",
                 {label: partial(self._write_plot, plot_format) for label, plot_format in plot_formats.items()},
@@ -63,12 +64,23 @@ class ExportPanel:
             self._lines_block = form.gui.add_html("")
         form.command("Lines of Python for what is on the page", self._lines)
 
+    @property
+    def actions(self) -> dict[str, Action]:
+        """What the buttons of a plot's large view do, by the names that they send."""
+        return {
+            f"save-{plot}-{kind}": partial(self._write, plot, kind)
+            for plot in self._plot_names.values()
+            for kind in FORMATS
+        }
+
     def _write_plot(self, plot_format: PlotFormat) -> None:
+        self._write(self._plot_names.get(self._menu.value, ""), plot_format)
+
+    def _write(self, plot: str, plot_format: PlotFormat) -> None:
         """Write a file in a job: a picture takes half a second, a long table longer."""
         with self._plots.catching():
             if self._jobs.running is not None:
                 raise ValueError("the file before is still being written; one at a time")
-            plot = self._plot_names.get(self._menu.value, "")
             write = self._actions.plan_plot(plot, plot_format)
         stem = PurePath(self._actions.settings()[0]).stem
         download = partial(self._actions.download, f"{stem}-{plot}.{plot_format}")
