@@ -238,11 +238,11 @@ def _download(tab: Wire, row: str, option: str) -> tuple[str, bytes]:
     return tab.downloads[-1]
 
 
-@pytest.mark.parametrize("kind", ["csv", "svg", "png"])
+@pytest.mark.parametrize("kind", ["csv", "svg", "png", "pdf"])
 def test_a_visitor_gets_the_file_of_the_plot_they_chose(tab: Wire, kind: plot_file.PlotFormat):
     tab.set("plot", "Attitude error")
     time.sleep(0.1)
-    name, content = _download(tab, "file", kind.upper())
+    name, content = _download(tab, "file type", kind.upper())
     assert name == f"paper-slow-attitude.{kind}"
     plot = ALL["attitude"]
     example = picture("paper-slow")
@@ -260,5 +260,5 @@ def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):
 def test_a_plot_that_is_none_is_refused_beside_the_buttons(tab: Wire):
     tab.set("plot", "../../etc/passwd")
     time.sleep(0.1)
-    tab.press("file", "CSV")
+    tab.press("file type", "CSV")
     tab.wait_for_text("there is no plot")
