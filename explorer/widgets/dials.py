@@ -23,8 +23,8 @@ WIDEN = 1.25
 LOG_DIGITS, MAX_EXPONENT = 2, 300
 DIGITS = 4
 """Significant digits of a value in a caption, and of one that a slider has made."""
-ROUNDING = 1e-9
-"""Beyond its limit by so little a number is rounding of another unit."""
+ROUNDED = 9
+"""Decimals to which a number in another unit is compared with its limits: what is beyond is rounding."""
 MAX_TEXT, BOX_WIDTH = 8, "4.4rem"
 """Characters that the box shows of a long number, and its width."""
 BOX_LABEL = "number"
@@ -190,7 +190,7 @@ class Dial(DialControl):
         """As in the base class. Raises ValueError for a number that is not allowed, in the unit that is shown."""
         value = super().read()
         if self._allowed is not None:
-            require_within(self.name, value * self._scale, self._allowed[0] - ROUNDING, self._allowed[1] + ROUNDING)
+            require_within(self.name, round(value * self._scale, ROUNDED), *self._allowed)
         return value
 
     def reach(self, value: float) -> None:

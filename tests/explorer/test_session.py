@@ -233,7 +233,7 @@ def test_a_tab_that_leaves_in_the_middle_of_a_mistake_is_no_error(port: int, cap
     tab = Wire(port)
     tab.wait_for_text("13 of 13")
     tab.set("flight duration (s)", 2.0)
-    tab.wait_for_text("requirement.window must be shorter than the duration")
+    tab.wait_for_text("time window judged δ must be shorter than the duration")
     tab.close()
     _wait_for_threads(0)
     assert "session" not in caplog.text
@@ -345,7 +345,7 @@ def test_a_number_of_hundreds_of_digits_in_any_box_is_no_internal_error(visitor:
         entered = NUMERALS if _is_number(value) else [NUMERALS] * len(value)
         visitor.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": entered}})
     visitor.press("Run the noise seeds")
-    visitor.wait_for(lambda: "N must be a whole number between 1 and" in visitor.text(), "a complaint", timeout=10)
+    visitor.wait_for(lambda: "runs must be a whole number between 1 and" in visitor.text(), "a complaint", timeout=10)
     assert not any("Internal error" in text for text in visitor.notifications)
 
 

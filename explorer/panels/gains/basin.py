@@ -32,6 +32,8 @@ from rangenav.number_format import significant
 from rangenav.progress import Cancelled, Progress
 
 ANGLE, AXES = math.radians(179.0), 300
+ANGLES = 0.0, 180.0
+"""Degrees."""
 ANGLE_HINT = "How far (degrees) each start is from the true attitude; near 180° the filter may linger (paper, U_π)."
 AXES_HINT = f"How many axes to start about, evenly all around, 1 to {MAX_AXES}."
 COMPUTE_HINT = "Starts the attitude filter about every axis, on the record of these settings. Takes about a second."
@@ -60,7 +62,13 @@ class BasinPanel:
         with section:
             scale = math.degrees(1.0)
             self._angle = Dial(
-                section, "initial attitude error (°)", (0.0, 180.0), step=0.1, hint=ANGLE_HINT, scale=scale
+                section,
+                "attitude error of all starts (°)",
+                ANGLES,
+                step=0.1,
+                hint=ANGLE_HINT,
+                scale=scale,
+                allowed=ANGLES,
             )
             self._axes = Number(section, "number of axes", hint=AXES_HINT)
             self._angle.write(ANGLE, None)

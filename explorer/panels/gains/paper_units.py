@@ -7,8 +7,10 @@ from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
+from rangenav.number_format import significant
 from rangenav.riccati import P0_RANGE, Q_RANGE, V_RANGE, Blocks, RiccatiGains
 
+PROCESS, START = "Process noise V", "Initial variance P₀"
 K1_LIMITS, RHO1_LIMITS, RHO2_LIMITS = (0.05, 50.0), (0.01, 100.0), (1e-4, 10.0)
 """Ranges of the sliders, narrower than what the model accepts."""
 
@@ -20,10 +22,10 @@ class PaperDials:
         self.noise = section = Section(form, "Riccati observer: q and V")
         with section:
             self._q = _dial(section, "q", Q_RANGE)
-            self._process = Section(form, "Process noise V", expanded=False)
+            self._process = Section(form, PROCESS, expanded=False)
             with self._process as section:
                 self._v = {block: _dial(section, f"v {block}", V_RANGE) for block in BLOCKS}
-        self._start = section = Section(form, "Initial errors squared: P₀", expanded=False)
+        self._start = section = Section(form, START, expanded=False)
         with section:
             self._p0 = {block: _dial(section, f"p0 {block}", P0_RANGE) for block in BLOCKS}
 
@@ -38,7 +40,8 @@ class PaperDials:
     def refresh(self) -> None:
         """Show below the dials why the gains are invalid. Raises InvalidInputError."""
         with complaining(self.noise, self._process, self._start, self.attitude):
-            self.read()
+            riccati = self.read().riccati
+        self._describe(riccati)
 
     def read(self) -> Gains:
         """The gains chosen, in constant mode without a schedule. Raises InvalidInputError."""
@@ -62,6 +65,12 @@ class PaperDials:
         self._k1.write(gains.attitude.k1, base.attitude.k1)
         self._rho1.write(gains.attitude.rho1, base.attitude.rho1)
         self._rho2.write(gains.attitude.rho2, base.attitude.rho2)
+        self._describe(current)
+
+    def _describe(self, riccati: RiccatiGains) -> None:
+        """Say in the folded headings what is inside."""
+        self._process.caption(f"{PROCESS}: {_span(riccati.v)}")
+        self._start.caption(f"{START}: {_span(riccati.p0)}")
 
     def show(self, visible: bool, *, noise: bool) -> None:
         """Show or hide the dials; `noise` is whether q and V are used, which noise-matched gains leave unused."""
@@ -74,6 +83,13 @@ def _dial(section: Section, key: str, limits: tuple[float, float]) -> LogDial:
     """The dial of a gain, with the label and the hint of its term."""
     term = PAPER_GAINS[key]
     return LogDial(section, term.caption, limits, hint=term.hint)
+
+
+def _span(blocks: Blocks) -> str:
+    """The least and the largest of the values."""
+    values = [getattr(blocks, block) for block in BLOCKS]
+    low, high = significant(min(values), 2), significant(max(values), 2)
+    return low if low == high else f"{low} to {high}"
 
 
 def _read_blocks(dials: dict[str, LogDial]) -> Blocks:

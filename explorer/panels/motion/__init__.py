@@ -7,7 +7,7 @@ from typing import cast
 
 from explorer.model.glossary import MOTION
 from explorer.model.settings import MAX_TIME_SCALE, MIN_TIME_SCALE, Drafts, Settings
-from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS
+from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS, description
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
@@ -29,6 +29,7 @@ FAMILY_HINT = (
     "ω(t) of the body, rad/s in body axes. keyframes: a smooth curve through timed values; flown: thrust along the "
     "specific force, so the path decides the attitude and only the yaw is chosen. What is entered in one is kept."
 )
+TURNING = "Angular velocity ω(t), body axes"
 NO_EFFECT = (
     "Turning the body changes neither the Gramian's eigenvalues nor the derived PE: they depend on path and gravity "
     "alone. It does change the **printed** φ (Presets, *As printed in the paper*)."
@@ -180,7 +181,7 @@ class _AngularVelocity:
     """The angular velocity ω(t), and the initial attitude R(0)."""
 
     def __init__(self, form: Form) -> None:
-        self.section = section = Section(form, "Angular velocity ω(t), body axes", expanded=False)
+        self.section = section = Section(form, TURNING, expanded=False)
         with section:
             form.gui.add_markdown(NO_EFFECT)
             self.signal_editor = SignalEditor(form, ANGULAR_VELOCITY, ANGULAR_VELOCITY_LABELS, hint=FAMILY_HINT)
@@ -191,6 +192,7 @@ class _AngularVelocity:
 
     def refresh(self, duration: float) -> None:
         self.signal_editor.refresh(duration)
+        self._describe(self.signal_editor.signal)
         self._start_section.show(not isinstance(self.signal_editor.signal, Flown))
         with self._start_section.catching():
             self._rotation.read()
@@ -202,8 +204,13 @@ class _AngularVelocity:
 
     def write(self, choice: MotionChoice, base: MotionChoice, drafts: Drafts) -> None:
         self.signal_editor.write(choice.angular_velocity, base.angular_velocity, drafts.angular_velocity)
+        self._describe(choice.angular_velocity)
         self._rotation.write(choice.initial_rotation, base.initial_rotation)
         self._start_section.show(not isinstance(choice.angular_velocity, Flown))
+
+    def _describe(self, signal: AngularVelocity) -> None:
+        """Say in the folded heading what is inside."""
+        self.section.caption(f"{TURNING}: {description(signal)}")
 
     def drafts(self) -> tuple[AngularVelocity, ...]:
         return cast(tuple[AngularVelocity, ...], self.signal_editor.drafts())

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Literal
 
 from explorer.model import palette
-from explorer.model.glossary import MOTION, SENSING, VERDICT
+from explorer.model.glossary import VERDICT
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import ORIGIN, FlightOptions, FlightReport, WorldSource, judge, world_evidence
 from explorer.widgets.controls import Choice, Number, Switch, Vector, when_moved
@@ -62,15 +62,15 @@ class FlightPanel:
         with section:
             self._evidence = form.gui.add_html("")
             self._anchor_source = Choice(section, "anchor from", ANCHOR_SOURCES, hint=ANCHOR_HINT)
-            self._anchor = Vector(section, MOTION["anchor"].caption, step=0.01, hint=PLACE_HINT)
+            self._anchor = Vector(section, "flight's anchor (m)", step=0.01, hint=PLACE_HINT)
             self._world = Choice(section, "gravity and field from", WORLD_SOURCES, hint=WORLD_HINT)
-            self._gravity = Vector(section, MOTION["gravity"].caption, step=0.01, hint="Inertial.")
-            self._magnetic = Vector(section, MOTION["magnetic"].caption, step=0.01, hint="Its direction, inertial.")
+            self._gravity = Vector(section, "flight's gravity (m/s²)", step=0.01, hint="Inertial.")
+            self._magnetic = Vector(section, "flight's magnetic direction", step=0.01, hint="Its direction, inertial.")
             self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC_HINT)
-            self._sigma = Number(section, SENSING["range noise"].caption, hint=SIGMA_HINT)
+            self._sigma = Number(section, "flight's range noise σ (m)", hint=SIGMA_HINT)
             self._begin = Number(section, "begin at (s)", hint=PART_HINT)
             self._end = Number(section, "end at (s)", hint=PART_HINT)
-            self._window = Number(section, MOTION["window"].caption, hint=WINDOW_HINT)
+            self._window = Number(section, "flight's window δ (s)", hint=WINDOW_HINT)
             self._weak = Number(section, VERDICT["wanted error"].caption, hint=WEAK_HINT)
             form.button("Was it informative?", self._judge, hint=JUDGE_HINT)
             self._report_block = form.gui.add_html("", visible=False)

@@ -17,6 +17,7 @@ from rangenav.sensors import MIN_RANGE_RATE, Sensors, effect_sentences
 from rangenav.sensors.sensor_sets import CATALOGUE
 
 CUSTOM = "own"
+RATES = "IMU and magnetometer rates"
 SENSOR_SETS = {entry.name: entry for entry in CATALOGUE}
 
 
@@ -43,7 +44,7 @@ class SensorsPanel:
             self.set_text = form.gui.add_html("")
             self.range_rate = _rate_dial(section, "range rate", (MIN_RANGE_RATE, 200.0), step=0.1)
         self.noise = NoiseFolder(form)
-        section = Section(form, "IMU and magnetometer rates", expanded=False)
+        self._rates_section = section = Section(form, RATES, expanded=False)
         with section:
             self.imu_rate = _rate_dial(section, "imu rate", (20.0, 1000.0), step=10.0)
             self.mag_rate = _rate_dial(section, "mag rate", (1.0, 1000.0), step=1.0)
@@ -68,6 +69,7 @@ class SensorsPanel:
         self.effects.refresh()
         with self._section.catching():
             sensors = self._sensors()
+        self._describe_rates(sensors)
         if self.sensor_set.read() == picked:  # else the visitor has just picked another set; the next refresh shows it
             self._show_set_name(sensors)
         self.effects.describe(effect_sentences(sensors))
@@ -87,6 +89,7 @@ class SensorsPanel:
         for name, folder in (("noise", self.noise), ("unmodelled", self.effects)):
             folder.write(getattr(choice.sensors, name), getattr(base.sensors, name))
         self.sensor_set.write(_set_of(choice.sensors), _set_of(base.sensors))
+        self._describe_rates(choice.sensors)
         self._show_set_name(choice.sensors)
         self.effects.describe(effect_sentences(choice.sensors))
         self._seed.write(float(choice.seed), float(base.seed))
@@ -116,6 +119,10 @@ class SensorsPanel:
             dial.show(getattr(sensors, name))
         self.noise.show(sensors.noise)
         self.effects.show(sensors.unmodelled)
+
+    def _describe_rates(self, sensors: Sensors) -> None:
+        """Say in the folded heading what is inside."""
+        self._rates_section.caption(f"{RATES}: {sensors.imu_rate:g} Hz, {sensors.mag_rate:g} Hz")
 
     def _show_set_name(self, sensors: Sensors) -> None:
         """Show the name and the description of the set that the sensors equal, if any."""

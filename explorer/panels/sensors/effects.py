@@ -11,13 +11,16 @@ from rangenav.sensors import Effects, effects
 STYLE = "font-size:0.85em;line-height:1.4;padding:0 0.9em 0.6em"
 
 
+HEADING = SENSING["unmodelled"].label.capitalize()
+
+
 class EffectsFolder:
     """Biases, outliers, drop-outs, the lever arm. In the paper all of them are off."""
 
     def __init__(self, form: Form) -> None:
         self.description = form.gui.add_html("", visible=False)
         """A sentence for each effect that is on. It stands outside the folder, which may be closed."""
-        self._section = section = Section(form, SENSING["unmodelled"].label.capitalize(), expanded=False)
+        self._section = section = Section(form, HEADING, expanded=False)
         with section:
             self.fields = FieldControls(section, Effects, effects.rows())
 
@@ -41,6 +44,7 @@ class EffectsFolder:
     def describe(self, sentences: tuple[str, ...]) -> None:
         """Show the sentences about the effects that are on."""
         lines = "".join(f"<div>▲ {html.escape(sentence)}</div>" for sentence in sentences)
+        self._section.caption(f"{HEADING}: {len(sentences)} on" if sentences else f"{HEADING}: none")
         content = f'<div style="{STYLE}">{lines}</div>'
         if content != self.description.content:
             self.description.content = content

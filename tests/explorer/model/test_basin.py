@@ -162,10 +162,13 @@ def test_equilibria_are_named_at_both_ends(page: Page):
 # The section
 
 
+ANGLE = "attitude error of all starts (°)"
+
+
 def compute(editing: Editing, axes: float = 40, angle: float = 179.0) -> Basin:
     """Compute a basin, and wait until it is shown."""
     editing.set("number of axes", axes)
-    editing.set("initial attitude error (°)", angle)
+    editing.set(ANGLE, angle)
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for(lambda: editing.tab.nodes["/basin"]["visible"], "the globe")
     editing.settle()
@@ -256,8 +259,8 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
         ("number of axes", 2.5, "number of axes must be a whole number between 1 and"),
         ("number of axes", math.nan, "number of axes: “nan” is no number"),
         ("number of axes", 1e300, "number of axes must be a whole number between 1 and"),
-        ("initial attitude error (°)", 200.0, "angle must lie"),
-        ("initial attitude error (°)", math.nan, "initial attitude error (°) must be a finite"),
+        (ANGLE, 200.0, f"{ANGLE} must lie"),
+        (ANGLE, math.nan, f"{ANGLE} must be a finite"),
     ],
 )
 def test_nonsense_gets_a_sentence(editing: Editing, label: str, value: float, sentence: str):
@@ -271,7 +274,7 @@ def test_settings_that_cannot_be_shown_are_refused_in_the_section_of_the_starts(
     editing.tab.set("flight duration (s)", 5.0)
     editing.tab.wait_for_text("Not shown")
     editing.tab.press(panel.COMPUTE_LABEL)
-    sentence = "requirement.window must be shorter than the duration"
+    sentence = "time window judged δ must be shorter than the duration"
     editing.tab.wait_for(lambda: editing.tab.text().count(sentence) > 2, "the sentence in the section")
     assert editing.session.jobs.running is None
 

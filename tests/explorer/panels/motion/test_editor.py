@@ -179,7 +179,7 @@ def test_polynomials_are_typed_as_in_their_files_and_jumps_are_named(editing: Ed
 def test_tones_are_added_and_removed_and_come_back(editing: Editing):
     before = editing.settings.preset.path
     assert isinstance(before, Multisine)
-    editing.press("add a tone", "+ z")
+    editing.press("add a tone along", "+ z")
     after = editing.settings.preset.path
     assert isinstance(after, Multisine)
     assert after.tones[:-1] == before.tones
@@ -208,7 +208,9 @@ def test_a_wiggle_makes_a_sum_and_is_kept_when_it_is_off(editing: Editing):
 def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi(editing: Editing):
     before = editing.session.picture
     editing.set("initial attitude error (°)", 0.0)
-    families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
+    families = [
+        uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("turning made of")
+    ]
     editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": "formulas"}})
     editing.settle()
     texts = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("x(t)")]
@@ -225,7 +227,9 @@ def test_the_angular_velocity_changes_neither_gramian_nor_pe_but_the_printed_phi
 
 
 def test_a_flown_body_leans_as_its_thrust_does(editing: Editing):
-    families = [uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("family")]
+    families = [
+        uuid for uuid, p in editing.tab.elements.items() if (p.get("label") or "").startswith("turning made of")
+    ]
     label = "flown: as a multirotor must"
     editing.tab.send({"type": "GuiUpdateMessage", "uuid": families[-1], "updates": {"value": label}})
     editing.settle()
@@ -259,7 +263,7 @@ def test_the_whole_path_is_scaled_turned_mirrored_and_centred_about_the_anchor(e
     assert np.allclose((box.max(axis=0) + box.min(axis=0)) / 2, (1, 2, 3), atol=1e-3)
     editing.set("size factor", math.nan)
     editing.press("", "scale")
-    assert any("the factor must be a number" in complaint for complaint in editing.refusals())
+    assert any("size factor: “nan” is no number" in complaint for complaint in editing.refusals())
 
 
 def test_relabelling_the_axes_twice_changes_nothing_and_once_nothing_that_can_be_measured(editing: Editing):

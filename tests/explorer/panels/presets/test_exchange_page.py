@@ -104,7 +104,7 @@ def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing
     page.tab.upload("Upload a file", "flight.csv", (tmp_path / "flight.csv").read_bytes())
     page.tab.wait_for_text("a recorded flight: judge it below")
     before = page.settings
-    page.set("range noise σ (m)", 0.05)
+    page.set("flight's range noise σ (m)", 0.05)
     page.press("Was it informative?")
     page.tab.wait_for_text("rms by quarters")
     assert "windows" in page.tab.text()
@@ -117,7 +117,7 @@ def test_a_recorded_flight_is_judged_with_errors_against_its_truth(page: Editing
     page.press("Was it informative?")
     page.tab.wait_for(lambda: any("must begin before it ends" in text for text in page.refusals()), "a sentence")
     page.set("end at (s)", 20.0)
-    page.set("time window judged δ (s)", 1e9)
+    page.set("flight's window δ (s)", 1e9)
     page.press("Was it informative?")
     page.tab.wait_for(lambda: any("the window must lie" in text for text in page.refusals()), "a sentence")
     assert page.settings == before
@@ -149,7 +149,7 @@ def test_a_flight_is_judged_with_nothing_that_is_not_chosen_and_its_result_names
     page.tab.upload("Upload a file", "bare.csv", recorded[0])
     page.tab.wait_for_text("bare.csv: a recorded flight; judge it under “Recorded flight”")
     assert page.tab.value("synthetic ranges") is False
-    boxes = ("its gravity (m/s²)", "its field", "anchor at (m)")
+    boxes = ("flight's gravity (m/s²)", "flight's magnetic direction", "anchor at (m)")
     assert [_visible(page, box) for box in boxes] == [False] * 3
     page.press("Was it informative?")
     page.tab.wait_for_text("no ranges, so the observers were not run")
@@ -163,7 +163,7 @@ def test_a_flight_is_judged_with_nothing_that_is_not_chosen_and_its_result_names
     page.tab.wait_for(lambda: all(_visible(page, box) for box in boxes), "the boxes")
     page.set("gravity and field from", "as the file says")
     page.tab.wait_for(lambda: not any(_visible(page, box) for box in boxes[:2]), "boxes that are not used to hide")
-    page.set("anchor position (m)", (0.0, 0.0, 1.0))
+    page.set("flight's anchor (m)", (0.0, 0.0, 1.0))
     page.press("Was it informative?")
     page.tab.wait_for_text("with synthetic ranges of σ 0.1 m to an anchor at (0, 0, 1) m, as given")
 
