@@ -79,7 +79,7 @@ def test_a_path_is_imported_after_its_questions_are_answered(page: Editing, tmp_
     assert "the path&#x27;s snap was not in Tour 1.txt" in page.tab.text()
     assert page.settings.preset.world.gravity[2] < 0
     save_as(page, "Tour kept")
-    page.set("speed (slower ⟷ faster)", 0.05)  # another path: a design of the visitor's
+    page.set("speed (slower ⟷ faster)", -0.05)  # another path: a design of the visitor's
     assert "not judged</b>" not in page.tab.text()
 
 
@@ -149,7 +149,7 @@ def test_a_flight_is_judged_with_nothing_that_is_not_chosen_and_its_result_names
     page.tab.upload("Upload a file", "bare.csv", recorded[0])
     page.tab.wait_for_text("bare.csv: a recorded flight; judge it under “Recorded flight”")
     assert page.tab.value("synthetic ranges") is False
-    boxes = ("flight's gravity (m/s²)", "flight's magnetic direction", "anchor at (m)")
+    boxes = ("flight's gravity (m/s²)", "flight's magnetic direction", "flight's anchor (m)")
     assert [_visible(page, box) for box in boxes] == [False] * 3
     page.press("Was it informative?")
     page.tab.wait_for_text("no ranges, so the observers were not run")
