@@ -12,18 +12,19 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
+import msgspec
 
 from rangenav import formats
-from rangenav.certificate import exports, ramp_limits
+from rangenav.certificate import exports, objection, ramp_limits
 from rangenav.certificate.schema import Certificate
 from rangenav.formats import ExportOptions, OutputFile
-from rangenav.observability import blindness
-from rangenav.preset import Preset
+from rangenav.preset import MIN_WINDOW_SAMPLES, Preset
 
 CACHED = 32
 FINER_HELPS = {"excitation", "rank", "accuracy"}
 """Checks that shorter pieces may meet where longer ones do not."""
+MIN_WINDOW = 0.05
+"""s, of any preset."""
 PIECES, RAMPS = frozenset({"pieces"}), frozenset({"ramps"})
 
 
@@ -135,27 +136,9 @@ def _pass_gate(preset: Preset, format_name: str, options: ExportOptions) -> None
     if complaint is not None:
         issued = exports.certificate_of(preset)
         missed = frozenset(check.name for check in issued.checks if not check.met)
-        short = in_short(issued)
+        short = objection.in_short(issued)
         sentence = complaint if short is None else f"{short} ({complaint})"
         raise RefusedExportError(sentence, preset, format_name, options, missed)
-
-
-def in_short(issued: Certificate) -> str | None:
-    """What a preset's certificate says against its export, as a pilot would; None where its own sentence is short."""
-    missed = {check.name: check for check in issued.checks if not check.met}
-    window, sigma = f"{issued.claim.window:g} s", issued.accuracy.lifted.end.position
-    if "source" in missed or "smooth" in missed:
-        return None
-    if "rank" in missed or ("excitation" in missed and issued.excitation.found is None):
-        along = blindness.name(np.asarray(issued.excitation.direction))
-        where = f" along {along}" if issued.excitation.found is None else ""
-        return f"on this motion the ranges of {window} do not tell the position{where}"
-    if "excitation" in missed:
-        return f"this motion is too gentle: {missed['excitation'].words}"
-    if "accuracy" in missed and sigma is not None:
-        needed = issued.accuracy.required
-        return f"the ranges of {window} tell the position to ±{sigma:.2g} m, and ±{needed:.2g} m are required"
-    return None
 
 
 def _marked(preset: Preset, format_name: str, output: Path, options: ExportOptions, complaint: str) -> CertifiedExport:
@@ -164,13 +147,23 @@ def _marked(preset: Preset, format_name: str, output: Path, options: ExportOptio
     if row.drafts is None:
         written = formats.export(preset, format_name, place)
     else:
-        *_, finest = row.drafts(preset, options)
+        try:
+            *_, finest = row.drafts(preset, options)
+        except ValueError:  # not one window of it: then as much as the format holds
+            *_, finest = row.drafts(_any_window(preset), options)
         written = finest(place)
     strays = () if written.unfit is None else (written.unfit,)
     notes = (f"UNCERTIFIED: {complaint}", *strays, *written.notes)
     return CertifiedExport(
         output=replace(written, notes=notes), certificate=None, complaint=complaint, reason=complaint
     )
+
+
+def _any_window(preset: Preset) -> Preset:
+    """The preset with the shortest window that a preset may have."""
+    shortest = max(MIN_WINDOW, MIN_WINDOW_SAMPLES / preset.sensors.imu_rate)
+    requirement = msgspec.structs.replace(preset.requirement, window=shortest)
+    return msgspec.structs.replace(preset, requirement=requirement)
 
 
 def _first_certified(preset: Preset, format_name: str, output: Path, options: ExportOptions) -> CertifiedExport:
@@ -186,12 +179,12 @@ def _first_certified(preset: Preset, format_name: str, output: Path, options: Ex
         while k < len(every):
             written = every[k](output)
             failure, missed = written.unfit or _lacks_excitation(written, preset), PIECES
-            ramps = None if failure else ramp_limits.broken(preset, written)
-            if ramps is not None:
-                failure, missed = ramps, RAMPS
-                break
             if failure is None:
                 issued = _certified(preset, format_name, output, written, options)
+                ramps = ramp_limits.broken(preset, written) if issued.certified else None
+                if ramps is not None:
+                    failure, missed = ramps, RAMPS
+                    break
                 if issued.certified:
                     certificate = exports.write_certificate(issued, output)
                     return CertifiedExport(output=written, certificate=certificate, complaint=None)

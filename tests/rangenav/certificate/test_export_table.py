@@ -135,6 +135,17 @@ def test_even_if_uncertified_delivers_what_the_certificate_refuses(tmp_path: Pat
     assert export.notes[1].startswith("UNCERTIFIED: as polynomial it does not keep what it promises: hand-held")
 
 
+@pytest.mark.parametrize(("name", "once"), [("paper", True), ("wiggle", False), ("minimum-snap", False)])
+def test_what_no_pieces_hold_is_written_as_far_as_they_go_and_marked(name: str, once: bool, tmp_path: Path):
+    assert certified_export.refusal(SHIPPED[name], "polynomial", ExportOptions(once=once)) is not None
+    export = certified_export.write(
+        SHIPPED[name], "polynomial", tmp_path / "x.csv", name=name, once=once, uncertified=True, otherwise=""
+    )
+    assert [path.name for path in tmp_path.iterdir()] == ["x.uncertified.csv"]
+    assert any(note.startswith("UNCERTIFIED: ") for note in export.notes)
+    assert formats.read(tmp_path / "x.uncertified.csv", "polynomial").rows <= piece_layouts.MAX_SEGMENTS
+
+
 def closed_pieces(lift: float) -> Polynomials:
     """A lap through four corners in 4 s, from rest to rest; at its end `lift` m higher."""
     corners = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.3), (1.0, 1.0, 0.0), (0.0, 1.0, 0.3), (0.0, 0.0, lift))
