@@ -40,6 +40,18 @@
     if (own) focus.setAttribute('aria-label', name(own));
   });
 
+  // A hint in the right dock would cover the control above: it is shown over the scene, level with its own control.
+  const edge = () => innerWidth - parseFloat(document.documentElement.style.getPropertyValue('--rn-right') || 0);
+  const aside = () => document.querySelectorAll('.mantine-Tooltip-tooltip').forEach(hint => {
+    const box = hint.getBoundingClientRect();
+    if (hint.style.transform || box.left < edge() || box.width > edge()) return;
+    hint.style.transform = `translate(${edge() - box.right - 8}px, ${box.height / 2 + 16}px)`;
+    hint.querySelectorAll('.mantine-Tooltip-arrow').forEach(arrow => { arrow.style.visibility = 'hidden'; });
+  });
+  document.addEventListener('pointerover', event => {
+    if (event.clientX > edge()) [505, 525, 550, 600, 800].forEach(later => setTimeout(aside, later));
+  });
+
   const pause = ms => new Promise(done => setTimeout(done, ms));
   const own = element => element.firstChild && element.firstChild.nodeType === 3 ? element.firstChild.data.trim() : '';
   const show = async ([kind, wanted]) => {

@@ -129,7 +129,9 @@ class SensorsPanel:
         self._shown_set = _set_of(sensors)
         self.sensor_set.show(self._shown_set)
         text = (
-            html.escape(SENSOR_SETS[self._shown_set].summary) if self._shown_set in SENSOR_SETS else "None of the sets."
+            html.escape(SENSOR_SETS[self._shown_set].summary)
+            if self._shown_set in SENSOR_SETS
+            else "Values of your own."
         )
         self.set_text.content = f'<div style="{STYLE}">{text}</div>'
 
