@@ -27,6 +27,8 @@ LOOPED = 20.0
 """s, that a loop is flown at least."""
 NEAREST, SHARE = 1.0, 0.5
 """m, and a share of the path's longest side: the anchor stands so far outside the path, whichever is more."""
+FARTHEST = 5e4
+"""m, of each coordinate of the anchor: a world holds none beyond 100 km."""
 MAGNETIC = 0.7071067811865476
 """Each of the field's components, north and down, as in the shipped presets."""
 SAME_LENGTH = 1e-6
@@ -142,12 +144,15 @@ def _looped(period: float, window: float) -> float:
 
 
 def _anchor(path: Signal, duration: float, *, z_up: bool) -> Vec3:
-    """Below the middle of the path's box, outside it by NEAREST or more; in decimetres."""
+    """Below the middle of the path's box, outside it by NEAREST or more; in decimetres. The origin for a path that is
+    farther away than an anchor may be."""
     places = path(np.linspace(0, duration, BOX_SAMPLES))
     low, high = places.min(axis=0), places.max(axis=0)
     outside = max(NEAREST, SHARE * float((high - low).max()))
     x, y, _ = (low + high) / 2
     z = low[2] - outside if z_up else high[2] + outside
+    if max(abs(x), abs(y), abs(z)) > FARTHEST:
+        return 0.0, 0.0, 0.0
     return round(float(x), 1) + 0.0, round(float(y), 1) + 0.0, round(float(z), 1) + 0.0
 
 

@@ -142,7 +142,9 @@ class BundlePanel:
         """A button for each cure of the first file that was refused."""
         self._cured = shown
         with self._section:
-            self._cures_section = section = Section(self._form, f"What cures it ({refused.format_name})")
+            self._cures_section = section = Section(
+                self._form, f"What cures it ({formats.row(refused.format_name).label})"
+            )
         with section:
             for cure in refused.cures:
                 self._form.button(_label(cure), partial(self._cure, shown, cure), hint=CURE_HINT)

@@ -23,8 +23,9 @@ from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.formats import ImportResult, Question
 from rangenav.number_format import quantity, significant
-from rangenav.vehicle import CATALOGUE
+from rangenav.vehicle import CATALOGUE, FREE
 
+VEHICLES = {one: "No limits" if one == FREE else one.name for one in CATALOGUE}
 VEHICLE_HINT = "The vehicle whose limits an imported path is held against; the World tab has it, too."
 MOVED = "other values: anchor in the World tab, δ and duration in the Motion tab"
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
@@ -69,7 +70,7 @@ class ImportPanel:
         self._answers: dict[str, str] = {}
         self._answer_choices: dict[str, Choice[str]] = {}
         with section:
-            self._vehicle = Choice(section, "to be flown by", {one: one.name for one in CATALOGUE}, hint=VEHICLE_HINT)
+            self._vehicle = Choice(section, "to be flown by", VEHICLES, hint=VEHICLE_HINT)
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
             self._status = form.gui.add_html("", visible=False)
             self._format = Choice(section, "format", choices(), hint=FORMAT_HINT)

@@ -1,5 +1,6 @@
 """Every shipped preset in every format of a motion: exported with a certificate, or refused with reason and cure."""
 
+import dataclasses
 from pathlib import Path
 
 import msgspec
@@ -175,6 +176,14 @@ def test_an_imported_path_that_closes_is_a_loop_with_an_anchor_outside_it_and_sa
     assert (window, "it repeats: 5 loops of 4 s" in end) == ("the window judged, δ, is 12 s, which is 3 loops", True)
     once = as_preset(imported, ends="hold")
     assert (once.path.period, once.duration) == (None, pytest.approx(4.0))
+
+
+def test_the_anchor_of_a_path_farther_away_than_an_anchor_may_be_stands_at_the_origin(tmp_path: Path):
+    imported = as_file(closed_pieces(0.0), tmp_path)
+    path = present(imported.path)
+    assert isinstance(path, Polynomials)
+    far = dataclasses.replace(imported, path=path.mapped(np.eye(3), np.array([6e5, 0.0, 0.0])))
+    assert as_preset(far).world.anchor == (0.0, 0.0, 0.0)
 
 
 def test_an_imported_path_that_does_not_close_is_flown_once(tmp_path: Path):
