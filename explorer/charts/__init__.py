@@ -19,8 +19,8 @@ WIDTH, PANEL_WIDTH = 360, 303
 """px of a single panel, and of each of two. viser opens a second panel at this width of its own."""
 TWO_PANELS = 1570
 """px: a wider window has room for two panels."""
-FOLDED = 1000
-"""px: in a narrower window the panel of plots is folded to a bar, which a click unfolds."""
+FOLDED, BIG_FOLDED = 1000, 1600
+"""px, and with big type: in a narrower window the panel of plots is folded to a bar, which a click unfolds."""
 USUAL_HEIGHT, OF_WINDOW, GROWTH = 102, 768, 0.19
 """px: four plots of this height fill a panel in a window of that height; and by how much each grows with it."""
 MIN_HEIGHT, MAX_HEIGHT = 90, 320
@@ -47,11 +47,12 @@ class PlotSize:
 def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
     """For a window of this width and height (CSS px), and for `big` type."""
     two_panels = width >= TWO_PANELS and not big
-    plot_height = round(min(max(USUAL_HEIGHT + GROWTH * (height - OF_WINDOW), MIN_HEIGHT), MAX_HEIGHT))
+    plot_height = min(max(USUAL_HEIGHT + GROWTH * (height - OF_WINDOW), MIN_HEIGHT), MAX_HEIGHT)
+    plot_height = round(1.4 * plot_height if big else plot_height)
     panel_width = WIDTH if width >= 1200 else round(0.8 * WIDTH)
     return PlotSize(
         two_panels=two_panels,
-        folded=width < FOLDED,
+        folded=width < (BIG_FOLDED if big else FOLDED),
         width=round(1.25 * WIDTH) if big and width >= 1200 else panel_width,
         style=ChartStyle(height=plot_height, big=big),
         window_height=height,

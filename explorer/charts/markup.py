@@ -22,7 +22,8 @@ PADDING = (8, 24, 0, 0)
 """px inside a plot: top, right, bottom, left."""
 MARGIN = 10
 """px that viser leaves around a plot (its spacing "xs"); its border is 1 px wide."""
-BORDER = 1
+BORDER, BIG_FACTOR = 1, 1.5
+"""px; and the factor of viser's spacing with big type (page.css)."""
 RIGHT = MARGIN + BORDER + PADDING[1]
 FRACTION = "--tcur"
 HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
@@ -41,7 +42,7 @@ STYLE = f"""<style>
 .rn-title b {{ font-weight: 600; }} .rn-unit {{ opacity: .65; }}
 .rn-fold {{ margin: 0 24px 0 auto; opacity: .75; }} details[open] .rn-fold {{ transform: rotate(90deg); }}
 .rn-legend {{ display: flex; flex-wrap: wrap; column-gap: 6px; font-variant-numeric: tabular-nums;
-  font-size: calc(11px * var(--rn-scale, 1)); }}
+  font-size: calc(12px * var(--rn-scale, 1)); }}
 .rn-legend {{ margin: 0 {MARGIN}px; }} .rn-legend svg {{ vertical-align: middle; margin-right: 3px; }}
 .rn-legend button {{ all: unset; white-space: nowrap; cursor: pointer; }}
 .rn-legend button:hover {{ text-decoration: underline; }}
@@ -49,7 +50,7 @@ STYLE = f"""<style>
 .rn-legend button[aria-pressed=false] {{ opacity: .5; text-decoration: line-through; }}
 .rn-v {{ display: inline-block; min-width: calc(43px * var(--rn-scale, 1)); font-weight: 500; }}
 .rn-v::after {{ content: var(--rn-value, '–'); }}
-.rn-note {{ margin: 0 {MARGIN}px; font-size: calc(11px * var(--rn-scale, 1)); line-height: 1.25; opacity: .75; }}
+.rn-note {{ margin: 0 {MARGIN}px; font-size: calc(12px * var(--rn-scale, 1)); line-height: 1.25; opacity: .75; }}
 .rn-expand {{ all: unset; cursor: pointer; position: absolute; right: {MARGIN}px; top: -3px; padding: 0 4px;
   font-size: calc(16px * var(--rn-scale, 1)); }}
 .rn-expand:hover {{ background: {palette.DEFINITION_FILL}; }}
@@ -66,12 +67,12 @@ STYLE = f"""<style>
   margin-left: -.75px; background: currentColor; opacity: .55; }}
 .rn-at {{ position: absolute; bottom: -{AXIS_SIZES[1] - 3}px; transform: translateX(-50%); padding: 0 4px;
   border-radius: 3px; background: {palette.TOOLTIP}; color: {palette.TOOLTIP_TEXT};
-  font-size: calc(11px * var(--rn-scale, 1)); font-variant-numeric: tabular-nums; }}
+  font-size: calc(12px * var(--rn-scale, 1)); font-variant-numeric: tabular-nums; }}
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
 .rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
 .rn-seconds {{ position: absolute; right: {MARGIN + 3 - RIGHT}px; bottom: -{AXIS_SIZES[1] - 4}px;
-  font-size: calc(11px * var(--rn-scale, 1)); opacity: .65; }}
+  font-size: calc(12px * var(--rn-scale, 1)); opacity: .65; }}
 </style>"""
 
 
@@ -105,10 +106,11 @@ def header(
 
     A hidden curve has no legend entry. A curve that the visitor has switched off keeps its entry, to switch it on."""
     legend = "".join(_entry(plot, i, on=i not in switched_off) for i in plot.in_legend if i not in hidden)
-    top = MARGIN - 7 + BORDER + PADDING[0]
+    margin = MARGIN * (BIG_FACTOR if big else 1.0)
+    top = margin - 7 + BORDER + PADDING[0]
     axis_width, axis_height = axis_sizes(big)
     inside = height - PADDING[0] - axis_height
-    ends = f"left:{MARGIN + BORDER + axis_width}px;right:{RIGHT}px"
+    ends = f"left:{margin + BORDER + axis_width:g}px;right:{margin + BORDER + PADDING[1]:g}px"
     span = f"width:calc(var({WINDOW_SPAN}, 0) * 100%)"
     brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * 100%)"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
@@ -127,7 +129,7 @@ def header(
         f'<summary><div class="rn-title">{title}</div></summary>'
         f'<div class="rn-definition">{equation}{plot.definition.meaning}</div></details>'
         f'<div class="rn-legend">{legend}</div>{note}'
-        f'<div class="rn-over" style="top:calc(100% + {top}px);height:{inside}px;{ends}">{reason}'
+        f'<div class="rn-over" style="top:calc(100% + {top:g}px);height:{inside}px;{ends}">{reason}'
         f'{moving if plot.along_flight else other}<div class="rn-brush" style="{brush}"></div>'
         f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
     )

@@ -35,12 +35,14 @@ class Arrow:
         *,
         rank: int,
         both_ways: bool = False,
+        label_at: float = 1.0,
         origin: Callable[[], Float[Array, "3"]] = _origin,
     ) -> None:
-        """rank: of its label. origin: where its parent node is (m, inertial frame)."""
+        """rank: of its label. label_at: its place, by the arrow's length. origin: where the parent node is (m, inertial
+        frame)."""
         self._shape = BOTH_WAYS if both_ways else ALONG_X
         self._node = scene.add_arrows(name, self._shape, palette.linear(color), visible=False)
-        self._origin, self._direction, self._tip = origin, np.zeros(3), 0.0
+        self._origin, self._direction, self._tip, self._label_at = origin, np.zeros(3), 0.0, label_at
         self._label = labels.add(f"{name}/label", self._tip_position, rank=rank, text=text, side="center-left")
         self._size = (0.0, 0.0)
         self.enabled = True
@@ -54,7 +56,7 @@ class Arrow:
         self._node.points = self._shape * np.float32(length)
         self._node.shaft_radius, self._node.head_radius = radius, 2.4 * radius
         self._node.head_length = min(6 * radius, 0.5 * length)
-        self._tip = length + 2 * radius
+        self._tip = self._label_at * length + 2 * radius
         self._label.handle.position = (self._tip, 0.0, 0.0)
 
     def point(self, direction: Float[Array, "3"]) -> None:

@@ -48,6 +48,13 @@ class Box(NamedTuple):
             and abs(self.y - other.y) < self.half_height + other.half_height
         )
 
+    def is_inside(self, width: float, height: float) -> bool:
+        """Whether it lies inside a picture; one of endless size has no edges."""
+        if math.isinf(width):
+            return True
+        across = self.half_width <= self.x <= width - self.half_width
+        return across and self.half_height <= self.y <= height - self.half_height
+
 
 class Item(NamedTuple):
     """What is to be placed: a text at a position on the screen (px, y down), and the side that it has now."""
@@ -58,13 +65,18 @@ class Item(NamedTuple):
     side: Side
 
 
-def place(items: Sequence[Item], *, scale: float = SCALE) -> list[Side | None]:
-    """The side of each label, the most important first; None for a label that has no room."""
+def place(
+    items: Sequence[Item], *, scale: float = SCALE, picture: tuple[float, float] = (math.inf, math.inf)
+) -> list[Side | None]:
+    """The side of each label, the most important first; None for a label that has no room.
+
+    picture: its width and height (px). A label lies inside the picture, unless its point is at the edge or beyond."""
     placed: list[Box] = []
     sides: list[Side | None] = []
     for item in items:
-        for side in (item.side, *SIDES):
-            box = box_of(item, side, scale=scale)
+        boxes: list[tuple[Side, Box]] = [(side, box_of(item, side, scale=scale)) for side in (item.side, *SIDES)]
+        inside = [one for one in boxes if one[1].is_inside(*picture)]
+        for side, box in inside or boxes:
             if not any(box.meets(other) for other in placed):
                 placed.append(box)
                 sides.append(side)
@@ -155,8 +167,9 @@ class Labels:
         seen = project(np.array([point for _, point in present]), self._camera)
         ratio = self._scale * (self._camera.image_height / self._height if self._height else 1.0)
         drawn = [(label, xy) for (label, _), xy in zip(present, seen, strict=True) if np.isfinite(xy).all()]
+        picture = float(self._camera.image_width), float(self._camera.image_height)
         items = [Item(label.text, float(x), float(y), label.side) for label, (x, y) in drawn]
-        for (label, _), side in zip(drawn, place(items, scale=ratio), strict=True):
+        for (label, _), side in zip(drawn, place(items, scale=ratio, picture=picture), strict=True):
             _show(label, visible=side is not None)
             if side is not None and side != label.side:
                 label.side = label.handle.anchor = side

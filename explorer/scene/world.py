@@ -119,7 +119,7 @@ class BlindDirections:
 
     def __init__(self, scene: SceneApi, labels: Labels) -> None:
         self._arrows = [
-            Arrow(scene, labels, f"/blind{i}", "", palette.BLIND_DIRECTION, rank=3 + i, both_ways=True)
+            Arrow(scene, labels, f"/blind{i}", "", palette.BLIND_DIRECTION, rank=3 + i, both_ways=True, label_at=0.45)
             for i in range(MAX_BLIND)
         ]
         self.enabled = True
