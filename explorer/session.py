@@ -12,7 +12,7 @@ import contextlib
 import logging
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from urllib.parse import parse_qs
 
@@ -24,10 +24,12 @@ from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
 from explorer.display import Display
 from explorer.interaction import Interaction
 from explorer.model import compute, palette
+from explorer.model.comparison import NAMES
 from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
+from explorer.model.view import MAX_STEPS, View
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
@@ -40,7 +42,7 @@ from explorer.storage import preset_file
 from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
-from explorer.web import connection
+from explorer.web import connection, places
 from explorer.web.door import Door
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
@@ -132,7 +134,23 @@ class Session:
         if self._built:
             with contextlib.suppress(InvalidInputError, ValueError):
                 self._take_actions()
-                self._autosave.remember(self.dock.read(), self.dock.gains.units)
+                self._remember(self.dock.read())
+
+    def _remember(self, settings: Settings) -> None:
+        """Have the settings and the view saved when that is due."""
+        compare, playback = self.dock.compare, self._playback
+        past, future = self.history.steps(MAX_STEPS)
+        view = View(
+            time=playback.time,
+            speed=playback.speed,
+            loop=playback.loop,
+            estimators=tuple(name for name in NAMES if name in compare.enabled),
+            pinned=compare.pinned_settings,
+            keep_pinned=compare.keep_pinned.read(),
+            past=past,
+            future=future,
+        )
+        self._autosave.remember(settings, self.dock.gains.units, view)
 
     def _build(self) -> None:
         client = self._client
@@ -156,6 +174,7 @@ class Session:
                 plan_plot=self.charts.file_writer, settings=self._named_settings, download=self._send
             )
             exporting = ExportPanel(self.form, TITLES, exports)
+            self.dock.belonging.append(exporting)
         self.form.command("Show all curves", self.charts.show_all_curves)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
@@ -168,6 +187,7 @@ class Session:
             commands = Commands(client, self.form, self._notify)
             commands.add_plots(GROUP_TITLES)
             commands.add_presets({name: p.title for name, p in self.shared.shipped.items()}, self._open)
+        places.install(self._client)
         self._built = True
         self._restore()
 
@@ -185,13 +205,27 @@ class Session:
         if work is None:
             return
         self.dock.gains.use_units(work.language)
-        settings = work.settings
-        if settings.origin not in self.catalog.presets:  # imported and not saved, or deleted meanwhile: it has no file
-            origin = self.catalog.add_imported(settings.preset).origin
-            settings = msgspec.structs.replace(settings, origin=origin, edition="")
+        view = work.view
+        pinned = () if view.pinned is None else (view.pinned,)
+        steps = self._with_presets((*view.past, work.settings, *view.future, *pinned))
+        done, undone = len(view.past), len(view.past) + 1 + len(view.future)
+        settings, pinned = steps[done], steps[undone:]
+        self.history.restore(steps[:done], steps[done + 1 : undone])
+        self.history.record(settings, time.monotonic(), separate=True)
+        self._playback.restore(view.time, view.speed, loop=view.loop)
         if work.opened == self.shared.first or not self.shared.requested:
             self.dock.write(settings)
-        self.history.record(settings, time.monotonic(), separate=True)
+            self.dock.compare.restore(view, pinned[0] if pinned else None)
+
+    def _with_presets(self, steps: Sequence[Settings]) -> list[Settings]:
+        """The same settings, the oldest first, each from a preset in the catalog. A preset that was imported and not
+        saved, or was deleted meanwhile, has no file: it is offered as it was in the oldest step."""
+        origins: dict[str, str] = {}
+        for step in steps:
+            if step.origin not in self.catalog.presets and step.origin not in origins:
+                origins[step.origin] = self.catalog.add_imported(step.preset).origin
+        renewed = {origin: {"origin": new, "edition": ""} for origin, new in origins.items()}
+        return [msgspec.structs.replace(step, **renewed.get(step.origin, {})) for step in steps]
 
     def _wait_for_compilation(self) -> None:
         compilation = self.shared.compilation
@@ -233,7 +267,7 @@ class Session:
             self.dock.compare.refresh()
             shown = self.picture
             picture = shown if shown is not None and settings == shown.settings else compute.compute(settings)
-            self._autosave.remember(settings, self.dock.gains.units)  # before drawing: the tab may be gone by then
+            self._remember(settings)  # before drawing: the tab may be gone by then
             if picture is not shown:
                 self._display.show(picture)
                 self.form.forget_answer()

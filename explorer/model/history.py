@@ -3,7 +3,7 @@
 Changes of the same control that follow each other within a moment are one step.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -65,6 +65,15 @@ class History:
         del self._past[:-MAX_STEPS]
         self._future.clear()
         self._changed_at = float("-inf") if separate else time if shown is None else shown
+
+    def steps(self, most: int) -> tuple[tuple[Settings, ...], tuple[Settings, ...]]:
+        """The newest past settings and the next future ones, at most so many of each, for `restore`."""
+        return tuple(self._past[-most:]), tuple(self._future[-most:])
+
+    def restore(self, past: Sequence[Settings], future: Sequence[Settings]) -> None:
+        """Take over the steps of an earlier visit; the next settings are a step of their own."""
+        self._past, self._future = list(past[-MAX_STEPS:]), list(future[-MAX_STEPS:])
+        self._break()
 
     def undo(self) -> Settings | None:
         """The settings one step back; None at the beginning."""

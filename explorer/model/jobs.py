@@ -50,12 +50,13 @@ class Jobs:
         """The job that is running, or whose result has not been delivered yet."""
         return self._job
 
-    def start(self, name: str, work: Work[T], done: Callable[[T], None], failed: Callable[[str], None]) -> None:
+    def start(self, name: str, work: Work[T], done: Callable[[T], None], failed: Callable[[str], None]) -> Job:
         """Start a job. `deliver` calls `done` with the result, or `failed` with a sentence if the work raised
         ValueError. For a cancelled job it calls neither."""
         self.cancel()
         job = self._job = Job(name, work, done, failed)
         threading.Thread(target=self._run, args=(job,), name=f"job {name}", daemon=True).start()
+        return job
 
     def cancel(self) -> None:
         """Ask the running job to stop, and drop its result."""
@@ -63,6 +64,11 @@ class Jobs:
             self._job.cancelled = True
             self._job = None
             self._wake()
+
+    def drop(self, job: Job | None) -> None:
+        """Cancel a job, unless it has ended or another one runs by now."""
+        if job is not None and self._job is job:
+            self.cancel()
 
     def deliver(self) -> None:
         """Hand over the result of a finished job. Raises what the work raised, except ValueError and CancelledError."""

@@ -45,6 +45,12 @@ class Playback:
             raise ValueError(f"time must be a finite number, got {time}")
         self.time, self.playing = min(max(time, 0.0), self.duration), False
 
+    def restore(self, time: float, speed: float, *, loop: bool) -> None:
+        """Take over the time (s), the speed and the loop of an earlier visit; an unknown speed is ignored."""
+        self.duration = max(self.duration, time)
+        self.seek(time)
+        self.speed, self.loop = speed if speed in SPEEDS else self.speed, loop
+
     def change_speed(self, by: int) -> None:
         """The next slower (-1) or faster (+1) speed."""
         index = SPEEDS.index(self.speed) + by

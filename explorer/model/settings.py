@@ -83,6 +83,14 @@ def _printed_start(preset: Preset) -> dict[str, Vec3]:
     return {name: axes.flipped_vector(vector) for name, vector in start.items()}
 
 
+def is_another(before: Settings, after: Settings) -> bool:
+    """Whether other settings come from another preset. The same preset saved or renamed is no other one."""
+    if before.origin == after.origin:
+        return False
+    saved, shown = effective(after), effective(before)
+    return msgspec.structs.replace(saved, title=shown.title) != shown
+
+
 def effective(settings: Settings) -> Preset:
     """The preset that is computed, downloaded and judged: time scale and printed initial values change its path."""
     path = settings.preset.path

@@ -11,7 +11,7 @@ from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
-from explorer.model.settings import Printed, Settings
+from explorer.model.settings import Printed, Settings, is_another
 from explorer.panels import motion, sensors
 from explorer.panels.compare import ComparePanel
 from explorer.panels.gains import GainsPanel
@@ -37,6 +37,7 @@ from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Action, Form
+from explorer.widgets.page import Belonging
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
 from rangenav.signals import Signal
@@ -65,6 +66,7 @@ class Dock:
             "tune": lambda: self.tuning.start(),
             "model": lambda: self.printed.write(Printed()),
         }
+        self._again = session_actions.restart_preset
         add_legend(gui)
         add_welcome(gui)
         answers: dict[str, Action] = {
@@ -100,12 +102,17 @@ class Dock:
             )
             self.bundle = BundlePanel(form, catalog, self, jobs, session_actions.send)
             take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
-            ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
+            imports = ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
             flights = FlightPanel(form, jobs)
             self.printed = PrintedPanel(form, catalog, self)
         with tabs.add_tab("Compare"):
             self.compare = ComparePanel(form, jobs)
-        self.write(catalog.open(name))
+        self.belonging: list[Belonging] = [
+            self.presets, self.repair, self.bundle, imports, self.tuning, self.basin, self.compare
+        ]  # fmt: skip
+        """The panels that drop what belongs to a preset as soon as another one is on the page."""
+        self._settings = catalog.open(name)
+        self.write(self._settings)
 
     def refresh(self) -> None:
         """Take over what the visitor has moved, and write what follows from it on the page: the editor of another
@@ -179,7 +186,12 @@ class Dock:
         self.verdict.complaint.clear()
 
     def write(self, settings: Settings) -> None:
-        """Show settings, and mark the controls that differ from the preset that the settings came from."""
+        """Show settings, and mark the controls that differ from the preset that the settings came from.
+
+        What belongs to the preset that was on the page before is dropped, however the other one came."""
+        if is_another(self._settings, settings):
+            for panel in self.belonging:
+                panel.forget_preset()
         self._settings = settings
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
@@ -221,7 +233,7 @@ class Dock:
     @property
     def actions(self) -> dict[str, Action]:
         """What the buttons do that lie outside the tabs, by the names that they send."""
-        return self.verdict.actions | self._undo.actions
+        return self.verdict.actions | self._undo.actions | {"again": self._again}
 
     def draw_progress(self) -> None:
         """Show the progress of the running job below the verdict and beside its button, and what a search has found."""

@@ -98,6 +98,10 @@ class ExportPanel:
         self._lines_block.content = f'<div style="{STYLE}">{code}{text}</div>'
         self._actions.download(f"{PurePath(file).stem}.py", lines.encode())
 
+    def forget_preset(self) -> None:
+        """Drop the lines: they compute a preset that is not on the page any more."""
+        self._lines_block.content = ""
+
     def _preset(self) -> None:
         file, settings = self._actions.settings()
         self._actions.download(file, preset_file.document(settings))

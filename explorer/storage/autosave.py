@@ -10,14 +10,19 @@ from typing import Literal
 import msgspec
 
 from explorer.model.settings import GainUnits, Settings
-from explorer.storage.work_files import StorageError, WorkFiles
+from explorer.model.view import View
+from explorer.storage.work_files import MAX_BYTES, StorageError, WorkFiles
 from rangenav.inputs import Input, shortened
 
 VERSION = 1
 NEWER, BROKEN = ".newer", ".broken"
 """Endings of the names under which files are kept that this version cannot read."""
+HISTORY_BYTES = 2**18
+"""The size of the steps for undo and redo in a file; of large settings fewer steps are remembered."""
 PERIOD = 1.0
 """s between two writes; of the changes in between only the last is written."""
+
+NO_VIEW = View()
 
 
 class SavedWork(Input, frozen=True, kw_only=True):
@@ -29,6 +34,8 @@ class SavedWork(Input, frozen=True, kw_only=True):
     settings: Settings
     language: GainUnits = "paper"
     """In which units the gains are shown."""
+    view: View = NO_VIEW
+    """What else is remembered of the page; versions before 0.2.0 wrote none."""
 
 
 class _Numbered(msgspec.Struct):
@@ -44,8 +51,8 @@ class Autosave:
         """`notify` receives a sentence when saving begins to fail."""
         self._work_files, self._opened, self._notify = work_files, opened, notify
         self._session_key: str | None = None
-        self._latest: tuple[Settings, GainUnits] | None = None
-        self._unwritten: tuple[Settings, GainUnits] | None = None
+        self._latest: tuple[Settings, GainUnits, View] | None = None
+        self._unwritten: tuple[Settings, GainUnits, View] | None = None
         self._written_at = float("-inf")
         self._kept = False
         """Whether there is a file that was kept under another name, and that is not written over unasked."""
@@ -81,14 +88,15 @@ class Autosave:
         self._kept = True
         self._notify(f"{sentence} It is kept as {name} in {self._work_files.folder}, and the page begins anew.")
 
-    def remember(self, settings: Settings, units: GainUnits = "paper") -> None:
-        """Take the settings that `write` saves when the next write is due."""
-        if (settings, units) == self._latest:
+    def remember(self, settings: Settings, units: GainUnits = "paper", view: View = NO_VIEW) -> None:
+        """Take the settings and the view that `write` saves when the next write is due."""
+        if (settings, units, view) == self._latest:
             return
-        opened_only = self._kept and self._latest is None
-        self._latest = settings, units
+        opened_only = self._kept and (self._latest is None or self._latest[:2] == (settings, units))
+        self._latest = settings, units, view
         if not opened_only:
-            self._unwritten = settings, units
+            self._kept = False
+            self._unwritten = settings, units, view
 
     def wait(self, now: float) -> float | None:
         """How long (s) until a write is due; None if everything is written."""
@@ -98,18 +106,26 @@ class Autosave:
         """Write the settings if that is due."""
         if self._unwritten is None or not (at_once or now - self._written_at >= PERIOD):
             return
-        (settings, units), self._unwritten, self._written_at = self._unwritten, None, now
+        (settings, units, view), self._unwritten, self._written_at = self._unwritten, None, now
         if self._session_key is None:
             return
         try:
-            work = SavedWork(opened=self._opened, settings=settings, language=units)
-            self._work_files.save(self._session_key, msgspec.json.encode(work))
+            work = SavedWork(opened=self._opened, settings=settings, language=units, view=view)
+            self._work_files.save(self._session_key, _encoded(work))
         except StorageError as reason:
             if not self._failing:
                 self._notify(f"{_sentence(reason)} The page works on; download what you need.")
             self._failing = True
         else:
             self._failing = False
+
+
+def _encoded(work: SavedWork) -> bytes:
+    """The content of the file. Where that would be too large, the view is left out: the settings are what counts."""
+    steps = max(HISTORY_BYTES // len(msgspec.json.encode(work.settings)), 1)
+    view = msgspec.structs.replace(work.view, past=work.view.past[-steps:], future=work.view.future[-steps:])
+    content = msgspec.json.encode(msgspec.structs.replace(work, view=view))
+    return content if len(content) <= MAX_BYTES else msgspec.json.encode(msgspec.structs.replace(work, view=NO_VIEW))
 
 
 def _is_newer(content: bytes) -> bool:

@@ -15,3 +15,11 @@ class Page(Protocol):
     def write(self, settings: Settings) -> None:
         """Show other settings."""
         ...
+
+
+class Belonging(Protocol):
+    """A panel with texts or results that belong to the preset on the page."""
+
+    def forget_preset(self) -> None:
+        """Drop them, because another preset is opened."""
+        ...

@@ -1,20 +1,24 @@
 """The Compare tab: a pinned run A, runs with many seeds, other estimators, and the consistency of P with the errors.
 
-The pinned run and the switches of this tab are no part of the settings, so undo and autosave do not include them. The
-band of the seeds and the results of other estimators belong to one run: they disappear when the settings change.
+The pinned run and the switches of this tab are no part of the settings, so undo does not include them. The band of the
+seeds and the results of other estimators belong to one run: they disappear when the settings change. The pinned run
+belongs to a preset, and disappears with it, unless the visitor keeps it in order to compare two presets.
 """
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 import viser
 
-from explorer.model import comparison, consistency, differences
+from explorer.model import comparison, compute, consistency, differences
 from explorer.model.comparison import NAMES, Baseline, Comparison, Name, RunInputs
 from explorer.model.compute import Picture
 from explorer.model.glossary import COMPARE
 from explorer.model.jobs import Jobs
+from explorer.model.settings import Settings
+from explorer.model.view import View
 from explorer.panels.compare import text
 from explorer.widgets.controls import Number, Switch
 from explorer.widgets.form import Form
@@ -26,6 +30,7 @@ from rangenav.inputs import require
 
 MAX_SEEDS, SEEDS = 100, 20
 PIN_HINT = "Keeps this run as A: every plot draws it in purple beside what you change from here on, and so does 3-D."
+KEEP_HINT = "Keeps A when another preset is opened, to compare two presets; otherwise A goes with its preset."
 SEEDS_HINT = "Runs these settings with other noise: the plots then show the median and the band from 10 to 90 %."
 OUTDATED = "The settings have changed: the band belonged to others and is gone."
 STOPPED = "The settings changed while the seeds ran, so these were stopped."
@@ -60,6 +65,8 @@ class ComparePanel:
         self._form, self._jobs, self._background = form, jobs, form.new_jobs()
         self._picture: Picture | None = None
         self.pinned: Picture | None = None
+        self._to_pin: Settings | None = None
+        """The settings of the run that was pinned before a reload, until it is computed."""
         self.seeds: tuple[RunInputs, Ensemble] | None = None
         self._running_seeds: tuple[RunInputs, object] | None = None
         self.baseline_results, self.enabled, self._drawn = _BaselineResults(), frozenset[Name](), frozenset[Name]()
@@ -74,11 +81,13 @@ class ComparePanel:
         form.command("Unpin A", self._unpin)
 
     def _build_pin(self, form: Form) -> None:
-        with Section(form):
+        section = Section(form)
+        with section:
             form.button("Pin this run as A", self.pin, hint=PIN_HINT)
             self._unpin_button = form.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
             self._unpin_button.visible = False
             self._differences = form.gui.add_html(text.nothing_pinned())
+            self.keep_pinned = Switch(section, "keep A with another preset", hint=KEEP_HINT)
 
     def _build_seeds(self, form: Form) -> None:
         self._seeds_section = section = Section(form, "Many seeds")
@@ -113,6 +122,7 @@ class ComparePanel:
     def comparison(self, picture: Picture) -> Comparison:
         """What to draw in comparison with a picture. The EKF runs at once, the refinement in a thread of its own."""
         self._picture, self._changed = picture, False
+        self._pin_restored()
         if not (self.pinned or self.seeds or self._running_seeds or self.enabled):
             return comparison.NOTHING
         run = comparison.inputs_of(picture)
@@ -155,6 +165,34 @@ class ComparePanel:
     def pin(self) -> None:
         """Pin the run on the page as A."""
         self.pinned, self._changed = self._picture, True
+
+    def forget_preset(self) -> None:
+        """Unpin the run, which belongs to a preset that is not on the page any more; forget what was said of seeds."""
+        if self.pinned is not None and not self.keep_pinned.read():
+            self._unpin()
+        if self._running_seeds is not None:
+            self._stop_seeds()
+        self._changed |= self.seeds is not None
+        self.seeds, self._message = None, ""
+
+    def restore(self, view: View, pinned: Settings | None) -> None:
+        """Show what an earlier visit had: the estimators, and the pinned run with the next picture."""
+        for name, switch in self._switches.items():
+            switch.show(name in view.estimators)
+        self.keep_pinned.show(view.keep_pinned)
+        self._to_pin = pinned
+        self.refresh()
+
+    @property
+    def pinned_settings(self) -> Settings | None:
+        """Of the pinned run; None if none is pinned."""
+        return self._to_pin if self.pinned is None else self.pinned.settings
+
+    def _pin_restored(self) -> None:
+        if self._to_pin is not None:
+            restored, self._to_pin = self._to_pin, None
+            with suppress(ValueError):  # computed by another version
+                self.pinned = compute.compute(restored)
 
     def _unpin(self) -> None:
         self.pinned, self._changed = None, True

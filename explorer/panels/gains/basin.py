@@ -133,6 +133,13 @@ class BasinPanel:
         self._jobs.start(f"{count} starts at {significant(math.degrees(angle), 4)}°", work, done, failed)
         self._running, self._message = (setup, self._jobs.running), ""
 
+    def forget_preset(self) -> None:
+        """Forget the globe without a word: it belongs to a run that is not on the page any more."""
+        if self._running is not None and self._jobs.running is self._running[1]:
+            self._jobs.cancel()
+        self._changed |= self.computed is not None
+        self.computed, self._running, self._message = None, None, ""
+
     def _start_from_slowest(self) -> None:
         if self.computed is None:
             return

@@ -1,8 +1,8 @@
 """Auto-tune: a search of gains for a chosen tradeoff, their score on held-out seeds, and a curve to pick others from.
 
-The job searches for the settings that it was started with, whatever the visitor changes meanwhile. Its gains come on
-the page only by “Use these gains”, which can be undone. The panel says so if the page shows another path or other
-sensors by then.
+The job searches for the settings that it was started with, whatever the visitor changes meanwhile; another preset ends
+it. Its gains come on the page only by “Use these gains”, which can be undone. The panel says so if the page shows
+another path or other sensors by then.
 """
 
 import math
@@ -12,7 +12,7 @@ import viser
 
 from explorer.model.compute import Picture
 from explorer.model.glossary import COMPARE
-from explorer.model.jobs import Jobs
+from explorer.model.jobs import Job, Jobs
 from explorer.model.settings import effective
 from explorer.panels.gains import tradeoff_plot
 from explorer.panels.gains import tuning_text as text
@@ -61,6 +61,7 @@ class TuningPanel:
         self.picked: Point | None = None
         self.choices: tuple[Point, ...] = ()
         self._held_out_jobs = form.new_jobs()
+        self._search: Job | None = None
         self._held_out_points: dict[Gains, Point] = {}
         """The scores on held-out seeds, of the best gains and of those that were picked."""
         self._runs_used, self._summary_text = 0, ""
@@ -114,7 +115,7 @@ class TuningPanel:
         def done(tuned: Tuned) -> None:
             self._show(preset, tuned, runs)
 
-        self._jobs.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
+        self._search = self._jobs.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
 
     def _show(self, preset: Preset, tuned: Tuned, runs: int) -> None:
         self.result, self.picked, self._runs_used = (preset, tuned), tuned.after, runs
@@ -194,6 +195,11 @@ class TuningPanel:
             settings = self._page.read()
             preset = msgspec.structs.replace(settings.preset, gains=self.picked.gains)
             self._page.write(msgspec.structs.replace(settings, preset=preset))
+
+    def forget_preset(self) -> None:
+        """Stop the search, and forget what it has found: it belongs to a run that is not on the page any more."""
+        self._jobs.drop(self._search)
+        self._forget_result()
 
     def _forget_result(self) -> None:
         self._held_out_jobs.cancel()

@@ -93,6 +93,10 @@ class PresetsPanel:
         self._changed = settings.time_scale != 1.0 or settings.preset != self._catalog.presets[settings.origin]
         self._draw_card()
 
+    def forget_preset(self) -> None:
+        """Drop what was said of saving the preset."""
+        self._library.forget_preset()
+
     def refresh(self) -> None:
         """Show what other pages have changed in the library, certificates that are ready, and why a name is refused."""
         with suppress(InvalidInputError), self._section.catching():

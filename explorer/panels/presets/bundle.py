@@ -75,6 +75,11 @@ class BundlePanel:
         if self._cured is not None and effective(picture.settings) != self._cured:
             self._forget_cures()
 
+    def forget_preset(self) -> None:
+        """Drop the name of the zip and the cures: they belong to a preset that is not on the page any more."""
+        self._result_line.visible = False
+        self._forget_cures()
+
     def target(self, preset: Preset) -> ExportTarget | None:
         """The format of a motion that a repair has in mind: one that is switched on, or what the vehicle flies."""
         motions = [row.name for row in choices() if row.certified_as == "motion" and self.formats[row.name].read()]

@@ -23,6 +23,7 @@ from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.formats import ImportResult, Question
 from rangenav.number_format import quantity, significant
+from rangenav.preset import Preset
 from rangenav.vehicle import CATALOGUE, FREE
 
 VEHICLES = {one: "No limits" if one == FREE else one.name for one in CATALOGUE}
@@ -69,6 +70,8 @@ class ImportPanel:
         self._questions_section: Section | None = None
         self._answers: dict[str, str] = {}
         self._answer_choices: dict[str, Choice[str]] = {}
+        self._opened = False
+        """Whether the texts are about a preset that was opened."""
         with section:
             self._vehicle = Choice(section, "to be flown by", VEHICLES, hint=VEHICLE_HINT)
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
@@ -78,6 +81,13 @@ class ImportPanel:
                 "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
             )
             self._message = form.gui.add_html("", visible=False)
+
+    def forget_preset(self) -> None:
+        """Drop what was said of a path that was opened and is not on the page any more. What was said of a recorded
+        flight, or is still asked, names its file and stays."""
+        if self._opened:
+            self._opened = self._status.visible = self._message.visible = False
+            self._forget_questions()
 
     def _receive(self, name: str, content: bytes) -> None:
         file = ImportFile(name, content)
@@ -98,6 +108,7 @@ class ImportPanel:
             if self._file is None:
                 raise ValueError("no file has been handed over yet")
             format_name = self._format.read()
+        self._opened = False
         self._forget_questions()
         self._close()
         self._message.visible = False
@@ -120,6 +131,8 @@ class ImportPanel:
 
     def _take_interpretation(self, interpretation: Interpretation) -> None:
         result = interpretation.result
+        if interpretation.preset is not None and not result.questions:
+            self._open(interpretation.preset)
         self._show_message(*report(result), more=every_column(result))
         asked = (*result.questions, *result.applied)
         if asked:
@@ -128,9 +141,6 @@ class ImportPanel:
             count = "1 question" if len(result.questions) == 1 else f"{len(result.questions)} questions"
             self._show_status(f"{result.source}: {count} below")
         elif interpretation.preset is not None:
-            with self._section.catching():
-                flown = msgspec.structs.replace(interpretation.preset, vehicle=self._vehicle.read())
-            self._page.write(self._catalog.add_imported(flown))
             chosen = (*interpretation.choices, MOVED)
             self._show_message("opened as a preset that is not saved yet", *chosen, *report(result))
             self._show_status(f"{result.source}: opened as a preset")
@@ -139,6 +149,13 @@ class ImportPanel:
             self._show_message(*report(result), "a recorded flight: judge it below", more=every_column(result))
             unasked = sum(question.key not in self._answers for question in result.applied)
             self._show_status(f"{result.source}: a recorded flight{taken(unasked)}; judge it under “Recorded flight”")
+
+    def _open(self, imported: Preset) -> None:
+        """Put an imported path on the page."""
+        with self._section.catching():
+            flown = msgspec.structs.replace(imported, vehicle=self._vehicle.read())
+        self._page.write(self._catalog.add_imported(flown))
+        self._opened = True
 
     def _show_questions(self, questions: tuple[Question, ...], *, open_ones: int) -> None:
         """Show each question with its evidence. A suggested answer is chosen in its menu, and has to be confirmed.

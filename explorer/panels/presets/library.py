@@ -66,6 +66,10 @@ class LibraryPanel:
         self._open_name = settings.origin
         self._title.write(settings.preset.title, self._catalog.presets[settings.origin].title)
 
+    def forget_preset(self) -> None:
+        """Drop what was said of a preset that is not on the page any more."""
+        self._message.visible = self._upload_message.visible = False
+
     def _guarded(self, actions: dict[str, Action]) -> dict[str, Action]:
         """The same actions, with the reason below the buttons if one fails."""
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 
 from explorer.model.changes import with_changes
-from explorer.model.jobs import Jobs
+from explorer.model.jobs import Job, Jobs
 from explorer.model.settings import effective
 from explorer.panels.presets.card import drawings
 from explorer.widgets.controls import Choice
@@ -79,6 +79,7 @@ class RepairPanel:
         self.outcome = ""
         """What the last search has found, or why it has found nothing; empty once that was accepted or discarded."""
         self._searched_target: ExportTarget | None = None
+        self._search: Job | None = None
         with section:
             self._kind = Choice(section, "by changing", CHANGE_LABELS, hint=KIND_HINT)
             form.button("Make it observable", self.start, hint=REPAIR_HINT)
@@ -108,7 +109,7 @@ class RepairPanel:
                 return repair.improve(shown, by=by, progress=progress, cancelled=cancelled)
             return repair.repair(shown, by=by, target=target, progress=progress, cancelled=cancelled)
 
-        self._jobs.start(
+        self._search = self._jobs.start(
             f"{IMPROVING if improve else REPAIRING} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by)
         )
 
@@ -152,6 +153,11 @@ class RepairPanel:
 
     def discard(self) -> None:
         """Forget the change, or why there is none."""
+        self._forget_result()
+
+    def forget_preset(self) -> None:
+        """Stop the search, and forget what it has found: it belongs to a motion that is not on the page any more."""
+        self._jobs.drop(self._search)
         self._forget_result()
 
     def _forget_result(self) -> None:
