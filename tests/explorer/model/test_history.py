@@ -130,3 +130,15 @@ def test_the_number_of_steps_is_bounded():
     for k in range(3 * MAX_STEPS):
         history.record(_at(1.0 + k * 1e-3), 10.0 * k)
     assert history.depth[0] == MAX_STEPS - 1
+
+
+def test_restored_steps_are_undone_and_redone_as_before():
+    history, restored = History(), History()
+    for k in range(4):
+        history.record(_at(1.0 + k), 10.0 * k)
+    history.undo()
+    past, future = history.steps(2)
+    assert (past, future) == ((_at(2.0), _at(3.0)), (_at(4.0),))
+    restored.restore(past, future)
+    assert restored.redo() == _at(4.0)
+    assert [restored.undo() for _ in range(3)] == [_at(3.0), _at(2.0), None]

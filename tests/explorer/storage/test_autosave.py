@@ -1,14 +1,17 @@
 """Work is written when it is due; a failure is notified once, and writing is tried again at every change."""
 
+import math
 import stat
 
 import msgspec
 import pytest
 
 from explorer.model.settings import Settings
-from explorer.storage.autosave import PERIOD, Autosave
+from explorer.model.view import View
+from explorer.storage.autosave import PERIOD, Autosave, SavedWork
 from explorer.storage.work_files import StorageError, WorkFiles, new_browser_id
 from rangenav import preset
+from rangenav.signals import MinimumSnap, Waypoint
 
 SLOW = Settings(origin="paper-slow", preset=preset.load("paper-slow"))
 SESSION_KEY = f"{new_browser_id()}-1"
@@ -139,3 +142,45 @@ def test_a_browser_without_storage_is_notified_and_nothing_is_written(work_files
     autosave.write(0.0)
     assert not work_files.folder.exists()
     assert len(notices) == 1
+
+
+def test_the_view_is_saved_with_the_settings(work_files: WorkFiles):
+    view = View(time=3.2, speed=2.0, loop=False, estimators=("EKF",), pinned=_at(2.0), past=(SLOW,), future=(_at(4.0),))
+    autosave = Autosave(work_files, "paper-slow", pytest.fail)
+    autosave.restore(SESSION_KEY)
+    autosave.remember(_at(3.0), view=view)
+    autosave.write(0.0)
+    work = Autosave(work_files, "paper-slow", pytest.fail).restore(SESSION_KEY)
+    assert work is not None
+    assert (work.settings, work.view) == (_at(3.0), view)
+
+
+def test_work_without_a_view_has_the_usual_one(work_files: WorkFiles):
+    autosave = Autosave(work_files, "paper-slow", pytest.fail)
+    autosave.restore(SESSION_KEY)
+    autosave.remember(_at(3.0))
+    autosave.write(0.0)
+    content = work_files.load(SESSION_KEY)
+    assert content is not None
+    fields = msgspec.json.decode(content)
+    del fields["view"]  # as version 0.1.0 wrote it
+    work_files.save(SESSION_KEY, msgspec.json.encode(fields))
+    work = Autosave(work_files, "paper-slow", pytest.fail).restore(SESSION_KEY)
+    assert work is not None
+    assert (work.settings, work.view) == (_at(3.0), View())
+
+
+def test_of_large_settings_fewer_steps_are_saved_and_the_file_stays_small(work_files: WorkFiles):
+    points = tuple(Waypoint(time=float(k), value=(math.sin(k), math.cos(k), 0.1 * k)) for k in range(1000))
+    large = msgspec.structs.replace(SLOW.preset, path=MinimumSnap(points=points))
+    steps = tuple(Settings(origin="paper-slow", preset=large, time_scale=1.0 + 0.01 * k) for k in range(50))
+    autosave = Autosave(work_files, "paper-slow", pytest.fail)
+    autosave.restore(SESSION_KEY)
+    autosave.remember(steps[-1], view=View(past=steps, future=steps))
+    autosave.write(0.0)
+    content = work_files.load(SESSION_KEY)
+    assert content is not None
+    assert len(content) < 1e6
+    past = msgspec.json.decode(content, type=SavedWork).view.past
+    assert 0 < len(past) < 10
+    assert past == steps[-len(past) :]

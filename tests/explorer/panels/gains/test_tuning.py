@@ -18,7 +18,7 @@ from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.tradeoff import Point
 from rangenav.tune import Tuned
-from tests.support.waiting_visitor import Editing
+from tests.support.waiting_visitor import Editing, save_as
 
 pytestmark = pytest.mark.slow
 
@@ -317,3 +317,36 @@ def test_an_axis_has_three_to_seven_numbers_on_it_in_order(low: float, ratio: fl
     assert places[-1] <= axis[1]
     written = [f"{place:.3g}" for place in places]
     assert len(set(written)) == len(written)
+
+
+def test_what_belongs_to_a_preset_goes_with_it_from_every_panel(tuned: Editing):
+    dock, tab = tuned.session.dock, tuned.tab
+    baseline = "Pin a run, change anything"
+    tuned.press("Pin this run as A")
+    tuned.press("", "Download Python")
+    tab.wait_for_text("Run them beside")
+    tuned.press("Make it observable")
+    tab.wait_for_text(" motions tried: ")
+    save_as(tuned, "Kept for a moment")
+    tab.wait_for_text("Picked (found)")  # the same motion under another name: nothing goes
+    assert baseline not in page_text(tuned)
+    tuned.set("preset", f"{preset.load('hover').title} (hover)")
+    tab.wait_for_text(baseline)
+    seen = {p["content"] for p in tab.elements.values() if p.get("visible", True) and "content" in p}
+    for text in ("Picked", "Run them beside", "motions tried", "saved as"):
+        assert not any(text in str(content) for content in seen), text
+    assert dock.compare.pinned is None
+    assert dock.tuning.result is None
+    assert not dock.repair.found
+    panels = {name for name, panel in vars(dock).items() if hasattr(panel, "forget_preset")}
+    assert panels <= {name for name, panel in vars(dock).items() if panel in dock.belonging}
+
+
+def test_the_pinned_run_stays_with_another_preset_if_the_visitor_keeps_it(editing: Editing):
+    editing.press("Pin this run as A")
+    editing.set("keep A with another preset", True)
+    editing.set("preset", f"{preset.load('hover').title} (hover)")
+    editing.tab.wait_for_text("A</b> paper-slow")
+    pinned = editing.session.dock.compare.pinned
+    assert pinned is not None
+    assert pinned.settings.origin == "paper-slow"

@@ -12,7 +12,7 @@ from explorer.web.security import open_server
 from explorer.widgets.form import Action
 from rangenav import preset
 from tests.support.shared_server import shared
-from tests.support.waiting_visitor import Editing, newest
+from tests.support.waiting_visitor import Editing, arrived, newest
 from tests.support.wire import Storage, Wire
 
 pytestmark = pytest.mark.slow
@@ -209,6 +209,31 @@ def test_work_comes_back_after_a_reload_and_after_the_server_was_restarted(sessi
     assert later.value("x(t) =") == "cos(3*t)"
     later.close()
     server.stop()
+
+
+def test_estimators_time_pin_and_undo_survive_a_reload(sessions: tuple[int, SessionServer]):
+    before = arrived(sessions)
+    before.press("Pin this run as A")
+    before.set("extended Kalman filter (EKF)", True)
+    weight = before.settings.preset.gains.riccati.q
+    before.set("range weight q (1/(m⁴ s))", 2.0)
+    before.command("Play slower")
+    before.tab.set("t (s)", 7.5)
+    before.tab.wait_for_text("<b>7.50 s</b>")
+    left = before.settings
+    before.tab.close()
+    after = arrived(sessions, before.tab.storage)
+    compare = after.session.dock.compare
+    after.tab.wait_for(lambda: compare.pinned is not None, "the pinned run")
+    assert compare.pinned is not None
+    assert compare.pinned.preset.gains.riccati.q == weight
+    assert compare.enabled == {"EKF"}
+    assert after.settings == left
+    after.tab.wait_for(lambda: after.tab.value("t (s)") == 7.5, "the moment")
+    after.tab.wait_for_text("paused ×0.5")
+    after.command("Undo")
+    assert after.settings.preset.gains.riccati.q == weight
+    after.tab.close()
 
 
 def test_two_tabs_of_one_browser_keep_their_own_work(sessions: tuple[int, SessionServer]):
