@@ -87,7 +87,10 @@ def is_another(before: Settings, after: Settings) -> bool:
     """Whether other settings come from another preset. The same preset saved or renamed is no other one."""
     if before.origin == after.origin:
         return False
-    saved, shown = effective(after), effective(before)
+    try:
+        saved, shown = effective(after), effective(before)
+    except ValueError:  # what cannot be computed cannot have been saved
+        return True
     return msgspec.structs.replace(saved, title=shown.title) != shown
 
 

@@ -57,7 +57,7 @@
   const show = async ([kind, wanted]) => {
     if (kind === 'tab') {
       const tab = [...document.querySelectorAll('[role=tab]')].find(one => one.textContent.trim() === wanted);
-      if (tab && tab.getAttribute('aria-selected') !== 'true') { tab.click(); await pause(200); }
+      if (tab && tab.getAttribute('aria-selected') !== 'true') { window.rnPlaces.open(tab); await pause(200); }
     }
     if (kind === 'folder') {
       const head = [...document.querySelectorAll('.mantine-Paper-root')].find(one => own(one) === wanted);

@@ -17,12 +17,19 @@
   const heads = () => [...document.querySelectorAll('.mantine-Paper-root > .mantine-Paper-root:first-child')];
   const isOpen = head => head.nextElementSibling.getBoundingClientRect().height >= 2;
 
+  const isSelected = tab => tab.getAttribute('aria-selected') === 'true';
+  // A tab of a dock opens by a key or the mouse held down, and no script can drag; one of a phone's sheet by a click.
+  const open = tab => {
+    tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true, cancelable: true}));
+    if (!isSelected(tab)) tab.click();
+  };
+
   const apply = () => {
     for (const list of document.querySelectorAll('[role=tablist]')) {
       const wanted = [...list.querySelectorAll('[role=tab]')].find(tab => kept.tabs.includes(text(tab)));
       if (done.has(list) || !wanted) continue;
       done.add(list);
-      if (wanted.getAttribute('aria-selected') !== 'true') wanted.click();
+      if (!isSelected(wanted)) open(wanted);
     }
     for (const head of waiting.size ? heads() : []) {
       if (!waiting.has(label(head)) || !head.nextElementSibling) continue;
@@ -36,15 +43,20 @@
     waiting.delete(label(head));
     keep();
   };
+  const chosen = at => {
+    const list = at.closest('[role=tab]') && at.closest('[role=tablist]');
+    if (!list) return;
+    done.add(list);
+    setTimeout(() => {
+      const tabs = [...list.querySelectorAll('[role=tab]')], others = tabs.map(text);
+      kept.tabs = [...kept.tabs.filter(name => !others.includes(name)), ...tabs.filter(isSelected).map(text)];
+      keep();
+    }, 50);
+  };
+  document.addEventListener('keyup', key => key.target.closest && chosen(key.target), true);
   document.addEventListener('click', click => {
     const at = click.target.closest ? click.target : document.body;
-    const tab = at.closest('[role=tab]'), list = tab && tab.closest('[role=tablist]');
-    if (list) {
-      const others = [...list.querySelectorAll('[role=tab]')].map(text);
-      kept.tabs = [...kept.tabs.filter(name => !others.includes(name)), text(tab)];
-      done.add(list);
-      keep();
-    }
+    chosen(at);
     const head = at.closest('.mantine-Paper-root');
     if (head && label(head)) setTimeout(() => remember(head), 400);
     const option = at.closest('[role=option][aria-selected=true]'), options = option && option.closest('[role=listbox]');
@@ -56,6 +68,6 @@
   new MutationObserver(() => {
     soon = soon || setTimeout(() => { soon = 0; apply(); }, 100);
   }).observe(document.body, {childList: true, subtree: true});
-  window.rnPlaces = {apply};
+  window.rnPlaces = {apply, open};
   apply();
 })();
