@@ -60,21 +60,26 @@
       if (tab && tab.getAttribute('aria-selected') !== 'true') { window.rnPlaces.open(tab); await pause(200); }
     }
     if (kind === 'folder') {
+      await pause(100);
       const head = [...document.querySelectorAll('.mantine-Paper-root')].find(one => own(one) === wanted);
       const body = head && head.nextElementSibling;
       if (body && body.getBoundingClientRect().height < 2) { head.click(); await pause(300); }
     }
   };
+  const found = wanted => {
+    const labels = [...document.querySelectorAll('label[for]')].filter(one => one.getBoundingClientRect().height > 0);
+    const label = labels.find(one => name(one) === wanted);
+    return label ? row(label) : document.querySelector(`[data-plot="${wanted}"]`);
+  };
   const go = async (steps, wanted) => {
     for (const step of steps) await show(step);
-    const labels = [...document.querySelectorAll('label')].filter(one => one.getClientRects().length);
-    const label = labels.find(one => name(one) === wanted);
-    const plot = document.querySelector(`[data-plot="${wanted}"]`);
-    const place = label ? row(label) : plot;
+    if (!wanted) return;
+    for (let tries = 0; tries < 30 && !found(wanted); tries++) await pause(100);
+    const place = found(wanted);
     if (!place) return;
     place.scrollIntoView({block: 'center'});
     place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: 0.6}, {background: '#56B4E900'}], 1800);
-    const control = label && place.querySelector('[role=slider], input, textarea, button');
+    const control = !place.dataset.plot && place.querySelector('[role=slider], input, textarea, button');
     if (control) control.focus({preventScroll: true});
   };
   window.rnKeys = {hints: HINTS, go};

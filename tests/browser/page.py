@@ -38,8 +38,8 @@ PATIENCE = 120.0
 """s: a busy machine that renders in software may need seconds for a frame."""
 COARSE = 0.5
 """Pixels of the screen for each pixel of the page: a quarter of the work for a software renderer."""
-VERDICT = ", nonlinear "
-FIRST, OTHER, OTHER_VERDICT = "(paper-slow)", "(circle)", "nothing excites z"
+VERDICT = "from one window of"
+FIRST, OTHER, OTHER_VERDICT = "(paper-slow)", "(circle)", "11 of 13 quantities determined"
 """The preset of a new page, and another one with what its verdict says."""
 READY = "() => window.__viserMutable && !document.body.innerText.includes('Connecting...')"
 CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry => entry.chart)"
