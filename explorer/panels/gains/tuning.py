@@ -46,7 +46,7 @@ CURVE_HINT = (
     "Whose trade-off curve to walk along: gains that none of those tried beats both in settling and in exactness."
 )
 PLACE_HINT = "Left: settles soonest. Right: most exact afterwards."
-USE_HINT = "Puts the picked gains on the page; Ctrl+Z takes them back."
+USE_HINT = "Puts the picked gains on the page, and says what they change; Ctrl+Z takes them back."
 DISCARD_HINT = "Forgets what was found; what is on the page stays as it is."
 HtmlHandle = viser.GuiHtmlHandle
 
@@ -65,6 +65,8 @@ class TuningPanel:
         self._held_out_points: dict[Gains, Point] = {}
         """The scores on held-out seeds, of the best gains and of those that were picked."""
         self._runs_used, self._summary_text = 0, ""
+        self._used: tuple[Picture, Point] | None = None
+        """The picture before the gains were used, and these gains."""
         self._section = section = Section(form, "Auto-tune", expanded=False)
         with section:
             marks = ((0.0, "soon"), (1.0, "exact"))
@@ -81,6 +83,7 @@ class TuningPanel:
             self._place = form.gui.add_slider("place on the curve", 1.0, 2.0, 1.0, 1.0, hint=PLACE_HINT)
             self._picked_block = form.gui.add_html("")
             self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
+            self._used_block = form.gui.add_html("", visible=False)
             self._discard = form.button("Discard", self._forget_result, hint=DISCARD_HINT)
         self._curve.on_update(
             lambda event: form.do(self._choose_curve, step=False) if event.client_id is not None else None
@@ -180,7 +183,18 @@ class TuningPanel:
             preset, tuned = self.result
             _assign(self._summary_block, NOTE.format(self._summary_text + text.differs(preset, self._picture)))
             held_out = self._held_out_points.get(self.picked.gains)
+            self._update_used(tuned)
             _assign(self._picked_block, NOTE.format(text.picked(self.picked, held_out, tuned, self._picture)))
+
+    def _update_used(self, tuned: Tuned) -> None:
+        """Say what the used gains have done, for as long as the run in view has them."""
+        content = ""
+        if self._used is not None and self._picture is not None:
+            before, point = self._used
+            if self._picture.preset == msgspec.structs.replace(before.preset, gains=point.gains):
+                content = NOTE.format(text.used(before, self._picture, point, tuned, self._runs_used))
+        _assign(self._used_block, content)
+        self._used_block.visible = bool(content)
 
     def _plot(self) -> None:
         """Draw the curves. They depend on the result alone, so a new picture does not draw them again."""
@@ -195,6 +209,8 @@ class TuningPanel:
             settings = self._page.read()
             preset = msgspec.structs.replace(settings.preset, gains=self.picked.gains)
             self._page.write(msgspec.structs.replace(settings, preset=preset))
+            if self._picture is not None and self._picture.settings == settings:
+                self._used = self._picture, self.picked
 
     def forget_preset(self) -> None:
         """Stop the search, and forget what it has found: it belongs to a run that is not on the page any more."""
@@ -203,7 +219,8 @@ class TuningPanel:
 
     def _forget_result(self) -> None:
         self._held_out_jobs.cancel()
-        self.result = self.picked = None
+        self.result = self.picked = self._used = None
+        self._used_block.visible = False
         self.choices = ()
         self._show_result(False)
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from explorer.model.compute import Picture
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, point_text
-from rangenav.number_format import signed, significant
+from rangenav.number_format import NEVER, signed, significant
 from rangenav.preset import Preset
 from rangenav.tradeoff import Point
 from rangenav.tune import STARTS, Tuned
@@ -97,15 +97,37 @@ def picked(point: Point, held_out_change: Point | None, tuned: Tuned, shown: Pic
     )
 
 
+def used(before: Picture, after: Picture, point: Point, tuned: Tuned, runs: int) -> str:
+    """The figures before and after gains were used: of the runs that the search has tried, and of the run in view."""
+    points = (tuned.before, point)
+    views = [_figures_of(picture) for picture in (before, after)]
+    rows = [
+        (figure.name, *(significant(figure.of(one)) for one in points), *(view[k] for view in views))
+        for k, figure in enumerate(FIGURES[: len(views[0])])
+    ]
+    mean = f"the mean of {runs} runs" if runs > 1 else "one run"
+    return (
+        f"<b>In use.</b>{_table(rows, ('the runs searched', 'the run in view'))}<div>The search improves {mean} with "
+        f"other noise and starts; the run in view has noise seed {after.preset.seed} and its own start, so single "
+        "figures of it may become worse.</div>"
+    )
+
+
+def _figures_of(picture: Picture) -> tuple[str, ...]:
+    """The first figures, of one run."""
+    summary = picture.summary
+    times = (summary.settle_position_s, summary.settle_attitude_s)
+    settled = (NEVER if time is None else significant(time) for time in times)
+    return (*settled, significant(summary.steady_position), significant(summary.steady_attitude_deg))
+
+
 def _figures_text(point: Point, steadiness: float) -> str:
     objective = signed(point.objective(steadiness))
     return f"position {point_text(POSITION, point)}; attitude {point_text(ATTITUDE, point)}; J {objective}"
 
 
-def _table(table_rows: Sequence[Sequence[str]]) -> str:
-    groups = f'<tr><th style="{HEAD}"></th>' + "".join(
-        f'<th colspan="2" style="{HEAD}">{name}</th>' for name in ("trained on", "held out")
-    )
+def _table(table_rows: Sequence[Sequence[str]], names: tuple[str, str] = ("trained on", "held out")) -> str:
+    groups = f'<tr><th style="{HEAD}"></th>' + "".join(f'<th colspan="2" style="{HEAD}">{name}</th>' for name in names)
     head = "".join(f'<th style="{HEAD}">{name}</th>' for name in ("", "before", "after", "before", "after"))
     lines = "".join(
         f"<tr>{''.join(f'<td style={chr(34)}{CELL}{chr(34)}>{cell}</td>' for cell in figure)}</tr>"

@@ -76,6 +76,31 @@ def test_a_result_is_shown_and_changes_nothing_until_it_is_used_and_undone(tuned
     assert gains(tuned) == result[1].after.gains
 
 
+def test_used_gains_say_what_they_do_on_the_runs_searched_and_on_the_run_in_view(tuned: Editing):
+    before, result = tuned.session.picture, panel(tuned).result
+    assert before is not None
+    assert result is not None
+    tuned.press("Use these gains")
+    tuned.tab.wait_for_text("In use.")
+    after = tuned.session.picture
+    assert after is not None
+    shown_text = page_text(tuned)
+    shown_text = shown_text[shown_text.index("In use.") :]
+    row = shown_text[shown_text.index("position error then (m)") :].removeprefix("position error then (m)")
+    figures = (result[1].before.steady_position, result[1].after.steady_position)
+    runs = (before.summary.steady_position, after.summary.steady_position)
+    assert row.startswith("".join(f"{figure:.3g}" for figure in (*figures, *runs)))
+    assert "may become worse" in shown_text
+    tuned.command("Undo")
+    tuned.tab.wait_for(lambda: "In use." not in visible_text(tuned), "the sentence to go")
+
+
+def visible_text(editing: Editing) -> str:
+    """What stands in the blocks that are shown."""
+    shown = (p for p in editing.tab.elements.values() if p.get("visible", True))
+    return " ".join(str(p.get("content", "")) for p in shown)
+
+
 def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(tuned: Editing):
     p, result = tuned.settings.preset, panel(tuned).result
     assert result is not None
