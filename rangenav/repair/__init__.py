@@ -78,11 +78,11 @@ def repair(
         return outcome(preset, msgspec.structs.replace(preset, expect="observable"), by, NOTHING, 0.0, budget)
     _refuse_hopeless(preset, by, before)
     _refuse_unjudged(preset, by, before)
-    repeats = target is not None
+    searched, repeats = (preset, False) if target is None else (target.searched(preset), True)
     nearest_trials: list[Trial] = []
     refused: list[Refused] = []
     _sampled(preset, by)
-    for limited in _limited(preset, by, budget):
+    for limited in _limited(searched, by, budget):
         solution = confirmed.smallest(
             _changes(limited, by, before.excitation.at, budget, repeats=repeats),
             budget,

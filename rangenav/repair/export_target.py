@@ -4,9 +4,11 @@ from dataclasses import dataclass, field
 
 import msgspec
 
+from rangenav import formats
 from rangenav.certificate import certified_export
 from rangenav.formats import ExportOptions
 from rangenav.preset import Preset
+from rangenav.signals import Flown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,6 +17,16 @@ class ExportTarget:
 
     format_name: str
     options: ExportOptions = field(default_factory=ExportOptions)
+
+    def searched(self, preset: Preset) -> Preset:
+        """The preset with the attitude of its file, which is flown along the path, where that has an answer."""
+        motion = formats.row(self.format_name).certified_as == "motion" and self.options.attitude == "flown"
+        if not motion or isinstance(preset.angular_velocity, Flown):
+            return preset
+        try:
+            return msgspec.structs.replace(preset, angular_velocity=Flown())
+        except ValueError:
+            return preset
 
     def refusal(self, preset: Preset) -> str | None:
         """Why a preset cannot be exported so with a certificate, one clause; None if it can."""

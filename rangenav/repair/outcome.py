@@ -66,6 +66,7 @@ def changed_preset(change: Change, theta: Float[Array, "n"], preset: Preset, suf
     return msgspec.structs.replace(
         change.make(theta),
         vehicle=preset.vehicle,
+        angular_velocity=preset.angular_velocity,
         expect="observable",
         title=title if len(title) <= MAX_TITLE else preset.title,
         story=f"{description[0].upper()}{description[1:]}."[:MAX_STORY],

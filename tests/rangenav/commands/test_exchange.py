@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 import zipfile
 
 import msgspec
@@ -61,6 +62,15 @@ def test_a_preset_that_misses_its_requirement_is_exported_only_marked(answer, co
         note.startswith("UNCERTIFIED: this motion is too gentle: the excitation along ") for note in said["notes"]
     )
     assert sorted(one.name for one in tmp_path.iterdir()) == ["greedy.toml", "x.uncertified.csv"]
+
+
+def test_the_command_that_a_refusal_names_exports(answer, complaint, tmp_path):
+    said = complaint("export", "hand-held", "--to", "polynomial", "-o", tmp_path / "x.csv")
+    command = present(re.search(r"slow down 1\.1×: rangenav (export .*)\n", said))[1]
+    assert answer(*command.split())["uncertified"] is False
+    assert (tmp_path / "x.csv.certificate.json").is_file()
+    said = complaint("export", "soft", "--to", "polynomial", "--loop", "-o", tmp_path / "y.csv")
+    assert said.startswith("soft: its path is not made of pieces that end where they begin")
 
 
 def test_the_page_and_the_command_line_pass_one_gate(complaint, tmp_path):
