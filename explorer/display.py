@@ -65,8 +65,7 @@ class Display:
         self._playback.fit(picture.preset.duration)
         comparison = self._dock.comparison(picture)
         with self._client.atomic():
-            self._charts.draw(picture, comparison)
-            self._charts.cursor(picture, self._playback.time)
+            self._charts.draw(picture, comparison, time=self._playback.time)
             self._dock.draw(picture)
             self._timeline.draw(picture)
             self._dock.compare.draw(picture, comparison)
@@ -108,6 +107,7 @@ class Display:
     def _draw_details(self, picture: Picture) -> None:
         details = picture.details
         with self._client.atomic():
+            self._dock.compare.draw_details(picture)
             self._dock.twin.draw(details.twin)
             self._charts.draw_details(picture)
             self._scene.draw_details(picture, details)

@@ -14,6 +14,7 @@ from explorer.charts.plot_tabs import PlotPanel
 from explorer.charts.pointer import Pointer, curve_id
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 
 WIDTH, PANEL_WIDTH = 360, 303
 """px of a single panel, and of each of two. viser opens a second panel at this width of its own."""
@@ -71,7 +72,7 @@ class Charts:
         self._client, self._pointer = client, Pointer(wake)
         self._picture: Picture | None = None
         self._comparison = NOTHING
-        self._time = 0.0
+        self._time, self._cursor_drawn = 0.0, Drawn()
         self._switched_off: dict[str, set[int]] = {name: set() for name in TITLES}
         self._live = client.gui.add_html("")
         """The one element that changes as time moves, also where no plot is in sight."""
@@ -144,13 +145,14 @@ class Charts:
         if slow == any(group.slow and name in {plot.name for plot in group.plots} for group in plot_list.GROUPS):
             self._large.chart.draw(self._picture, self._comparison)
 
-    def draw(self, picture: Picture, comparison: Comparison = NOTHING) -> None:
-        """Show another picture and the runs compared with it; the cursor stays at its time."""
+    def draw(self, picture: Picture, comparison: Comparison = NOTHING, *, time: float | None = None) -> None:
+        """Show another picture and the runs compared with it; the cursor moves to a time (s), or stays."""
         self._picture, self._comparison = picture, comparison
         for panel in self._panels:
             panel.draw(picture, comparison)
         self._draw_large(slow=False)
-        self.cursor(picture, self._time)
+        self._cursor_drawn.forget()
+        self.cursor(picture, self._time if time is None else time)
 
     def draw_details(self, picture: Picture) -> None:
         """Show the slow groups, which take as long to compute as all others together; called when nothing has changed
@@ -158,6 +160,7 @@ class Charts:
         for panel in self._panels:
             panel.draw_details(picture, self._comparison)
         self._draw_large(slow=True)
+        self._cursor_drawn.forget()
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
@@ -166,6 +169,8 @@ class Charts:
         self._time = time
         self._toggle_clicked()
         duration, pointed = float(picture.motion.time[-1]), self._pointer.fraction
+        if not self._cursor_drawn.changed(picture, time, pointed):
+            return
         values_at = time if pointed is None else pointed * duration
         hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
         fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
@@ -186,6 +191,7 @@ class Charts:
         for chart in self.charts:
             for column in tuple(chart.switched_off):
                 chart.toggle(column)
+        self._cursor_drawn.forget()
 
     def file_writer(self, name: str, kind: plot_file.PlotFormat) -> Callable[[], bytes]:
         """A function that writes a plot, as it is shown now, to a file's bytes. It is slow, and may be called in any
@@ -216,8 +222,11 @@ class Charts:
 
     def _toggle_clicked(self) -> None:
         clicks = self._pointer.take_clicks()
+        if not clicks:
+            return
         large = [] if self._large is None else [self._large.chart]
         for chart in (*self.charts, *large):
             for column in chart.plot.in_legend:
                 if clicks.count(curve_id(chart.plot, column)) % 2:
                     chart.toggle(column)
+                    self._cursor_drawn.forget()

@@ -1,6 +1,7 @@
 """One plot on the page: created once, then assigned. Its axes and curves are described as uPlot expects them."""
 
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 import numpy as np
 from viser import ClientHandle, GuiHtmlHandle, GuiUplotHandle, uplot
@@ -11,6 +12,7 @@ from explorer.charts.plots import Curve, Drawing, Plot
 from explorer.model import palette
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 
 OPAQUE = len("#rrggbb")
 """Characters of a colour before its opacity."""
@@ -55,9 +57,15 @@ class Chart:
     bands: tuple[tuple[int, int], ...] = ()
     outdated: bool = True
     """Whether it shows an earlier picture, or none."""
+    _drawn: Drawn = field(default_factory=Drawn)
+    _legend_drawn: Drawn = field(default_factory=Drawn)
+    _legend: list[tuple[str, str]] = field(default_factory=list)
 
     def draw(self, picture: Picture, comparison: Comparison) -> None:
-        """Assign the curves; axes and legend only when they have changed."""
+        """Assign the curves if an input of the plot has changed; axes and legend only when they have changed."""
+        changed = self._drawn.changed(*self._inputs(picture, comparison))
+        if not (changed or self.outdated):
+            return
         self.outdated = False
         self.pinned = comparison_curves.pinned(self.base, comparison.pinned, self.pinned)
         plot, drawing = comparison_curves.with_comparison(self.base, picture, comparison, self.pinned)
@@ -71,6 +79,12 @@ class Chart:
             self.handle.data = data
         self._describe(drawing)
         self.handle.data = data
+
+    def _inputs(self, picture: Picture, comparison: Comparison) -> tuple[object, ...]:
+        """All that the drawing depends on."""
+        own = (picture,) if self.base.inputs is None else (attrgetter(name)(picture) for name in self.base.inputs)
+        candidates = (one for baseline in comparison.baselines for one in baseline)
+        return picture.motion, *own, comparison.pinned, comparison.seeds, *candidates
 
     def restyle(self, style: ChartStyle) -> None:
         """Draw it in another size."""
@@ -115,10 +129,13 @@ class Chart:
         """CSS variable and text of each legend entry at a time (s); a window counts until the next one starts."""
         if self.drawing is None:
             return []
+        if not self._legend_drawn.changed(self.drawing, time, frozenset(self.switched_off)):
+            return self._legend
         row = cursor_values.row_at(self.drawing, time)
         not_drawn = self.not_drawn(self.drawing)
         drawn = [i for i in self.plot.in_legend if i not in not_drawn]
-        return [(markup.variable(self.plot, i), cursor_values.legend_text(row[i])) for i in drawn]
+        self._legend = [(markup.variable(self.plot, i), cursor_values.legend_text(row[i])) for i in drawn]
+        return self._legend
 
 
 def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off: set[int]) -> Chart:

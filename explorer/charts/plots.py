@@ -67,6 +67,9 @@ class Plot:
     curves: tuple[Curve, ...]
     draw: Callable[[Picture], Drawing]
     definition: definitions.Definition
+    inputs: tuple[str, ...] | None = None
+    """What `draw` reads of a picture, besides its time axis: while all of it stays as it is, nothing is drawn. None for
+    a plot that is always drawn."""
     log: bool = True
     pinned_curves: tuple[int, ...] = (0,)
     """The columns that the pinned run A repeats."""

@@ -17,7 +17,14 @@ def error_plot(name: str, title: str, unit: str, draw: plots.Callable, text: def
     actual = Curve(label="error", color=palette.ESTIMATE)
     claimed = Curve(label="σ by P", color=palette.CLAIMED_SIGMA, dash=DASHED)
     return Plot(
-        name=name, title=title, unit=unit, curves=(actual, claimed), draw=draw, definition=text, empty=NO_ESTIMATE
+        name=name,
+        title=title,
+        unit=unit,
+        curves=(actual, claimed),
+        draw=draw,
+        inputs=("errors", "estimate"),
+        definition=text,
+        empty=NO_ESTIMATE,
     )
 
 

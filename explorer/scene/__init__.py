@@ -10,6 +10,7 @@ from explorer.model import palette
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 from explorer.model.details import Details
+from explorer.model.drawn import Drawn
 from explorer.scene.airframe import shape_of
 from explorer.scene.basin import Globe
 from explorer.scene.bounds import EMPTY_LINE, SceneBounds, nearest_sample, path_segments, scene_bounds
@@ -39,6 +40,7 @@ class Scene:
         scene = client.scene
         self._time = 0.0
         self._bounds: SceneBounds | None = None
+        self._bounded, self._moved = Drawn(), Drawn()
         self._drawn: tuple[Picture, Comparison] | None = None
         self._details: Details | None = None
         self._arranged_at = 0.0
@@ -78,8 +80,7 @@ class Scene:
             self._blind.draw(picture, self._bounds)
             if self._details is not None:
                 self._twin.draw(picture, self._details.twin, self._bounds)
-            self.move(picture, self._time)
-            self._labels.arrange()
+            self._show_all(picture)
 
     @property
     def bounds(self) -> SceneBounds | None:
@@ -89,12 +90,14 @@ class Scene:
     def draw(self, picture: Picture, comparison: Comparison = NOTHING, *, dragging: bool = False) -> None:
         """Show another picture and the runs compared with it, at the time shown last. The camera stands still while
         a handle is dragged."""
-        self._bounds = bounds = scene_bounds(picture)
+        bounds, moved = self._bounds, self._bounded.changed(picture.motion, picture.preset.world)
+        if bounds is None or moved:
+            self._bounds = bounds = scene_bounds(picture)
+            self._path.points = path_segments(picture.motion, bounds).astype(np.float32)
         self._drawn, self._details = (picture, comparison), None
         self._world.fit(picture.preset.world, bounds)
         self._vehicle.fit(bounds, shape_of(picture.preset.vehicle))
         self._estimate.fit(picture, bounds)
-        self._path.points = path_segments(picture.motion, bounds).astype(np.float32)
         self._limits.draw(picture.motion, picture.breaks, bounds)
         self._tail.draw(picture, bounds)
         self._blind.draw(picture, bounds)
@@ -103,8 +106,7 @@ class Scene:
         self._comparison.draw(picture, comparison, bounds)
         self._globe.draw(picture, comparison.basin, bounds)
         self._view.frame(bounds, picture.motion.position, dragging=dragging)
-        self.move(picture, self._time)
-        self._labels.arrange()
+        self._show_all(picture)
 
     def draw_details(self, picture: Picture, details: Details) -> None:
         """Show the evil twin and the excitation, which take longer to compute; called when nothing has changed for a
@@ -113,14 +115,19 @@ class Scene:
         self._details = details
         self._twin.draw(picture, details.twin, self._bounds)
         self._excitation.show(picture)
-        self.move(picture, self._time)
-        self._labels.arrange()
+        self._show_all(picture)
 
     def move(self, picture: Picture, time: float) -> None:
         """Move every node that moves to the sample nearest to a time (s)."""
         bounds = self._bounds
         assert bounds is not None, "draw comes before move"
         self._time = time
+        if self._moved.changed(picture, time, bounds):
+            self._move_to(picture, time, bounds)
+        if self._view.follow_up() or clock.monotonic() > self._arranged_at + LABEL_PERIOD:
+            self._arrange()
+
+    def _move_to(self, picture: Picture, time: float, bounds: SceneBounds) -> None:
         k = nearest_sample(picture.motion.time, time)
         position = picture.motion.position[k]
         self._vehicle.place(position, picture.motion.rotation[k])
@@ -130,6 +137,14 @@ class Scene:
         self._comparison.move(time)
         self._twin.move(picture, time)
         self._excitation.move(time, bounds)
-        if self._view.follow_up() or clock.monotonic() > self._arranged_at + LABEL_PERIOD:
-            self._arranged_at = clock.monotonic()
-            self._labels.arrange()
+
+    def _show_all(self, picture: Picture) -> None:
+        """Move every node, and arrange the labels once."""
+        self._moved.forget()
+        self._arranged_at = clock.monotonic()
+        self.move(picture, self._time)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        self._arranged_at = clock.monotonic()
+        self._labels.arrange()

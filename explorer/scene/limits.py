@@ -13,6 +13,7 @@ from numpy import ndarray as Array
 from viser import SceneApi
 
 from explorer.model import palette
+from explorer.model.drawn import Drawn
 from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, chord_samples
 from explorer.scene.labels import Labels
 from rangenav.motion import Motion
@@ -35,11 +36,15 @@ class LimitMarks:
         self._line = scene.add_line_segments(
             "/path/broken", EMPTY_LINE, color, thickness=THICKNESS, thickness_units="screen", visible=False
         )
+        self._drawn = Drawn()
         self._marks = [_Mark(scene, labels, k) for k in range(MARKS)]
 
     def draw(self, motion: Motion, breaks: tuple[Break, ...], bounds: SceneBounds) -> None:
         """Show where limits are exceeded. At most three get a marker: those that are exceeded for longest."""
-        lines = exceeding_segments(motion, exceeding_samples(breaks, len(motion.time)), bounds)
+        if not self._drawn.changed(motion, breaks, bounds):
+            return
+        where = exceeding_samples(breaks, len(motion.time))
+        lines = exceeding_segments(motion, where, bounds) if breaks else np.empty((0, 2, 3))
         self._line.visible = len(lines) > 0
         if len(lines):
             self._line.points = lines.astype(np.float32)

@@ -7,6 +7,7 @@ from viser import MeshHandle, SceneApi
 from viser.transforms import SO3
 
 from explorer.model import palette
+from explorer.model.drawn import Drawn
 from explorer.scene import airframe
 from explorer.scene.bounds import SceneBounds, rotation_from_x
 from explorer.scene.labels import Labels
@@ -30,6 +31,7 @@ class Vehicle:
         rgb = palette.rgb(color)
         self._root = scene.add_frame(f"/{name}", axes_length=1.0, axes_radius=0.02, origin_color=rgb)
         self._shape: airframe.Shape = "quadrotor"
+        self._fitted = Drawn()
         frame, rotors = airframe.body(self._shape), airframe.see_through(self._shape)
         self._body = scene.add_mesh_simple(
             f"/{name}/frame",
@@ -53,6 +55,8 @@ class Vehicle:
 
     def fit(self, bounds: SceneBounds, shape: airframe.Shape) -> None:
         """Take the sizes of a scene and the shape of a vehicle. It stands upright when R = I."""
+        if not self._fitted.changed(bounds, shape):
+            return
         if shape != self._shape:
             self._shape = shape
             for mesh, part in ((self._body, airframe.body(shape)), (self._rotors, airframe.see_through(shape))):

@@ -9,6 +9,7 @@ from viser.transforms import SO3
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 from explorer.scene import airframe
 from explorer.scene.arrows import Arrow
 from explorer.scene.bounds import EMPTY_LINE, INVISIBLE_SIZE, SceneBounds, rotation_from_x
@@ -35,7 +36,7 @@ class WorldNodes:
     """The grid, and the nodes under /anchor and /compass that show the true world."""
 
     def __init__(self, scene: SceneApi, labels: Labels) -> None:
-        self._scene, self._up = scene, np.array(USUAL_UP)
+        self._scene, self._up, self._fitted = scene, np.array(USUAL_UP), Drawn()
         scene.set_up_direction(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         color = palette.rgb(palette.ANCHOR)
@@ -70,9 +71,12 @@ class WorldNodes:
         """Switch the layers on or off."""
         self._gravity.enabled = self._magnetic.enabled = vectors
         self._sphere.visible = sphere
+        self._fitted.forget()
 
     def fit(self, world: World, bounds: SceneBounds) -> None:
         """Take the sizes of a scene and the vectors of a world; values that have not changed are not sent again."""
+        if not self._fitted.changed(world, bounds):
+            return
         self._fit_grid(bounds)
         unit, up = bounds.unit, bounds.up
         self._anchor_position = np.asarray(world.anchor)
@@ -122,10 +126,12 @@ class BlindDirections:
             Arrow(scene, labels, f"/blind{i}", "", palette.BLIND_DIRECTION, rank=3 + i, both_ways=True, label_at=0.45)
             for i in range(MAX_BLIND)
         ]
-        self.enabled = True
+        self.enabled, self._drawn = True, Drawn()
 
     def draw(self, picture: Picture, bounds: SceneBounds) -> None:
         """Show the blind directions of a picture; the same direction of two quantities is one arrow."""
+        if not self._drawn.changed(picture.analysis, picture.preset.path, bounds, self.enabled):
+            return
         directions = distinct(picture.analysis.directions) if self.enabled else ()
         middle = picture.analysis.gramian_at + picture.preset.requirement.window / 2
         position = picture.preset.path(np.array([middle]))[0]

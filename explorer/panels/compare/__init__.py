@@ -69,6 +69,7 @@ class ComparePanel:
         """The settings of the run that was pinned before a reload, until it is computed."""
         self.seeds: tuple[RunInputs, Ensemble] | None = None
         self._running_seeds: tuple[RunInputs, object] | None = None
+        self._drawn_seeds: Ensemble | None = None
         self.baseline_results, self.enabled, self._drawn = _BaselineResults(), frozenset[Name](), frozenset[Name]()
         self._changed, self._baselines_compiled, self._message = False, False, ""
         self._build_pin(form)
@@ -141,8 +142,8 @@ class ComparePanel:
     def draw(self, picture: Picture, shown: Comparison) -> None:
         """Show the text and the tables for a comparison."""
         _assign(self._seeds_line, text.seeds(picture, shown.seeds, self._message))
-        self._unpin_button.visible = shown.pinned is not None
-        self._clear_button.visible = shown.seeds is not None
+        _show(self._unpin_button, visible=shown.pinned is not None)
+        _show(self._clear_button, visible=shown.seeds is not None)
         if shown.pinned is None:
             _assign(self._differences, text.nothing_pinned())
         else:
@@ -157,8 +158,14 @@ class ComparePanel:
             self._table,
             text.baselines(picture, shown.baselines, [refusal_text for refusal_text in refusals if refusal_text]),
         )
-        many = consistency.of_seeds(shown.seeds, picture.analysis) if shown.seeds is not None else None
-        count = len(shown.seeds.seed) if shown.seeds is not None else 0
+        self._drawn_seeds = shown.seeds
+        _assign(self._consistency, text.FOLLOWS)
+
+    def draw_details(self, picture: Picture) -> None:
+        """Say whether P tells the truth about the errors of the picture and of the seeds drawn last."""
+        seeds = self._drawn_seeds
+        many = consistency.of_seeds(seeds, picture.analysis) if seeds is not None else None
+        count = len(seeds.seed) if seeds is not None else 0
         matched = picture.preset.gains.mode == "noise-matched"
         _assign(self._consistency, text.consistency(consistency.of_run(picture), many, count, matched=matched))
 
@@ -263,6 +270,11 @@ def _run_baseline(name: Name, picture: Picture) -> Candidate | str:
         return comparison.run_baseline(name, picture)
     except ValueError as error:
         return f"{name}: {error}"
+
+
+def _show(button: viser.GuiButtonHandle, *, visible: bool) -> None:
+    if visible != button.visible:
+        button.visible = visible
 
 
 def _assign(handle: viser.GuiHtmlHandle, content: str) -> None:

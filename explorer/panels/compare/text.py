@@ -22,6 +22,9 @@ CELL = "padding:0.1em 0.5em 0.1em 0;vertical-align:top"
 HEAD = f"{CELL};opacity:.65;text-align:left;font-weight:400"
 GREY = '<span style="opacity:.7">{}</span>'
 
+FOLLOWS = BLOCK.format(GREY.format("Follows as soon as nothing moves."))
+"""In place of figures that take long, while another picture follows soon."""
+
 
 def nothing_pinned() -> str:
     """A text on the use of pinning, shown while no run is pinned."""

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
 from explorer.widgets.section import Section
@@ -84,11 +85,13 @@ class EquilibriaSection:
             hint = "The half turn that is nearest now, but by 179°."
             form.button("almost: 1° off the nearest of these", self._start_near, hint=hint)
         self._equilibria: list[Equilibrium] = []
-        self._nearest = 0
+        self._nearest, self._drawn = 0, Drawn()
 
     def draw(self, picture: Picture) -> None:
         """Label the buttons, and show the angle from the start to the nearest equilibrium."""
         p = picture.preset
+        if not self._drawn.changed(p.gains.attitude, p.world, p.guess):
+            return
         self._equilibria = undesired_equilibria(p.gains.attitude, p.world)
         for button, equilibrium in zip(self._buttons, self._equilibria, strict=True):
             if equilibrium.label != button.label:

@@ -2,6 +2,7 @@
 
 from explorer.model import palette
 from explorer.model.compute import Picture
+from explorer.model.drawn import Drawn
 from explorer.model.glossary import MOTION
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form
@@ -29,6 +30,7 @@ class VehiclePanel:
         with section:
             self._choice = Choice(section, MOTION["vehicle"].caption, _labels(CATALOGUE), hint=MOTION["vehicle"].hint)
             self._table = form.gui.add_html("")
+        self._drawn = Drawn()
 
     def refresh(self) -> None:
         """Show below the control why the vehicle is invalid. Raises InvalidInputError."""
@@ -47,6 +49,8 @@ class VehiclePanel:
 
     def draw(self, picture: Picture) -> None:
         """Show what the motion uses against the limits of the vehicle."""
+        if not self._drawn.changed(picture.motion, picture.preset.vehicle, picture.preset.world):
+            return
         head = _cells("", "worst", "of the limit" if picture.preset.vehicle != vehicle.FREE else "", "at")
         rows = head + "".join(
             _row(use) for use in vehicle.uses(picture.motion, picture.preset.vehicle, world=picture.preset.world)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import re
-from typing import Any
+from typing import Any, cast
 
 import msgspec
 import numpy as np
@@ -236,11 +236,44 @@ def test_draw_sends_few_points_and_every_time_axis_spans_the_duration(page: Page
     assert all(scales["x"]["time"] is False for scales in page.updates("scales"))
 
 
-def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None:
+class _Reading:
+    """A picture, or a part of its settings, that remembers which of its fields are read."""
+
+    def __init__(self, of: object, name: str, read: set[str]) -> None:
+        self._of, self._name, self._read = of, name, read
+
+    def __getattr__(self, name: str) -> object:
+        path, value = f"{self._name}{name}", getattr(self._of, name)
+        if path in ("preset", "settings"):
+            return _Reading(value, f"{path}.", self._read)
+        self._read.add(path)
+        return value
+
+
+@pytest.mark.parametrize("printed", [Printed(), Printed(excitation=True, body_axes=True)], ids=["derived", "printed"])
+def test_a_plot_reads_nothing_of_a_picture_but_the_inputs_that_it_names(printed: Printed) -> None:
+    example = compute(Settings(preset=preset.load("hover"), printed=printed))
+    for plot in ALL:
+        if plot.inputs is not None:
+            read: set[str] = set()
+            plot.draw(cast(Picture, _Reading(example, "", read)))
+            assert read - {"motion"} <= set(plot.inputs), plot.name
+
+
+def test_a_plot_whose_inputs_stay_is_not_sent_again(page: Page) -> None:
     charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper-slow")
     charts.draw(example)
     page.messages.clear()
     charts.draw(dataclasses.replace(example))
+    assert page.updates("data") == []
+
+
+def test_only_data_is_sent_again_so_that_no_chart_is_rebuilt(page: Page) -> None:
+    charts, example = Charts(page.client, PlotSize(two_panels=True)), picture("paper-slow")
+    charts.draw(example)
+    page.messages.clear()
+    charts.draw(dataclasses.replace(example, errors=dataclasses.replace(example.errors)))
+    assert len(page.updates("data")) == len(plot_list.ERRORS.plots) + 1  # and the predicted σ, beside the actual error
     assert page.updates("scales") == page.updates("axes") == page.updates("series") == []
     assert page.kinds() == {"GuiUpdateMessage"}
 
@@ -320,4 +353,4 @@ def test_paper_figures_in_the_narrow_page_keep_one_tab_and_fill_the_new_ones(pag
     charts.show_paper_figures()
     created = [message for message in page.messages if type(message).__name__ == "GuiUplotMessage"]
     assert len(created) == len(ALL) - len(plot_list.ERRORS.plots)
-    assert len(page.updates("data")) == len(ALL)
+    assert len(page.updates("data")) == len(created)
