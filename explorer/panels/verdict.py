@@ -50,6 +50,7 @@ class VerdictPanel:
         self._cures, self._answers = cures, answers
         self._block = gui.add_html("")
         self._progress = gui.add_html("", visible=False)
+        self._buttons = gui.add_html("", visible=False)
         gui.add_html('<span class="rn-complaint"></span>')
         self.complaint = Complaint(gui)
 
@@ -67,10 +68,10 @@ class VerdictPanel:
         """Show the progress of the running job, or the outcome of the last search and, if it has `found` a motion, a
         button to accept it."""
         if job is not None:
-            self._show_progress(_progress_bar(job.name, job.fraction, _answer("stop")))
+            self._show_progress(_progress_bar(f"Working: {job.name}", job.fraction), "stop")
         elif outcome:
-            buttons = _answer("accept") + _answer("discard") if found else _answer("discard")
-            self._show_progress(f'<div class="rn-progress" role="status">{html.escape(outcome)} {buttons}</div>')
+            answers = ("accept", "discard") if found else ("discard",)
+            self._show_progress(f'<div class="rn-progress" role="status">{html.escape(outcome)}</div>', *answers)
         else:
             self._show_progress("")
 
@@ -91,11 +92,15 @@ class VerdictPanel:
         text = f'<span class="rn-deciding" title="{summary}">{summary}{figures.chips(picture)}</span>'
         return f'<div class="rn-line" role="status">{head}{text}{cure}{UNFOLD}</div>'
 
-    def _show_progress(self, content: str) -> None:
-        if content != (self._progress.content if self._progress.visible else ""):
-            self._progress.visible = bool(content)
-            if content:
-                self._progress.content = content
+    def _show_progress(self, content: str, *answers: str) -> None:
+        """Show a strip below the line. Its buttons are an element of their own, which stays while the bar moves: a
+        button that is replaced under the mouse cannot be pressed."""
+        buttons = f'<div class="rn-answers">{"".join(_answer(name) for name in answers)}</div>' if answers else ""
+        for handle, text in ((self._progress, content), (self._buttons, buttons)):
+            if text != (handle.content if handle.visible else ""):
+                handle.visible = bool(text)
+                if text:
+                    handle.content = text
 
 
 def _rows(picture: Picture, given: tuple[Answer, ...]) -> str:
@@ -134,6 +139,6 @@ def _answer(name: str) -> str:
     return BUTTON.format("rn-main" if name == "accept" else "", name, html.escape(hint), label)
 
 
-def _progress_bar(name: str, fraction: float, button: str = "") -> str:
+def _progress_bar(name: str, fraction: float) -> str:
     bar = f'<progress max="1" value="{fraction:.3f}"></progress>'
-    return f'<div class="rn-progress" role="status">{html.escape(name)}, {100 * fraction:.0f} % {bar} {button}</div>'
+    return f'<div class="rn-progress" role="status">{html.escape(name)}, {100 * fraction:.0f} % {bar}</div>'

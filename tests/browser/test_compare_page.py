@@ -19,13 +19,13 @@ def test_a_pinned_run_stays_in_the_plots_while_a_gain_changes(wide: Visitor):
     wide.tab("Gains")
     wide.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=5)
     wide.tab("Compare")
-    wide.wait_for_text("gains.riccati.q")
+    wide.wait_for_text("Range weight q:")
     wide.wait_for_text("steady position")
     after = wide.chart_data("σ by P")
     assert after[1] != after[3]
     wide.wait_for_node("/pinned_trail")
     wide.press("Unpin")
-    wide.wait_for_no_text("gains.riccati.q")
+    wide.wait_for_no_text("Range weight q:")
     assert not any("A" in labels for labels in wide.chart_labels())
 
 
