@@ -34,11 +34,11 @@ CURVE = """(name) => {
 
 def test_the_units_are_switched_without_a_jump_and_a_physical_value_moves_a_gain(visitor: Visitor):
     visitor.tab("Gains")
-    visitor.wait_for_text("range weight q")
+    visitor.wait_for_text("range weight q (1/")
     before = _error(visitor, "position")
     visitor.choose("show gains as", WORDS)
-    visitor.wait_for_text("assumed range noise")
-    visitor.wait_for_no_text("range weight q")
+    visitor.wait_for_text("assumed range noise (m)")
+    visitor.wait_for_no_text("range weight q (1/")
     assert _error(visitor, "position") == before
     assert "•" not in visitor.text()
     visitor.nudge("assumed range noise (m)", times=3)
@@ -47,9 +47,9 @@ def test_the_units_are_switched_without_a_jump_and_a_physical_value_moves_a_gain
     time.sleep(1.5)  # longer than work may wait to be written
     visitor.reload()
     visitor.tab("Gains")
-    visitor.wait_for_text("assumed range noise")
+    visitor.wait_for_text("assumed range noise (m)")
     visitor.choose("show gains as", LETTERS)
-    visitor.wait_for_text("range weight q")
+    visitor.wait_for_text("range weight q (1/")
 
 
 def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor):
@@ -69,7 +69,7 @@ def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor)
 def test_nonsense_in_a_physical_box_is_told_there_and_nothing_is_lost(visitor: Visitor):
     visitor.tab("Gains")
     visitor.choose("show gains as", WORDS)
-    visitor.wait_for_text("assumed range noise")
+    visitor.wait_for_text("assumed range noise (m)")
     before, good = _error(visitor, "position"), visitor.number("assumed range noise (m)")
     visitor.type_number("assumed range noise (m)", "1e-3")
     visitor.wait_for_text("assumed range noise asks for q = ")
