@@ -1,6 +1,7 @@
 """What one visitor sees: a picture is drawn in plots, controls and scene, and all of it follows the playhead.
 
-draw(picture)      plots and verdict in one batch, then the scene
+draw(picture)      plots, verdict and marks of the controls in one batch; the scene in the same batch if the path is the
+                   same, else in a second one
 draw_details       when nothing has changed for a moment, because the details take as long to compute as all the rest;
                    then the verdict, which is the sampled windows' until then, is proven in a job
 animate            moves cursors and scene to the playhead; it computes nothing
@@ -13,6 +14,7 @@ import msgspec
 import viser
 
 from explorer.charts import Charts
+from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings
@@ -69,12 +71,20 @@ class Display:
             self._dock.draw(picture)
             self._timeline.draw(picture)
             self._dock.compare.draw(picture, comparison)
-        self._client.flush()
-        time.sleep(HEAD_START)
-        with self._client.atomic():
-            self._scene.draw(picture, comparison, dragging=self._handles.dragging)
-            self.draw_handles()
+            self._dock.form.refresh()
+            same_path = self._scene.shows_path_of(picture)
+            if same_path:
+                self._draw_scene(picture, comparison)
+        if not same_path:
+            self._client.flush()
+            time.sleep(HEAD_START)
+            with self._client.atomic():
+                self._draw_scene(picture, comparison)
         self._details_due = time.monotonic() + SETTLED
+
+    def _draw_scene(self, picture: Picture, comparison: Comparison) -> None:
+        self._scene.draw(picture, comparison, dragging=self._handles.dragging)
+        self.draw_handles()
 
     def redraw(self) -> None:
         """Draw the picture once more, on plots that were created anew."""

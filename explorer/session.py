@@ -133,6 +133,7 @@ class Session:
         """
         if self._built:
             with contextlib.suppress(InvalidInputError, ValueError):
+                self.form.touch()  # also a change that viser has not reported yet
                 self._take_actions()
                 self._remember(self.dock.read())
 

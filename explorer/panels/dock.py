@@ -58,6 +58,8 @@ class Dock:
         self.form, gui, self._presets = form, form.gui, catalog.presets
         self._proofs = form.new_jobs()
         self._chosen: Settings | InvalidInputError | ValueError
+        self._others: Settings | None = None
+        """What all panels but that of the gains held when they were last read; None if that may have changed."""
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         self._jobs, self._undo = jobs, UndoPanel(form, history, self, session_actions.notify)
@@ -85,7 +87,9 @@ class Dock:
         with tabs.add_tab("Sensors"):
             self.sensors = sensors.SensorsPanel(form)
         with tabs.add_tab("Gains"):
+            others = len(form.sections)
             self.gains = GainsPanel(form)
+            self._of_gains = frozenset(form.sections[others:])
             self.guess = GuessPanel(form)
             self.tuning = TuningPanel(form, self, jobs)
             self.basin = BasinPanel(form, self, jobs)
@@ -136,11 +140,14 @@ class Dock:
         raise self._chosen
 
     def _take_over(self) -> Settings:
-        for panel in (self.motion, self.sensors, self.world, self.vehicle, self.guess, self.twin):
-            panel.refresh()
-        without_gains = self._without_gains()
-        self.gains.refresh(without_gains)
-        return self.gains.read(without_gains)
+        touched = self.form.take_touched()
+        if self._others is None or touched is None or not touched <= self._of_gains:
+            self._others = None  # until all of them are valid
+            for panel in (self.motion, self.sensors, self.world, self.vehicle, self.guess, self.twin):
+                panel.refresh()
+            self._others = self._without_gains()
+        self.gains.refresh(self._others)
+        return self.gains.read(self._others)
 
     def _without_gains(self) -> Settings:
         """What all panels but that of the gains hold."""
@@ -192,7 +199,7 @@ class Dock:
         if is_another(self._settings, settings):
             for panel in self.belonging:
                 panel.forget_preset()
-        self._settings = settings
+        self._settings, self._others = settings, None
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.MotionChoice.of(settings), motion.MotionChoice.of(original), settings.drafts)
@@ -267,10 +274,12 @@ class Dock:
 
     def move_waypoint(self, index: int, position: Vec3) -> None:
         """Move a waypoint, as a drag does."""
+        self._others = None
         self.motion.path.move(index, position)
 
     def move_anchor(self, position: Vec3) -> None:
         """Move the anchor, as a drag does."""
+        self._others = None
         self.world.move_anchor(position)
 
     def _base(self, settings: Settings) -> Preset:

@@ -87,6 +87,11 @@ class Scene:
         """The bounds of the picture drawn last; None before the first."""
         return self._bounds
 
+    def shows_path_of(self, picture: Picture) -> bool:
+        """Whether the path and the world of a picture are those drawn last, so that few nodes change."""
+        before = None if self._drawn is None else self._drawn[0]
+        return before is not None and before.motion is picture.motion and before.preset.world == picture.preset.world
+
     def draw(self, picture: Picture, comparison: Comparison = NOTHING, *, dragging: bool = False) -> None:
         """Show another picture and the runs compared with it, at the time shown last. The camera stands still while
         a handle is dragged."""

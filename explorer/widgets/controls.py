@@ -26,11 +26,11 @@ class Control(ABC, Generic[T]):
     """A value on the page, and the preset's value."""
 
     def __init__(self, section: Section, name: str, handle: Any) -> None:
-        self.name, self.handle = name, handle
+        self.name, self.handle, self._section = name, handle, section
         self._base: T | None = None
         self._text, self._marked = name, False
         self._last_value = self._value()
-        when_moved(handle, section.wake)
+        self._watch(handle)
         section.add(self)
 
     @abstractmethod
@@ -46,6 +46,7 @@ class Control(ABC, Generic[T]):
     def write(self, value: T, base: T | None) -> None:
         """Show a value, and remember the preset's value; None if the preset has none."""
         self._base = base
+        self._section.touch()
         self.show(value)
         self._last_value = self._value()
 
@@ -65,6 +66,16 @@ class Control(ABC, Generic[T]):
         if self._base is not None and self._value() != self._base:
             self.show(self._base)
             self._last_value = self._value()
+
+    def _watch(self, handle: viser.GuiInputHandle) -> None:
+        """Note every change of a handle, and then wake the loop if a visitor has changed it."""
+
+        def changed(event: viser.GuiEvent[Any]) -> None:  # one callback: viser's threads may run two in any order
+            self._section.touch()
+            if event.client_id is not None:
+                self._section.wake()
+
+        handle.on_update(changed)
 
     def _value(self) -> T | None:
         try:
@@ -103,6 +114,7 @@ class Number(Control[float]):
 
     def show(self, value: float) -> None:
         """Show a value; a text that already says it stays as it was typed."""
+        self._section.touch()
         if self._value() != value:
             self._box.value = typed_number.text(value)
         self._exact, self._shown = value, self._box.value
@@ -131,6 +143,7 @@ class Vector(Control[Vec3]):
 
     def show(self, value: Vec3) -> None:
         """Show a value; in another unit it is rounded."""
+        self._section.touch()
         self._exact = self._shown = value
         if self._scale != 1.0:
             self._shown = tuple(round(entry * self._scale, self._digits) for entry in value)
@@ -160,6 +173,7 @@ class Choice(Control[T]):
         if dict(labels) != self._labels:
             self._labels, self._values = dict(labels), {text_label: value for value, text_label in labels.items()}
             self._menu.options = tuple(self._values)
+            self._section.touch()
 
 
 class Switch(Control[bool]):

@@ -13,7 +13,7 @@ import viser
 
 from explorer.web.elements import element_id
 from explorer.widgets import typed_number
-from explorer.widgets.controls import CHANGED, Control, when_moved
+from explorer.widgets.controls import CHANGED, Control
 from explorer.widgets.section import Section
 from rangenav.inputs import require_within
 from rangenav.number_format import significant
@@ -66,7 +66,7 @@ class DialControl(Control[float]):
         """Position and text of the value that was written. Where a visitor goes back to one of them, the exact value
         is meant, and not the rounded one that slider and box show."""
         super().__init__(section, label, self._slider)
-        when_moved(self._box, section.wake)
+        self._watch(self._box)
 
     _source: Literal["exact", "slider", "box"]
     """What holds the value: it was written, or the slider was moved last, or the box was typed into last."""
@@ -117,6 +117,7 @@ class DialControl(Control[float]):
 
     def show(self, value: float) -> None:
         """Show a value; the slider is widened if the value is outside its range."""
+        self._section.touch()
         number = self._number_of(value)
         self._exact, self._source = value, "exact"
         self._move_slider(number, widen=True)

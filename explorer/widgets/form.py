@@ -73,6 +73,8 @@ class Form:
         self.sections: list[FormSection] = []
         self._actions: deque[tuple[Action, bool]] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
+        self._touched: deque[FormSection] = deque()
+        self._all_touched = True
         self.actions_run = 0
         """How many actions have been run."""
         self._answer: Complaint | None = None
@@ -87,6 +89,8 @@ class Form:
     def deliver(self) -> None:
         """Hand over the results of all finished jobs. Raises the error of a job, except an InvalidInputError."""
         for jobs in self._jobs:
+            if jobs.running is not None:
+                self.touch()
             with suppress(InvalidInputError):
                 jobs.deliver()
 
@@ -94,6 +98,19 @@ class Form:
         """Cancel all jobs, because the visitor has left."""
         for jobs in self._jobs:
             jobs.cancel()
+
+    def touch(self, section: FormSection | None = None) -> None:
+        """Note that a control of a section has changed; without a section, that anything may have changed."""
+        if section is None:
+            self._all_touched = True
+        else:
+            self._touched.append(section)
+
+    def take_touched(self) -> frozenset[FormSection] | None:
+        """The sections whose controls have changed since the last call; None if anything may have changed."""
+        everything, self._all_touched = self._all_touched, False
+        sections = frozenset(self._touched.popleft() for _ in range(len(self._touched)))
+        return None if everything else sections
 
     def do(self, action: Action, *, step: bool = True) -> None:
         """Queue an action for the session's loop; called from viser's threads. With `step` it can be undone."""
@@ -108,11 +125,13 @@ class Form:
         count, stepped = len(self._actions), False
         for _ in range(count):
             action, step = self._actions.popleft()
+            self.touch()
             stepped = stepped or step
             with suppress(InvalidInputError):
                 before()
             with suppress(InvalidInputError):
                 action()
+            self.touch()
         self.actions_run += count
         return stepped
 

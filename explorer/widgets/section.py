@@ -25,6 +25,7 @@ class Section:
         self.form, self.gui, self.wake = form, form.gui, form.wake
         self._folder = self.gui.add_folder(label, expand_by_default=expanded, order=order)
         self._controls: list[Resettable] = []
+        self._touched = True
         with self._folder:
             self.complaint = Complaint(self.gui, order=COMPLAINTS)
             self._row = self.gui.add_button_group("reset", ("",), visible=False, order=RESETS, hint=RESET_HINT)
@@ -42,6 +43,12 @@ class Section:
     def add(self, control: Resettable) -> None:
         """Register a control of this section; the control calls this in its constructor."""
         self._controls.append(control)
+        self.touch()
+
+    def touch(self) -> None:
+        """Note that a control has changed; called also from viser's threads, after the change and before the wake."""
+        self._touched = True
+        self.form.touch(self)
 
     def caption(self, label: str) -> None:
         """Change the label."""
@@ -109,6 +116,9 @@ class Section:
 
         Returns the control that was moved since the last call, if there is one.
         """
+        if not self._touched:
+            return None
+        self._touched = False  # before reading, so that no change is lost
         changed = [control for control in self._controls if control.mark()]
         offered = tuple(control.name for control in changed) + (("all",) if len(changed) > 1 else ())
         if offered != self._offered:
