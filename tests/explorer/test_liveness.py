@@ -1,0 +1,98 @@
+"""How little is sent for one picture: only what has changed, and never less than what has changed."""
+
+from collections.abc import Iterator
+
+import pytest
+from msgspec.structs import replace
+
+from explorer.charts import Charts, PlotSize, plot_list
+from explorer.model.compute import Picture, compute
+from explorer.model.settings import Settings
+from explorer.scene import Scene
+from explorer.server import SessionServer
+from explorer.session import Session
+from explorer.shared import Compilation
+from explorer.web.security import open_server
+from rangenav import preset
+from tests.support.pictures import picture
+from tests.support.sent_messages import Page
+from tests.support.shared_server import shared
+from tests.support.wire import Wire
+
+pytestmark = pytest.mark.slow
+
+OF_THE_ESTIMATE = ("/estimate", "/ellipsoid", "/trail", "/compass/")
+"""The nodes that a gain may move."""
+MOST_MESSAGES = 12
+"""For a gain: four errors, the predicted σ, the innovation and the cursor."""
+
+
+def with_more_weight(name: str) -> Picture:
+    """A picture of a preset that trusts the ranges twice as much."""
+    chosen = preset.load(name)
+    riccati = replace(chosen.gains.riccati, q=2 * chosen.gains.riccati.q)
+    return compute(Settings(preset=replace(chosen, gains=replace(chosen.gains, riccati=riccati))))
+
+
+def test_a_gain_sends_the_plots_of_the_estimate_and_no_other(page: Page) -> None:
+    charts = Charts(page.client, PlotSize(two_panels=True))
+    charts.draw(picture("paper-slow"))
+    page.messages.clear()
+    charts.draw(with_more_weight("paper-slow"))
+    assert len(page.updates("data")) == len(plot_list.ERRORS.plots) + 2
+    assert len(page.messages) <= MOST_MESSAGES
+
+
+def test_a_gain_touches_no_node_of_the_path_or_of_the_world(page: Page) -> None:
+    scene = Scene(page.client, lambda: None)
+    scene.draw(picture("paper-slow"))
+    scene.move(picture("paper-slow"), 5.0)
+    page.messages.clear()
+    assert scene.shows_path_of(with_more_weight("paper-slow"))
+    scene.draw(with_more_weight("paper-slow"))
+    names = {vars(message)["name"] for message in page.messages if "name" in vars(message)}
+    assert names
+    assert {name for name in names if not name.startswith(OF_THE_ESTIMATE)} == set()
+
+
+def test_a_time_at_which_the_picture_stands_already_sends_nothing(page: Page) -> None:
+    scene, charts, example = Scene(page.client, lambda: None), Charts(page.client, PlotSize()), picture("paper-slow")
+    scene.draw(example)
+    charts.draw(example)
+    page.messages.clear()
+    scene.move(example, 0.0)
+    charts.cursor(example, 0.0)
+    assert page.messages == []
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[tuple[SessionServer, int]]:
+    server, compilation = open_server("127.0.0.1", 0), Compilation()
+    sessions = SessionServer(server, shared(server, compilation))
+    compilation.start()
+    yield sessions, server.get_port()
+    server.stop()
+
+
+def test_a_gain_and_a_path_moved_together_are_both_in_the_next_picture(served: tuple[SessionServer, int]) -> None:
+    sessions, port = served
+    tab = Wire(port)
+    tab.wait_for_text("13 of 13")
+    session: Session = sessions.sessions[-1]
+    for k in range(5):
+        weight, amplitude = 1.0 + 0.1 * k, 0.5 + 0.1 * k
+        tab.set("range weight q (1/(m⁴ s))", weight)
+        tab.set("amplitude x (m)", amplitude)
+        tab.set("range weight q (1/(m⁴ s))", weight + 0.05)
+
+        def shown(amplitude: float = amplitude, weight: float = weight) -> bool:
+            chosen = session.picture.settings.preset if session.picture is not None else None
+            tones = chosen.path.tones if chosen is not None else ()  # pyright: ignore[reportAttributeAccessIssue]
+            q = chosen.gains.riccati.q if chosen is not None else 0.0
+            return (
+                any(abs(tone.amplitude - amplitude) < 1e-9 for tone in tones)
+                and abs(q / 10 ** (weight + 0.05) - 1) < 1e-3
+            )
+
+        tab.wait_for(shown, "a picture of both")
+    tab.close()
