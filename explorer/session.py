@@ -33,6 +33,7 @@ from explorer.model.view import MAX_STEPS, View
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
+from explorer.panels.scene_file import SceneFilePanel
 from explorer.panels.session_actions import SessionActions
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
@@ -176,6 +177,13 @@ class Session:
             )
             exporting = ExportPanel(self.form, TITLES, exports)
             self.dock.belonging.append(exporting)
+            self._scene_file = SceneFilePanel(
+                self.form,
+                client,
+                self._playback,
+                stem=lambda: self._named_settings()[0].removesuffix(".toml"),
+                download=self._send,
+            )
         self.form.command("Show all curves", self.charts.show_all_curves)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
@@ -245,6 +253,7 @@ class Session:
         applied = self._apply_changes()
         self.form.refresh()
         self.dock.draw_progress()
+        self._scene_file.progress.draw()
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()

@@ -28,6 +28,7 @@ SIZE, DOTS = (7.2, 3.6), 200
 """Width and height in inches, as wide as a column of text; and dots per inch."""
 FILL_OPACITY = int(palette.FILL, 16) / 255
 """Opacity of the area below a filled curve, as on the page."""
+LOGARITHMIC = "log axis"
 RC_SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "rangenav",
     "lines.scale_dashes": False,
@@ -51,9 +52,11 @@ def require_writable(plot: Plot, drawing: Drawing, columns: Columns) -> None:
 
 
 def table(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
-    """CSV in UTF-8: one line of names with their units, then every sample to the last digit."""
+    """CSV in UTF-8: one line of names with their units, then every sample to the last digit. The names say which values
+    the page shows on a logarithmic axis."""
     buffer = io.StringIO()
-    names = (_named(_name(plot.curves[i]), _unit(plot, plot.curves[i])) for i in columns)
+    axis = LOGARITHMIC if plot.log else ""
+    names = (_named(_name(plot.curves[i]), _joined(_unit(plot, plot.curves[i]), axis)) for i in columns)
     csv.writer(buffer, lineterminator="\n").writerow([_named(plot.x_name, "s"), *names])
     values = np.column_stack([drawing.time, drawing.values[:, columns]])
     buffer.writelines(",".join(map(_cell, row)) + "\n" for row in values.tolist())
@@ -124,7 +127,8 @@ def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> Non
     axes.grid(color=palette.PLOT_GRID, linewidth=0.6)
     axes.set_title(plot.title, loc="left", fontsize="medium", fontweight="bold")
     axes.set_xlabel(_named(plot.x_name, "s"))
-    axes.set_ylabel(plot.unit.partition(f", by {plot.x_name}")[0])
+    unit = plot.unit.partition(f", by {plot.x_name}")[0]
+    axes.set_ylabel(_joined(unit, LOGARITHMIC) if plot.log else unit)
 
 
 def _name(curve: Curve) -> str:
@@ -137,6 +141,10 @@ def _unit(plot: Plot, curve: Curve) -> str:
 
 def _named(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
+
+
+def _joined(*parts: str) -> str:
+    return "; ".join(part for part in parts if part)
 
 
 def _cell(value: float) -> str:

@@ -17,8 +17,8 @@ PlotFormat = Literal["csv", "svg", "png", "pdf"]
 FORMATS: tuple[PlotFormat, ...] = ("csv", "svg", "png", "pdf")
 PLOT_HINT = "Curves that were switched off by a click on their entry in the legend are left out."
 FILE_HINT = (
-    "CSV: every sample to the last digit, with units in its first line; empty where there is no value or only rounding "
-    "noise, inf where a window is blind. SVG, PNG and PDF: the plot as it is on the page."
+    "CSV: every sample to the last digit, with units and “log axis” in its first line; empty where there is no value "
+    "or only rounding noise, inf where a window is blind. SVG, PNG and PDF: the plot as it is on the page."
 )
 LINES_HINT = "The Python code computes what is on the page from the preset file; both belong in one folder."
 NOT_IN_LINES = {"reduced_row": "printed row r₄,₂", "attitude_rate": "printed attitude rate"}

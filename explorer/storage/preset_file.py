@@ -13,6 +13,7 @@ from rangenav.sensors import noise_assumption
 PRINTED_START = (
     "# printed: this path starts from the paper's p(0) and v(0), which its formula does not have; it drifts\n"
 )
+UNITS = "# units: m, s, rad, and those that follow from them (m/s, rad/s², m²/s⁷); rates in Hz\n"
 UNJUDGED = (
     "# verdict: none, not judged: the path jumps, or its snap is a fit's; `rangenav certify` on this file says which\n"
 )
@@ -23,7 +24,7 @@ def document(settings: Settings) -> bytes:
     text = preset.dumps(effective(settings))
     read_back = preset.loads(text, source="this file")
     start = PRINTED_START if settings.printed.initial_values else ""
-    return (verdict_comments(read_back) + start + "\n" + text).encode()
+    return (verdict_comments(read_back) + start + UNITS + "\n" + text).encode()
 
 
 def verdict_comments(shown: Preset) -> str:

@@ -251,7 +251,7 @@ def test_naming_the_axes_anew_makes_no_design_of_a_fit(imported):
 def test_a_download_of_a_fit_states_no_verdict(imported):
     _, made = imported("tum")
     comments = [line for line in preset_file.document(Settings(preset=made)).decode().splitlines() if line[:1] == "#"]
-    assert len(comments) == 1
+    assert [comment.partition(":")[0] for comment in comments] == ["# verdict", "# units"]
     assert comments[0].startswith("# verdict: none, not judged")
     assert preset.loads(preset_file.document(Settings(preset=made)).decode(), source="x") == made
 

@@ -71,11 +71,11 @@ def test_a_table_holds_every_sample_of_every_curve_to_the_last_digit(name: str, 
 
 def test_the_first_line_names_every_curve_with_its_unit():
     example = picture("paper-slow")
-    assert _table(example, "position")[0] == ["t (s)", "error (m)", "σ by P (m)"]
+    assert _table(example, "position")[0] == ["t (s)", "error (m; log axis)", "σ by P (m; log axis)"]
     assert _table(example, "effort")[0] == ["t (s)", "thrust/weight", "|ω| (rad/s)"]
     gramian = _table(example, "gramian")[0]
-    assert gramian[:3] == ["window start (s)", "λ₁ (SI)", "λ₂ (SI)"]
-    assert gramian[-3:] == ["λ₁₂ (SI)", "λ₁₃ (SI)", "floor (SI)"]
+    assert gramian[:3] == ["window start (s)", "λ₁ (SI; log axis)", "λ₂ (SI; log axis)"]
+    assert gramian[-3:] == ["λ₁₂ (SI; log axis)", "λ₁₃ (SI; log axis)", "floor (SI; log axis)"]
     assert _table(example, "snap")[0][1] == "x (m/s⁴)"
 
 
@@ -152,7 +152,7 @@ def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     with pytest.raises(ValueError, match="no plot 'scaled' yet"):
         charts.file_writer("scaled", "csv")
     charts.draw_details(example)
-    assert charts.file_writer("scaled", "csv")().startswith("window start (s),s₁₃,s₁₂".encode())
+    assert charts.file_writer("scaled", "csv")().startswith("window start (s),s₁₃ (log axis),s₁₂ (log axis)".encode())
     charts.draw(other)
     assert charts.file_writer("position", "csv")()
     with pytest.raises(ValueError, match="Scaled spectrum: still shows an earlier state"):

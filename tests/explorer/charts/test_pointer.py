@@ -162,7 +162,7 @@ def test_all_curves_come_back_at_once(page: Page):
 def test_what_is_switched_off_is_left_out_of_files(page: Page):
     mouse = PlotsUnderMouse(page, "paper-slow")
     mouse.write(" 1:position-1")
-    assert mouse.charts.file_writer("position", "csv")().decode().splitlines()[0] == "t (s),error (m)"
+    assert mouse.charts.file_writer("position", "csv")().decode().splitlines()[0] == "t (s),error (m; log axis)"
     mouse.write(" 2:position-0")
     with pytest.raises(ValueError, match="no curve of it is shown"):
         mouse.charts.file_writer("position", "csv")
