@@ -6,8 +6,9 @@ together with the numbers in them. Both files may come from a stranger: whatever
 
 import hashlib
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -57,6 +58,8 @@ class Verification:
     outcome: Outcome
     failures: tuple[str, ...] = ()
     """One sentence for each place where file and certificate disagree; empty if the certificate holds."""
+    path: Path | None = None
+    """The file or folder that was checked; None if none was found, or if bytes were checked and no file."""
 
 
 def verify_file(name_or_path: str | Path, *, readers: Mapping[str, Reader] = READERS) -> tuple[str, ...]:
@@ -77,11 +80,11 @@ def check_file(
         content = read_bytes(path)
         if not place.is_file():
             sentence = f"{path.name}: there is no certificate beside it ({place.name})"
-            return Verification(outcome="no certificate", failures=(sentence,))
+            return Verification(outcome="no certificate", failures=(sentence,), path=path)
         stored = encoding.loads(read_bytes(place), source=place.name)
     except ValueError as error:
         return Verification(outcome="not read", failures=(str(error),))
-    return check(content, stored, source=path.name, readers=readers)
+    return replace(check(content, stored, source=path.name, readers=readers), path=path)
 
 
 def missing_certificate(name_or_path: str | Path) -> Path | None:
@@ -159,16 +162,40 @@ def _existing(path: Path) -> Path:
 
 
 def _certified_by(certificate: Path) -> Path:
-    """The file with the bytes that a certificate states: beside the certificate, or a shipped preset."""
-    stated = encoding.loads(read_bytes(certificate), source=certificate.name).artifact
-    for file in (*sorted(certificate.parent.iterdir()), *presets.shipped_files()):
-        same_size = file.is_file() and file.stat().st_size == stated.bytes
-        if same_size and hashlib.sha256(read_bytes(file)).hexdigest() == stated.sha256:
-            return file
+    """The file that a certificate of any name was made from: beside it, or a shipped preset.
+
+    A file beside it that has its name, or that of the shipped preset with the stated bytes, comes first, whatever its
+    bytes are; then the bytes decide; then the title. A shipped preset is taken only where there is no such file.
+    """
+    stored = encoding.loads(read_bytes(certificate), source=certificate.name)
+    shipped = [file for file in presets.shipped_files() if _has_bytes(file, stored)]
+    for name in (certificate.with_suffix(".toml").name, *(file.name for file in shipped)):
+        if certificate.with_name(name).is_file():
+            return certificate.with_name(name)
+    near = [file for file in sorted(certificate.parent.iterdir()) if file.is_file()]
+    same = [file for file in near if _has_bytes(file, stored)]
+    titled = [] if same else [file for file in near if file.suffix == ".toml" and _title(file) == stored.title]
+    for file in (*same, *titled, *shipped):
+        return file
     raise ValueError(
         f"{certificate.name}: no file beside it and no shipped preset has the bytes that it certifies (SHA-256 "
-        f"{stated.sha256[:12]}…); name the file: rangenav verify FILE --certificate {certificate.name}"
+        f"{stored.artifact.sha256[:12]}…); name the file: rangenav verify FILE --certificate {certificate.name}"
     )
+
+
+def _has_bytes(file: Path, stored: Certificate) -> bool:
+    same_size = file.stat().st_size == stored.artifact.bytes
+    return same_size and hashlib.sha256(read_bytes(file)).hexdigest() == stored.artifact.sha256
+
+
+def _title(preset: Path) -> object:
+    """The title in a preset's file; None for a file that is none."""
+    if preset.stat().st_size > presets.MAX_BYTES:
+        return None
+    try:
+        return tomllib.loads(read_bytes(preset).decode("utf-8")).get("title")
+    except ValueError:  # neither UTF-8 nor TOML
+        return None
 
 
 def _compared(certificate: Certificate) -> dict[str, Any]:

@@ -60,7 +60,9 @@ def verify(
 
 def _answer(checked: "Verification", stored: "Certificate | None") -> dict[str, Any]:
     """The JSON object of one file; the verdict of a certificate that holds."""
-    answer = {"holds": not checked.failures, "failures": checked.failures, "outcome": checked.outcome}
+    answer: dict[str, Any] = {"holds": not checked.failures, "failures": checked.failures, "outcome": checked.outcome}
+    if checked.path is not None:
+        answer["path"] = str(checked.path)
     if stored is None:
         return answer
     from rangenav.certificate import verdict_of

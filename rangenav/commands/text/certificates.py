@@ -132,6 +132,7 @@ def verified(
             answer=HEADLINES[one.outcome],
             title="" if name not in stored else stored[name].title,
             groups=(
+                *group("the file", None if one.path is None else str(one.path)),
                 *(() if name not in stored else _certified_figures(stored[name])),
                 *layout.next_commands(*following),
             ),
@@ -147,13 +148,18 @@ def verified(
                 "files",
                 (
                     f"{_sign(one)} {layout.subject(name):<{longest}}  "
-                    f"{intended(stored[name]) if name in stored else HEADLINES[one.outcome]}"
+                    f"{intended(stored[name]) if name in stored else HEADLINES[one.outcome]}{_elsewhere(name, one)}"
                     for name, one in checked.items()
                 ),
             ),
             *layout.next_commands(*following),
         ),
     )
+
+
+def _elsewhere(name: str, checked: Verification) -> str:
+    """The path of the file that was checked, unless it is the one that was named."""
+    return "" if checked.path is None or checked.path == Path(name) else f" ({checked.path})"
 
 
 def _certified_figures(certificate: Certificate) -> tuple[Group, ...]:

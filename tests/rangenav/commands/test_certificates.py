@@ -100,6 +100,7 @@ def test_verify_says_one_sentence_for_each_failure_and_goes_on(run: Call, soft: 
             "holds": True,
             "failures": [],
             "outcome": "holds",
+            "path": str(preset.find("circle")),
             "verdict": "blind",
             "expect": "unobservable",
             "verdict_words": "blind",
@@ -134,6 +135,23 @@ def test_a_certificate_is_verified_where_it_was_written_by_the_command_that_cert
     for arguments in (command.split(), ("verify", written)):
         code, out, _ = run(*arguments)
         assert (code, "✗ the certificate states what the file does not give" in out) == (1, True)
+
+
+@pytest.mark.parametrize("name", ["soft.toml", "kept.toml", "flight.toml"])
+def test_a_changed_file_beside_a_certificate_is_never_replaced_by_a_shipped_preset(run: Call, soft: Path, name: str):
+    """Found by the shipped preset's name, by the certificate's name, or by its title alone."""
+    flown = soft.rename(soft.with_name(name))
+    written = flown.with_name("kept.json")
+    run("certify", flown, "-o", written)
+    code, out, _ = run("verify", written, "--json")
+    assert (code, json.loads(out)["files"][str(written)]["path"]) == (0, str(flown))
+    flown.write_text(flown.read_text().replace("seed = 1", "seed = 4"))
+    code, out, err = run("verify", written)
+    assert (code, out.splitlines()[0]) == (1, "kept.json   ✗ the file has changed since it was certified")
+    assert err.startswith(f"{name}: its bytes are not those that were certified")
+    flown.unlink()
+    code, out, _ = run("verify", written, "--json")
+    assert (code, json.loads(out)["files"][str(written)]["path"]) == (0, str(preset.find("soft")))
 
 
 def test_a_certificate_of_a_file_that_is_nowhere_says_how_to_name_it(run: Call, tmp_path: Path, soft: Path):
