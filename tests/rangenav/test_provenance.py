@@ -165,7 +165,7 @@ def test_whoever_deletes_the_source_has_made_the_curve_a_design(imported):
 
 def test_the_gate_and_repair_say_what_would_help(imported, complaint, run, tmp_path: Path):
     _, made = imported("jerk")
-    easy = replace(made, requirement=replace(made.requirement, mu=1e-6, position_sigma=1e4))
+    easy = replace(made, requirement=replace(made.requirement, window=12.0, mu=1e-6, position_sigma=3.0))
     for form in ("preset", "polynomial", "log"):
         said = exports.gate(easy, form)
         assert said is not None

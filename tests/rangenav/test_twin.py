@@ -23,6 +23,7 @@ pytestmark = pytest.mark.slow
 
 KINDS = {
     "hover": "turned",
+    "turning-hover": "turned",
     "line": "turned",
     "circle": "mirrored",
     "helix": "mirrored",

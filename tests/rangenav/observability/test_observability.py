@@ -22,6 +22,7 @@ SINES = [name for name in SHIPPED if isinstance(preset.load(name).path, Multisin
 """Those whose path is also known in fifty digits."""
 KNOWN_RANKS = {
     "hover": (5, 3),
+    "turning-hover": (5, 3),
     "line": (5, 4),
     "circle": (11, 9),
     "tilted-circle": (11, 9),
