@@ -13,4 +13,4 @@ def test_one_button_shows_the_false_certificate_of_a_hover(editing: Editing):
     assert editing.settings.printed.excitation
     assert editing.settings.printed.body_axes
     editing.tab.wait_for_text("where the derived one is 0 — a false certificate")
-    assert "BLIND" in editing.tab.text()
+    assert "blind</b>" in editing.tab.text()
