@@ -228,7 +228,7 @@ class Visitor:
     def box(self, label: str) -> Locator:
         """The box for a number with this label, or beside the slider with this label."""
         own = self.beside(f"{label}: number")
-        return (own if own.count() else self.beside(label)).locator("input")
+        return (own if own.count() else self.beside(label)).locator("input:not([type=hidden])")
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:
         """Type into the number box beside a label."""

@@ -7,6 +7,8 @@ from playwright.sync_api import Browser
 from tests.browser.page import CHROMIUM, COARSE, PATIENCE, Server, Visitor
 
 BOX = "selector => { const b = document.querySelector(selector).getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom] }"  # noqa: E501
+DETERMINED = "quantities determined"
+"""In the verdict on every motion, also on a blind one."""
 SIZES = ((1366, 768), (1920, 1080), (911, 512), (400, 800))
 
 
@@ -16,7 +18,7 @@ def box(visitor: Visitor, selector: str) -> tuple[float, float, float, float]:
 
 
 def test_a_new_visitor_is_welcomed_once_and_the_question_mark_brings_the_card_back(server: Server, browser: Browser):
-    tab = Visitor(browser, server.url, density=COARSE, welcomed=False)
+    tab = Visitor(browser, server.url, density=COARSE, welcomed=False, says=DETERMINED)
     card = tab.page.get_by_role("dialog", name="Welcome")
     assert card.is_visible()
     tab.press("Learn")
@@ -35,7 +37,7 @@ def test_a_new_visitor_is_welcomed_once_and_the_question_mark_brings_the_card_ba
 
 
 def test_a_link_with_a_preset_opens_it_and_skips_the_card(server: Server, browser: Browser):
-    tab = Visitor(browser, f"{server.url}?preset=circle", density=COARSE, welcomed=False)
+    tab = Visitor(browser, f"{server.url}?preset=circle", density=COARSE, welcomed=False, says=DETERMINED)
     tab.wait_for_text("nothing excites z", PATIENCE)
     assert not tab.page.get_by_role("dialog", name="Welcome").is_visible()
     tab.close()
