@@ -22,6 +22,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.http11 import Request, Response
 
 from explorer.model import palette
+from explorer.web import array_types
 from explorer.web.without_webgl import add_script
 
 CHECKED_AGAINST = "1.1.1"
@@ -51,6 +52,7 @@ def open_server(host: str, port: int) -> viser.ViserServer:
     if not 0 <= port < 2**16:
         raise ValueError(f"--port {port}: must lie between 0 and 65535")
     _refuse_busy(port)
+    array_types.build_once()
     with (
         _guarded_serve(),
         contextlib.redirect_stdout(io.StringIO()),

@@ -1,0 +1,36 @@
+"""viser's setters convert and compare what is assigned as they did before the types of arrays were built once."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from viser import _assignable_props_api
+
+from explorer.web import array_types
+from tests.support.sent_messages import Page
+
+
+def test_the_types_are_those_of_numpy_and_each_is_built_once() -> None:
+    array_types.build_once()
+    for scalar in (np.float16, np.float32, np.float64, np.uint8):
+        built = _assignable_props_api.npt.NDArray[scalar]
+        assert built == npt.NDArray[scalar]
+        assert _assignable_props_api.npt.NDArray[scalar] is built
+
+
+def test_arrays_are_converted_colours_become_bytes_and_equal_values_are_not_sent(page: Page) -> None:
+    array_types.build_once()
+    points = np.zeros((1, 2, 3))
+    line: Any = page.scene.add_line_segments("/line", points, (0, 0, 0))
+    plot: Any = page.gui.add_uplot((np.zeros(2), np.zeros(2)), ({"label": "t"}, {"label": "x"}))
+    page.messages.clear()
+    line.points = points + 1.0
+    line.colors = np.full((1, 2, 3), 0.5)
+    plot.data = (np.arange(2), np.arange(2))
+    assert line.points.dtype == np.float32
+    assert (line.points == 1.0).all()
+    assert line.colors.dtype == np.uint8
+    assert [array.dtype for array in plot.data] == [np.float64, np.float64]
+    assert len(page.messages) == 3
+    line.points = points + 1.0
+    assert len(page.messages) == 3
