@@ -27,7 +27,7 @@ DEFAULT_PRESET = "paper-slow"
 MOVES, WARM_MOVES, SLIDER_EVENTS, STARTS = 100, 5, 40, 3
 STEP = 1e-3
 """Relative change of the moved value from one event to the next."""
-STAGES_P95, EVENT_MEDIAN, EVENT_P95 = 33.0, 100.0, 200.0
+STAGES_P95, EVENT_MEDIAN, EVENT_P95 = 16.0, 100.0, 200.0
 DRAG_P95, MIN_PICTURES = 100.0, 15.0
 """ms from a position that is sent to the picture of that position; and pictures per second during a drag."""
 DRAG_RATE, DRAGS = 20.0, 100
@@ -164,8 +164,9 @@ def _drag(port: int) -> tuple[np.ndarray, float]:
     tab.drag_message(handle, "end", home, place)
     time.sleep(1)
     tab.close()
-    first = drawn[0][0]  # one plot stands for all that are drawn with it; the box says which place they show
-    pictures = [(moment, shown) for uuid, moment, shown in drawn if uuid == first]
+    plots = [uuid for uuid, _, _ in drawn]
+    one = max(set(plots), key=plots.count)  # stands for all that are drawn with it; the box says which place they show
+    pictures = [(moment, shown) for uuid, moment, shown in drawn if uuid == one]
     waits = [1e3 * (next(m for m, shown in pictures if shown > x - STEP) - moment) for moment, x in sent]
     during = [moment for moment, _ in pictures if began < moment < sent[-1][0]]
     return np.array(waits), len(during) / (sent[-1][0] - began)

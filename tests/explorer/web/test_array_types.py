@@ -12,10 +12,11 @@ from tests.support.sent_messages import Page
 
 def test_the_types_are_those_of_numpy_and_each_is_built_once() -> None:
     array_types.build_once()
+    of_viser: Any = _assignable_props_api
     for scalar in (np.float16, np.float32, np.float64, np.uint8):
-        built = _assignable_props_api.npt.NDArray[scalar]
+        built = of_viser.npt.NDArray[scalar]
         assert built == npt.NDArray[scalar]
-        assert _assignable_props_api.npt.NDArray[scalar] is built
+        assert of_viser.npt.NDArray[scalar] is built
 
 
 def test_arrays_are_converted_colours_become_bytes_and_equal_values_are_not_sent(page: Page) -> None:
