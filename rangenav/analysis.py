@@ -24,6 +24,7 @@ from rangenav.preset import Preset, Requirement
 from rangenav.proof import Proof, prove
 from rangenav.provenance import Source
 from rangenav.results import result
+from rangenav.sensors import drift
 from rangenav.signals import Signal
 from rangenav.verdict import Verdict, caveats, excitation_reached, for_these_ranges, judge, restriction
 
@@ -82,9 +83,15 @@ class Analysis:
     def caveats(self, preset: Preset) -> tuple[str, ...]:
         """Why the verdict on this preset is of little use, one sentence each."""
         worst = self.lifted_end.position
-        error = worst if math.isfinite(worst) else 0.0
-        sigma = preset.sensors.sigma.range
-        return caveats(preset.world.gravity, sigma, position_sigma=error, farthest=self.farthest)
+        determined, window = math.isfinite(worst), self.windows.window
+        return caveats(
+            preset.world.gravity,
+            preset.sensors.sigma.range,
+            position_sigma=worst if determined else 0.0,
+            farthest=self.farthest,
+            window=window,
+            drift=drift(preset.sensors, window) if determined else 0.0,
+        )
 
 
 def analyse(preset: Preset) -> Analysis:

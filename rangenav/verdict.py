@@ -17,6 +17,9 @@ from rangenav.signals import Signal
 
 LEAST_GRAVITY, MOST_GRAVITY = 1.0, 30.0
 """m/s²; the Moon has 1.6, Jupiter 24.8."""
+MOST_DRIFT = 3.0
+"""Multiples of the predicted error by which the accelerometer's noise may move a position within the window. The ranges
+of the window hold a part of that: the shipped presets, up to 1.8, keep to the predicted error in their runs."""
 Word = Literal["blind", "weak", "observable", "not judged"]
 Excitation = Literal["met", "not met", "not proven"]
 """Whether the required μ is reached; not proven: it lies between the bound and the least μ that was evaluated."""
@@ -132,12 +135,20 @@ def for_these_ranges(count: int, start: float, window: float, period: float | No
 
 
 def caveats(
-    gravity: Vec3, range_sigma: float, *, position_sigma: float = 0.0, farthest: float = math.inf
+    gravity: Vec3,
+    range_sigma: float,
+    *,
+    position_sigma: float = 0.0,
+    farthest: float = math.inf,
+    window: float = 0.0,
+    drift: float = 0.0,
 ) -> tuple[str, ...]:
     """Why a verdict is of little use, one sentence each: ranges without noise, a gravity that no planet has, a
-    predicted error above the distance to the anchor.
+    predicted error above the distance to the anchor, an IMU whose noise is far above the predicted error.
 
     gravity: m/s². range_sigma, position_sigma (on the worst window), farthest (the largest distance to the anchor): m.
+    window: s. drift: how far the accelerometer's noise alone moves a position within the window (m); see
+    `sensors.drift`.
     """
     size, sentences = math.hypot(*gravity), []
     if range_sigma == 0:
@@ -148,6 +159,11 @@ def caveats(
         sentences.append(
             f"The predicted error, {quantity(position_sigma, 'm')}, exceeds the largest distance to the anchor, "
             f"{quantity(farthest, 'm')}."
+        )
+    if drift > MOST_DRIFT * position_sigma:
+        sentences.append(
+            f"The IMU's noise alone moves the position by {quantity(drift, 'm')} within {quantity(window, 's')}; the "
+            f"predicted error, {quantity(position_sigma, 'm')}, assumes a perfect IMU."
         )
     return tuple(sentences)
 

@@ -17,7 +17,7 @@ from rangenav.sensors.noise import (
     in_unit,
     per_sample,
 )
-from rangenav.sensors.suite import Sensors, active_effects, effect_sentences, noise_assumption
+from rangenav.sensors.suite import Sensors, active_effects, drift, effect_sentences, noise_assumption
 
 __all__ = [
     "MAX_RATE",
@@ -38,6 +38,7 @@ __all__ = [
     "check",
     "density",
     "distance",
+    "drift",
     "effect_sentences",
     "effects",
     "in_unit",

@@ -1,8 +1,10 @@
 """What a vehicle carries: the rate of each sensor, its noise, and the effects that the paper does not model."""
 
+import math
+
 from rangenav.inputs import Input, require, require_within
 from rangenav.sensors.effects import MODELLED, Effects, sentences, unpredicted
-from rangenav.sensors.noise import MAX_RATE, MIN_RANGE_RATE, MIN_RATE, Noise, in_unit
+from rangenav.sensors.noise import MAX_RATE, MIN_RANGE_RATE, MIN_RATE, Noise, density, in_unit
 
 
 class Sensors(Input, frozen=True, kw_only=True):
@@ -36,6 +38,12 @@ class Sensors(Input, frozen=True, kw_only=True):
     def arriving(self) -> float:
         """The share of ranges that arrive despite random drop-outs; a burst is not included."""
         return 1 - self.unmodelled.dropout_probability
+
+
+def drift(sensors: Sensors, window: float) -> float:
+    """1-σ (m) of a position that the accelerometer alone carries through a window (s): n δ^(3/2) / √3, from its noise
+    of density n; start, attitude and gravity are known, and there are no ranges."""
+    return density(sensors.sigma.accel, sensors.imu_rate) * window**1.5 / math.sqrt(3)
 
 
 def effect_sentences(sensors: Sensors) -> tuple[str, ...]:

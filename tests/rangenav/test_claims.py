@@ -4,10 +4,11 @@ import math
 from dataclasses import replace as with_fields
 from pathlib import Path
 
+import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from rangenav import analysis, certificate, preset, verdict, window_text
+from rangenav import analysis, certificate, preset, sensors, verdict, window_text
 from rangenav.certificate import Certificate, advice, remedy
 from rangenav.certificate.figures import figures, shortfall
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, worst_excitation
@@ -105,6 +106,28 @@ def test_an_error_above_the_distance_to_the_anchor_is_a_caveat():
     (said,) = verdict.caveats((0, 0, 9.81), 0.1, position_sigma=1.8, farthest=1.0)
     assert said == "The predicted error, 1.8 m, exceeds the largest distance to the anchor, 1 m."
     assert verdict.caveats((0, 0, 9.81), 0.1, position_sigma=math.inf, farthest=1.0) == ()
+
+
+def test_an_imu_whose_noise_is_far_above_the_predicted_error_is_a_caveat():
+    """The drift against 400 integrations of drawn noise."""
+    drawn = np.random.default_rng(0).standard_normal((400, 1200)) * SOFT.sensors.sigma.accel
+    moved = np.cumsum(np.cumsum(drawn, axis=1), axis=1)[:, -1] / SOFT.sensors.imu_rate**2
+    assert sensors.drift(SOFT.sensors, 6.0) == pytest.approx(np.std(moved), rel=0.1)
+    noisy = replace(SOFT, sensors=replace(SOFT.sensors, noise=replace(SOFT.sensors.noise, accel=2.0)))
+    (said,) = analysis.analyse(noisy).caveats(noisy)
+    assert "IMU's noise alone moves the position by 3.39 m within 12 s" in said
+    assert certified(noisy).caveats == (said,)
+    blind = preset.load("circle")
+    assert analysis.analyse(blind).caveats(blind) == ()
+
+
+def test_a_certificate_with_a_caveat_states_it_and_has_no_tick(run):
+    code, out, _ = run("certify", "paper-slow")
+    assert (code, out.splitlines()[0]) == (0, "paper-slow   ! certified, with a reservation: observable")
+    assert "! The predicted error, 1.81 m, exceeds the largest distance" in " ".join(out.split())
+    said = " ".join(run("verify", "paper-slow")[1].split())
+    assert "✓ holds" in said
+    assert "certified, with a reservation: observable ! The predicted error, 1.81 m" in said
 
 
 def test_a_bound_of_nothing_is_no_proof(run, tmp_path: Path):

@@ -31,7 +31,7 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
         following = "log RECORD.csv" if of_source else f"repair {typed} -o repaired.toml"
     return Report(
         subject=layout.subject(name),
-        sign="✓" if certificate.certified else "✗",
+        sign="✗" if not certificate.certified else "!" if caveats(certificate) else "✓",
         answer=intended(certificate) if certificate.certified else f"NOT certified: {_refusal(certificate)}",
         title=certificate.title,
         groups=(
@@ -39,6 +39,7 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
                 "requirements",
                 (_check(one) for one in certificate.checks),
             ),
+            *group("reservations", caveats(certificate)),
             *group("would help", helps),
             *group("what it covers", *coverage(certificate)),
             *group("the file", f"SHA-256 {certificate.artifact.sha256[:DIGITS]}…, {certificate.artifact.bytes} bytes"),
@@ -70,8 +71,14 @@ def _check(one: Check) -> str:
 
 def intended(certificate: Certificate) -> str:
     """The verdict of a certificate that is true of its preset: "certified: blind, as intended"."""
-    said = f"certified: {verdict_of(certificate).summary}"
+    reserved = ", with a reservation" if caveats(certificate) else ""
+    said = f"certified{reserved}: {verdict_of(certificate).summary}"
     return said if certificate.expect == "observable" else f"{said}, as intended"
+
+
+def caveats(certificate: Certificate) -> list[str]:
+    """Why the verdict is of little use, one sentence each, as `analyze` has them."""
+    return [] if certificate.caveats is msgspec.UNSET else [f"! {sentence}" for sentence in certificate.caveats]
 
 
 def coverage(certificate: Certificate) -> tuple[str, ...]:
@@ -163,7 +170,7 @@ def _elsewhere(name: str, checked: Verification) -> str:
 
 
 def _certified_figures(certificate: Certificate) -> tuple[Group, ...]:
-    return (*group("verdict", intended(certificate)), *claim(certificate))
+    return (*group("verdict", intended(certificate), caveats(certificate)), *claim(certificate))
 
 
 def _sign(checked: Verification) -> Sign:
