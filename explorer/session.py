@@ -111,7 +111,7 @@ class Session:
                     self._react()
                 self._display.animate()
                 self._display.draw_details_if_due(time.monotonic(), self._wake)
-                self._autosave.write(time.monotonic())
+                self._autosave.write_aside(time.monotonic())
 
     def _sleep(self, now: float) -> float | None:
         """The time (s) until a frame, the details or a write is due; None if none of them is."""
@@ -123,6 +123,7 @@ class Session:
         with self._reporting():
             self._remember_last_changes()
         self.form.cancel_jobs()
+        self._autosave.finish()
         if self.shared.slots.has(self._client.client_id):
             self._autosave.write(time.monotonic(), at_once=True)
         self.shared.slots.free(self._client.client_id)

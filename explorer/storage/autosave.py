@@ -4,6 +4,7 @@ A file that this version cannot read is kept under another name, and is written 
 something.
 """
 
+import threading
 from collections.abc import Callable
 from typing import Literal
 
@@ -54,6 +55,7 @@ class Autosave:
         self._latest: tuple[Settings, GainUnits, View] | None = None
         self._unwritten: tuple[Settings, GainUnits, View] | None = None
         self._written_at = float("-inf")
+        self._writer: threading.Thread | None = None
         self._kept = False
         """Whether there is a file that was kept under another name, and that is not written over unasked."""
         self._failing = False
@@ -103,10 +105,32 @@ class Autosave:
         return None if self._unwritten is None else max(0.0, self._written_at + PERIOD - now)
 
     def write(self, now: float, *, at_once: bool = False) -> None:
-        """Write the settings if that is due."""
-        if self._unwritten is None or not (at_once or now - self._written_at >= PERIOD):
+        """Write the settings if that is due, or `at_once`, after those that are being written aside."""
+        self.finish()
+        if self._unwritten is not None and (at_once or now - self._written_at >= PERIOD):
+            self._save(*self._take(now))
+
+    def write_aside(self, now: float) -> None:
+        """As `write`, in a thread of its own: the visitor's next move does not wait for the disk."""
+        if self._unwritten is None or now - self._written_at < PERIOD:
             return
-        (settings, units, view), self._unwritten, self._written_at = self._unwritten, None, now
+        if self._writer is not None and self._writer.is_alive():  # a slow disk: the newest work follows later
+            self._written_at = now
+            return
+        self._writer = threading.Thread(target=self._save, args=self._take(now), name="autosave", daemon=True)
+        self._writer.start()
+
+    def finish(self) -> None:
+        """Wait until what is being written aside is on the disk."""
+        if self._writer is not None:
+            self._writer.join()
+
+    def _take(self, now: float) -> tuple[Settings, GainUnits, View]:
+        assert self._unwritten is not None
+        taken, self._unwritten, self._written_at = self._unwritten, None, now
+        return taken
+
+    def _save(self, settings: Settings, units: GainUnits, view: View) -> None:
         if self._session_key is None:
             return
         try:

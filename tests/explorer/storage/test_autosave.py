@@ -2,6 +2,7 @@
 
 import math
 import stat
+import threading
 
 import msgspec
 import pytest
@@ -51,6 +52,26 @@ def test_work_is_written_once_a_period_and_the_latest_counts(work_files: WorkFil
     assert _restored(work_files) == _at(3.0)
     assert autosave.wait(PERIOD) is None
     assert notices == []
+
+
+def test_what_is_written_aside_waits_for_a_slow_disk_and_the_latest_counts(
+    work_files: WorkFiles, notices: list[str], monkeypatch: pytest.MonkeyPatch
+):
+    autosave, disk, save = Autosave(work_files, "paper-slow", notices.append), threading.Event(), work_files.save
+    autosave.restore(SESSION_KEY)
+    monkeypatch.setattr(work_files, "save", lambda key, work: (disk.wait(10), save(key, work)))
+    autosave.remember(_at(2.0))
+    autosave.write_aside(0.0)
+    autosave.remember(_at(3.0))
+    autosave.write_aside(PERIOD)  # the first write still waits: no second one beside it
+    assert autosave.wait(PERIOD) == PERIOD
+    disk.set()
+    autosave.finish()
+    assert _restored(work_files) == _at(2.0)
+    autosave.remember(_at(4.0))
+    autosave.write(1.5 * PERIOD, at_once=True)
+    assert _restored(work_files) == _at(4.0)
+    assert autosave.wait(2 * PERIOD) is None
 
 
 def test_a_failing_write_is_notified_once_and_later_work_is_saved_again(
