@@ -62,7 +62,7 @@ def _loop(p: Preset, count: int) -> None:
     for rotation in Rotation.random(count, np.random.default_rng(0)).as_matrix():
         estimate = cascade.observe(z, cascade.Start(state=np.zeros(13), rotation=rotation), observer_config)
         result = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-        record.summarise(estimate, z, result, 0.0)
+        record.summarise(estimate, z, result, 0.0, range_sigma=p.sensors.sigma.range)
 
 
 if __name__ == "__main__":

@@ -91,7 +91,8 @@ def candidate(name: str, track: Track, of: Record, seconds: float, *, outcome: s
     with np.errstate(all="ignore"):  # a filter that went to infinity is shown as it is
         estimate = strapdown.lifted(track, of.measurements, of.preset.world)
         tracking = errors.of(estimate, truth=of.truth.state, rotation=of.truth.motion.rotation)
-        summary = record.summarise(estimate, of.measurements, tracking, seconds)
+        sigma = of.preset.sensors.sigma.range
+        summary = record.summarise(estimate, of.measurements, tracking, seconds, range_sigma=sigma)
         by_truth = outcome_text(estimate, tracking, summary)
         if outcome is None:
             outcome = by_truth

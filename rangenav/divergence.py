@@ -9,6 +9,7 @@ any place that the ranges allow, and does not come back. One that comes back fro
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -18,6 +19,11 @@ from rangenav import model
 from rangenav.cascade import Estimate
 from rangenav.number_format import quantity
 from rangenav.range_fit import RangeFit
+
+MOST_RESIDUAL = 5.0
+"""Standard deviations of a range by which the distance of an estimate from the anchor may be off the ranges (RMS)."""
+LEAST_RESIDUAL = 0.1
+"""m; a smaller residual is none, however exact the ranges are."""
 
 MOST_STD = 1e2
 """m; with a larger 1-σ of its own position an observer has diverged, as it does on an unobservable motion."""
@@ -61,3 +67,17 @@ def range_residuals(
         third, last = (off[j * len(off) // 4 : (j + 1) * len(off) // 4] for j in (2, 3))
         before, after = (float(np.sqrt(np.mean(part**2))) if len(part) else math.nan for part in (third, last))
     return before, after
+
+
+def with_residual(
+    fit: RangeFit, estimate: Estimate, range_time: Float[Array, "m"], ranges: Float[Array, "m"], range_sigma: float
+) -> RangeFit:
+    """The fit, with how far the position is off its ranges (m) where that contradicts a good fit.
+
+    That is more than 5 range_sigma (m), and than 0.1 m, above the own 1-σ of the position. The own σ of constant gains
+    does not count: it is a design quantity.
+    """
+    residual = range_residuals(estimate, range_time, ranges)[1]
+    own = 0.0 if fit.mode == "constant" else math.sqrt(max(float(np.diagonal(estimate.covariance[-1, 0]).max()), 0.0))
+    far = math.isfinite(residual) and residual > max(MOST_RESIDUAL * range_sigma, LEAST_RESIDUAL) + own
+    return replace(fit, off=residual) if far else fit

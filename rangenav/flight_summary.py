@@ -9,7 +9,7 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav import range_fit
-from rangenav.divergence import divergence, range_residuals
+from rangenav.divergence import divergence, range_residuals, with_residual
 from rangenav.formats.recorded_flight import Flight
 from rangenav.inputs import Vec3
 from rangenav.logs import FEW, WORDS, Informative, Observed
@@ -126,13 +126,14 @@ def summarise_windows(windows: Informative) -> WindowSummary:
 
 def summarise_observer(observed: Observed) -> ObserverSummary:
     """Where the observers end, and their errors by quarters where the record has a truth."""
-    fit = range_fit.of(observed.estimate)
+    taken = (observed.range_time, observed.range)
+    fit = with_residual(range_fit.of(observed.estimate), observed.estimate, *taken, observed.range_sigma)
     degrees = None if observed.attitude_error is None else np.degrees(observed.attitude_error)
     return ObserverSummary(
         final_position=tuple(_finite(float(value)) for value in observed.position[-1]),
         innovation_rms=_rms(observed.estimate.innovation[:, 0]),
-        diverged=divergence(observed.estimate, observed.range_time, observed.range, fit),
-        range_residual=range_residuals(observed.estimate, observed.range_time, observed.range)[1],
+        diverged=divergence(observed.estimate, *taken, fit),
+        range_residual=range_residuals(observed.estimate, *taken)[1],
         position=None if observed.position_error is None else _errors(observed.position_error),
         attitude=None if degrees is None else _errors(degrees),
         fit=fit,

@@ -54,6 +54,8 @@ class RangeFit:
     """The gains that the run has had."""
     given_up: int = 0
     """How often noise-matched gains have given up their guess, because the ranges contradicted it."""
+    off: float | None = None
+    """RMS of |p̂| − d (m) over the last quarter, where it is far above the noise; None where it is not, or not known."""
 
     @property
     def gains(self) -> str:
@@ -67,15 +69,7 @@ class RangeFit:
 
     def summary(self, *, blind: bool) -> str:
         """The word with its figure. blind: whether the motion leaves the position undetermined."""
-        if blind and self.word == "consistent":
-            return BLIND
-        if self.collecting and self.word == "consistent":
-            return COLLECTED
-        if self.word == "overconfident":
-            return f"overconfident ×{self.factor:.2g}"
-        if self.word == "correlated":
-            return "not settled on the ranges: the innovations have a mean or are correlated"
-        return NOT_JUDGED if self.word == "not judged" else self.word
+        return _text(self, blind=blind, off=self.off)
 
     def statement(self, *, blind: bool, predicted: float | None) -> str:
         """The summary with the gains and the predicted 1-σ of the position (m), which the ranges alone do not show.
@@ -95,13 +89,28 @@ class RangeFit:
 
 def counted(fits: Sequence[RangeFit], *, blind: bool) -> str:
     """How many runs have each word, the most frequent first; overconfident ones with their least and largest factor."""
-    words = [fit.word if fit.word == "overconfident" else fit.summary(blind=blind) for fit in fits]
+    words = [fit.word if fit.word == "overconfident" else _text(fit, blind=blind) for fit in fits]
     parts = []
     for word in sorted(set(words), key=lambda word: (-words.count(word), word)):
         factors = [fit.factor for fit in fits if fit.word == word and fit.factor is not None]
         over = f" ×{min(factors):.2g} to ×{max(factors):.2g}" if word == "overconfident" else ""
         parts.append(f"{words.count(word)} {word}{over}")
     return ", ".join(parts)
+
+
+def _text(fit: RangeFit, *, blind: bool, off: float | None = None) -> str:
+    """The word in a clause. off: m, shown as the distance from the ranges; without it, runs that differ read alike."""
+    distance = "" if off is None else f" {quantity(off, 'm')}"
+    far = "" if fit.off is None else f"the position is{distance} off its ranges"
+    if fit.word == "consistent" and far:
+        return f"the innovations are as expected, but {far}{', and cannot be told' if blind else ''}"
+    if fit.word == "consistent" and (blind or fit.collecting):
+        return BLIND if blind else COLLECTED
+    if fit.word == "overconfident":
+        return f"overconfident ×{fit.factor:.2g}"
+    if fit.word == "correlated":
+        return f"the innovations have a mean or are correlated{f', and {far}' if far else ''}"
+    return NOT_JUDGED if fit.word == "not judged" else fit.word
 
 
 def of(estimate: Estimate) -> RangeFit:

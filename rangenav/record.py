@@ -185,12 +185,16 @@ def observed(
     )
     seconds = time.perf_counter() - began
     run_errors = errors.of(estimate, truth=truth.state, rotation=truth.motion.rotation)
-    return Outcome(estimate=estimate, errors=run_errors, summary=summarise(estimate, measurements, run_errors, seconds))
+    summary = summarise(estimate, measurements, run_errors, seconds, range_sigma=sensors.sigma.range)
+    return Outcome(estimate=estimate, errors=run_errors, summary=summary)
 
 
-def summarise(estimate: Estimate, measurements: Measurements, errors: Errors, seconds: float) -> Summary:
-    """Peak, settling, steady and final errors of a run, and how well it fits its ranges."""
-    fit, taken = range_fit.of(estimate), (measurements.range_time, measurements.range)
+def summarise(
+    estimate: Estimate, measurements: Measurements, errors: Errors, seconds: float, *, range_sigma: float
+) -> Summary:
+    """Peak, settling, steady and final errors of a run, and how well it fits its ranges, of noise range_sigma (m)."""
+    taken = (measurements.range_time, measurements.range)
+    fit = divergence.with_residual(range_fit.of(estimate), estimate, *taken, range_sigma)
     diverged = divergence.divergence(estimate, *taken, fit)
     return Summary(
         peak_position=float(errors.position.max()),

@@ -34,6 +34,8 @@ class Observed:
     """s"""
     range: Float[Array, "m"]
     """m, the ranges that the observers used."""
+    range_sigma: float
+    """m, the noise of the ranges that the observers assume."""
     position: Float[Array, "n 3"]
     """m, inertial: the anchor plus R̂ p̂_B."""
     position_error: Float[Array, "n"] | None
@@ -56,6 +58,7 @@ def observe(flight: Flight, world: World, *, sensors: Sensors, gains: Gains | No
         world=world,
         range_time=flight.range_time,
         range=flight.range,
+        range_sigma=sensors.sigma.range,
         position=position,
         position_error=None if flight.position is None else np.linalg.norm(position - flight.position, axis=-1),
         attitude_error=None if flight.rotation is None else _angle_between(flight.rotation, estimate.rotation),

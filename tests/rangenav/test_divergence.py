@@ -7,6 +7,8 @@ import pytest
 from msgspec.structs import replace as changed
 
 from rangenav import divergence, model, preset, range_fit, record
+from rangenav.acquisition import CONSTANT, MATCHED
+from rangenav.number_format import quantity
 from rangenav.preset import Requirement
 from rangenav.signals import Multisine, Tone
 from tests.support import records
@@ -63,6 +65,35 @@ def test_a_run_of_constant_gains_that_ends_far_off_has_diverged_by_the_same_rule
     assert run.summary.diverged
     assert run.summary.divergence == divergence.divergence(run.estimate, z.range_time, z.range, run.summary.fit)
     assert run.summary.range_residual > 3 * z.range.max()
+
+
+@pytest.mark.parametrize("name", ["hover", "wiggle"])
+def test_no_run_whose_position_is_far_off_its_ranges_is_said_to_fit_them(name: str):
+    """Innovations may be white where the estimate is elsewhere: the state does not only follow them."""
+    summary, blind = record.run(preset.load(name)).summary, name == "hover"
+    assert summary.range_residual > 1.0
+    residual = quantity(summary.range_residual, "m")
+    said = f"the innovations are as expected, but the position is {residual} off its ranges"
+    assert summary.fit.summary(blind=blind) == (f"{said}, and cannot be told" if blind else said)
+    assert range_fit.counted([summary.fit] * 2, blind=False).startswith("2 the innovations are as expected, but ")
+
+
+@pytest.mark.parametrize(
+    ("phase", "own", "distance", "said"),
+    [(CONSTANT, 9.0, 3.0, True), (CONSTANT, 9.0, 2.3, False), (MATCHED, 9.0, 3.0, False), (MATCHED, 0.1, 3.0, True)],
+)
+def test_an_own_deviation_excuses_a_residual_unless_it_is_a_design_quantity(phase, own, distance, said: bool):
+    """Ranges of 2 m with a noise of 0.1 m; the own σ of constant gains says nothing."""
+    made = records.scene("paper-slow", duration=2.0)
+    estimate = made.observe()
+    state, covariance = np.zeros_like(estimate.state), np.zeros_like(estimate.covariance)
+    state[:, model.POSITION.start] = distance
+    covariance[:, 0] = own**2 * np.eye(3)
+    phases = np.full(len(estimate.time), phase, dtype=np.int8)
+    estimate = replace(estimate, state=state, covariance=covariance, phase=phases)
+    time = made.measurements.range_time
+    fit = divergence.with_residual(range_fit.of(estimate), estimate, time, np.full(len(time), 2.0), 0.1)
+    assert fit.off == (pytest.approx(distance - 2.0) if said else None)
 
 
 @pytest.mark.parametrize("name", ["paper-slow", "soft", "lissajous"])

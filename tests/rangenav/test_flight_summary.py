@@ -21,6 +21,7 @@ def observed(position_error, attitude_error=None) -> Observed:
         world=World(),
         range_time=z.range_time,
         range=z.range,
+        range_sigma=0.1,
         position=np.tile([1.0, 2.0, 3.0], (n, 1)),
         position_error=None if position_error is None else np.resize(position_error, n),
         attitude_error=None if attitude_error is None else np.resize(attitude_error, n),
