@@ -10,7 +10,7 @@ from playwright.sync_api import Browser
 
 from tests.browser.page import BLUR, COARSE, PATIENCE, Visitor, served
 
-TABLE = "points: t x y z"
+TABLE = "points, a line t x y z each"
 
 
 def _until(holds: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
