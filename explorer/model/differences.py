@@ -107,8 +107,9 @@ def _value(value: Any) -> str:
 
 def _sentence(figure: Figure, before: float | None, after: float | None) -> str:
     x, y = _number(before), _number(after)
-    first, second = (quantity(value, otherwise=NOT_REACHED) for value in (x, y))
-    text = f"{figure.name} {first} → {second} {figure.unit}".rstrip()
+    # the unit stands once, behind the last number
+    first = quantity(x, figure.unit if math.isnan(y) else "", otherwise=NOT_REACHED)
+    text = f"{figure.name} {first} → {quantity(y, figure.unit, otherwise=NOT_REACHED)}".rstrip()
     return (
         f"{text} ({_how_much(x, y)})" if x > 0 and y > 0 and math.isfinite(x + y) and figure.unit != "of 13" else text
     )

@@ -181,22 +181,22 @@ def test_differences_name_the_choice_and_the_figures_that_moved(slow: Picture) -
     assert differences.figures(slow, slow) == differences.choices(slow.preset, slow.preset) == []
     gains = replace(slow.preset.gains, riccati=replace(slow.preset.gains.riccati, q=1.0))
     b = altered(slow, gains=gains, seed=7)
-    q = f"gains.riccati.q {slow.preset.gains.riccati.q:.4g} → 1"
-    assert set(differences.choices(slow.preset, b.preset)) == {q, f"seed {slow.preset.seed} → 7"}
+    q = f"Range weight q: {slow.preset.gains.riccati.q:.4g} → 1"
+    assert set(differences.choices(slow.preset, b.preset)) == {q, f"Noise seed: {slow.preset.seed} → 7"}
     sentences = differences.figures(slow, b)
     assert not any(
-        sentence.startswith(("rank", "μ", "predicted")) for sentence in sentences
+        sentence.startswith(("quantities", "excitation", "best error")) for sentence in sentences
     )  # gains change none of these
     before, after = slow.summary.steady_position, b.summary.steady_position
-    (steady,) = (sentence for sentence in sentences if sentence.startswith("steady position"))
-    assert steady.startswith(f"steady position {before:.3g} → {after:.3g} m (")
+    (steady,) = (sentence for sentence in sentences if sentence.startswith("steady position error"))
+    assert steady.startswith(f"steady position error {before:.3g} → {after:.3g} m (")
 
 
 def test_differences_of_verdicts_and_of_what_never_comes(slow: Picture) -> None:
     sentences = differences.figures(slow, picture("circle"))
     assert sentences[0] == "observable → blind"
-    assert any(sentence.startswith("rank 13 → ") for sentence in sentences)
-    assert any("→ not reached" in sentence for sentence in sentences)
+    assert any(sentence.startswith("quantities determined 13 → 11 of 13") for sentence in sentences)
+    assert "position settled 7.92 s → not reached" in sentences
     assert differences.choices(slow.preset, picture("circle").preset)
 
 
