@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
+from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.motion_analysis import Windows, farthest_from_anchor, motion_analysis, path_samples, sampled_windows
 from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum
@@ -57,6 +58,8 @@ class Analysis:
     gramian: Float[Array, "13"]
     floor: float
     rank: int
+    rounded: bool
+    """Whether the rank is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
     tolerance: float
     """Relative: a scaled singular value counts above this share of the largest."""
     nonlinear_at: float
@@ -79,6 +82,11 @@ class Analysis:
     farthest: float
     """m: the largest distance to the anchor in the flight, on samples."""
     verdict: Verdict
+
+    @property
+    def known_rank(self) -> int:
+        """13 where the rank is lower because of rounding alone."""
+        return STATES if self.rounded else self.rank
 
     def caveats(self, preset: Preset) -> tuple[str, ...]:
         """Why the verdict on this preset is of little use, one sentence each."""
@@ -144,7 +152,7 @@ def analysis(
     of = accuracy.of_held(
         path, world, at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
     )
-    rank, farthest = int(lifted.spectrum.rank[k]), farthest_from_anchor(path, world, duration)
+    rank, farthest = lifted.rank, farthest_from_anchor(path, world, duration)
     return Analysis(
         proof=None,
         windows=windows,
@@ -157,6 +165,7 @@ def analysis(
         gramian=lifted.spectrum.eigenvalues[k],
         floor=float(lifted.spectrum.floor[k]),
         rank=rank,
+        rounded=lifted.rounded,
         tolerance=float(lifted.spectrum.tolerance[k] / lifted.spectrum.scaled[k, 0]),
         nonlinear_at=float(lifted.start[j]),
         nonlinear=local.eigenvalues[j],
@@ -177,6 +186,7 @@ def analysis(
             of.lifted_end.position,
             requirement.position_sigma,
             excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
+            rounded=lifted.rounded,
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(last - first + 1, at, window, path.period),
             farthest=farthest,
@@ -214,6 +224,7 @@ def _proven(
         gramian=rank.eigenvalues,
         floor=rank.floor,
         rank=rank.rank,
+        rounded=rank.rounded,
         tolerance=rank.tolerance,
         nonlinear_at=rank.nonlinear_at,
         nonlinear=rank.nonlinear_eigenvalues,
@@ -233,6 +244,7 @@ def _proven(
             worst.windows.bound,
             requirement.position_sigma,
             excitation=excitation_reached(excited.mu, excited.lower, requirement.mu),
+            rounded=rank.rounded,
             restriction=restriction(path, source, duration),
             ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period),
             farthest=few.farthest,

@@ -22,7 +22,7 @@ def explanation(preset: Preset, outcome: Twin | Refusal, *, name: str) -> Json:
     """The JSON object of a preset: verdict, horizon, functions, excitation, frozen ranks, printed condition, twin."""
     analysed = analyse(preset)
     truth = record.simulated(record.truth_inputs(preset)).motion
-    stopped = frozen.frozen(truth, analysed.gramian_at, windowed=analysed.rank)
+    stopped = frozen.frozen(truth, analysed.gramian_at, windowed=analysed.known_rank)
     shaken = ellipsoid.ellipsoid(preset.path, analysed.mu_at, preset.requirement.window)
     return {
         "preset": name,
@@ -69,7 +69,7 @@ def _lasting(what: str, lengths: Json, where: str) -> str:
 
 def _functions(preset: Preset, analysed: Analysis) -> Json:
     at, window = analysed.gramian_at, preset.requirement.window
-    dependence = functions.functions(preset.path, preset.world.gravity, at, window)
+    dependence = functions.functions(preset.path, preset.world.gravity, at, window, until=preset.duration)
     return {
         "at": at,
         "rank": dependence.rank,
@@ -86,7 +86,7 @@ def _printed(preset: Preset, truth: Motion, analysed: Analysis) -> Json:
         mu=analysed.mu,
         floor=analysed.mu_floor,
         required=preset.requirement.mu,
-        rank=analysed.rank,
+        rank=analysed.known_rank,
     )
     return {
         "mu": both_conditions.mu,

@@ -7,9 +7,11 @@ from jaxtyping import Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
+from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import accuracy, blindness, excitation, reduced, rows, spectrum
 from rangenav.observability.blindness import Direction
+from rangenav.observability.continuation import continued
 from rangenav.observability.rows import PathSamples
 from rangenav.results import result
 from rangenav.signals import Signal
@@ -58,6 +60,10 @@ class MotionAnalysis:
     excitation: Float[Array, "w 3"]
     worst: int
     """Index of the window of least rank, and then of least scaled singular value."""
+    rank: int
+    """Its rank: what is computed, or what a longer window shows, if that is below 13."""
+    rounded: bool
+    """Whether its rank is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
     least: Float[Array, "3"]
     least_at: float
     bound_for_all_t: float | None
@@ -80,16 +86,24 @@ def motion_analysis(path: Signal, gravity: Vec3, duration: float, window: float)
     k = spectrum.worst(gramians)
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
+    computed = int(gramians.rank[k])
+    known = continued(path, gravity, float(start[k]), window, duration, computed)
+    rounded = known.rank == STATES > computed
+    null_basis = spectrum.null_basis(gramians, k)
+    if known.window > window:
+        null_basis = spectrum.null_basis(spectrum.window_spectra(path, gravity, start[[k]], known.window), 0)
     reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
     return MotionAnalysis(
         start=start,
         spectrum=gramians,
         excitation=excitation.eigenvalues(path, start, window),
         worst=k,
+        rank=computed if rounded else known.rank,
+        rounded=rounded,
         least=least,
         least_at=least_at,
         bound_for_all_t=excitation.bound_for_all_t(path, window),
-        directions=blindness.directions(spectrum.null_basis(gramians, k), values, axes),
+        directions=() if rounded else blindness.directions(null_basis, values, axes),
         reduced_min=reduced_min,
         reduced_floor=reduced_floor,
     )

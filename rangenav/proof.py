@@ -26,8 +26,12 @@ class Proof:
 
     @property
     def rank_proven(self) -> bool:
-        """Whether no window has a lower rank: by cores, or of rank 13 because the ranges in each determine it all."""
-        by_cores = self.rank.proof is not None and self.rank.proof.proved
+        """Whether no window has a lower rank: by cores, or of rank 13 because the ranges in each determine it all.
+
+        Never of a rank that is low because of rounding.
+        """
+        by_cores = self.rank.proof is not None and self.rank.proof.proved and self.rank.proof.rank == self.rank.rank
+        by_cores = by_cores and not self.rank.rounded
         by_ranges = self.rank.rank == STATES and self.rank.starts == FLIGHT
         return by_cores or (by_ranges and math.isfinite(self.accuracy.windows.bound))
 

@@ -51,7 +51,10 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             "at": analysis.accuracy_at,
             "range_sigma": preset.sensors.sigma.range,
             "range_rate": preset.sensors.range_rate,
-            "lifted": {"start": _accuracy(analysis.lifted_start), "end": _accuracy(analysis.lifted_end)},
+            "lifted": {
+                "start": _accuracy(analysis.lifted_start, analysis.rounded),
+                "end": _accuracy(analysis.lifted_end, analysis.rounded),
+            },
             "nonlinear": {"start": _accuracy(analysis.nonlinear_start), "end": _accuracy(analysis.nonlinear_end)},
             **_every_window(analysis),
             **_ignored(preset),
@@ -111,7 +114,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
     analysed = analyse(preset)
-    blind = analysed.rank < STATES
+    blind = analysed.known_rank < STATES
     report["fit"] = first.summary.fit.report(blind=blind)
     report |= _of_ranges(first.summary, analysed)
     if any(_not_finite(summary) for summary in summaries):
@@ -202,6 +205,8 @@ def _rank_claimed(analysis: Analysis) -> Json:
     proven, found = analysis.proof.rank_proven, analysis.proof.rank
     claimed: Json = {"proven": proven, "starts": found.starts, "rank_bound": found.rank if proven else None}
     why = "" if found.reason is None else f": {found.reason}"
+    if found.rounded:
+        return {**claimed, "rounded": True, "reason": f"rank_bound: null: {verdicts.below_rounding(found.rank)}"}
     return claimed if proven else {**claimed, "reason": f"rank_bound: null, sampled only{why}"}
 
 
@@ -211,18 +216,23 @@ def _every_window(analysis: Analysis) -> Json:
     if analysis.proof is not None:
         found = analysis.proof.accuracy
         bound = found.windows.bound
-        report |= {"proven": True, "starts": found.starts, "bound": bound if math.isfinite(bound) else None}
+        report |= {"proven": math.isfinite(bound) or not analysis.rounded, "starts": found.starts}
+        report |= {"bound": bound if math.isfinite(bound) else None}
         sentences = [f"not every t: {found.reason}"] if found.reason is not None else []
         if not math.isfinite(bound):
-            sentences.append("bound: null, the worst window does not determine the position")
+            sentences.append(f"bound: null, the worst window does not determine the position{_at_this(analysis)}")
         report |= {"reason": "; ".join(sentences)} if sentences else {}
     return report
 
 
-def _accuracy(accuracy: Accuracy) -> Json:
+def _at_this(analysis: Analysis) -> str:
+    return " at this precision" if analysis.rounded else ""
+
+
+def _accuracy(accuracy: Accuracy, rounded: bool = False) -> Json:
     report: Json = {key: value if math.isfinite(value) else None for key, value in asdict(accuracy).items()}
     if None in report.values():
-        report["reason"] = "null: blind, this window does not determine it"
+        report["reason"] = verdicts.undetermined(rounded)
     return report
 
 

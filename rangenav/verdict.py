@@ -83,6 +83,7 @@ def judge(
     *,
     excitation: Excitation = "met",
     restriction: str | None = None,
+    rounded: bool = False,
     ranges: str = "",
     farthest: float = math.inf,
 ) -> Verdict:
@@ -94,12 +95,16 @@ def judge(
     required_sigma: the largest error (m) that the requirement allows.
     excitation: whether the required μ is reached; see `excitation_reached`.
     restriction: why the motion is not judged at all, if it is not; see `restriction`.
+    rounded: whether the rank is 13 and lower only as computed; see `observability.continuation`. The motion is then
+    weak and not blind: more digits would tell, and a longer window does.
     ranges: a clause on the ranges of the worst window, for the reason; see `for_these_ranges`.
     farthest: the largest distance to the anchor (m). A single range leaves a sphere of positions, so an error above
     `sphere(farthest)` says no more of the position than one range does, whatever the requirement allows.
     """
     if restriction is not None:
         return Verdict(word="not judged", reason=restriction, excitation=excitation)
+    if rounded:
+        return Verdict(word="weak", reason=below_rounding(rank), excitation=excitation)
     if rank < STATES:
         return Verdict(word="blind", excitation=excitation)
     if position_sigma is None or not math.isfinite(position_sigma):
@@ -110,6 +115,21 @@ def judge(
     if position_sigma > sphere(farthest):
         return Verdict(word="weak", reason=says_nothing(position_sigma, farthest), excitation=excitation)
     return Verdict(word="observable", excitation=excitation)
+
+
+def below_rounding(rank: int) -> str:
+    """The clause on a window whose 13 functions are independent, and of which `rank` count in double precision."""
+    more = STATES - rank
+    return (
+        f"rank at least {rank} of {STATES}, {more} more {'is' if more == 1 else 'are'} below rounding: the position is "
+        "not determined at this precision"
+    )
+
+
+def undetermined(rounded: bool) -> str:
+    """Why a predicted error is null. rounded: see `judge`."""
+    window = "this window does not determine it"
+    return f"null: {window} at this precision" if rounded else f"null: blind, {window}"
 
 
 def sphere(farthest: float) -> float:

@@ -78,6 +78,8 @@ def seen(picture: Picture) -> Answer:
         return Answer(
             question="seen", level="unjudged", summary=f"not judged: {analysis.verdict.reason}", term="verdict"
         )
+    if analysis.rounded:
+        return Answer(question="seen", level="mind", summary=analysis.verdict.reason, cure="repair", term="rank")
     determined = f"{analysis.rank} of {STATES} quantities determined"
     if analysis.rank < STATES:
         blind = tuple(direction.summary for direction in analysis.directions)
@@ -124,7 +126,7 @@ def accuracy(picture: Picture) -> Answer:
 def arrival(picture: Picture) -> Answer:
     """Whether the estimate settles, fits its ranges, and is as near as the requirement asks."""
     summary, needed = picture.summary, picture.preset.requirement.position_sigma
-    blind = picture.analysis.rank < STATES
+    blind = picture.analysis.known_rank < STATES
     fit = summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position)
     error = quantity(summary.steady_position, "m")
     if summary.diverged and not blind:

@@ -56,7 +56,9 @@ def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
     return Details(
         spectrum=motion_analysis(preset.path, preset.world.gravity, preset.duration, requirement.window).spectrum,
         horizon=how_long(preset),
-        functions=_functions(preset.path, preset.world.gravity, analysis.gramian_at, requirement.window),
+        functions=_functions(
+            preset.path, preset.world.gravity, analysis.gramian_at, requirement.window, preset.duration
+        ),
         twin=twin.twin(preset, turn=turn),
         printed=_printed(
             record.truth_inputs(preset),
@@ -64,7 +66,7 @@ def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
             analysis.mu,
             analysis.mu_floor,
             requirement.mu,
-            analysis.rank,
+            analysis.known_rank,
         ),
     )
 
@@ -89,12 +91,12 @@ def frozen_summary(preset: Preset) -> str:
     if not LOADED.is_set():
         return ""
     analysis = sampled(preset)
-    return _frozen(record.truth_inputs(preset), analysis.gramian_at, analysis.rank)
+    return _frozen(record.truth_inputs(preset), analysis.gramian_at, analysis.known_rank)
 
 
 @lru_cache(maxsize=CACHED)
-def _functions(path: Signal, gravity: Vec3, start: float, window: float) -> Functions:
-    return functions.functions(path, gravity, start, window)
+def _functions(path: Signal, gravity: Vec3, start: float, window: float, until: float) -> Functions:
+    return functions.functions(path, gravity, start, window, until=until)
 
 
 @lru_cache(maxsize=CACHED)

@@ -48,7 +48,7 @@ def figures(a: Picture, b: Picture) -> list[str]:
     """One sentence for each figure that changed from A to B."""
     before, after = a.analysis.verdict.summary, b.analysis.verdict.summary
     sentences = [f"{before} → {after}"] if before != after else []
-    first, second = (run.summary.fit.summary(blind=run.analysis.rank < STATES) for run in (a, b))
+    first, second = (run.summary.fit.summary(blind=run.analysis.known_rank < STATES) for run in (a, b))
     if first != second:
         sentences.append(f"on its ranges: {first} → {second}")
     for name, run in (("A", a), ("B", b)):

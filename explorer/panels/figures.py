@@ -83,7 +83,9 @@ def rows(picture: Picture) -> list[tuple[str, str]]:
 def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
     analysis, needed = picture.analysis, picture.preset.requirement
     mark, nonlinear = about(picture), f"nonlinear {analysis.nonlinear_rank} of 9"
-    rank = f"<b>{mark}{analysis.rank} of 13</b>, {nonlinear}; worst window from {significant(analysis.gramian_at)} s"
+    at_least = "at least " if analysis.rounded else ""
+    rank = f"<b>{mark}{at_least}{analysis.rank} of 13</b>, {nonlinear}"
+    rank += f"; worst window from {significant(analysis.gramian_at)} s"
     rank += window_text.later_round(analysis.gramian_at, needed.window, picture.preset.duration)
     rows = [("rank", rank)]
     if analysis.directions:
@@ -119,7 +121,7 @@ def _least(eigenvalue: float, floor: float) -> str:
 
 
 def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
-    summary, blind = picture.summary, picture.analysis.rank < STATES
+    summary, blind = picture.summary, picture.analysis.known_rank < STATES
     fit = ("ranges", summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position))
     if summary.diverged:
         return [("observer", f"✕ diverged: {html.escape(summary.divergence or '')}"), fit]

@@ -94,11 +94,13 @@ def _without_artifact(preset: Preset) -> Certificate:
     proof, needed = sections.proof_of(preset), preset.requirement
     excitation = sections.excitation_section(proof.excitation, needed.mu)
     rank = sections.rank_section(proof)
-    accuracy = sections.accuracy_section(preset, proof.accuracy)
+    accuracy = sections.accuracy_section(preset, proof.accuracy, rounded=proof.rank.rounded)
     limits, flyability = motion_sections.limits_section(preset)
     jumps = motion_sections.jumps_section(preset)
     checks = requirements.requirements(excitation, rank, accuracy, jumps, flyability, preset)
-    failures = requirements.failures(checks, excitation, preset.expect, undetermined=accuracy.bound is None)
+    failures = requirements.failures(
+        checks, excitation, preset.expect, undetermined=accuracy.bound is None, rounded=proof.rank.rounded
+    )
     analysed = analysis.analyse(preset)
     judged = analysed.verdict
     return Certificate(

@@ -14,7 +14,7 @@ from rangenav.observability import blindness
 from rangenav.preset import Preset
 from rangenav.provenance import Source
 from rangenav.vehicle import FREE
-from rangenav.verdict import Verdict, excitation_reached, says_nothing
+from rangenav.verdict import Verdict, below_rounding, excitation_reached, says_nothing
 
 NO_LIMITS = "no vehicle limits stated"
 """What is said of a vehicle that nothing is asked of: met, but no merit."""
@@ -62,7 +62,7 @@ def requirements(
 
 
 def failures(
-    checks: tuple[Check, ...], excitation: schema.Excitation, expect: Expectation, *, undetermined: bool
+    checks: tuple[Check, ...], excitation: schema.Excitation, expect: Expectation, *, undetermined: bool, rounded: bool
 ) -> tuple[str, ...]:
     """Why the checks differ from what the preset expects, one sentence each; none if they agree.
 
@@ -71,6 +71,7 @@ def failures(
     unobservable: the excitation must be missed (by a bound, where one is known), or the rank must be below 13, or the
     ranges of a window must leave the position undetermined.
     undetermined: whether the ranges of a window leave the position undetermined; version 1 did not ask.
+    rounded: whether the rank is below 13 because of rounding alone, which shows no motion to be unobservable.
     A path that jumps, or that the preset's vehicle cannot fly, is a failure whatever is expected.
     """
     check = {one.name: one for one in checks}
@@ -87,7 +88,8 @@ def failures(
             wrong.append(f"expected weak, but {check['accuracy'].words}")
         return tuple(wrong)
     unexcited = not excited.met and (excited.proven or excitation.upper is None)
-    if not unexcited and full_rank.met and not undetermined:
+    deficient = not rounded and (undetermined or not full_rank.met)
+    if not unexcited and not deficient:
         wrong.append(f"expected unobservable, but {excited.words}, and {full_rank.words}")
     return tuple(wrong)
 
@@ -144,6 +146,9 @@ def _excitation(excitation: schema.Excitation, named: _Windows) -> Check:
 def _rank(rank: schema.Rank, named: _Windows) -> Check:
     met = rank.rank == STATES
     proven = rank.scope is not msgspec.UNSET and rank.scope.basis == "proven"
+    if rank.rounded is True:
+        words = f"on {named.one(rank.at)}: {below_rounding(rank.rank)}"
+        return Check(name="rank", met=False, proven=False, words=words)
     words = f"the rank is {rank.rank} of {STATES}"
     if met and rank.scope is not msgspec.UNSET:
         words += f" on {named.every(rank.scope)}" if proven else " on sampled windows"
@@ -163,14 +168,17 @@ def _accuracy(accuracy: schema.Accuracy, named: _Windows) -> Check:
         words = f"position is predicted to {bound:.3g} m (1-σ) or better after {named.every(accuracy.scope)}, {needed}"
         return Check(name="accuracy", met=True, proven=True, words=words)
     where, within = named.one(accuracy.at), sigma is not None and sigma <= accuracy.required
-    prediction = "cannot be told" if sigma is None else f"is predicted to {sigma:.3g} m (1-σ)"
+    prediction = f"is predicted to {sigma:.3g} m (1-σ)" if sigma is not None else "cannot be told"
+    if sigma is None and accuracy.scope.basis == "sampled":
+        prediction = "is not determined at this precision"
     words = f"position {prediction} after {where}, {needed}"
     if sigma is not None and sphere < sigma <= accuracy.required:
         words = f"{words}; {says_nothing(sigma, sphere / 2)}"
         return Check(name="accuracy", met=False, proven=True, words=words)
     if within:
         words = f"position is only known to be predicted to {bound or 0:.3g} m (1-σ) or better, {needed}"
-    return Check(name="accuracy", met=False, proven=not within, words=words)
+    resolved = sigma is not None or accuracy.scope.basis == "proven"
+    return Check(name="accuracy", met=False, proven=not within and resolved, words=words)
 
 
 def _sampled_accuracy(accuracy: schema.Accuracy, named: _Windows) -> Check:

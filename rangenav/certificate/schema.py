@@ -113,6 +113,8 @@ class Rank(Part, frozen=True, kw_only=True):
     of: int
     tolerance: float
     """A scaled singular value counts above this share of the largest."""
+    rounded: bool | msgspec.UnsetType = msgspec.UNSET
+    """True if the rank there is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
     smallest_singular: float | None
     """The thirteenth on the worst window, in units of 1 m and δ; null where it does not count."""
     smallest_bound: float | msgspec.UnsetType | None = msgspec.UNSET

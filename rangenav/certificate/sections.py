@@ -19,8 +19,6 @@ from rangenav.preset import Preset
 from rangenav.proof import Proof, prove
 from rangenav.sensors import noise_assumption
 
-UNDETERMINED = "null: blind, this window does not determine it"
-
 
 def proof_of(preset: Preset) -> Proof:
     """The worst windows of a preset, as its analysis has them."""
@@ -77,6 +75,7 @@ def rank_section(proof: Proof) -> schema.Rank:
         rank=worst.rank,
         of=STATES,
         tolerance=figure(worst.tolerance),
+        rounded=True if worst.rounded else msgspec.UNSET,
         smallest_singular=figure(worst.smallest) if full else None,
         smallest_bound=None if bound is None else figure(bound, toward=-1),
         at=figure(worst.at),
@@ -88,22 +87,28 @@ def rank_section(proof: Proof) -> schema.Rank:
     )
 
 
-def accuracy_section(preset: Preset, worst: WorstAccuracy) -> schema.Accuracy:
-    """Predicted σ on the window of the flight that is worst for the lifted position at its end, and its bound."""
+def accuracy_section(preset: Preset, worst: WorstAccuracy, *, rounded: bool) -> schema.Accuracy:
+    """Predicted σ on the window of the flight that is worst for the lifted position at its end, and its bound.
+
+    rounded: whether the rank of a window is too low because of rounding alone; then that no σ is known proves nothing.
+    """
     windows, sensors = worst.windows, preset.sensors
     bounded = math.isfinite(windows.bound)
+    at_this = " at this precision" if rounded else ""
     return schema.Accuracy(
         required=preset.requirement.position_sigma,
         at=figure(windows.at),
         ranges=windows.ranges,
         bound=figure(windows.bound, toward=1) if bounded else None,
-        scope=_scope(True, worst.starts, worst.reason),
+        scope=_scope(bounded or not rounded, worst.starts, worst.reason),
         range_sigma=sensors.sigma.range,
         range_rate=sensors.range_rate,
         noise=noise_assumption(sensors),
         sphere=figure(verdict.sphere(farthest_from_anchor(preset.path, preset.world, preset.duration))),
-        reason=msgspec.UNSET if bounded else "bound: null, the worst window does not determine the position",
-        lifted=schema.Ends(start=sigma(worst.lifted_start), end=sigma(worst.lifted_end)),
+        reason=msgspec.UNSET if bounded else f"bound: null, the worst window does not determine the position{at_this}",
+        lifted=schema.Ends(
+            start=sigma(worst.lifted_start, rounded=rounded), end=sigma(worst.lifted_end, rounded=rounded)
+        ),
         nonlinear=schema.Ends(start=sigma(worst.nonlinear_start), end=sigma(worst.nonlinear_end)),
     )
 
@@ -113,7 +118,7 @@ def _scope(proven: bool, starts: schema.Starts, reason: str | None) -> Scope:
     return Scope(basis="proven" if proven else "sampled", starts=starts, reason=said)
 
 
-def sigma(predicted: accuracy.Accuracy) -> schema.Sigma:
+def sigma(predicted: accuracy.Accuracy, *, rounded: bool = False) -> schema.Sigma:
     """One accuracy with its reason where it is not determined."""
     position, velocity, gravity = known(predicted.position), known(predicted.velocity), known(predicted.gravity)
     blind = None in (position, velocity, gravity)
@@ -121,7 +126,7 @@ def sigma(predicted: accuracy.Accuracy) -> schema.Sigma:
         position=position,
         velocity=velocity,
         gravity=gravity,
-        reason=UNDETERMINED if blind else msgspec.UNSET,
+        reason=verdict.undetermined(rounded) if blind else msgspec.UNSET,
     )
 
 

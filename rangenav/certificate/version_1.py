@@ -29,7 +29,7 @@ def as_version_1(preset: Preset, current: Certificate) -> Certificate:
     rank = _rank(preset, claim)
     accuracy_part = _accuracy(preset)
     checks = requirements.requirements(excitation_part, rank, accuracy_part, current.jumps, current.vehicle, preset)
-    failures = requirements.failures(checks, excitation_part, preset.expect, undetermined=False)
+    failures = requirements.failures(checks, excitation_part, preset.expect, undetermined=False, rounded=False)
     meets = all(check.met for check in checks)
     return msgspec.structs.replace(
         current,

@@ -9,7 +9,9 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
+from rangenav.model import STATES
 from rangenav.observability import rows, spectrum, windows
+from rangenav.observability.continuation import continued
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -43,7 +45,7 @@ class Functions:
     values: Float[Array, "k 13"]
     """SI: s, s², s³; m, m s, m s²."""
     rank: int
-    """How many of them are linearly independent."""
+    """How many of them are linearly independent: on the window, or on a longer one on which the path is analytic."""
     null: Float[Array, "m 13"]
     """Changes of the 13 coordinates (SI) that change no range of the window; each has a 1 where the others have 0."""
     relations: tuple[str, ...]
@@ -52,20 +54,29 @@ class Functions:
     """The same as changes of the state: `p_z +1 m with ξ₃ +9.81 m²/s²`."""
 
 
-def functions(path: Signal, gravity: Vec3, start: float, window: float, *, points: int = POINTS) -> Functions:
-    """The 13 functions of one window, and the relations among them. Raises ValueError as `windows.checked_one` does."""
+def functions(
+    path: Signal, gravity: Vec3, start: float, window: float, *, until: float = 0.0, points: int = POINTS
+) -> Functions:
+    """The 13 functions of one window, and the relations among them. Raises ValueError as `windows.checked_one` does.
+
+    until: s, as far as the path is looked at to tell a relation from rounding; see `continuation`.
+    """
     starts, window = windows.checked_one(path, start, window)
     if not 2 <= points <= MAX_POINTS:
         raise ValueError(f"points must lie between 2 and {MAX_POINTS}, got {points}")
     tau = np.linspace(0.0, window, points)
     values = rows.lifted(path, gravity, starts, tau)[0]
     gramian = spectrum.window_spectra(path, gravity, starts, window)
-    null, own = _echelon(spectrum.null_basis(gramian, 0), window)
+    known = continued(path, gravity, float(starts[0]), window, until, int(gramian.rank[0]))
+    if known.rank > gramian.rank[0] and known.rank < STATES:
+        gramian = spectrum.window_spectra(path, gravity, starts, known.window)
+    none = np.zeros((STATES, 0))
+    null, own = _echelon(none if known.rank == STATES else spectrum.null_basis(gramian, 0), known.window)
     return Functions(
         start=float(starts[0]),
         tau=tau,
         values=values,
-        rank=int(gramian.rank[0]),
+        rank=known.rank,
         null=null,
         relations=tuple(_relation(*tied, values) for tied in zip(null, own, strict=True)),
         unseen=tuple(_unseen(*tied, values) for tied in zip(null, own, strict=True)),

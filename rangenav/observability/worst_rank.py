@@ -13,6 +13,7 @@ from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.observability import blindness, excitation, rows, spectrum
 from rangenav.observability.blindness import Direction
+from rangenav.observability.continuation import continued
 from rangenav.observability.every_window import RankProof, rank_over_every_window
 from rangenav.observability.excitation_bound import TIE
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts, sampled_starts
@@ -34,6 +35,9 @@ class WorstRank:
     proof: RankProof | None
     """What is proven of the rank; None where only windows were sampled."""
     rank: int
+    """What is computed there, or what a longer window shows to be the rank there, if that is below 13."""
+    rounded: bool
+    """Whether the rank there is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
     at: float
     """s, where that window starts."""
     smallest: float
@@ -100,18 +104,26 @@ def _worst(
     every = sampled_starts(path, window, end)
     local = spectrum.local_spectra(rows.sample(path, every, window), world.anchor)
     j, rank = spectrum.worst(local), int(lifted.rank[k])
-    values, axes = excitation.directions(path, float(start[k]), window)
+    at = float(start[k])
+    known = continued(path, world.gravity, at, window, end + window, rank)
+    values, axes = excitation.directions(path, at, window)
+    null_basis = spectrum.null_basis(lifted, k)
+    if known.window > window:
+        null_basis = spectrum.null_basis(spectrum.window_spectra(path, world.gravity, np.array([at]), known.window), 0)
+    rounded = known.rank == STATES > rank
+    rank = rank if rounded else known.rank
     return WorstRank(
         starts=starts,
         reason=reason,
         proof=proof,
         rank=rank,
-        at=float(start[k]),
+        rounded=rounded,
+        at=at,
         smallest=float(lifted.scaled[k, -1]),
         tolerance=float(lifted.tolerance[k] / lifted.scaled[k, 0]),
         eigenvalues=lifted.eigenvalues[k],
         floor=float(lifted.floor[k]),
-        directions=blindness.directions(spectrum.null_basis(lifted, k), values, axes) if rank < STATES else (),
+        directions=() if rounded or rank == STATES else blindness.directions(null_basis, values, axes),
         nonlinear=int(local.rank.min()),
         nonlinear_at=float(every[j]),
         nonlinear_eigenvalues=local.eigenvalues[j],

@@ -140,7 +140,7 @@ def _on_ranges(name: str, summary: Summary, picture: Picture) -> str:
 
 
 def _blind(picture: Picture) -> bool:
-    return picture.analysis.rank < STATES
+    return picture.analysis.known_rank < STATES
 
 
 def _run(picture: Picture) -> str:

@@ -47,7 +47,10 @@ def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
 
 
 def _rank(analysis: Analysis) -> str:
-    return f"rank {analysis.rank} of {STATES} lifted, {analysis.nonlinear_rank} of {NONLINEAR_STATES} nonlinear"
+    at_least = "at least " if analysis.rounded else ""
+    return (
+        f"rank {at_least}{analysis.rank} of {STATES} lifted, {analysis.nonlinear_rank} of {NONLINEAR_STATES} nonlinear"
+    )
 
 
 def excitation_lines(preset: Preset, analysis: Analysis) -> list[str]:

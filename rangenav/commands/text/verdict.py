@@ -29,7 +29,9 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     too_large = f"the predicted error {quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}"
     texts = {
         "observable": f"observable in {windows} ({weakest})" + (f", but {unmet}" if unmet else ""),
-        "weak": f"weak: rank {STATES} in {windows}, but {analysis.verdict.reason or too_large}"
+        "weak": str(analysis.verdict)
+        if analysis.rounded
+        else f"weak: rank {STATES} in {windows}, but {analysis.verdict.reason or too_large}"
         + (f", and {unmet}" if unmet else ""),
         "blind": str(analysis.verdict)
         if analysis.verdict.reason
