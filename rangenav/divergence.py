@@ -42,11 +42,9 @@ def divergence(
 
     range_time, ranges: s and m, those that it used. fit: how well it fits them.
     """
-    variances = np.diagonal(estimate.covariance[-1, 0])
-    if not np.all((variances >= 0) & (variances < MOST_STD**2)):
-        finite = np.all(np.isfinite(variances)) and np.all(variances >= 0)
-        size = f"{math.sqrt(float(variances.max())):.3g} m" if finite else "no number"
-        return f"its own 1-σ of the position is {size} at the end"
+    own = own_sigma(estimate)
+    if not own < MOST_STD:
+        return f"its own 1-σ of the position is {quantity(own, 'm', otherwise='no number')} at the end"
     if fit.word == "overconfident" and fit.factor is not None and fit.factor > MOST_FACTOR:
         return f"its innovations are {fit.factor:.3g} times as large as it expects"
     before, last = range_residuals(estimate, range_time, ranges)
@@ -55,6 +53,13 @@ def divergence(
         off, far = quantity(last, "m"), quantity(longest, "m")
         return f"its distance from the anchor is wrong by {off} and does not fall; the longest range is {far}"
     return None
+
+
+def own_sigma(estimate: Estimate) -> float:
+    """m: the largest of the three own 1-σ of the position at the end; NaN where the covariance has none."""
+    variances = np.diagonal(estimate.covariance[-1, 0])
+    sound = np.all(np.isfinite(variances)) and np.all(variances >= 0)
+    return math.sqrt(float(variances.max())) if sound else math.nan
 
 
 def range_residuals(
@@ -78,6 +83,6 @@ def with_residual(
     does not count: it is a design quantity.
     """
     residual = range_residuals(estimate, range_time, ranges)[1]
-    own = 0.0 if fit.mode == "constant" else math.sqrt(max(float(np.diagonal(estimate.covariance[-1, 0]).max()), 0.0))
+    own = 0.0 if fit.mode == "constant" else own_sigma(estimate)
     far = math.isfinite(residual) and residual > max(MOST_RESIDUAL * range_sigma, LEAST_RESIDUAL) + own
     return replace(fit, off=residual) if far else fit

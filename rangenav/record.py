@@ -80,6 +80,8 @@ class Summary:
     """Why it has diverged, one clause; see `divergence`."""
     range_residual: float
     """m, RMS of |p̂| − d over the last quarter of the ranges; NaN without ranges."""
+    own_position: float
+    """m, the observer's own 1-σ of the position at the end; of constant gains a design quantity. NaN if it has none."""
 
 
 @result
@@ -213,6 +215,7 @@ def summarise(
         fit=fit,
         divergence=diverged,
         range_residual=divergence.range_residuals(estimate, *taken)[1],
+        own_position=divergence.own_sigma(estimate),
     )
 
 

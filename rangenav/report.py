@@ -1,6 +1,7 @@
 """Analysis and record as the JSON objects of the command line: finite numbers, or null with a reason."""
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -18,6 +19,8 @@ from rangenav.record import Record, Summary
 from rangenav.sensors import active_effects, effect_sentences, noise_assumption
 
 Json = dict[str, Any]
+Median = Callable[[str], float | None]
+"""(a figure of `Summary`) → its median over the runs; None if it is not finite."""
 
 
 def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
@@ -94,7 +97,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
 
     def median(key: str) -> float | None:
         values = [getattr(summary, key) for summary in summaries]
-        middle = float(np.median([math.inf if value is None else value for value in values]))
+        middle = float(np.median([math.inf if value is None or math.isnan(value) else value for value in values]))
         return middle if math.isfinite(middle) else None
 
     report: Json = {
@@ -116,14 +119,16 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
     analysed = analyse(preset)
     blind = analysed.known_rank < STATES
     report["fit"] = first.summary.fit.report(blind=blind)
-    report |= _of_ranges(first.summary, analysed)
+    report |= _of_ranges(median, analysed)
+    report |= verdict(preset, analysed)
     if any(_not_finite(summary) for summary in summaries):
         report["reason"] = "null: the estimate overflowed"
     reasons = [summary.divergence for summary in summaries if summary.divergence is not None]
     report["diverged"] = len(reasons) > 0
     if reasons:
         report["diverged_reason"] = reasons[0]
-        report["note"] = f"diverged: {reasons[0]}" + ("; blind motion" if blind else "")
+        many = f"{len(reasons)} of {len(summaries)} runs have diverged, the first: " if others else "diverged: "
+        report["note"] = f"{many}{reasons[0]}" + ("; blind motion" if blind else "")
     elif blind:
         report["note"] = "blind motion: along what cannot be told the errors are this start's luck, no accuracy"
     if effect_sentences(preset.sensors):
@@ -133,16 +138,20 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
     return report
 
 
-def _of_ranges(summary: Summary, analysed: Analysis) -> Json:
-    """The predicted 1-σ of the position after the worst window (m), and how far |p̂| is off the ranges (m, RMS)."""
-    sigma, residual = analysed.lifted_end.position, summary.range_residual
+def _of_ranges(median: Median, analysed: Analysis) -> Json:
+    """The predicted 1-σ of the position after the worst window, the observer's own one at the end, and how far |p̂| is
+    off the ranges (RMS); all in m."""
+    sigma, residual, own = analysed.lifted_end.position, median("range_residual"), median("own_position")
     report: Json = {
         "predicted": {"position": sigma if math.isfinite(sigma) else None},
-        "range_residual": residual if math.isfinite(residual) else None,
+        "own": {"position": own},
+        "range_residual": residual,
     }
+    if own is None:
+        report["own"]["reason"] = "null: the covariance overflowed"
     if not math.isfinite(sigma):
         report["predicted"]["reason"] = "null: the worst window does not determine the position"
-    if not math.isfinite(residual):
+    if residual is None:
         report["range_residual_reason"] = "null: no ranges, or the estimate overflowed"
     return report
 
@@ -241,7 +250,7 @@ def _ignored(preset: Preset) -> Json:
     return {"assumes": noise_assumption(preset.sensors)} if active_effects(preset.sensors) else {}
 
 
-def _settle(median: Any) -> Json:
+def _settle(median: Median) -> Json:
     settle: Json = {"position_s": median("settle_position_s"), "attitude_s": median("settle_attitude_s")}
     limits = f"{record.SETTLED_POSITION:g} m, {math.degrees(record.SETTLED_ATTITUDE):g}°"
     if None in settle.values():
@@ -250,5 +259,5 @@ def _settle(median: Any) -> Json:
 
 
 def _not_finite(summary: Summary) -> bool:
-    numbers = {key: value for key, value in asdict(summary).items() if key != "range_residual"}
+    numbers = {key: value for key, value in asdict(summary).items() if key not in ("range_residual", "own_position")}
     return not all(math.isfinite(value) for value in numbers.values() if isinstance(value, float))

@@ -27,7 +27,8 @@ def simulate(
 
     Example: rangenav simulate paper-slow --runs 20
 
-    "Consistent" is said of the ranges only; the page docs/trust.md says what to think of each word.
+    "Consistent" is said of the ranges only; the page docs/trust.md says what to think of each word. Gains are constant
+    unless the preset has the line mode = "noise-matched" under [gains]: then they follow the stated noise.
 
     Args:
         preset: A shipped preset's name or a path to a TOML file.

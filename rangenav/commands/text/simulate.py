@@ -7,7 +7,7 @@ from rangenav import record
 from rangenav.analysis import analyse
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
-from rangenav.commands.text.verdict import Json, plus_minus
+from rangenav.commands.text.verdict import Json, plus_minus, short
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 from rangenav.verdict import Sign
@@ -17,31 +17,38 @@ LIMITS = {
     "attitude": quantity(math.degrees(record.SETTLED_ATTITUDE), "°"),
 }
 """Below which an error counts as settled."""
+MATCHED = 'noise-matched gains may hold it: mode = "noise-matched" under [gains] in the preset (docs/trust.md)'
+"""What to do about constant gains that have diverged on a motion that is not blind."""
+BLIND = "blind: the position cannot be told, and the errors say nothing about accuracy"
 
 
 def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Report:
     """How well the cascaded observer does on a preset; `answer` is the command's JSON object."""
-    sign, said = _headline(answer)
-    verdict = analyse(preset).verdict
+    analysis = analyse(preset)
+    verdict, motion = analysis.verdict, short(preset, analysis)
     blind = verdict.word == "blind"
+    sign, said = _headline(answer)
     if not verdict.judged:
         sign, said = "?", f"{verdict}; this run {said}"
     elif blind and "reason" not in answer:
-        sign, said = "✗", "blind: the position cannot be told, and the errors say nothing about accuracy"
+        sign, said = "✗", f"{BLIND}{_diverged(answer)}"
+    elif sign == "✓" and verdict.sign != "✓":
+        sign, said = "!", f"{said}, but the motion is {motion}"
     typed = layout.argument(name)
     following = (f"explain {typed}",) if blind else (f"analyze {typed}", f"tune {typed}")
+    helps = MATCHED if answer["diverged"] and not blind and answer["fit"]["mode"] == "constant" else None
     return Report(
         subject=layout.subject(name),
         sign=sign,
         answer=said,
         title=preset.title,
         groups=(
-            *group("what ran", _run(answer)),
+            *group("what ran", f"the motion: {verdict.sign} {motion}", _run(answer)),
             *group("settles", _settling(answer)),
             *group("on its ranges", _fit(answer, blind=blind)),
             *group("steady error", _errors(answer["steady"], "_rmse"), "root mean square over the last quarter"),
             *group("at the end", _errors(answer["final"], "")),
-            *group("why", _note(answer), answer.get("reason", "").removeprefix("null: ")),
+            *group("why", _note(answer, blind=blind), answer.get("reason", "").removeprefix("null: "), helps),
             *group("sensors", answer.get("unmodelled")),
             *group("saved", str(saved) if saved else None),
             *layout.next_commands(*following),
@@ -83,9 +90,18 @@ def _settled(answer: Json, what: str) -> int:
     return int(answer["settle"][f"{what}_s"] is not None)
 
 
-def _note(answer: Json) -> str | None:
+def _diverged(answer: Json) -> str:
+    """That a run on a blind motion, or how many of the runs, have diverged; empty if none has."""
+    if not answer["diverged"]:
+        return ""
+    runs = answer.get("runs", 1)
+    return "; the run has diverged" if runs == 1 else f"; {answer['runs_diverged']} of {runs} runs have diverged"
+
+
+def _note(answer: Json, *, blind: bool) -> str | None:
     """The note that the first line does not have already."""
-    return None if answer["diverged"] and answer.get("runs", 1) == 1 else answer.get("note")
+    stated = answer["diverged"] and answer.get("runs", 1) == 1 and not blind
+    return None if stated else answer.get("note")
 
 
 def _run(answer: Json) -> list[str]:
@@ -113,7 +129,12 @@ def _fit(answer: Json, *, blind: bool) -> list[str]:
     """How the innovations look, with which gains; and what they do not tell, the error of the position."""
     residual, predicted = quantity(answer["range_residual"], "m"), plus_minus(answer["predicted"]["position"])
     lines = [answer.get("fits", answer["fit"]["words"]), answer["fit"]["gains"]]
-    lines += [f"distance from the anchor off the ranges by {residual} (rms)"] if answer["range_residual"] else []
+    stated = "runs" not in answer and " off its ranges" in lines[0]
+    if answer["range_residual"] and not stated:
+        lines.append(f"distance from the anchor off the ranges by {residual} (rms)")
+    own = plus_minus(answer["own"]["position"])
+    design = ", a design quantity" if answer["fit"]["mode"] == "constant" else ""
+    lines.append(f"the observer's own 1-σ at the end: position {own}{design}")
     return lines if blind else [*lines, f"predicted, after the worst window: position {predicted} (lifted)"]
 
 

@@ -42,6 +42,19 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     return analysis.verdict.sign, texts[analysis.verdict.word]
 
 
+def short(preset: Preset, analysis: Analysis) -> str:
+    """The verdict in a clause, for a report on something else: "weak: the predicted error 740 m exceeds 0.5 m"."""
+    judged, needed = analysis.verdict, preset.requirement.position_sigma
+    if judged.reason:
+        return str(judged)
+    if judged.word == "blind":
+        return f"blind: rank {analysis.rank} of {STATES}"
+    if judged.word == "weak":
+        predicted = quantity(analysis.lifted_end.position, "m")
+        return f"{judged.summary}: the predicted error {predicted} exceeds {quantity(needed, 'm')}"
+    return judged.summary
+
+
 def unjudged_help(preset: Preset) -> str | None:
     """What to do about a path that is not judged, one clause; None for a path that is."""
     if provenance.restriction(preset.source, preset.path) is not None:

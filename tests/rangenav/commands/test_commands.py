@@ -86,8 +86,10 @@ SIMULATE = {
     "final": dict.fromkeys(("position", "velocity", "gravity", "attitude_deg")),
     "fit": dict.fromkeys(("word", "words", "mode", "given_up", "gains")),
     "predicted": {"position": None},
+    "own": {"position": None},
     "range_residual": None,
     "diverged": None,
+    **dict.fromkeys(("verdict", "verdict_words", "verdict_sign")),
 }
 
 
@@ -199,6 +201,8 @@ def test_several_runs_are_told_by_their_medians(answer, short):
     for part in ("peak", "steady", "final", "settle"):
         for key, value in together[part].items():
             assert value == pytest.approx(sorted(one[part][key] for one in single)[1])
+    assert together["range_residual"] == pytest.approx(sorted(one["range_residual"] for one in single)[1])
+    assert together["own"]["position"] == pytest.approx(sorted(one["own"]["position"] for one in single)[1])
 
 
 def test_the_printed_model_is_metres_off_where_the_derived_one_is_centimetres(answer, short):

@@ -132,6 +132,31 @@ def test_a_diverged_run_has_a_cross_and_says_by_which_figure(run, tmp_path: Path
     answer = json.loads(run("simulate", tmp_path / "slow.toml", "--json")[1])
     assert answer["diverged"]
     assert answer["diverged_reason"] in first
+    assert 'mode = "noise-matched" under [gains]' in " ".join(run("simulate", tmp_path / "slow.toml")[1].split())
+
+
+def test_a_run_that_settles_on_a_weak_motion_has_no_tick_and_every_run_names_the_verdict(run, tmp_path: Path):
+    paper = replace(preset.load("paper"), duration=8.0)
+    strict = replace(paper, requirement=replace(paper.requirement, position_sigma=0.01))
+    for name, chosen in (("paper", paper), ("strict", strict)):
+        preset.save(chosen, tmp_path / f"{name}.toml")
+    settled, weak = (" ".join(run("simulate", tmp_path / f"{name}.toml")[1].split()) for name in ("paper", "strict"))
+    assert settled.startswith("paper.toml ✓ settles, and is then off by ")
+    assert "the motion: ✓ observable" in settled
+    assert "the observer's own 1-σ at the end: position ±" in settled
+    assert re.match(r"strict\.toml ! settles, .*°, but the motion is weak: the predicted error 0\.0\d+ m exceeds", weak)
+    assert "the motion: ! weak: the predicted error " in weak
+
+
+def test_runs_that_diverge_on_a_blind_motion_are_counted_in_the_first_line(run):
+    out = run("simulate", "turning-hover", "--runs", 2)[1]
+    first, said = " ".join(out.split("\n\n")[0].split()), " ".join(out.split())
+    count = json.loads(run("simulate", "turning-hover", "--runs", 2, "--json")[1])["runs_diverged"]
+    assert ("have diverged" in first) == (count > 0)
+    assert count == 0 or f"why {count} of 2 runs have diverged, the first: " in said
+    alone = run("simulate", "turning-hover")[1]
+    assert ("the run has diverged" in " ".join(alone.split("\n\n")[0].split())) == (count > 0)
+    assert count > 0
 
 
 def test_ranges_that_fall_on_one_place_make_a_run_and_a_certificate_say_so(run, tmp_path: Path):
