@@ -178,8 +178,11 @@ def _lifted_sigmas(of: Remainders) -> Float[Array, "w 3"]:
     variance = np.sum((of.unknown_states @ gramian_rank.inverse(of)) ** 2, axis=2) / units**2
     blind = gramian_rank.unseen(of, np.ones(gramian_rank.STATES))
     result = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in NONLINEAR_BLOCKS], axis=1))
-    reach = np.stack([np.linalg.norm(blind[:, block], axis=1).max(axis=1) for block in LIFTED_BLOCKS], axis=1)
-    return np.where(reach > NULL_SHARE, np.nan, result)
+    low = np.flatnonzero(of.rank < gramian_rank.STATES)
+    unseen = gramian_rank.unseen_unknowns(blind[low])
+    reach = np.stack([np.linalg.norm(unseen[:, block], axis=1).max(axis=1) for block in NONLINEAR_BLOCKS], axis=1)
+    result[low] = np.where(reach > NULL_SHARE, np.nan, result[low])
+    return result
 
 
 def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:

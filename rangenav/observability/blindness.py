@@ -7,11 +7,13 @@ from numpy import ndarray as Array
 
 from rangenav.arguments import finite_array
 from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY
+from rangenav.observability.gramian_rank import CUBIC, unseen_unknowns
 from rangenav.results import result
 from rangenav.signals import AXES
 
 SHARE = 1e-6
-"""A block is undetermined if the part of a null vector in it (scaled units) is longer than this."""
+"""A block is undetermined if the part in it of a unit vector of position, velocity and gravity (scaled units) that is
+not seen is longer than this."""
 SAME = 0.9999
 """Cosine above which two directions count as one, and above which a direction has the name of an axis."""
 EQUAL = 8
@@ -42,8 +44,9 @@ def directions(
     null_basis = finite_array("null_basis", null_basis, (STATES, "k"))
     excitation, axes = finite_array("excitation", excitation, (3,)), finite_array("axes", axes, (3, 3))
     spans = {"snap": axes[:, excitation <= UNEXCITED * max(excitation[-1], np.finfo(float).tiny)]}
+    unknowns = np.concatenate([np.zeros((CUBIC, null_basis.shape[1])), unseen_unknowns(null_basis)])
     for name, block in BLOCKS.items():
-        left, size, _ = np.linalg.svd(null_basis[block])
+        left, size, _ = np.linalg.svd(unknowns[block])
         spans[name] = left[:, : int(np.sum(size > SHARE))]
     named: list[tuple[Array, list[str]]] = []
     for kind, span in spans.items():

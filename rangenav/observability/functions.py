@@ -12,6 +12,7 @@ from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.observability import rows, spectrum, windows
 from rangenav.observability.continuation import continued
+from rangenav.observability.gramian_rank import CUBIC
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -85,6 +86,9 @@ def functions(
 
 def _echelon(null_basis: Float[Array, "13 m"], window: float) -> tuple[Float[Array, "m 13"], list[int]]:
     """The null space in echelon form from the last coordinate back, and the coordinate that each vector has alone."""
+    if null_basis.shape[1]:
+        _, size, right = np.linalg.svd(null_basis[CUBIC:], full_matrices=False)  # see `gramian_rank.unseen_unknowns`
+        null_basis = null_basis @ (right.T / size)
     basis = null_basis.T[:, ::-1].copy()
     own: list[int] = []
     for row in range(len(basis)):
@@ -99,7 +103,10 @@ def _echelon(null_basis: Float[Array, "13 m"], window: float) -> tuple[Float[Arr
         others = np.arange(len(basis)) != row
         basis[others] -= np.outer(basis[others, column], basis[row])
         own.append(len(NAMES) - 1 - column)
-    basis = np.where(np.abs(basis[: len(own), ::-1]) > ABSENT, basis[: len(own), ::-1], 0.0)
+    basis = basis[: len(own), ::-1]
+    least = np.full_like(basis, ABSENT)
+    least[:, :CUBIC] *= np.abs(basis[:, :CUBIC]).max(axis=1, initial=1.0)[:, None]
+    basis = np.where(np.abs(basis) > least, basis, 0.0)
     in_si = basis * float(window) ** -spectrum.LIFTED_TIME_POWERS.astype(float)
     in_si /= in_si[range(len(own)), own][:, None]
     return in_si[::-1], own[::-1]

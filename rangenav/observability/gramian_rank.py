@@ -29,6 +29,8 @@ ROUNDING = 4 * np.finfo(float).eps
 """A column's floor in units of its size. Degenerate motions over .2 to 600 s leave a tenth of it at most."""
 SMALLEST = 1e-30
 """m: the size of a path that rests at its origin, so that its floors are not zero."""
+UNSEEN = 1e-13
+"""The least share of position, velocity and gravity in a unit vector of a null space, above its rounding."""
 TIMES_U = np.diag([(k + 1) / (2 * k + 1) for k in range(CUBIC + 1)], -1)
 TIMES_U += np.diag([k / (2 * k + 1) for k in range(1, CUBIC + 2)], 1)
 """u Lₖ = ((k + 1) Lₖ₊₁ + k Lₖ₋₁)/(2k + 1), on coefficients of L₀ … L₅."""
@@ -116,6 +118,18 @@ def unseen(of: Remainders, units: Float[Array, "13"]) -> Float[Array, "w 13 13"]
         states = of.states[which] @ np.concatenate([outer, inner], axis=1)
         basis[which, :, rank:] = np.linalg.qr(states / units[:, None])[0]
     return basis
+
+
+def unseen_unknowns(unseen: Float[Array, "*w 13 k"]) -> Float[Array, "*w 9 k"]:
+    """An orthonormal basis of what a null space holds of position, velocity and gravity; other columns are zero.
+
+    A change of these is unseen together with one of the four polynomials' coordinates, which is 441 km² for 1 m on 300
+    s: in a basis of all 13 it hides the change. No change of the polynomials alone is unseen.
+    """
+    left, size, _ = np.linalg.svd(unseen[..., CUBIC:, :], full_matrices=False)
+    kept = np.zeros((*left.shape[:-1], unseen.shape[-1]))
+    kept[..., : left.shape[-1]] = left * (size > UNSEEN)[..., None, :]
+    return kept
 
 
 def inverse(of: Remainders) -> Float[Array, "w 9 9"]:

@@ -26,6 +26,7 @@ def issued() -> certificate.Certificate:
 
 def test_a_window_that_60_digits_give_rank_13_is_weak_and_not_blind():
     analysed = analysis.analyse(SHORT)
+    assert isinstance(SHORT.path, Multisine)
     assert precise_rank.rank(SHORT.path, SHORT.world.gravity, analysed.gramian_at, 0.5) == 13
     assert analysed.rank < 13
     assert analysed.rounded

@@ -136,3 +136,15 @@ def test_an_hour_of_pings_every_ten_seconds_is_judged():
     assert analysis.analyse(dive).rank == 13
     with pytest.raises(ValueError, match=r"range_rate must lie between 0\.1 and 10000 Hz, got 0\.05"):
         replace(sensors, range_rate=0.05)
+
+
+@pytest.mark.parametrize("window", [50.0, 300.0, 600.0])
+def test_what_a_planar_path_does_not_show_has_its_name_on_windows_of_every_length(window: float):
+    """Height and climb, unseen with ξ₃ and ξ₄: in units of 600 s, 1 m of height is 2e-7 of that change of the state."""
+    seen = functions.functions(PLANAR, GRAVITY, 0.0, window)
+    assert seen.relations == ("D_z = −9.81 τ²/2", "τ D_z = −29.4 τ³/6")
+    assert seen.unseen == ("p_z +1 m with ξ₃ +9.81 m²/s²", "v_z +1 m/s with ξ₄ +29.4 m²/s³")
+    samples = rows.sample(PLANAR, np.zeros(1), window)
+    told = accuracy.along(samples, World(anchor=ANCHOR), sigma=0.1, rate=1.0, kind="lifted")[0]
+    assert np.isnan(told[:2]).all()
+    assert np.isfinite(told[2])
