@@ -223,10 +223,14 @@ def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_
     page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
     page.press("Make it observable")
     page.tab.wait_for_text("before (A)")
-    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
+    page.press("add a tone along", "+ z")
+    changed = page.settings
     page.press("Accept the motion")
     assert any("the motion on the page is another one by now" in text for text in page.refusals())
+    assert page.settings == changed
+    page.set("preset", f"{SHIPPED['hover'].title} (hover)")
     assert page.settings.preset == SHIPPED["hover"]
+    assert "before (A)" not in page.tab.text()
 
 
 def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):
