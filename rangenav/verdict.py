@@ -20,6 +20,8 @@ LEAST_GRAVITY, MOST_GRAVITY = 1.0, 30.0
 MOST_DRIFT = 3.0
 """Multiples of the predicted error by which the accelerometer's noise may move a position within the window. The ranges
 of the window hold a part of that: the shipped presets, up to 1.8, keep to the predicted error in their runs."""
+THESE = "for these ranges"
+"""How the reason begins where a motion of full rank is blind."""
 Word = Literal["blind", "weak", "observable", "not judged"]
 Excitation = Literal["met", "not met", "not proven"]
 """Whether the required μ is reached; not proven: it lies between the bound and the least μ that was evaluated."""
@@ -62,7 +64,8 @@ class Verdict:
         return f"{self.word}, {'but' if self.word == 'observable' else 'and'} {self.unmet}" if self.unmet else self.word
 
     def __str__(self) -> str:
-        return f"{self.summary}: {self.reason}" if self.reason else self.summary
+        between = " " if self.reason.startswith(THESE) else ": "
+        return f"{self.summary}{between}{self.reason}" if self.reason else self.summary
 
 
 def excitation_reached(mu: float, lower: float | None, required: float) -> Excitation:
@@ -108,7 +111,7 @@ def judge(
     if rank < STATES:
         return Verdict(word="blind", excitation=excitation)
     if position_sigma is None or not math.isfinite(position_sigma):
-        reason = f"for these ranges: {ranges or 'they do not determine the position'}"
+        reason = f"{THESE}: {ranges or 'they do not determine the position'}"
         return Verdict(word="blind", reason=reason, excitation=excitation)
     if position_sigma > required_sigma:
         return Verdict(word="weak", excitation=excitation)

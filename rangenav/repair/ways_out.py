@@ -4,6 +4,7 @@ import numpy as np
 
 from rangenav.certificate import cures, remedy
 from rangenav.certificate.figures import demanded
+from rangenav.number_format import quantity
 from rangenav.preset import Preset
 from rangenav.repair.change import ChangeKind
 from rangenav.vehicle import CRAZYFLIE
@@ -19,7 +20,8 @@ TOO_NEAR, FAR = CRAZYFLIE.anchor_distance_min or 0.1, 10.0
 def ways_out(preset: Preset, by: ChangeKind, at: float) -> str:
     """One clause. at: start (s) of the least excited window."""
     away = float(np.min(demanded(preset).anchor_distance))
-    anchor = f"move the anchor, which is {away:.2g} m from the path" if away < TOO_NEAR or away > FAR else ""
+    where = "away from the path" if away < TOO_NEAR else "closer"
+    anchor = f"move the anchor {where}: it is {quantity(away, 'm')} away" if away < TOO_NEAR or away > FAR else ""
     window = ""
     if by == "tones":
         for factor in LONGER:
@@ -28,7 +30,7 @@ def ways_out(preset: Preset, by: ChangeKind, at: float) -> str:
             if found is not None:
                 window = f"with a window δ of {longer:g} s {remedy.described(found)} would do"
                 break
-    return f"try {anchor or 'a longer window, or move the anchor'}" + (f": {window}" if window else "")
+    return f"try {anchor or 'a longer window, or move the anchor'}" + (f"; {window}" if window else "")
 
 
 def _with_window(preset: Preset, window: float, at: float) -> remedy.Added | None:

@@ -54,8 +54,8 @@ def test_a_weakest_window_that_the_flight_has_not_is_said_to_be_of_a_later_round
     preset.save(short, tmp_path / "short.toml")
     for command in ("analyze", "explain"):
         said = " ".join(run(command, tmp_path / "short.toml")[1].split())
-        assert "in every window of 8 s of this 24 s flight" in said
-        assert "s, in a later round than this flight's" in said
+        assert "in every window of 8 s of the repeated path; the weakest starts at " in said
+        assert " s, outside this flight" in said
     mu = words(certified(replace(short, requirement=Requirement(window=8.0, mu=1e9))), "excitation")
     assert ", in a later round than this flight's is " in mu
 

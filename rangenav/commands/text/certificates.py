@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 
+from rangenav import window_text
 from rangenav.certificate import Certificate, Outcome, Verification, path_for, verdict_of
 from rangenav.certificate.requirements import NO_LIMITS
 from rangenav.certificate.schema import Check
@@ -56,12 +57,11 @@ def _verifying(name: str, written: Path) -> str:
 
 
 def _refusal(certificate: Certificate) -> str:
-    missed = ", ".join(one.name for one in certificate.checks if not one.met)
-    return (
-        f"{certificate.verdict}; not met: {missed}"
-        if missed
-        else f"{verdict_of(certificate).summary}, expected {certificate.expect}"
-    )
+    judged, missed = verdict_of(certificate), [one.name for one in certificate.checks if not one.met]
+    if not missed:
+        return f"{judged.summary}, expected {certificate.expect}"
+    others = ", ".join(name for name in missed if not (name == "excitation" and judged.unmet))
+    return f"{judged.summary}; not met: {others}" if others else judged.summary
 
 
 def _check(one: Check) -> str:
@@ -83,18 +83,19 @@ def caveats(certificate: Certificate) -> list[str]:
 
 def coverage(certificate: Certificate) -> tuple[str, ...]:
     """For which windows, and for which part of an exported file, the certificate speaks."""
-    starts = certificate.claim.starts.replace(">=", "≥")
-    excited = certificate.excitation
+    window, flown = certificate.claim.window, certificate.claim.duration
+    excited, rank, accuracy = certificate.excitation, certificate.rank, certificate.accuracy
     bounded = excited.lower is not None if excited.scope is msgspec.UNSET else excited.scope.basis == "proven"
-    bounded = "μ is bounded" if bounded else "μ is sampled"
-    windows = f"{bounded} for windows of {quantity(certificate.claim.window, 's')}, {starts}"
-    others = (
-        f"{name} is {part.scope.basis}, {part.scope.starts.replace('>=', '≥')}"
-        for name, part in (("rank", certificate.rank), ("σ", certificate.accuracy))
-        if part.scope is not msgspec.UNSET
-    )
+    every = window_text.every(window, flown, certificate.claim.starts)
+    lines = [f"μ is bounded on {every}" if bounded else f"μ is sampled on windows of {quantity(window, 's')}"]
+    if rank.scope is not msgspec.UNSET:
+        none = window_text.none(window, flown, rank.scope.starts)
+        proven = rank.scope.basis == "proven"
+        lines.append(f"{none} has a lower rank (proven)" if proven else "the rank is that of sampled windows")
+    if accuracy.scope is not msgspec.UNSET and accuracy.bound is not None:
+        lines.append(f"{window_text.none(window, flown, accuracy.scope.starts)} has a larger σ (proven)")
     covers = certificate.artifact.covers
-    return (windows, *others, *(() if covers is msgspec.UNSET else (covers,)))
+    return (*lines, *(() if covers is msgspec.UNSET else (covers,)))
 
 
 def claim(certificate: Certificate) -> tuple[Group, ...]:

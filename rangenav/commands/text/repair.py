@@ -25,9 +25,8 @@ def report(preset: Preset, answer: Json, *, name: str, written: Path | None) -> 
     mu, rank = (" (sampled)" if figure in after["sampled"] else "" for figure in ("mu", "rank"))
     again = () if written else (f"repair {typed} --by {answer['by']} -o repaired.toml",)
     export = (f"export {typed} --to {answer['export']} -o flight.csv",) if written and "export" in answer else ()
-    following = (
-        (*again, *export, f"analyze {typed}") if answer["changed"] else (f"simulate {typed}", f"certify {typed}")
-    )
+    changed = (*again, *export, f"analyze {typed}", *((f"simulate {typed}",) if written else ()))
+    following = changed if answer["changed"] else (f"simulate {typed}", f"certify {typed}")
     return Report(
         subject=layout.subject(name),
         sign="✓" if after["certified"] else "!",

@@ -23,12 +23,14 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
     window, duration, needed = preset.requirement.window, preset.duration, preset.requirement.position_sigma
     proven = analysis.proof is not None and analysis.proof.rank_proven
     unmet = analysis.verdict.unmet
-    windows = f"{'every window' if proven else 'all evaluated windows'} of {window_text.of_flight(window, duration)}"
-    later = window_text.later_round(analysis.gramian_at, window, duration)
-    weakest = f"weakest from {quantity(analysis.gramian_at, 's')}{later}"
+    later = window_text.later_round(analysis.gramian_at, window, duration) != ""
+    of = f"{quantity(window, 's')} of the repeated path" if later else window_text.of_flight(window, duration)
+    windows = f"{'every window' if proven else 'all evaluated windows'} of {of}"
+    starts = f"the weakest starts at {quantity(analysis.gramian_at, 's')}"
+    where = f"; {starts}, outside this flight" if later else f" (weakest from {quantity(analysis.gramian_at, 's')})"
     too_large = f"the predicted error {quantity(analysis.lifted_end.position, 'm')} exceeds {quantity(needed, 'm')}"
     texts = {
-        "observable": f"observable in {windows} ({weakest})" + (f", but {unmet}" if unmet else ""),
+        "observable": f"observable in {windows}{where}" + (f", but {unmet}" if unmet else ""),
         "weak": str(analysis.verdict)
         if analysis.rounded
         else f"weak: rank {STATES} in {windows}, but {analysis.verdict.reason or too_large}"
@@ -36,7 +38,7 @@ def headline(preset: Preset, analysis: Analysis) -> tuple[Sign, str]:
         "blind": str(analysis.verdict)
         if analysis.verdict.reason
         else f"blind: rank {analysis.rank} of {STATES} in the window of {quantity(window, 's')} from "
-        f"{quantity(analysis.gramian_at, 's')}{later}",
+        f"{quantity(analysis.gramian_at, 's')}{', outside this flight' if later else ''}",
         "not judged": str(analysis.verdict),
     }
     return analysis.verdict.sign, texts[analysis.verdict.word]

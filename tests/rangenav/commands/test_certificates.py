@@ -43,6 +43,7 @@ def test_certify_writes_what_verify_accepts(run: Call, soft: Path):
     code, out, err = run("certify", soft, "-o", certificate.path_for(soft))
     assert (code, err) == (0, "")
     assert out.startswith("soft.toml   ✓ certified: observable\n")
+    assert "no window of 12 s of this 20 s flight has a larger σ (proven)" in " ".join(out.split())
     assert certificate.path_for(soft).read_bytes() == certificate.dumps(certificate.certify_file(soft))
     code, out, err = run("verify", soft)
     assert (code, err) == (0, "")
@@ -62,7 +63,8 @@ def test_certify_shows_a_report_or_prints_one_object(run: Call):
 def test_what_does_not_deliver_what_it_promises_is_said_on_stderr_with_exit_1(run: Call, soft: Path):
     soft.write_text(soft.read_text().replace("mu = 50.0", "mu = 500.0"))
     code, out, err = run("certify", soft, "-o", certificate.path_for(soft))
-    assert (code, out.startswith("soft.toml   ✗ NOT certified: ")) == (1, True)
+    said = "soft.toml   ✗ NOT certified: observable, but the excitation required is not met\n"
+    assert (code, out.startswith(said)) == (1, True)
     assert err == f"{soft}: not certified; not met: excitation\n"
     assert "✗ the excitation along " in out
     code, _, err = run("certify", soft, "--json")
