@@ -38,7 +38,7 @@ def certified(certificate: Certificate, *, name: str, written: Path | None, help
         groups=(
             *group(
                 "requirements",
-                (_check(one) for one in certificate.checks),
+                (_check(one, certificate) for one in certificate.checks),
             ),
             *group("reservations", caveats(certificate)),
             *group("would help", helps),
@@ -64,9 +64,14 @@ def _refusal(certificate: Certificate) -> str:
     return f"{judged.summary}; not met: {others}" if others else judged.summary
 
 
-def _check(one: Check) -> str:
+def _check(one: Check, certificate: Certificate) -> str:
+    """A requirement with its sign: the stored sentence, whose bytes are compared, as a person reads it."""
     sign = "–" if one.words == NO_LIMITS else "✓" if one.met else "✗"
-    return f"{sign} {one.words}{' (proven)' if one.proven and one.name != SOURCE else ''}"
+    asked = certificate.accuracy
+    stored = f"{asked.required:.3g} m required of the prediction, by {asked.noise}"
+    ranges = asked.noise.replace("ranges at", "ranges alone, at", 1).replace(", no IMU noise", ", and a perfect IMU")
+    said = one.words.replace(stored, f"{asked.required:.3g} m required; predicted from {ranges}")
+    return f"{sign} {layout.four_digits(said)}{' (proven)' if one.proven and one.name != SOURCE else ''}"
 
 
 def intended(certificate: Certificate) -> str:

@@ -110,6 +110,11 @@ def three_digits(sentence: str) -> str:
     return PRINTED_NUMBER.sub(lambda number: significant(float(number.group())), sentence)
 
 
+def four_digits(sentence: str) -> str:
+    """The same with four digits, which a sentence on a bound has: three of them would move the bound."""
+    return PRINTED_NUMBER.sub(lambda number: significant(float(number.group()), 4), sentence)
+
+
 def show(report: Report) -> None:
     """Print a report on stdout; in colour and bold on a terminal, unless NO_COLOR is set."""
     console = Console(highlight=False)
