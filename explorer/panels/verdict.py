@@ -24,7 +24,7 @@ SIGNS: dict[Level, tuple[str, palette.Color]] = {
 }
 """Shape and colour (Okabe–Ito hues, dark enough to read on white, and light enough on black) of a level."""
 CURES: dict[Cure, tuple[str, str]] = {
-    "repair": ("make it observable", "Looks for the smallest change of the motion that meets the requirement."),
+    "repair": ("make it observable", "Looks for a small change of the motion that meets the requirement."),
     "tune": ("tune the observer", "Looks for gains with which the estimate settles sooner and errs less."),
     "slow down": ("fly it slower", "Flies the same path slower, so that it keeps the limits of the vehicle."),
     "model": ("use the derived model", "Switches off the paper's misprinted model."),

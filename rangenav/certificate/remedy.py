@@ -38,6 +38,8 @@ FINE = 1.04
 """The smallest amplitude is computed to this factor."""
 MARGIN = 0.05
 """log; on samples so much more is required, so that the certificate's bound is met as well."""
+PHASE = 0.0
+"""rad, of every added tone."""
 SHARE_OF_AXIS = 1e-6
 """Components of a direction below this are left out."""
 SLOWEST = 16.0
@@ -70,17 +72,26 @@ def remedy(preset: Preset, at: float) -> str | None:
         return None
     if max(shortfall(reached, preset).values()) > 0:
         added = smallest_tones(preset, at)
-        return None if added is None else f"add {described(added)}"
+        return None if added is None else f"add {_described_by_version_1(added)}"
     factor = slower(preset)
     return None if factor is None else f"fly it {factor:g} times slower, if that leaves excitation enough"
 
 
 def described(added: Added) -> str:
-    """The tones as a clause."""
-    each = [
+    """The tones as a clause. They are an example: no search shows that none smaller would do."""
+    each = [f"{one} with phase {PHASE:g}" for one in _sizes(added)]
+    return f"for example {'a tone' if len(each) == 1 else 'tones'} of " + " and ".join(each)
+
+
+def _sizes(added: Added) -> list[str]:
+    return [
         f"{added.amplitude:g} m at {w:g} rad/s along {blindness.name(n)}"
         for n, w in zip(added.directions, added.frequencies, strict=True)
     ]
+
+
+def _described_by_version_1(added: Added) -> str:
+    each = _sizes(added)
     return f"a tone of at least {each[0]}" if len(each) == 1 else "tones of at least " + " and ".join(each)
 
 
@@ -188,7 +199,7 @@ def attempt(
 ) -> Added | None:
     """The preset with tones of an amplitude (m), and its figures; None if there is no valid preset with them."""
     tones = tuple(
-        Tone(axis=axis, amplitude=float(amplitude * n[k]), frequency=w)
+        Tone(axis=axis, amplitude=float(amplitude * n[k]), frequency=w, phase=PHASE)
         for n, w in zip(directions, frequencies, strict=True)
         for k, axis in enumerate(LETTERS)
         if n[k] != 0

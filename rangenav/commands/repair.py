@@ -1,4 +1,4 @@
-"""`rangenav repair`: the smallest change that makes a motion observable, as a new preset."""
+"""`rangenav repair`: a small change that makes a motion observable, as a new preset."""
 
 import sys
 from pathlib import Path
@@ -33,7 +33,7 @@ def repair(
     output: Annotated[Path | None, tyro.conf.arg(aliases=["-o"], metavar="NEW.toml")] = None,
     json: bool = False,
 ) -> None:
-    """Make a motion observable by the smallest change of one kind, within its vehicle's limits.
+    """Make a motion observable by a small change of one kind, within its vehicle's limits.
 
     Example: rangenav repair circle --by tones -o round.toml
 

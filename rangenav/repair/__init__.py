@@ -1,6 +1,6 @@
-"""Repair: the smallest change of a chosen kind that makes a motion observable, within its vehicle's limits.
+"""Repair: a small change of a chosen kind that makes a motion observable, within its vehicle's limits.
 
-    repair(preset, by="tones")     the smallest change that meets μ, rank 13 and the predicted σ
+    repair(preset, by="tones")     a small change that meets μ, rank 13 and the predicted σ
     improve(preset, by="tones")    a change that lowers the predicted σ
 A search tries motions by samples. Its result is written, read again and certified, with bounds. If the certificate does
 not confirm the result, the search runs again with more margin.

@@ -154,7 +154,9 @@ def failure_reason(
     if refused:
         against = "; ".join(refused[-1].sentences)
         return f"{reason}; on samples this one meets it: {refused[-1].description}; but {against}"
-    trial = min(nearest_trials, key=lambda one: one.violation, default=NOWHERE)
+    free = preset.vehicle == FREE
+    unlimited = [one for one in nearest_trials if one.figures is not None and not one.figures.excess]
+    trial = min(unlimited if free and unlimited else nearest_trials, key=lambda one: one.violation, default=NOWHERE)
     if trial.figures is None:
         return reason
     sigma, needed = trial.figures.sigma, preset.requirement
@@ -162,8 +164,8 @@ def failure_reason(
     reason += f"; the nearest has μ = {mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
     reason += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
     excess = trial.figures.excess
-    if trial.figures.worst_excess > 0:
-        stand_in = f"a {STAND_IN.name}, whose limits a repair keeps where no vehicle is chosen"
-        vehicle = stand_in if preset.vehicle == FREE else preset.vehicle.name
-        reason += f", and is too much for {vehicle} ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+    if trial.figures.worst_excess > 0 and not free:  # where no vehicle is chosen, no limit applies
+        reason += (
+            f", and is too much for {preset.vehicle.name} ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+        )
     return reason

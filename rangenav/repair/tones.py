@@ -32,7 +32,7 @@ def searched_tones(preset: Preset, added: Added) -> Change:
 
     def description(theta: Array) -> str:
         each = [
-            f"{theta[i]:g} m at {w:g} rad/s along {blindness.name(n)}"
+            f"{theta[i]:g} m at {w:g} rad/s along {blindness.name(n)} with phase {theta[count + i]:g}"
             for i, (n, w) in enumerate(zip(added.directions, added.frequencies, strict=True))
         ]
         return f"added {'a tone' if count == 1 else 'tones'} of " + " and ".join(each)
@@ -78,7 +78,10 @@ def free_tones(preset: Preset, *, repeats: bool = False) -> Change:
         return math.hypot(*(tone.amplitude * (1 + tone.frequency**2 / STANDARD_GRAVITY) for tone in added_tones(theta)))
 
     def description(theta: Array) -> str:
-        each = [f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis}" for tone in kept_tones(theta)]
+        each = [
+            f"{tone.amplitude:.3g} m at {tone.frequency:g} rad/s along {tone.axis} with phase {tone.phase:g}"
+            for tone in kept_tones(theta)
+        ]
         if not each:
             return "the motion as it is"
         return f"added {'a tone' if len(each) == 1 else 'tones'} of " + " and ".join(each)

@@ -7,6 +7,7 @@ from rangenav.certificate.figures import demanded
 from rangenav.number_format import quantity
 from rangenav.preset import Preset
 from rangenav.repair.change import ChangeKind
+from rangenav.repair.outcome import certificate_of
 from rangenav.vehicle import CRAZYFLIE
 
 LONGER = (1.5, 2.0, 3.0)
@@ -18,7 +19,7 @@ TOO_NEAR, FAR = CRAZYFLIE.anchor_distance_min or 0.1, 10.0
 
 
 def ways_out(preset: Preset, by: ChangeKind, at: float) -> str:
-    """One clause. at: start (s) of the least excited window."""
+    """One clause; what "would do" was certified, and misses nothing. at: start (s) of the least excited window."""
     away = float(np.min(demanded(preset).anchor_distance))
     where = "away from the path" if away < TOO_NEAR else "closer"
     anchor = f"move the anchor {where}: it is {quantity(away, 'm')} away" if away < TOO_NEAR or away > FAR else ""
@@ -34,8 +35,11 @@ def ways_out(preset: Preset, by: ChangeKind, at: float) -> str:
 
 
 def _with_window(preset: Preset, window: float, at: float) -> remedy.Added | None:
-    """The smallest tones that do with another window (s); None if none do, or if the flight is too short for it."""
+    """The tones with which another window (s) meets every requirement, as their certificate says; None if none do, or
+    if the flight is too short for that window.
+    """
     try:
-        return remedy.smallest_tones(cures.with_window(preset, window), at, tries=iter(range(TRIES)))
+        added = remedy.smallest_tones(cures.with_window(preset, window), at, tries=iter(range(TRIES)))
+        return added if added is not None and certificate_of(added.preset).meets else None
     except ValueError:
         return None

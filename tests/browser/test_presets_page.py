@@ -132,13 +132,13 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     _folder(visitor, "Repair", "Make it observable")
     visitor.press("Export as a zip")
     visitor.wait_for_text("• the rank is 11 of 13")
-    visitor.wait_for_text("add a tone of at least")
+    visitor.wait_for_text("add for example a tone of")
     visitor.press("Make it observable")
     visitor.wait_for_text("before (A)")
     assert BLIND in visitor.text()
     visitor.press("Accept the motion")
     visitor.wait_for_no_text(BLIND)
-    visitor.wait_for_no_text("add a tone of at least")  # said of what is no longer on the page
+    visitor.wait_for_no_text("add for example a tone of")  # said of what is no longer on the page
     visitor.wait_for_node("/pinned_trail")
     visitor.press("save as")
     visitor.wait_for_text("● CERTIFIED OBSERVABLE")

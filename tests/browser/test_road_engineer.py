@@ -115,7 +115,7 @@ def test_a_refused_export_offers_its_cure_as_a_button_and_no_format_gives_no_zip
     visitor.beside("polynomials").locator("input").check()
     visitor.press("Export as a zip")
     visitor.wait_for_text("What cures it (polynomials)")
-    packed = packed_by(tab, "Add a tone of at least 0.064 m at 4 rad/s along z")
+    packed = packed_by(tab, "Add for example a tone of 0.064 m at 4 rad/s along z with phase 0")
     assert any(name.endswith(".polynomial.csv.certificate.json") for name in packed.namelist())
     visitor.wait_for_no_text("nothing excites z")
     assert visitor.complaints == []

@@ -1,4 +1,4 @@
-"""Make it observable: the smallest change of a chosen kind that meets the requirement, shown before it is accepted.
+"""Make it observable: a small change of a chosen kind that meets the requirement, shown before it is accepted.
 
 As in the Compare tab, the motion before the change is A and the changed motion is B. The panel shows drawings and
 figures of both. Once the change is accepted, both are in every plot and in 3-D.
@@ -36,7 +36,7 @@ REPAIRING, IMPROVING = "making it observable", "improving the motion"
 ROUNDING = 1e-12
 """m²/s⁷: a smaller μ is rounding error."""
 KIND_HINT = "What may be changed about the motion. The vehicle's limits are kept."
-REPAIR_HINT = "Looks for the smallest change that meets the required μ, rank 13 and σ; certified before it is shown."
+REPAIR_HINT = "Looks for a small change that meets the required μ, rank 13 and σ; certified before it is shown."
 IMPROVE_HINT = "Looks for a change that lowers the predicted σ of a motion that is observable already."
 ACCEPT_HINT = "Puts B on the page and pins A beside it, in plots and in 3-D. Ctrl+Z takes it back."
 ACCEPTED = (

@@ -133,9 +133,9 @@ def test_the_command_line_writes_certifies_and_verifies(answer, run, complaint, 
     refused = complaint("export", "circle", "--to", "reference", "-o", tmp_path / "circle.csv")
     assert refused.startswith("circle: on this motion the ranges of 10 s do not tell the position along z (")
     assert "Horizontal circle, anchor 1.5 m off its plane: refused: the excitation along z over" in refused
-    assert "what cures it: add a tone of at least" in refused
+    assert "what cures it: add for example a tone of" in refused
     assert ": rangenav repair circle --by tones --export reference -o repaired.toml" in refused
-    assert "it would do to add a tone of at least" in refused
+    assert "it would do to add for example a tone of" in refused
     marked = answer("export", "circle", "--to", "reference", "-o", tmp_path / "circle.csv", "--uncertified")
     assert marked["uncertified"]
     assert sorted(one.name for one in tmp_path.iterdir()) == [

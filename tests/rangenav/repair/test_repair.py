@@ -85,7 +85,10 @@ def test_a_planar_figure_eight_of_any_family_is_repaired_by_a_tone(name: str):
     added = repaired.after.path.wiggle if isinstance(repaired.after.path, Sum) else repaired.after.path
     assert isinstance(added, Multisine)
     (tone,) = [tone for tone in added.tones if tone.axis == "z"]
-    assert repaired.description == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z"
+    assert (
+        repaired.description
+        == f"added a tone of {tone.amplitude:g} m at {tone.frequency:g} rad/s along z with phase {tone.phase:g}"
+    )
     assert tone.amplitude < 0.1
     assert repaired.after.path.period is not None  # so the certificate speaks of every t
     assert repaired.certificate.claim.starts == "every t >= 0"
@@ -162,6 +165,27 @@ def test_a_search_that_finds_nothing_says_how_near_it_came():
     assert "tones: no change that meets the requirement was found among 150 motions; the nearest has μ = " in str(
         refused.value
     )
+
+
+@pytest.mark.slow
+def test_a_refusal_names_no_window_whose_certificate_misses_something_and_no_limit_of_a_vehicle_not_chosen():
+    """One range a second along a path of 1 s: every range is taken at the same place, of windows of any length."""
+    tones = (
+        Tone(axis="x", amplitude=1.0, frequency=2 * math.pi),
+        Tone(axis="y", amplitude=0.8, frequency=4 * math.pi),
+        Tone(axis="z", amplitude=0.7, frequency=6 * math.pi),
+    )
+    aliased = replace(
+        SOFT,
+        path=Multisine(tones=tones),
+        duration=60.0,
+        sensors=replace(SOFT.sensors, range_rate=1.0),
+        requirement=Requirement(window=20.0, mu=1e-3, position_sigma=1.0),
+    )
+    with pytest.raises(CannotRepairError) as refused:
+        repair.repair(aliased)
+    assert "would do" not in str(refused.value)
+    assert "Crazyflie" not in str(refused.value)
 
 
 def slow(path: Signal, window: float, *, rate: float, noise: float, **asked: float) -> Preset:

@@ -47,7 +47,7 @@ def test_an_export_that_misses_its_requirement_is_refused_or_marked(page: Editin
     page.tab.wait_for(lambda: any("refused" in text for text in page.refusals()), "the refusal")
     assert page.tab.downloads == []
     assert "• the rank is 11 of 13" in page.tab.text()
-    assert "it would do to add a tone" in page.tab.text()
+    assert "it would do to add for example a tone" in page.tab.text()
     page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
     page.wait_until_accepted()  # the complaint was about another motion
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
