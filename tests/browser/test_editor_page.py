@@ -58,15 +58,15 @@ def test_a_formula_is_typed_a_mistake_is_pointed_at_and_the_rest_goes_on(wide: V
 
 def test_undo_and_redo_by_buttons_and_keys(wide: Visitor):
     wide.nudge("amplitude x (m)")
-    _until(lambda: "A (m) •" in wide.text(), "the mark")
+    _until(lambda: "amplitude x (m) •" in wide.text(), "the mark")
     moved = wide.number("amplitude x (m)")
-    wide.press("↶ undo")
+    wide.press("Undo")
     _until(lambda: wide.number("amplitude x (m)") == "1", "the value before")
     wide.page.keyboard.press("Control+Shift+z")
     _until(lambda: wide.number("amplitude x (m)") == moved, "the value again")
     wide.press("amplitude x (m)")
     _until(lambda: wide.number("amplitude x (m)") == "1", "the value of the preset")
-    wide.wait_for_no_text("A (m) •")
+    wide.wait_for_no_text("amplitude x (m) •")
 
 
 def test_the_work_is_there_after_a_reload(wide: Visitor):
@@ -100,7 +100,7 @@ def test_dragging_the_anchor_changes_the_predicted_accuracy_and_not_the_gramian(
     _until(lambda: wide.chart_data("lifted") != predicted, "another accuracy")
     assert wide.chart_data("λ₁₃") == gramian
     wide.tab("World")
-    wide.wait_for_text("anchor (m) •")
+    wide.wait_for_text("anchor position (m) •")
 
 
 def test_two_megabytes_in_a_formula_are_refused_and_nothing_is_lost(wide: Visitor):
