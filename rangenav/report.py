@@ -195,11 +195,13 @@ def _excitation(preset: Preset, analysis: Analysis, truth: motion.Motion) -> Jso
         found = analysis.proof.excitation
         lower, needed = found.lower or None, preset.requirement.mu
         report |= {"proven": found.proven(needed), "starts": found.starts, "lower": lower}
-        why = found.reason or "the best bound known is 0, which proves nothing"
+        why = found.reason or "no bound of μ above 0 is known"
         if found.lower is None:
             report["reason"] = f"lower: null, sampled only: {why}"
         elif lower is None:
-            report["reason"] = "lower: null, the best bound known is 0, which proves nothing"
+            report["reason"] = "lower: null, no bound of μ above 0 is known"
+            if found.proven(needed):
+                report["reason"] += "; a computed window proves that the required μ is missed"
         elif found.reason is not None:
             report["reason"] = f"not every t: {found.reason}"
         if analysis.bound_for_all_t is None:

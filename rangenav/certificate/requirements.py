@@ -128,12 +128,12 @@ def _excitation(excitation: schema.Excitation, named: _Windows) -> Check:
             if met
             else (f"the excitation along {along} over {where} is {least}, {needed}")
         )
-        return Check(name="excitation", met=met, proven=False, words=words)
+        return Check(name="excitation", met=met, proven=_missed(excitation), words=words)
     if excitation.lower >= excitation.required:
         no_window = named.none(excitation.scope)
         words = f"{no_window} has an excitation below {excitation.lower:.4g}, {needed}"
         return Check(name="excitation", met=True, proven=True, words=words)
-    proven = excitation.upper < excitation.required
+    proven = excitation.upper < excitation.required or _missed(excitation)
     least = "nothing" if excitation.found is None else f"{excitation.found:.4g}"
     words = f"the excitation along {along} over {where} is {least}, {needed}"
     if not proven and (excitation.lower > 0 or excitation.scope is msgspec.UNSET):
@@ -141,6 +141,12 @@ def _excitation(excitation: schema.Excitation, named: _Windows) -> Check:
     elif not proven:
         words = f"{words}, and of the windows between the evaluated ones nothing is proven"
     return Check(name="excitation", met=False, proven=proven, words=words)
+
+
+def _missed(excitation: schema.Excitation) -> bool:
+    """Whether a computed window proves that the required μ is missed. Version 1 does not ask."""
+    current = excitation.scope is not msgspec.UNSET
+    return current and (excitation.found or 0.0) + excitation.floor < excitation.required
 
 
 def _rank(rank: schema.Rank, named: _Windows) -> Check:

@@ -53,8 +53,11 @@ class WorstExcitation:
         return None if self.bounds is None else self.bounds.lower
 
     def proven(self, required: float) -> bool:
-        """Whether the bounds say anything of the required μ: a lower bound of 0 alone says nothing."""
-        return self.bounds is not None and (self.bounds.lower > 0 or self.bounds.upper < required)
+        """Whether anything is proven of μ: a lower bound above 0, or that the required μ is missed. One window proves
+        that.
+        """
+        missed = self.mu + self.floor < required
+        return missed or (self.bounds is not None and (self.bounds.lower > 0 or self.bounds.upper < required))
 
     def meets(self, required: float) -> bool | None:
         """Whether every window has at least the required μ; None where that is neither proven nor disproven."""

@@ -9,8 +9,9 @@ import pytest
 from msgspec.structs import replace
 
 from rangenav import analysis, certificate, preset, sensors, verdict, window_text
-from rangenav.certificate import Certificate, advice, remedy
+from rangenav.certificate import Certificate, advice, remedy, requirements, sections
 from rangenav.certificate.figures import figures, shortfall
+from rangenav.commands.text.certificates import coverage
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, worst_excitation
 from rangenav.preset import Preset, Requirement
 from rangenav.signals import Multisine, Tone
@@ -144,14 +145,30 @@ def test_a_bound_of_nothing_is_no_proof(run, tmp_path: Path):
 def test_of_a_bound_of_nothing_the_numbers_are_null_and_the_reason_is_given(answer):
     excitation = answer("analyze", "circle")["excitation"]
     assert (excitation["lower"], excitation["bound_for_all_t"]) == (None, None)
-    assert excitation["reason"] == "lower: null, the best bound known is 0, which proves nothing"
+    assert excitation["proven"]
+    assert excitation["reason"] == (
+        "lower: null, no bound of μ above 0 is known; a computed window proves that the required μ is missed"
+    )
+
+
+def test_a_required_excitation_that_a_computed_window_misses_is_missed_whatever_is_known_of_the_others():
+    found = worst_excitation(SOFT.path, 12.0, 20.0, 1e9)
+    sampled = with_fields(found, bounds=None)
+    assert sampled.proven(1e9)
+    assert not sampled.proven(found.mu)
+    asked = replace(SOFT, requirement=replace(SOFT.requirement, mu=1e9))
+    excited = sections.excitation_section(sampled, 1e9)
+    issued = certified(asked)
+    checks = requirements.requirements(excited, issued.rank, issued.accuracy, issued.jumps, issued.vehicle, asked)
+    assert (checks[0].met, checks[0].proven) == (False, True)
+    assert "μ is bounded" not in coverage(replace(issued, excitation=excited))[0]
 
 
 def test_a_change_is_named_only_if_its_certificate_misses_nothing(monkeypatch: pytest.MonkeyPatch):
     circle = preset.load("circle")
     said = advice.change(circle)
     assert said is not None
-    assert said.startswith("add a tone of at least ")
+    assert said.startswith("add for example a tone of ")
     smallest = remedy.smallest_tones
 
     def half(p: Preset, at: float):

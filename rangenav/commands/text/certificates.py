@@ -90,9 +90,12 @@ def coverage(certificate: Certificate) -> tuple[str, ...]:
     """For which windows, and for which part of an exported file, the certificate speaks."""
     window, flown = certificate.claim.window, certificate.claim.duration
     excited, rank, accuracy = certificate.excitation, certificate.rank, certificate.accuracy
-    bounded = excited.lower is not None if excited.scope is msgspec.UNSET else excited.scope.basis == "proven"
+    bounded = excited.lower is not None if excited.scope is msgspec.UNSET else bool(excited.lower)
+    missed = excited.scope is not msgspec.UNSET and excited.scope.basis == "proven" and not bounded
     every = window_text.every(window, flown, certificate.claim.starts)
     lines = [f"μ is bounded on {every}" if bounded else f"μ is sampled on windows of {quantity(window, 's')}"]
+    if missed:
+        lines = ["a window has a lower μ than required (proven), and no bound of μ above 0 is known"]
     if rank.scope is not msgspec.UNSET:
         none = window_text.none(window, flown, rank.scope.starts)
         proven = rank.scope.basis == "proven"
