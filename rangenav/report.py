@@ -117,7 +117,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
     analysed = analyse(preset)
-    blind = analysed.known_rank < STATES
+    blind = analysed.known_rank < STATES or analysed.verdict.word == "blind"  # or for these ranges alone
     report["fit"] = first.summary.fit.report(blind=blind)
     report |= _of_ranges(median, analysed)
     report |= verdict(preset, analysed)

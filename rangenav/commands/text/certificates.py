@@ -189,6 +189,9 @@ def _sign(checked: Verification) -> Sign:
 def _way_out(name: str, checked: Verification, missing: Path | None) -> tuple[str, ...]:
     """What a person may type after a verification that failed; only a preset can be certified or repaired."""
     typed = layout.argument(name)
+    if Path(name).suffix == ".json" and checked.outcome == "changed" and checked.path is not None:
+        certified = layout.argument(str(checked.path))
+        return (f"certify {certified} -o {typed}",) if checked.path.suffix == ".toml" else ()
     if checked.outcome in ("holds", "not read") or Path(name).suffix not in (".toml", ""):
         return ()
     if checked.outcome == "missed":

@@ -36,6 +36,7 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
         sign, said = "!", f"{said}, but the motion is {motion}"
     typed = layout.argument(name)
     following = (f"explain {typed}",) if blind else (f"analyze {typed}", f"tune {typed}")
+    reserved = [f"! {sentence}" for sentence in analysis.caveats(preset)]
     helps = MATCHED if answer["diverged"] and not blind and answer["fit"]["mode"] == "constant" else None
     return Report(
         subject=layout.subject(name),
@@ -43,7 +44,7 @@ def report(preset: Preset, answer: Json, *, name: str, saved: Path | None) -> Re
         answer=said,
         title=preset.title,
         groups=(
-            *group("what ran", f"the motion: {verdict.sign} {motion}", _run(answer)),
+            *group("what ran", f"the motion: {verdict.sign} {motion}", reserved, _run(answer)),
             *group("settles", _settling(answer)),
             *group("on its ranges", _fit(answer, blind=blind)),
             *group("steady error", _errors(answer["steady"], "_rmse"), "root mean square over the last quarter"),

@@ -153,6 +153,7 @@ def test_a_changed_file_beside_a_certificate_is_never_replaced_by_a_shipped_pres
     code, out, err = run("verify", written)
     assert (code, out.splitlines()[0]) == (1, "kept.json   ✗ the file has changed since it was certified")
     assert err.startswith(f"{name}: its bytes are not those that were certified")
+    assert f"rangenav certify {flown} -o {written}" in " ".join(out.replace("\\", "").split())
     flown.unlink()
     code, out, _ = run("verify", written, "--json")
     assert (code, json.loads(out)["files"][str(written)]["path"]) == (0, str(preset.find("soft")))
