@@ -188,7 +188,7 @@ def analysis(
             excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
             rounded=lifted.rounded,
             restriction=restriction(path, source, duration),
-            ranges=for_these_ranges(last - first + 1, at, window, path.period),
+            ranges=for_these_ranges(last - first + 1, at, window, path.period, range_rate),
             farthest=farthest,
         ),
     )
@@ -246,7 +246,7 @@ def _proven(
             excitation=excitation_reached(excited.mu, excited.lower, requirement.mu),
             rounded=rank.rounded,
             restriction=restriction(path, source, duration),
-            ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period),
+            ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period, range_rate),
             farthest=few.farthest,
         ),
     )

@@ -148,11 +148,17 @@ def says_nothing(position_sigma: float, farthest: float) -> str:
     )
 
 
-def for_these_ranges(count: int, start: float, window: float, period: float | None) -> str:
-    """Why `count` ranges in a window (s) from `start` (s) do not determine the position along a path of full rank."""
+def for_these_ranges(count: int, start: float, window: float, period: float | None, rate: float) -> str:
+    """Why `count` ranges in a window (s) from `start` (s) do not determine the position along a path of full rank.
+
+    rate: of the ranges, Hz. With a place of the path for each of 13 ranges or more it is the precision that lacks.
+    """
     where = f"the {window:g} s from t = {start:.4g} s"
     if count < STATES:
         return f"{where} hold {count} of them, and {STATES} are needed"
+    phases = {round(k / (rate * period) % 1.0, 9) % 1.0 for k in range(count)} if period else range(count)
+    if len(phases) >= STATES:
+        return f"the {count} in {where} do not determine the position at this precision"
     repeats = f", which repeats every {period:.4g} s" if period else ""
     return f"the {count} in {where} fall on too few places of the path{repeats}"
 
