@@ -23,4 +23,4 @@ class _ArrayTypes:
 
 def build_once() -> None:
     """Let viser's setters use types that are built once."""
-    _assignable_props_api.npt = SimpleNamespace(NDArray=_ArrayTypes())  # pyright: ignore[reportAttributeAccessIssue]
+    _assignable_props_api.npt = SimpleNamespace(NDArray=_ArrayTypes())  # pyright: ignore[reportAttributeAccessIssue, reportPrivateImportUsage]

@@ -49,7 +49,7 @@ def test_another_preset_changes_path_verdict_and_sliders(visitor: Visitor):
     path = preset.load("circle").path
     assert isinstance(path, Multisine)
     circle = path.tones[0]
-    visitor.wait_for_text(f"{circle.axis}: {circle.amplitude:.3g} sin({circle.frequency:.3g} t")
+    visitor.wait_for_text(f"{circle.axis}: {circle.amplitude:.3g} m · sin({circle.frequency:.3g} t")
 
 
 @pytest.mark.parametrize("moment", [3.0, 12.5])
