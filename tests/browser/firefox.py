@@ -1,10 +1,12 @@
 """Debian's Firefox on a screen of its own, driven through its own protocol, Marionette.
 
+A message is its length, a colon and JSON: [0, number, command, arguments] and [1, number, error, result]. The package
+marionette-driver leaves sockets open and imports a module that Python 3.13 no longer has, so it is spoken here.
+
 Mesa draws the scene in software; without a display Firefox would have no WebGL.
 """
 
 import base64
-import gc
 import json
 import os
 import shutil
@@ -12,10 +14,10 @@ import signal
 import socket
 import subprocess
 import time
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -40,7 +42,6 @@ class Firefox:
     """One window of Firefox."""
 
     def __init__(self, folder: Path) -> None:
-        driver = pytest.importorskip("marionette_driver.marionette")
         with socket.create_server(("127.0.0.1", 0)) as probe:
             port = probe.getsockname()[1]
         profile, home = folder / "profile", folder / "home"
@@ -58,18 +59,19 @@ class Firefox:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
-        self._marionette = driver.Marionette(host="127.0.0.1", port=port)
-        _wait_for_port(port)
-        self._marionette.start_session()
+        self._socket, self._sent = _connected(port), 0
+        self._stream = self._socket.makefile("rb")
+        assert self._received()["marionetteProtocol"] == 3
+        self._answer("WebDriver:NewSession", capabilities={})
 
     def open(self, url: str) -> None:
         """Go to an address."""
-        self._marionette.navigate(url)
+        self._answer("WebDriver:Navigate", url=url)
 
     def run(self, script: str, *arguments: object) -> object:
         """What a script returns; `page` is the window as the page's own scripts see it."""
         whole = f"const page = window.wrappedJSObject; {script}"
-        return self._marionette.execute_script(whole, script_args=arguments)
+        return self._answer("WebDriver:ExecuteScript", script=whole, args=list(arguments), sandbox="default")
 
     def text(self) -> str:
         """Everything written on the page."""
@@ -92,26 +94,37 @@ class Firefox:
 
     def screenshot(self) -> bytes:
         """The window as a PNG."""
-        return base64.b64decode(self._marionette.screenshot(full=False))
+        return base64.b64decode(str(self._answer("WebDriver:TakeScreenshot", full=False, hash=False)))
 
     def close(self) -> None:
         """End Firefox and its screen."""
-        self._marionette.client.close()
+        self._stream.close()
+        self._socket.close()
         os.killpg(self._process.pid, signal.SIGTERM)
         self._process.wait(timeout=20)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ResourceWarning)
-            del self._marionette
-            gc.collect()  # the driver leaves the socket open with which it waited for Firefox
+
+    def _answer(self, command: str, **arguments: object) -> object:
+        self._sent += 1
+        message = json.dumps([0, self._sent, command, arguments]).encode()
+        self._socket.sendall(b"%d:%s" % (len(message), message))
+        _, number, error, result = self._received()
+        assert (number, error) == (self._sent, None), error
+        return result.get("value") if isinstance(result, dict) else result
+
+    def _received(self) -> Any:
+        length = b""
+        while (digit := self._stream.read(1)) != b":":
+            assert digit, "Firefox has closed the connection"
+            length += digit
+        return json.loads(self._stream.read(int(length)))
 
 
-def _wait_for_port(port: int) -> None:
-    """Until Firefox listens; the driver's own waiting leaves its sockets open."""
+def _connected(port: int) -> socket.socket:
+    """A connection to Firefox, once it listens."""
     deadline = time.monotonic() + START
     while True:
         try:
-            socket.create_connection(("127.0.0.1", port), timeout=1.0).close()
-            return
+            return socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
         except OSError:
             assert time.monotonic() < deadline, "Firefox did not start"
             time.sleep(0.2)
