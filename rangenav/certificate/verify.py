@@ -6,7 +6,6 @@ together with the numbers in them. Both files may come from a stranger: whatever
 
 import hashlib
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -188,13 +187,11 @@ def _has_bytes(file: Path, stored: Certificate) -> bool:
     return same_size and hashlib.sha256(read_bytes(file)).hexdigest() == stored.artifact.sha256
 
 
-def _title(preset: Path) -> object:
-    """The title in a preset's file; None for a file that is none."""
-    if preset.stat().st_size > presets.MAX_BYTES:
-        return None
+def _title(preset: Path) -> str | None:
+    """The title of a preset's file; None for a file that is none."""
     try:
-        return tomllib.loads(read_bytes(preset).decode("utf-8")).get("title")
-    except ValueError:  # neither UTF-8 nor TOML
+        return presets.load(preset).title
+    except ValueError:  # the limits of size and depth are checked there, before anything is parsed
         return None
 
 

@@ -27,6 +27,11 @@ MOST_MESSAGES = 12
 """For a gain: four errors, the predicted σ, the innovation and the cursor."""
 
 
+def opened(name: str) -> Picture:
+    """A picture of a preset, computed now: no cache holds the stages of one that another test file has made."""
+    return compute(Settings(preset=preset.load(name)))
+
+
 def with_more_weight(name: str) -> Picture:
     """A picture of a preset that trusts the ranges twice as much."""
     chosen = preset.load(name)
@@ -36,7 +41,7 @@ def with_more_weight(name: str) -> Picture:
 
 def test_a_gain_sends_the_plots_of_the_estimate_and_no_other(page: Page) -> None:
     charts = Charts(page.client, PlotSize(two_panels=True))
-    charts.draw(picture("paper-slow"))
+    charts.draw(opened("paper-slow"))
     page.messages.clear()
     charts.draw(with_more_weight("paper-slow"))
     assert len(page.updates("data")) == len(plot_list.ERRORS.plots) + 2
@@ -45,8 +50,8 @@ def test_a_gain_sends_the_plots_of_the_estimate_and_no_other(page: Page) -> None
 
 def test_a_gain_touches_no_node_of_the_path_or_of_the_world(page: Page) -> None:
     scene = Scene(page.client, lambda: None)
-    scene.draw(picture("paper-slow"))
-    scene.move(picture("paper-slow"), 5.0)
+    scene.draw(opened("paper-slow"))
+    scene.move(opened("paper-slow"), 5.0)
     page.messages.clear()
     assert scene.shows_path_of(with_more_weight("paper-slow"))
     scene.draw(with_more_weight("paper-slow"))
