@@ -15,14 +15,15 @@ import numpy as np
 from jaxtyping import Complex, Float
 from numpy import ndarray as Array
 
-from rangenav import cascade, model
-from rangenav.cascade import ObserverConfig, Start
+from rangenav import cascade, model, record
+from rangenav.cascade import ObserverConfig
 from rangenav.gains import Gains
 from rangenav.inputs import require
 from rangenav.motion import Motion, World
-from rangenav.record import SETTLED_POSITION, Record, settled
+from rangenav.preset import Preset
+from rangenav.record import SETTLED_POSITION, settled
 from rangenav.results import result
-from rangenav.sensors import Sensors
+from rangenav.sensors import Measurements, Sensors
 from rangenav.signals import Signal
 
 MOMENTS = 201
@@ -64,34 +65,28 @@ def time_constant(multipliers: Complex[Array, "13"], period: float) -> float:
     return -period / math.log(slowest) if slowest < 1 else math.inf
 
 
-def of(run: Record) -> ErrorDynamics:
-    """The error dynamics of a run with constant gains.
+def of(preset: Preset) -> ErrorDynamics:
+    """The error dynamics of a preset's run with constant gains; no observer runs.
 
     Raises ValueError for noise-matched gains.
     """
-    preset, motion = run.preset, run.truth.motion
-    start = cascade.start(preset.guess, state=run.truth.state[0], rotation=motion.rotation[0], world=preset.world)
-    setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains, form=run.form)
-    return along(
-        motion,
-        run.measurements.range_time,
-        start,
-        setting,
-        window=preset.requirement.window,
-        error=start.state - run.truth.state[0],
-    )
+    inputs = record.truth_inputs(preset)
+    truth, z = record.simulated(inputs), record.measured(inputs, preset.sensors, preset.seed)
+    start = cascade.start(preset.guess, state=truth.state[0], rotation=truth.motion.rotation[0], world=preset.world)
+    setting = ObserverConfig(world=preset.world, sensors=preset.sensors, gains=preset.gains)
+    error = start.state - truth.state[0]
+    return along(truth.motion, z, setting, window=preset.requirement.window, error=error)
 
 
 def along(
     motion: Motion,
-    range_time: Float[Array, "r"],
-    start: Start,
+    measurements: Measurements,
     setting: ObserverConfig,
     *,
     window: float,
     error: Float[Array, "13"],
 ) -> ErrorDynamics:
-    """As `of`, for a motion, the stamps of its ranges (s), and an initial error x̂ − x in body axes.
+    """As `of`, for a motion, its measurements, of which the stamps count, and an initial error x̂ − x in body axes.
 
     Raises ValueError for noise-matched gains and for windows longer than the flight.
     """
@@ -99,7 +94,7 @@ def along(
     flight = float(motion.time[-1] - motion.time[0])
     require(0 < window <= flight, f"window must lie in (0, {flight:g}] s, got {window:g}")
     marks = np.unique(np.linspace(0, len(motion.time) - 1, MOMENTS).round().astype(int))
-    covariances, transitions = _closed_loop(motion, range_time, setting, marks)
+    covariances, transitions = _closed_loop(motion, measurements, setting, marks)
     time, roots = motion.time[marks], np.linalg.cholesky(covariances)
     steps = np.linalg.solve(roots[1:], transitions @ roots[:-1])
     position = _position(transitions, motion.rotation[0], error)
@@ -116,13 +111,13 @@ def along(
 
 
 def _closed_loop(
-    motion: Motion, range_time: Float[Array, "r"], setting: ObserverConfig, marks: Array
+    motion: Motion, z: Measurements, setting: ObserverConfig, marks: Array
 ) -> tuple[Float[Array, "m 13 13"], Float[Array, "k 13 13"]]:
     """P at the marks, and the transition of the error between neighbouring marks; inertial axes."""
     gains, accel = setting.gains, motion.acceleration - np.asarray(setting.world.gravity)
-    variance, symmetric = setting.sensors.range_rate / gains.riccati.q, _symmetric(motion, range_time, setting.sensors)
+    variance, symmetric = setting.sensors.range_rate / gains.riccati.q, cascade.ranges_at_imu_rate(z, setting.sensors)
     P = np.diag(gains.riccati.p0.diagonal())
-    return _run(motion.time, accel, range_time, marks, variance, symmetric, gains, P)
+    return _run(motion.time, accel, z.range_time, marks, variance, symmetric, gains, P)
 
 
 def _run(
@@ -145,11 +140,6 @@ def _run(
         transitions,
     )  # fmt: skip
     return covariances.reshape(-1, n, n), transitions.reshape(-1, n, n)
-
-
-def _symmetric(motion: Motion, range_time: Float[Array, "r"], sensors: Sensors) -> bool:
-    """As `cascade.ranges_at_imu_rate`."""
-    return bool(np.isin(range_time, motion.time).all()) and sensors.range_rate == sensors.imu_rate
 
 
 def _eigenvalues(

@@ -33,7 +33,10 @@ class EstimateNodes:
             cast_shadow=False,
             receive_shadow=False,
         )
-        origin = lambda: self._compass  # noqa: E731
+
+        def origin() -> np.ndarray:
+            return self._compass
+
         self._gravity = Arrow(
             scene, labels, "/compass/gravity_estimate", "g est.", palette.GRAVITY_ESTIMATE, rank=22, origin=origin
         )

@@ -60,7 +60,10 @@ class _Mark:
         self._node = scene.add_icosphere(
             name, 1.0, color, subdivisions=0, flat_shading=True, scale=INVISIBLE_SIZE, visible=False
         )
-        where = lambda: np.asarray(self._node.position) if self._node.visible else None  # noqa: E731
+
+        def where() -> np.ndarray | None:
+            return np.asarray(self._node.position) if self._node.visible else None
+
         self._label = labels.add(f"{name}/label", where, rank=10 + k, side="bottom-left")
 
     def draw(self, motion: Motion, limit_break: Break | None, bounds: SceneBounds) -> None:

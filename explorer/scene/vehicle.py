@@ -45,7 +45,10 @@ class Vehicle:
         self._rotors = scene.add_mesh_simple(
             f"/{name}/rotors", rotors.vertices, rotors.faces, color=rgb, opacity=(opacity or 1.0) * 0.5, side="double"
         )
-        where = lambda: np.asarray(self._root.position) if self._root.visible else None  # noqa: E731
+
+        def where() -> np.ndarray | None:
+            return np.asarray(self._root.position) if self._root.visible else None
+
         self.label = labels.add(f"/{name}/label", where, rank=rank, text=name if text is None else text)
 
     @property

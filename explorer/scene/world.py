@@ -62,7 +62,10 @@ class WorldNodes:
             receive_shadow=False,
         )
         self._compass = scene.add_frame("/compass", show_axes=False)
-        origin = lambda: np.asarray(self._compass.position)  # noqa: E731
+
+        def origin() -> np.ndarray:
+            return np.asarray(self._compass.position)
+
         self._gravity = Arrow(scene, labels, "/compass/gravity", "g", palette.GRAVITY, rank=20, origin=origin)
         self._magnetic = Arrow(scene, labels, "/compass/magnetic", "m", palette.MAGNETIC, rank=21, origin=origin)
         self._anchor_position, self._label_height = np.zeros(3), np.zeros(3)

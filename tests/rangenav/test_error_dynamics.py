@@ -21,8 +21,7 @@ from tests.support.refusals import exactly
 def along(scene: records.Scene, gains: Gains | None = None, window: float = 1.0) -> ErrorDynamics:
     return error_dynamics.along(
         scene.truth.motion,
-        scene.measurements.range_time,
-        scene.start,
+        scene.measurements,
         scene.setting(gains),
         window=window,
         error=scene.start.state - scene.truth.state[0],
@@ -114,7 +113,7 @@ def test_where_an_error_does_not_fade_there_are_no_multipliers_and_the_reason_sa
 
 def test_a_run_knows_the_dynamics_of_its_own_error():
     run = record.run(preset.load("paper"))
-    dynamics = error_dynamics.of(run)
+    dynamics = error_dynamics.of(run.preset)
     assert dynamics.settle_s == pytest.approx(run.summary.settle_position_s, abs=0.2)  # noise is small beside 0.3 m
     assert dynamics.start[-1] + dynamics.window == pytest.approx(run.preset.duration, abs=0.2)
     assert len(dynamics.start) == len(dynamics.contraction)
