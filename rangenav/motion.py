@@ -125,7 +125,12 @@ def simulate(
         body = multirotor.attitude(angular_velocity, path, world.gravity, time)
     else:
         body = _turning(angular_velocity, initial_rotation, duration, rate)
-    position, velocity, acceleration, jerk, snap = path.jet(time, SNAP)
+    return carried(path.jet(time, SNAP), body, time, world.gravity)
+
+
+def carried(jet: Float[Array, "5 n 3"], body: Attitude, time: Float[Array, "n"], gravity: Vec3) -> Motion:
+    """The motion of a body with this attitude at each time (s); jet: position to snap, inertial axes."""
+    position, velocity, acceleration, jerk, snap = jet
     return Motion(
         time=time,
         position=position,
@@ -136,7 +141,7 @@ def simulate(
         rotation=body.rotation,
         angular_velocity=body.angular_velocity,
         angular_acceleration=body.angular_acceleration,
-        apparent_acceleration=apparent(body.rotation, acceleration, gravity=np.asarray(world.gravity)),
+        apparent_acceleration=apparent(body.rotation, acceleration, gravity=np.asarray(gravity)),
     )
 
 

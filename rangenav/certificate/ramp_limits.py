@@ -9,7 +9,6 @@ import numpy as np
 from rangenav import motion, vehicle
 from rangenav.axes import upright
 from rangenav.formats import OutputFile, hover_ramps
-from rangenav.motion import Motion
 from rangenav.preset import Preset
 from rangenav.signals import Flown
 from rangenav.vehicle import FREE
@@ -30,20 +29,8 @@ def broken(preset: Preset, written: OutputFile) -> str | None:
         body = hover_ramps.attitude(course, own, turned.world.gravity, t)
     except ValueError as error:
         return f"on its ramps, which no certificate covers, {error}"
-    gravity = np.asarray(turned.world.gravity)
-    position, velocity, acceleration, jerk, snap = (course(t, order) for order in range(5))
-    moved = Motion(
-        time=t,
-        position=position,
-        velocity=velocity,
-        acceleration=acceleration,
-        jerk=jerk,
-        snap=snap,
-        rotation=body.rotation,
-        angular_velocity=body.angular_velocity,
-        angular_acceleration=body.angular_acceleration,
-        apparent_acceleration=motion.apparent(body.rotation, acceleration, gravity=gravity),
-    )
+    jet = np.stack([course(t, order) for order in range(motion.SNAP + 1)])
+    moved = motion.carried(jet, body, t, turned.world.gravity)
     breaks = vehicle.broken(moved, turned.vehicle, world=turned.world)
     if not breaks:
         return None
