@@ -5,8 +5,10 @@ sampled(preset)     the worst of 101 windows, some ten times as fast: for a page
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float
@@ -22,16 +24,16 @@ from rangenav.observability.horizon import Horizon
 from rangenav.observability.shortest_windows import ShortestWindows, shortest_windows
 from rangenav.observability.worst_excitation import EVERY
 from rangenav.preset import Preset, Requirement
-from rangenav.proof import Proof, prove
+from rangenav.proof import Proof, arguments, prove
 from rangenav.provenance import Source
 from rangenav.results import result
 from rangenav.sensors import drift
 from rangenav.signals import Signal
 from rangenav.verdict import Verdict, caveats, excitation_reached, for_these_ranges, judge, restriction
 
+Lengths = TypeVar("Lengths", Horizon, ShortestWindows)
 CACHED = 8
 """Cached analyses: enough for undo and for A/B, few enough for many visitors."""
-Arguments = tuple[Signal, World, float, Requirement, float, float, float, Source | None]
 
 
 @result
@@ -104,26 +106,12 @@ class Analysis:
 
 def analyse(preset: Preset) -> Analysis:
     """Analyse a preset over its own window: the worst of all windows."""
-    return _proven(*_arguments(preset))
+    return _proven(*arguments(preset), preset.source)
 
 
 def sampled(preset: Preset) -> Analysis:
     """Analyse a preset over its own window: the worst of sampled windows."""
-    return analysis(*_arguments(preset))
-
-
-def _arguments(preset: Preset) -> Arguments:
-    sensors = preset.sensors
-    return (
-        preset.path,
-        preset.world,
-        preset.duration,
-        preset.requirement,
-        sensors.sigma.range,
-        sensors.range_rate,
-        sensors.arriving,
-        preset.source,
-    )
+    return analysis(*arguments(preset), preset.source)
 
 
 @lru_cache(maxsize=CACHED)
@@ -258,25 +246,23 @@ def how_long(preset: Preset) -> Horizon:
     The worst is that of five starts, and ranges are summed as if they came at all times; `shortest` has every start
     and the ranges themselves.
     """
-    return horizon.horizon(
-        preset.path,
-        preset.world,
-        preset.duration,
-        sigma=preset.sensors.sigma.range,
-        rate=preset.sensors.range_rate,
-        share=preset.sensors.arriving,
-        position_sigma=preset.requirement.position_sigma,
-    )
+    return _against_length(horizon.horizon, preset)
 
 
 def shortest(preset: Preset) -> ShortestWindows:
     """The shortest windows whose ranges, as the preset really takes them, give the accuracy that it requires."""
-    return shortest_windows(
+    return _against_length(shortest_windows, preset)
+
+
+def _against_length(compute: Callable[..., Lengths], preset: Preset) -> Lengths:
+    """What is computed for windows of many lengths, from the flight of a preset and its ranges."""
+    sensors = preset.sensors
+    return compute(
         preset.path,
         preset.world,
         preset.duration,
-        sigma=preset.sensors.sigma.range,
-        rate=preset.sensors.range_rate,
-        share=preset.sensors.arriving,
+        sigma=sensors.sigma.range,
+        rate=sensors.range_rate,
+        share=sensors.arriving,
         position_sigma=preset.requirement.position_sigma,
     )

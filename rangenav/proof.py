@@ -10,10 +10,13 @@ from rangenav.motion import World
 from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
 from rangenav.observability.worst_excitation import FLIGHT, WorstExcitation, worst_excitation
 from rangenav.observability.worst_rank import WorstRank, worst_rank
-from rangenav.preset import Requirement
+from rangenav.preset import Preset, Requirement
 from rangenav.progress import stop_if_unwanted
 from rangenav.results import result
 from rangenav.signals import Signal
+
+Arguments = tuple[Signal, World, float, Requirement, float, float, float]
+"""Path, world, duration (s), requirement; σ (m) and rate (Hz) of the ranges, and the share of them that arrives."""
 
 
 @result
@@ -34,6 +37,20 @@ class Proof:
         by_cores = by_cores and not self.rank.rounded
         by_ranges = self.rank.rank == STATES and self.rank.starts == FLIGHT
         return by_cores or (by_ranges and math.isfinite(self.accuracy.windows.bound))
+
+
+def arguments(preset: Preset) -> Arguments:
+    """What the worst windows of a preset depend on, as `prove` takes it."""
+    sensors = preset.sensors
+    return (
+        preset.path,
+        preset.world,
+        preset.duration,
+        preset.requirement,
+        sensors.sigma.range,
+        sensors.range_rate,
+        sensors.arriving,
+    )
 
 
 def prove(

@@ -24,6 +24,7 @@ from rangenav.certificate.files import read_bytes
 from rangenav.certificate.schema import VERSION, Artifact, Certificate, Loop, Tool
 from rangenav.inputs import require
 from rangenav.preset import Preset
+from rangenav.proof import arguments, prove
 
 CACHED = 8
 
@@ -91,7 +92,7 @@ def certify_file(name_or_path: str | Path) -> Certificate:
 @lru_cache(maxsize=CACHED)
 def _without_artifact(preset: Preset) -> Certificate:
     """The certificate without its artifact, which is the same for every format that the preset is written in."""
-    proof, needed = sections.proof_of(preset), preset.requirement
+    proof, needed = prove(*arguments(preset)), preset.requirement
     excitation = sections.excitation_section(proof.excitation, needed.mu)
     rank = sections.rank_section(proof)
     accuracy = sections.accuracy_section(preset, proof.accuracy, rounded=proof.rank.rounded)

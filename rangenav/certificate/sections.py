@@ -16,22 +16,8 @@ from rangenav.observability import accuracy
 from rangenav.observability.worst_accuracy import WorstAccuracy
 from rangenav.observability.worst_excitation import WorstExcitation
 from rangenav.preset import Preset
-from rangenav.proof import Proof, prove
+from rangenav.proof import Proof
 from rangenav.sensors import noise_assumption
-
-
-def proof_of(preset: Preset) -> Proof:
-    """The worst windows of a preset, as its analysis has them."""
-    sensors = preset.sensors
-    return prove(
-        preset.path,
-        preset.world,
-        preset.duration,
-        preset.requirement,
-        sensors.sigma.range,
-        sensors.range_rate,
-        sensors.arriving,
-    )
 
 
 def claim_section(preset: Preset, worst: WorstExcitation) -> Claim:
