@@ -12,11 +12,10 @@ import contextlib
 import logging
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 from urllib.parse import parse_qs
 
-import msgspec
 import viser
 
 from explorer.appearance import Appearance, set_theme
@@ -24,12 +23,11 @@ from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
 from explorer.display import Display
 from explorer.interaction import Interaction
 from explorer.model import compute, palette
-from explorer.model.comparison import NAMES
 from explorer.model.compute import Picture
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
-from explorer.model.view import MAX_STEPS, View
+from explorer.panels import saved_page
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
@@ -141,18 +139,7 @@ class Session:
 
     def _remember(self, settings: Settings) -> None:
         """Have the settings and the view saved when that is due."""
-        compare, playback = self.dock.compare, self._playback
-        past, future = self.history.steps(MAX_STEPS)
-        view = View(
-            time=playback.time,
-            speed=playback.speed,
-            loop=playback.loop,
-            estimators=tuple(name for name in NAMES if name in compare.enabled),
-            pinned=compare.pinned_settings,
-            keep_pinned=compare.keep_pinned.read(),
-            past=past,
-            future=future,
-        )
+        view = saved_page.view_of(self.dock, self.history, self._playback)
         self._autosave.remember(settings, self.dock.gains.units, view)
 
     def _build(self) -> None:
@@ -212,30 +199,9 @@ class Session:
             work = self._autosave.restore(session_key(self._client, self.shared.slots))
         except StorageError as reason:
             work = self._notify_about_work(str(reason))
-        if work is None:
-            return
-        self.dock.gains.use_units(work.language)
-        view = work.view
-        pinned = () if view.pinned is None else (view.pinned,)
-        steps = self._with_presets((*view.past, work.settings, *view.future, *pinned))
-        done, undone = len(view.past), len(view.past) + 1 + len(view.future)
-        settings, pinned = steps[done], steps[undone:]
-        self.history.restore(steps[:done], steps[done + 1 : undone])
-        self.history.record(settings, time.monotonic(), separate=True)
-        self._playback.restore(view.time, view.speed, loop=view.loop)
-        if work.opened == self.shared.first or not self.shared.requested:
-            self.dock.write(settings)
-            self.dock.compare.restore(view, pinned[0] if pinned else None)
-
-    def _with_presets(self, steps: Sequence[Settings]) -> list[Settings]:
-        """The same settings, the oldest first, each from a preset in the catalog. A preset that was imported and not
-        saved, or was deleted meanwhile, has no file: it is offered as it was in the oldest step."""
-        origins: dict[str, str] = {}
-        for step in steps:
-            if step.origin not in self.catalog.presets and step.origin not in origins:
-                origins[step.origin] = self.catalog.add_imported(step.preset).origin
-        renewed = {origin: {"origin": new, "edition": ""} for origin, new in origins.items()}
-        return [msgspec.structs.replace(step, **renewed.get(step.origin, {})) for step in steps]
+        if work is not None:
+            requested = self.shared.requested and work.opened != self.shared.first
+            saved_page.restore(work, self.dock, self.history, self._playback, self.catalog, as_a_step=requested)
 
     def _wait_for_compilation(self) -> None:
         compilation = self.shared.compilation
