@@ -45,8 +45,15 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return True if SLOW_FILE in collection_path.read_text(encoding="utf-8") else None
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """The longest work first, so that no worker is left with it at the end: the browser, then the slow files."""
+    slow = {item.path for item in items if item.get_closest_marker("slow")}
+    items.sort(key=lambda item: (not item.nodeid.startswith(BROWSER_TESTS), item.path not in slow))
+
+
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFileScheduling:
     """Each file stays in one worker, for it shares what it computed; the browser tests share one worker."""
+    config.option.loadscopereorder = False  # files in the order above, and not by their number of tests
     return OneBrowser(config, log)
 
 

@@ -11,9 +11,10 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 from playwright.sync_api import Browser, ConsoleMessage, Locator, Page, Playwright, ViewportSize, sync_playwright
 
@@ -36,6 +37,8 @@ INPUT_PAUSE = 0.08
 """s between inputs: viser's page sends at most one per 50 ms and panel."""
 PATIENCE = 120.0
 """s: a busy machine that renders in software may need seconds for a frame."""
+PERIOD = 0.1
+"""s between two looks at a condition: a look at a plot takes a hundredth of a second in the browser and here."""
 COARSE = 0.5
 """Pixels of the screen for each pixel of the page: a quarter of the work for a software renderer."""
 VERDICT = "from one window of"
@@ -46,11 +49,20 @@ CHARTS = "Object.values((window.__viserTestpoints || {}).uplots || {}).map(entry
 FIND_CHART = f"(label) => {CHARTS}.find(chart => chart.series.some(series => series.label === label))"
 WELCOMED = "localStorage['rangenav-view'] ??= JSON.stringify({flags: ['welcomed'], switched: []})"
 """The card of the first visit was closed before: most tests are not about it."""
+FRAME_PAUSE = 100
+"""ms between two frames of the page."""
+FEW_FRAMES = f"""(() => {{
+    const next = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = draw => setTimeout(next, {FRAME_PAUSE}, draw);
+    window.cancelAnimationFrame = clearTimeout;
+}})()"""
+"""A software renderer would draw the scene over and over as fast as it can, and take the processor from the server."""
 WRITTEN = "document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || '')"
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
 USUAL_COMPLAINT = "Unable to preventDefault inside passive event listener"
 """viser's own, at each press on a node that can be dragged; the drag is none the worse for it."""
+Read = TypeVar("Read")
 ROW = "xpath=ancestor::div[./div[2]][1]/div[2]"
 """From the label of a control to the control itself."""
 
@@ -136,9 +148,10 @@ class Visitor:
         `welcomed`: whether the card of the first visit was closed before."""
         self.complaints: list[str] = []
         """Errors in the browser's console, and uncaught ones."""
-        self._says, self._alone = says, beside is None
+        self._says, self._alone, self._new = says, beside is None, True
         size, scale = ViewportSize(width=width, height=height), density
         context = beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
+        context.add_init_script(FEW_FRAMES)
         if welcomed:
             context.add_init_script(WELCOMED)
         self.page: Page = context.new_page()
@@ -163,8 +176,11 @@ class Visitor:
         self.wait_until_drawn()
 
     def begin_anew(self) -> None:
-        """The first preset as it is shipped, at its start, whatever an earlier test has left."""
+        """The first preset as it is shipped, at its start, whatever an earlier test has left; nothing on a new page."""
         self.complaints.clear()
+        if self._new:
+            self._new = False
+            return
         self.tab("Presets")
         self.choose("preset", OTHER)
         self.wait_for_text(OTHER_VERDICT)
@@ -383,6 +399,23 @@ MEASURE = f"""async ([thumb, curve, count]) => {{
     }}
     return times;
 }}"""
+
+
+def until(holds: Callable[[], object], what: str, patience: float = PATIENCE) -> None:
+    """Wait until a condition holds. Raises AssertionError after so many seconds."""
+    deadline = time.monotonic() + patience
+    while not holds():
+        assert time.monotonic() < deadline, f"waited {patience:g} s in vain for {what}"
+        time.sleep(PERIOD)
+
+
+def until_still(read: Callable[[], Read], seconds: float = 0.5) -> Read:
+    """What is read, once it is the same after some seconds."""
+    seen = read()
+    while True:
+        time.sleep(seconds)
+        if seen == (seen := read()):
+            return seen
 
 
 def quantile(values: list[float], share: float) -> float:

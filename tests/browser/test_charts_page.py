@@ -10,17 +10,10 @@ from explorer.model.compute import compute
 from explorer.model.settings import Settings
 from rangenav import preset
 from rangenav.number_format import significant
-from tests.browser.page import CHARTS, PATIENCE, Visitor
+from tests.browser.page import CHARTS, Visitor, until
 
 TOLD = """selector => Array.from(document.querySelectorAll(selector), found =>
     getComputedStyle(found, '::after').content.replaceAll('"', ''))"""
-
-
-def _until(holds, what: str) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not holds():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
-        time.sleep(0.05)
 
 
 def _value(visitor: Visitor, curve: str) -> str:
@@ -48,11 +41,11 @@ def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(wide: Visi
     drawn = wide.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width")
     assert drawn == pytest.approx(0.4 * box["width"], abs=2)
     wide.page.mouse.up()
-    _until(
+    until(
         lambda: float(wide.number("time window judged δ (s)")) == pytest.approx(0.4 * duration, abs=0.2), "the window"
     )
     wide.page.mouse.click(*at(0.75))
-    _until(lambda: f"<b>{0.75 * duration:.0f}." in wide.page.content(), "the moment")
+    until(lambda: f"<b>{0.75 * duration:.0f}." in wide.page.content(), "the moment")
     assert wide.page.evaluate("() => document.querySelector('.rn-brush').getBoundingClientRect().width") == 0
 
 
@@ -63,7 +56,7 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     assert box is not None
     before = _value(wide, "position-0")
     wide.page.mouse.move(box["x"] + 0.25 * box["width"], box["y"] + box["height"] / 2)
-    _until(lambda: wide.page.evaluate(TOLD, ".rn-at")[0].endswith(" s"), "the time under the mouse")
+    until(lambda: wide.page.evaluate(TOLD, ".rn-at")[0].endswith(" s"), "the time under the mouse")
     time.sleep(0.5)
     times = set(wide.page.evaluate(TOLD, ".rn-at"))
     assert len(times) == 1  # all plots tell the same
@@ -78,13 +71,13 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     assert gramian.values[row, 0] < 1e-3  # which uPlot's own legend would call 0
 
     wide.page.locator('[data-curve="position-1"]').click()
-    _until(lambda: _hidden(wide) == 1, "the curve to go")
-    _until(lambda: _value(wide, "position-0") == before, "the values at the playhead")
+    until(lambda: _hidden(wide) == 1, "the curve to go")
+    until(lambda: _value(wide, "position-0") == before, "the values at the playhead")
     assert wide.page.evaluate(TOLD, ".rn-at")[0] == "none"
     wide.tab("Gains")
     data = wide.chart_data("σ by P")
     wide.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=3)
-    _until(lambda: wide.chart_data("σ by P") != data, "another picture")
+    until(lambda: wide.chart_data("σ by P") != data, "another picture")
     assert _hidden(wide) == 1
     wide.tab("Export")
     time.sleep(0.5)
@@ -92,4 +85,4 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     wide.wait_for_text("record.run(p)")
     time.sleep(0.5)
     wide.page.locator('[data-curve="position-1"]').click()
-    _until(lambda: _hidden(wide) == 0, "the curve to come back")
+    until(lambda: _hidden(wide) == 0, "the curve to come back")

@@ -1,47 +1,31 @@
 """Editing in a real Chromium: dragging, typing, undoing, and finding the work again."""
 
 import math
-import time
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from playwright.sync_api import Browser
 
-from tests.browser.page import BLUR, COARSE, PATIENCE, Visitor, served
+from tests.browser.page import BLUR, COARSE, Visitor, served, until, until_still
 
 TABLE = "points, a line t x y z each"
 
 
-def _until(holds: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
-    deadline = time.monotonic() + patience
-    while not holds():
-        assert time.monotonic() < deadline, f"waited {patience:g} s in vain for {what}"
-        time.sleep(0.05)
-
-
-def _wait_until_still(read: Callable[[], object]) -> None:
-    """Until what is read is the same after a second."""
-    seen = None
-    while seen != (seen := read()):
-        time.sleep(1)
-
-
 def test_a_waypoint_dragged_with_the_mouse_moves_the_path_and_undo_brings_it_back(wide: Visitor):
     wide.choose("path made of", "waypoints")
-    _until(lambda: "/handles/waypoint3" in wide.node_names(), "handles")
-    _wait_until_still(wide.camera_position)
+    until(lambda: "/handles/waypoint3" in wide.node_names(), "handles")
+    until_still(wide.camera_position)
     table, place = wide.typed(TABLE), wide.node_position("/handles/waypoint3")
     verdict = wide.chart_data("μ")
     wide.drag_node("/handles/waypoint3", (60, -40))
-    _until(lambda: wide.typed(TABLE) != table, "the point in the table")
-    _until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) > 0.05, "the handle elsewhere")
-    _until(lambda: wide.chart_data("μ") != verdict, "another excitation")
-    _wait_until_still(lambda: wide.typed(TABLE))  # the drag has ended for the session, too
+    until(lambda: wide.typed(TABLE) != table, "the point in the table")
+    until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) > 0.05, "the handle elsewhere")
+    until(lambda: wide.chart_data("μ") != verdict, "another excitation")
+    until_still(lambda: wide.typed(TABLE))  # the drag has ended for the session, too
     wide.page.evaluate(BLUR)  # out of any box, whose own undo would come first
     wide.page.keyboard.press("Control+z")
-    _until(lambda: wide.typed(TABLE) == table, "the table as it was")
-    _until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) < 1e-6, "the handle where it was")
+    until(lambda: wide.typed(TABLE) == table, "the table as it was")
+    until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) < 1e-6, "the handle where it was")
 
 
 def test_a_formula_is_typed_a_mistake_is_pointed_at_and_the_rest_goes_on(wide: Visitor):
@@ -52,20 +36,20 @@ def test_a_formula_is_typed_a_mistake_is_pointed_at_and_the_rest_goes_on(wide: V
     wide.wait_for_no_text("is missing at the end")
     before = wide.chart_data("norm")
     wide.type_text("z(t) =", "0.2*sin(3*t)")
-    _until(lambda: wide.chart_data("norm") != before, "another φ")
+    until(lambda: wide.chart_data("norm") != before, "another φ")
     assert wide.typed("x(t) =") == "cos(2*t)"
 
 
 def test_undo_and_redo_by_buttons_and_keys(wide: Visitor):
     wide.nudge("amplitude x (m)")
-    _until(lambda: "amplitude x (m) •" in wide.text(), "the mark")
+    until(lambda: "amplitude x (m) •" in wide.text(), "the mark")
     moved = wide.number("amplitude x (m)")
     wide.press("Undo")
-    _until(lambda: wide.number("amplitude x (m)") == "1", "the value before")
+    until(lambda: wide.number("amplitude x (m)") == "1", "the value before")
     wide.page.keyboard.press("Control+Shift+z")
-    _until(lambda: wide.number("amplitude x (m)") == moved, "the value again")
+    until(lambda: wide.number("amplitude x (m)") == moved, "the value again")
     wide.press("amplitude x (m)")
-    _until(lambda: wide.number("amplitude x (m)") == "1", "the value of the preset")
+    until(lambda: wide.number("amplitude x (m)") == "1", "the value of the preset")
     wide.wait_for_no_text("amplitude x (m) •")
 
 
@@ -74,7 +58,7 @@ def test_the_work_is_there_after_a_reload(wide: Visitor):
     wide.type_text("y(t) =", "0.4*cos(3*t)")
     wide.wait_until_saved("0.4*cos(3*t)")
     wide.reload()
-    _until(lambda: wide.typed("y(t) =") == "0.4*cos(3*t)", "the formula")
+    until(lambda: wide.typed("y(t) =") == "0.4*cos(3*t)", "the formula")
 
 
 def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_path: Path):
@@ -82,22 +66,22 @@ def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_
         port = first.port
         tab = Visitor(browser, first.url, density=COARSE)
         tab.choose("path made of", "waypoints")
-        _until(lambda: "/handles/waypoint3" in tab.node_names(), "handles")
+        until(lambda: "/handles/waypoint3" in tab.node_names(), "handles")
         tab.type_number("flight duration (s)", "17")
         tab.wait_for_text("duration (s) •")
         tab.wait_until_saved('"duration":17')
     with served("--port", f"{port}"):
         tab.reload()
-        _until(lambda: tab.number("flight duration (s)") == "17", "the duration")
+        until(lambda: tab.number("flight duration (s)") == "17", "the duration")
         assert len(tab.typed(TABLE).split("\n")) == 12
         tab.close()
 
 
 def test_dragging_the_anchor_changes_the_predicted_accuracy_and_not_the_gramian(wide: Visitor):
-    _wait_until_still(wide.camera_position)
+    until_still(wide.camera_position)
     gramian, predicted = wide.chart_data("λ₁₃"), wide.chart_data("lifted")
     wide.drag_node("/handles/anchor", (50, 30))
-    _until(lambda: wide.chart_data("lifted") != predicted, "another accuracy")
+    until(lambda: wide.chart_data("lifted") != predicted, "another accuracy")
     assert wide.chart_data("λ₁₃") == gramian
     wide.tab("World")
     wide.wait_for_text("anchor position (m) •")
@@ -112,4 +96,4 @@ def test_two_megabytes_in_a_formula_are_refused_and_nothing_is_lost(wide: Visito
     assert np.allclose(np.array(after, dtype=float), np.array(before, dtype=float), rtol=1e-9, equal_nan=True)
     wide.type_text("x(t) =", "cos(3*t)")
     wide.wait_for_no_text("at most 20000 characters")
-    _until(lambda: wide.chart_data("norm") != before, "another φ")
+    until(lambda: wide.chart_data("norm") != before, "another φ")

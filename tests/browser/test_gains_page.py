@@ -1,20 +1,12 @@
 """The Gains tab in a real Chromium: two languages, half turns by a button, nonsense in a physical box."""
 
 import time
-from collections.abc import Callable
 
-from tests.browser.page import PATIENCE, Visitor
+from tests.browser.page import Visitor, until
 
 LETTERS, WORDS = "the paper's letters", "physical quantities"
 SETTLED = 5.0
 """°, below which the verdict counts an attitude as settled."""
-
-
-def _until(holds: Callable[[], bool], what: str, patience: float = PATIENCE) -> None:
-    deadline = time.monotonic() + patience
-    while not holds():
-        assert time.monotonic() < deadline, f"waited {patience:g} s in vain for {what}"
-        time.sleep(0.05)
 
 
 def _error(visitor: Visitor, plot: str) -> list[float]:
@@ -42,8 +34,8 @@ def test_the_units_are_switched_without_a_jump_and_a_physical_value_moves_a_gain
     assert _error(visitor, "position") == before
     assert "•" not in visitor.text()
     visitor.nudge("assumed range noise (m)", times=3)
-    _until(lambda: _error(visitor, "position") != before, "another error")
-    _until(lambda: visitor.number("assumed range noise (m)") == "0.1349", "the number")
+    until(lambda: _error(visitor, "position") != before, "another error")
+    until(lambda: visitor.number("assumed range noise (m)") == "0.1349", "the number")
     time.sleep(1.5)  # longer than work may wait to be written
     visitor.reload()
     visitor.tab("Gains")
@@ -57,13 +49,13 @@ def test_a_start_at_a_half_turn_is_drawn_from_180_degrees_down(visitor: Visitor)
     visitor.folder("Start at a half turn")
     visitor.press("between m and g")
     visitor.wait_for_text("The start is 0° from the nearest half turn")
-    _until(lambda: _error(visitor, "attitude")[0] > 179.9, "a start at 180°")
+    until(lambda: _error(visitor, "attitude")[0] > 179.9, "a start at 180°")
     assert visitor.number("initial attitude error (°)") == "180"
     assert max(_error(visitor, "attitude")[-20:]) < SETTLED
     visitor.press("almost: 1° off")
     visitor.wait_for_text("The start is 1° from the nearest half turn")
-    _until(lambda: visitor.number("initial attitude error (°)") == "179", "the angle")
-    _until(lambda: 178.5 < _error(visitor, "attitude")[0] < 179.5, "a start at 179°")
+    until(lambda: visitor.number("initial attitude error (°)") == "179", "the angle")
+    until(lambda: 178.5 < _error(visitor, "attitude")[0] < 179.5, "a start at 179°")
 
 
 def test_nonsense_in_a_physical_box_is_told_there_and_nothing_is_lost(visitor: Visitor):
@@ -80,4 +72,4 @@ def test_nonsense_in_a_physical_box_is_told_there_and_nothing_is_lost(visitor: V
     visitor.type_number("assumed range noise (m)", good)
     visitor.wait_for_no_text("asks for q = ")
     visitor.wait_for_no_text("Not shown")
-    _until(lambda: _error(visitor, "position") == before, "the curve as it was, to the last bit")
+    until(lambda: _error(visitor, "position") == before, "the curve as it was, to the last bit")

@@ -15,7 +15,7 @@ from explorer.scene.drag_handles import GIZMO_SHARE, DragHandles
 from explorer.web import identity, security
 from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
-from tests.browser.page import COARSE, Visitor
+from tests.browser.page import COARSE, Visitor, until, until_still
 
 PLACES = {"anchor": (0.5, 0.0, 0.8), "waypoint1": (1.5, 0.0, -0.5), "waypoint2": (-1.0, 1.0, 0.25)}
 UP, UNIT, GIZMO = np.array([0.0, 0.0, -1.0]), 0.4, "/handles/gizmo"
@@ -68,21 +68,12 @@ def tab(browser: Browser) -> Iterator[Visitor]:
     url = f"http://127.0.0.1:{server.get_port()}/"
     opened = Visitor(browser, url, width=900, height=700, density=COARSE, says=READY_WORD)
     opened.wait_for_node("/handles/waypoint2")
-    camera = None
-    while camera != (camera := opened.camera_position()):
-        time.sleep(0.5)
+    until_still(opened.camera_position)
     opened.dismiss_notifications()
     yield opened
     assert opened.complaints == []
     opened.close()
     security.close_server(server)
-
-
-def until(holds, what: str, patience: float = 20.0) -> None:
-    deadline = time.monotonic() + patience
-    while not holds():
-        assert time.monotonic() < deadline, f"waited {patience:g} s in vain for {what}"
-        time.sleep(0.05)
 
 
 def places(tab: Visitor) -> dict[str, list[float]]:

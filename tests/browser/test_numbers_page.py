@@ -1,18 +1,11 @@
 """Numbers are typed as numbers, keys belong to what has the focus, and the palette finds everything on the page."""
 
 import re
-import time
 
-from tests.browser.page import BLUR, Visitor
+from tests.browser.page import BLUR, Visitor, until
 
 WEIGHT, NOISE = "range weight q (1/(m⁴ s))", "range noise σ (m)"
-
-
-def _until(holds, what: str, seconds: float = 30.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline, f"waited in vain for {what}"
-        time.sleep(0.05)
+SEARCH = "input.mantine-Spotlight-search"
 
 
 def test_a_weight_is_typed_as_the_number_that_it_is_and_nothing_is_cut(visitor: Visitor):
@@ -20,7 +13,7 @@ def test_a_weight_is_typed_as_the_number_that_it_is_and_nothing_is_cut(visitor: 
     assert visitor.number(WEIGHT) == "5000"
     for text in ("5e2", "1 000", "700"):
         visitor.type_number(WEIGHT, text)
-        _until(lambda: visitor.page.get_by_text(f"{WEIGHT} •").count() > 0, "a mark of the change")
+        until(lambda: visitor.page.get_by_text(f"{WEIGHT} •").count() > 0, "a mark of the change")
         assert visitor.number(WEIGHT) == text
     visitor.type_number(WEIGHT, "5 00")  # no group of three digits
     visitor.wait_for_text("is no number")
@@ -33,20 +26,20 @@ def test_a_weight_is_typed_as_the_number_that_it_is_and_nothing_is_cut(visitor: 
 def test_an_arrow_on_a_slider_moves_the_slider_and_not_the_time(visitor: Visitor):
     visitor.tab("Gains")
     visitor.nudge(WEIGHT, "ArrowRight", times=2)
-    _until(lambda: visitor.number(WEIGHT) == "5248", "two steps of the slider")
+    until(lambda: visitor.number(WEIGHT) == "5248", "two steps of the slider")
     assert "<b>0.00 s</b>" in visitor.page.content()
     visitor.page.evaluate(BLUR)
     visitor.page.keyboard.press("ArrowRight")
-    _until(lambda: "<b>0.00 s</b>" not in visitor.page.content(), "a step in time")
+    until(lambda: "<b>0.00 s</b>" not in visitor.page.content(), "a step in time")
 
 
-def _search(visitor: Visitor, words: str) -> list[str]:
+def _search(visitor: Visitor, words: str, entry: str) -> None:
+    """Open the palette, type some words, and wait for an entry."""
     visitor.page.evaluate(BLUR)
     visitor.page.keyboard.press("Control+k")
-    visitor.page.locator(".mantine-Spotlight-search input").first.fill(words)
-    time.sleep(0.7)
-    found = visitor.page.locator(".mantine-Spotlight-action").all_inner_texts()
-    return [re.sub(r"\s+", " ", text) for text in found]
+    visitor.page.locator(SEARCH).fill(words)
+    entries = visitor.page.locator(".mantine-Spotlight-action")
+    until(lambda: entry in [re.sub(r"\s+", " ", text) for text in entries.all_inner_texts()], entry)
 
 
 FOUND = {
@@ -63,10 +56,10 @@ FOUND = {
 
 def test_the_palette_finds_tabs_presets_plots_exports_controls_and_help_and_goes_there(visitor: Visitor):
     for words, entry in FOUND.items():
-        assert entry in _search(visitor, words)
+        _search(visitor, words, entry)
         visitor.page.keyboard.press("Escape")
-        time.sleep(0.3)
-    _search(visitor, "process noise V(p)")
+        visitor.page.locator(SEARCH).wait_for(state="hidden")
+    _search(visitor, "process noise V(p)", "Control: process noise V(p)")
     visitor.page.keyboard.press("Enter")
     focus = "() => document.activeElement.getAttribute('aria-label')"
-    _until(lambda: visitor.page.evaluate(focus) == "process noise V(p)", "the focus")
+    until(lambda: visitor.page.evaluate(focus) == "process noise V(p)", "the focus")

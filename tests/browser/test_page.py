@@ -9,18 +9,11 @@ from playwright.sync_api import Browser
 
 from rangenav import preset, record
 from rangenav.signals import Multisine
-from tests.browser.page import COARSE, PATIENCE, Server, Visitor, quantile
+from tests.browser.page import COARSE, Server, Visitor, quantile, until, until_still
 
 ERROR_CURVE = "σ by P"
 """A curve that only the plots of errors have."""
 NOT_SHOWN = "Not shown"
-
-
-def _until(holds, what: str, patience: float = PATIENCE) -> None:
-    deadline = time.monotonic() + patience
-    while not holds():
-        assert time.monotonic() < deadline, f"waited {patience:g} s in vain for {what}"
-        time.sleep(0.05)
 
 
 def test_the_url_is_printed_and_the_page_has_a_scene_plots_and_a_verdict(server: Server, visitor: Visitor):
@@ -30,14 +23,14 @@ def test_the_url_is_printed_and_the_page_has_a_scene_plots_and_a_verdict(server:
     time_axis, error, _ = visitor.chart_data(ERROR_CURVE)
     assert len(time_axis) > 100
     assert len({value for value in error if value is not None}) > 100
-    assert "● observable" in visitor.text()
+    visitor.wait_for_text("● observable")
 
 
 def test_a_gain_slider_moved_by_the_keyboard_changes_the_errors(visitor: Visitor):
     visitor.tab("Gains")
     before = visitor.chart_data(ERROR_CURVE)[1]
     visitor.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=5)
-    _until(lambda: visitor.chart_data(ERROR_CURVE)[1] != before, "another error curve")
+    until(lambda: visitor.chart_data(ERROR_CURVE)[1] != before, "another error curve")
 
 
 def test_another_preset_changes_path_verdict_and_sliders(visitor: Visitor):
@@ -57,27 +50,25 @@ def test_scrubbing_moves_the_vehicle_to_its_true_pose_of_that_moment(visitor: Vi
     truth = record.run(preset.load("paper-slow")).truth.motion
     expected = truth.position[np.argmin(np.abs(truth.time - moment))]
     visitor.type_number("t (s)", f"{moment:g}")
-    _until(lambda: math.dist(visitor.node_position("/vehicle"), expected) < 0.01, f"the vehicle at {expected}")
+    until(lambda: math.dist(visitor.node_position("/vehicle"), expected) < 0.01, f"the vehicle at {expected}")
 
 
 def test_space_plays_and_the_vehicle_moves(visitor: Visitor):
     start = visitor.node_position("/vehicle")
     visitor.page.keyboard.press("Space")
     visitor.wait_for_text("playing")
-    _until(lambda: math.dist(visitor.node_position("/vehicle"), start) > 0.5, "movement")
+    until(lambda: math.dist(visitor.node_position("/vehicle"), start) > 0.5, "movement")
     visitor.page.keyboard.press("Space")
     visitor.wait_for_text("paused")
     visitor.page.keyboard.press("Home")
-    _until(lambda: math.dist(visitor.node_position("/vehicle"), start) < 1e-3, "the start")
+    until(lambda: math.dist(visitor.node_position("/vehicle"), start) < 1e-3, "the start")
 
 
 def test_an_arrow_key_steps_and_leaves_the_camera_alone(visitor: Visitor):
-    camera = None
-    while camera != (camera := visitor.camera_position()):  # the page turns to the path when it first draws
-        time.sleep(1)
+    camera = until_still(visitor.camera_position)  # the page turns to the path when it first draws
     visitor.page.keyboard.press("ArrowRight", delay=300)
     visitor.wait_for_text("paused")
-    _until(lambda: visitor.number("t (s)") != "0", "a step")
+    until(lambda: visitor.number("t (s)") != "0", "a step")
     assert visitor.camera_position() == pytest.approx(camera, abs=1e-6)
 
 
@@ -93,7 +84,7 @@ def test_nonsense_in_a_box_gets_a_sentence_and_the_picture_stays(visitor: Visito
     assert visitor.chart_data(ERROR_CURVE) == before
     visitor.type_number("noise seed", "7")
     visitor.wait_for_no_text(NOT_SHOWN)
-    _until(lambda: visitor.chart_data(ERROR_CURVE) != before, "the new seed's errors")
+    until(lambda: visitor.chart_data(ERROR_CURVE) != before, "the new seed's errors")
 
 
 def test_letters_in_a_box_are_no_number_and_change_nothing(visitor: Visitor):
@@ -126,7 +117,7 @@ def test_a_reload_gives_a_new_session_that_works_on_the_same_preset(visitor: Vis
     visitor.tab("Gains")
     before = visitor.chart_data(ERROR_CURVE)[1]
     visitor.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=5)
-    _until(lambda: visitor.chart_data(ERROR_CURVE)[1] != before, "another error curve")
+    until(lambda: visitor.chart_data(ERROR_CURVE)[1] != before, "another error curve")
     visitor.tab("Presets")
     visitor.wait_for_text("1:2:3")
 
@@ -168,7 +159,7 @@ def test_a_foreign_page_cannot_open_the_websocket(server: Server, browser: Brows
 def test_a_narrow_window_gets_one_column_of_plots_whatever_its_pixel_density(server: Server, browser: Browser):
     for density in (COARSE, 2):  # of 2, the window has 1800 pixels of the screen
         tab = Visitor(browser, server.url, width=1100, height=600, density=density)
-        _until(lambda tab=tab: 0 < len(tab.chart_labels()) <= 4, f"one column of plots at density {density}")
+        until(lambda tab=tab: 0 < len(tab.chart_labels()) <= 4, f"one column of plots at density {density}")
         tab.close()
 
 

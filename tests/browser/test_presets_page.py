@@ -1,7 +1,6 @@
 """The Presets tab in a real Chromium: presets kept and found again, files handed over and taken away, a repair."""
 
 import io
-import time
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +10,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from rangenav import certificate, formats, preset
-from tests.browser.page import COARSE, PATIENCE, Server, Visitor
+from tests.browser.page import COARSE, Server, Visitor, until
 
 SHIPPED = preset.shipped()
 BLIND = "✕ nothing excites z"
@@ -39,10 +38,7 @@ def visitor(tab: Visitor) -> Iterator[Visitor]:
 
 
 def _wait_for_preset(visitor: Visitor, ending: str) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not visitor.typed("preset").endswith(ending):
-        assert time.monotonic() < deadline, f"waited in vain for {ending}, found {visitor.typed('preset')}"
-        time.sleep(0.05)
+    until(lambda: visitor.typed("preset").endswith(ending), ending)
 
 
 def _folder(visitor: Visitor, label: str, inside: str) -> None:
@@ -128,6 +124,7 @@ def test_a_blind_motion_is_not_exported_but_repaired_accepted_and_certified(visi
     visitor.wait_for_text(BLIND)
     _folder(visitor, "Download with certificate", "Export as a zip")
     visitor.press("none")
+    until(lambda: not visitor.beside("TUM").locator("input").is_checked(), "no format")
     visitor.beside("polynomials").locator("input").check()
     _folder(visitor, "Repair", "Make it observable")
     visitor.press("Export as a zip")
