@@ -10,8 +10,9 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-WORKERS ?= 2
-# Each worker computes with one thread: the matrices are small, and two workers with two threads each wait for each other.
+# Three workers for two cores: one of them drives the browser, and waits for it most of the time.
+WORKERS ?= 3
+# Each worker computes with one thread: the matrices are small, and workers with several threads each wait for each other.
 # Compiled modules are kept, whatever the environment says: the tests start the program some fifty times.
 PYTEST := PYTHONDONTWRITEBYTECODE= OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(WORKERS)
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable
