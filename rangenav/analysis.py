@@ -17,7 +17,7 @@ from numpy import ndarray as Array
 from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.motion_analysis import Windows, farthest_from_anchor, motion_analysis, path_samples, sampled_windows
-from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum
+from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum, undetermined
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
@@ -78,12 +78,24 @@ class Analysis:
     nonlinear_end: Accuracy
     ranges: int
     """How many ranges that window holds."""
+    ranges_rounded: bool
+    """Whether they leave the position undetermined because of rounding alone, as far as is known."""
     reduced_min: float
     """The least eigenvalue of the reduced pair (Proposition 1) on the worst window."""
     reduced_floor: float
     farthest: float
     """m: the largest distance to the anchor in the flight, on samples."""
     verdict: Verdict
+
+    @property
+    def below_rounding(self) -> bool:
+        """Whether rank or position are undetermined because of rounding alone, as far as is known."""
+        return self.rounded or self.ranges_rounded
+
+    @property
+    def blind(self) -> bool:
+        """Whether the position cannot be told, for the motion or for its ranges; of motions not judged, by the rank."""
+        return self.verdict.word == "blind" or self.known_rank < STATES
 
     @property
     def known_rank(self) -> int:
@@ -140,7 +152,10 @@ def analysis(
     of = accuracy.of_held(
         path, world, at, window, first=first, last=last, rate=range_rate, sigma=range_sigma, share=arriving
     )
-    rank, farthest = lifted.rank, farthest_from_anchor(path, world, duration)
+    rank, farthest, cause = lifted.rank, farthest_from_anchor(path, world, duration), None
+    if rank == STATES and not math.isfinite(of.lifted_end.position):
+        noise = range_sigma or 1.0
+        cause = undetermined.cause(path, world, window=window, first=first, last=last, rate=range_rate, noise=noise)
     return Analysis(
         proof=None,
         windows=windows,
@@ -166,6 +181,7 @@ def analysis(
         nonlinear_start=of.nonlinear_start,
         nonlinear_end=of.nonlinear_end,
         ranges=last - first + 1,
+        ranges_rounded=cause == "rounding",
         reduced_min=lifted.reduced_min,
         reduced_floor=lifted.reduced_floor,
         farthest=farthest,
@@ -176,7 +192,9 @@ def analysis(
             excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
             rounded=lifted.rounded,
             restriction=restriction(path, source, duration),
-            ranges=for_these_ranges(last - first + 1, at, window, path.period, range_rate),
+            ranges=None
+            if cause is None
+            else for_these_ranges(cause, last - first + 1, at, window, rate=range_rate, period=path.period),
             farthest=farthest,
         ),
     )
@@ -197,7 +215,7 @@ def _proven(
     window = requirement.window
     few = analysis(path, world, duration, requirement, range_sigma, range_rate, arriving, source)
     proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving)
-    excited, rank, worst = proof.excitation, proof.rank, proof.accuracy
+    excited, rank, worst, held = proof.excitation, proof.rank, proof.accuracy, proof.accuracy.windows
     values = excitation.eigenvalues(path, np.array([excited.at]), window)[0]
     reduced_min, reduced_floor = reduced.least_eigenvalue(path, world.gravity, rank.at, window)
     return replace(
@@ -219,22 +237,27 @@ def _proven(
         nonlinear_floor=rank.nonlinear_floor,
         nonlinear_rank=rank.nonlinear,
         directions=rank.directions,
-        accuracy_at=worst.windows.at,
+        accuracy_at=held.at,
         lifted_start=worst.lifted_start,
         lifted_end=worst.lifted_end,
         nonlinear_start=worst.nonlinear_start,
         nonlinear_end=worst.nonlinear_end,
-        ranges=worst.windows.ranges,
+        ranges=held.ranges,
+        ranges_rounded=proof.undetermined == "rounding",
         reduced_min=reduced_min,
         reduced_floor=reduced_floor,
         verdict=judge(
             rank.rank,
-            worst.windows.bound,
+            held.bound,
             requirement.position_sigma,
             excitation=excitation_reached(excited.mu, excited.lower, requirement.mu),
             rounded=rank.rounded,
             restriction=restriction(path, source, duration),
-            ranges=for_these_ranges(worst.windows.ranges, worst.windows.at, window, path.period, range_rate),
+            ranges=None
+            if proof.undetermined is None
+            else for_these_ranges(
+                proof.undetermined, held.ranges, held.at, window, rate=range_rate, period=path.period
+            ),
             farthest=few.farthest,
         ),
     )

@@ -53,12 +53,17 @@ def vector(values: Iterable[float], digits: int = 3) -> str:
 
 def percent(share: float) -> str:
     """A share of 1 as whole percents; a dash for NaN."""
-    return DASH if math.isnan(share) else f"{share:.0%}"
+    return DASH if math.isnan(share) else f"{share:z.0%}"
+
+
+def fixed(value: float, decimals: int = 2) -> str:
+    """So many decimals; what is rounded to zero has no sign."""
+    return f"{value:z.{decimals}f}"
 
 
 def signed(value: float, decimals: int = 3) -> str:
-    """So many decimals, with a minus sign that is as wide as a plus sign."""
-    return f"{value:.{decimals}f}".replace("-", MINUS)
+    """So many decimals, with a minus sign that is as wide as a plus sign, and no sign where they are all zero."""
+    return fixed(value, decimals).replace("-", MINUS)
 
 
 def power_of_ten(exponent: int) -> str:

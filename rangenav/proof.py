@@ -7,6 +7,8 @@ import math
 
 from rangenav.model import STATES
 from rangenav.motion import World
+from rangenav.observability import undetermined
+from rangenav.observability.undetermined import Cause
 from rangenav.observability.worst_accuracy import WorstAccuracy, worst_accuracy
 from rangenav.observability.worst_excitation import FLIGHT, WorstExcitation, worst_excitation
 from rangenav.observability.worst_rank import WorstRank, worst_rank
@@ -26,6 +28,9 @@ class Proof:
     excitation: WorstExcitation
     rank: WorstRank
     accuracy: WorstAccuracy
+    undetermined: Cause | None
+    """Why the ranges of the worst window do not determine the position; None where they do, or where its rank is below
+    13 as computed."""
 
     @property
     def rank_proven(self) -> bool:
@@ -37,6 +42,18 @@ class Proof:
         by_cores = by_cores and not self.rank.rounded
         by_ranges = self.rank.rank == STATES and self.rank.starts == FLIGHT
         return by_cores or (by_ranges and math.isfinite(self.accuracy.windows.bound))
+
+    @property
+    def accuracy_proven(self) -> bool:
+        """Whether no window has a larger σ; of an undetermined position, whether more digits would not determine it."""
+        if self.undetermined is not None:
+            return self.undetermined in undetermined.PROVEN
+        return math.isfinite(self.accuracy.windows.bound) or not self.rank.rounded
+
+    @property
+    def rounded(self) -> bool:
+        """Whether the position of a window is undetermined because of rounding alone, as far as is known."""
+        return self.rank.rounded or self.undetermined == "rounding"
 
 
 def arguments(preset: Preset) -> Arguments:
@@ -69,8 +86,18 @@ def prove(
     window = requirement.window
     stop_if_unwanted()
     excited = worst_excitation(path, window, duration, requirement.mu)
+    rank = worst_rank(path, world, duration, window)
+    worst = worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving)
     return Proof(
         excitation=excited,
-        rank=worst_rank(path, world, duration, window),
-        accuracy=worst_accuracy(path, world, duration, window, sigma=range_sigma, rate=range_rate, share=arriving),
+        rank=rank,
+        accuracy=worst,
+        undetermined=_cause(path, world, window, worst, rate=range_rate, noise=range_sigma or 1.0)
+        if rank.rank == STATES and not math.isfinite(worst.windows.bound)
+        else None,
     )
+
+
+def _cause(path: Signal, world: World, window: float, worst: WorstAccuracy, *, rate: float, noise: float) -> Cause:
+    held = worst.windows
+    return undetermined.cause(path, world, window=window, first=held.first, last=held.last, rate=rate, noise=noise)

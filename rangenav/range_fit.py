@@ -36,6 +36,8 @@ TINY = 1e-100
 FAR = 10**0.5
 """Multiples of √S: larger innovations of constant gains that wait for the ranges fit nothing, although S is a design
 quantity."""
+WHITE = "consistent by mean and whiteness of the innovations"
+"""What is said of constant gains, of whose covariance nothing is judged."""
 BLIND = "fits the ranges, position cannot be told"
 NOT_JUDGED = f"the fit is not judged: fewer than {FEWEST} ranges in the last quarter"
 COLLECTED = "fits the ranges, which contradict the guess and have not determined the position yet: constant gains"
@@ -106,6 +108,8 @@ def _text(fit: RangeFit, *, blind: bool, off: float | None = None) -> str:
         return f"the innovations are as expected, but {far}{', and cannot be told' if blind else ''}"
     if fit.word == "consistent" and (blind or fit.collecting):
         return BLIND if blind else COLLECTED
+    if fit.word == "consistent" and fit.mode == "constant":
+        return WHITE
     if fit.word == "overconfident":
         return f"overconfident ×{fit.factor:.2g}"
     if fit.word == "correlated":

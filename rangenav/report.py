@@ -11,7 +11,6 @@ import numpy as np
 from rangenav import continuity, motion, range_fit, record
 from rangenav import verdict as verdicts
 from rangenav.analysis import Analysis, analyse
-from rangenav.model import STATES
 from rangenav.observability import excitation
 from rangenav.observability.accuracy import Accuracy
 from rangenav.preset import Preset
@@ -55,8 +54,8 @@ def analysis_report(preset: Preset, analysis: Analysis, *, name: str) -> Json:
             "range_sigma": preset.sensors.sigma.range,
             "range_rate": preset.sensors.range_rate,
             "lifted": {
-                "start": _accuracy(analysis.lifted_start, analysis.rounded),
-                "end": _accuracy(analysis.lifted_end, analysis.rounded),
+                "start": _accuracy(analysis.lifted_start, analysis.below_rounding),
+                "end": _accuracy(analysis.lifted_end, analysis.below_rounding),
             },
             "nonlinear": {"start": _accuracy(analysis.nonlinear_start), "end": _accuracy(analysis.nonlinear_end)},
             **_every_window(analysis),
@@ -117,7 +116,7 @@ def simulation_report(first: Record, others: list[Summary], *, name: str) -> Jso
         "final": {key: median(f"final_{key}") for key in ("position", "velocity", "gravity", "attitude_deg")},
     }
     analysed = analyse(preset)
-    blind = analysed.known_rank < STATES or analysed.verdict.word == "blind"  # or for these ranges alone
+    blind = analysed.blind
     report["fit"] = first.summary.fit.report(blind=blind)
     report |= _of_ranges(median, analysed)
     report |= verdict(preset, analysed)
@@ -227,8 +226,9 @@ def _every_window(analysis: Analysis) -> Json:
     if analysis.proof is not None:
         found = analysis.proof.accuracy
         bound = found.windows.bound
-        report |= {"proven": math.isfinite(bound) or not analysis.rounded, "starts": found.starts}
+        report |= {"proven": analysis.proof.accuracy_proven, "starts": found.starts}
         report |= {"bound": bound if math.isfinite(bound) else None}
+        report |= {"rounded": True} if analysis.ranges_rounded else {}
         sentences = [f"not every t: {found.reason}"] if found.reason is not None else []
         if not math.isfinite(bound):
             sentences.append(f"bound: null, the worst window does not determine the position{_at_this(analysis)}")
@@ -237,7 +237,7 @@ def _every_window(analysis: Analysis) -> Json:
 
 
 def _at_this(analysis: Analysis) -> str:
-    return " at this precision" if analysis.rounded else ""
+    return " at this precision" if analysis.below_rounding else ""
 
 
 def _accuracy(accuracy: Accuracy, rounded: bool = False) -> Json:

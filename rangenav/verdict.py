@@ -12,6 +12,7 @@ from rangenav import continuity, provenance
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.number_format import quantity
+from rangenav.observability.undetermined import Cause
 from rangenav.provenance import Source
 from rangenav.signals import Signal
 
@@ -68,6 +69,16 @@ class Verdict:
         return f"{self.summary}{between}{self.reason}" if self.reason else self.summary
 
 
+@dataclass(frozen=True)
+class Undetermined:
+    """Why the ranges of a window do not determine the position along a path of full rank."""
+
+    reason: str
+    """One clause."""
+    rounded: bool = False
+    """Whether rounding alone is the cause, as far as is known: the motion is then weak and not blind."""
+
+
 def excitation_reached(mu: float, lower: float | None, required: float) -> Excitation:
     """Whether a required μ is reached (all m²/s⁷).
 
@@ -87,7 +98,7 @@ def judge(
     excitation: Excitation = "met",
     restriction: str | None = None,
     rounded: bool = False,
-    ranges: str = "",
+    ranges: Undetermined | None = None,
     farthest: float = math.inf,
 ) -> Verdict:
     """The verdict on a motion.
@@ -100,7 +111,7 @@ def judge(
     restriction: why the motion is not judged at all, if it is not; see `restriction`.
     rounded: whether the rank is 13 and lower only as computed; see `observability.continuation`. The motion is then
     weak and not blind: more digits would tell, and a longer window does.
-    ranges: a clause on the ranges of the worst window, for the reason; see `for_these_ranges`.
+    ranges: why those of the worst window do not determine the position; see `for_these_ranges`.
     farthest: the largest distance to the anchor (m). A single range leaves a sphere of positions, so an error above
     `sphere(farthest)` says no more of the position than one range does, whatever the requirement allows.
     """
@@ -111,8 +122,10 @@ def judge(
     if rank < STATES:
         return Verdict(word="blind", excitation=excitation)
     if position_sigma is None or not math.isfinite(position_sigma):
-        reason = f"{THESE}: {ranges or 'they do not determine the position'}"
-        return Verdict(word="blind", reason=reason, excitation=excitation)
+        if ranges is not None and ranges.rounded:
+            return Verdict(word="weak", reason=ranges.reason, excitation=excitation)
+        why = "they do not determine the position" if ranges is None else ranges.reason
+        return Verdict(word="blind", reason=f"{THESE}: {why}", excitation=excitation)
     if position_sigma > required_sigma:
         return Verdict(word="weak", excitation=excitation)
     if position_sigma > sphere(farthest):
@@ -148,19 +161,26 @@ def says_nothing(position_sigma: float, farthest: float) -> str:
     )
 
 
-def for_these_ranges(count: int, start: float, window: float, period: float | None, rate: float) -> str:
+def for_these_ranges(
+    cause: Cause, count: int, start: float, window: float, *, rate: float, period: float | None
+) -> Undetermined:
     """Why `count` ranges in a window (s) from `start` (s) do not determine the position along a path of full rank.
 
-    rate: of the ranges, Hz. With a place of the path for each of 13 ranges or more it is the precision that lacks.
+    rate: of the ranges, Hz. period: of the path, s.
     """
     where = f"the {window:g} s from t = {start:.4g} s"
-    if count < STATES:
-        return f"{where} hold {count} of them, and {STATES} are needed"
-    phases = {round(k / (rate * period) % 1.0, 9) % 1.0 for k in range(count)} if period else range(count)
-    if len(phases) >= STATES:
-        return f"the {count} in {where} do not determine the position at this precision"
-    repeats = f", which repeats every {period:.4g} s" if period else ""
-    return f"the {count} in {where} fall on too few places of the path{repeats}"
+    if cause == "too few":
+        return Undetermined(f"{where} hold {count} of them, and {STATES} are needed")
+    if cause == "same places":
+        repeats = f", which repeats every {period:.4g} s" if period else ""
+        return Undetermined(f"the {count} in {where} fall on too few places of the path{repeats}")
+    if cause == "alias":
+        return Undetermined(
+            f"the {count} in {where} do not determine the position, nor do those of longer windows: at {rate:g} Hz "
+            "they miss what distinguishes this path"
+        )
+    reason = f"the {count} ranges in {where} do not determine the position at this precision"
+    return Undetermined(reason, rounded=True)
 
 
 def caveats(

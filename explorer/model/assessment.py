@@ -78,7 +78,7 @@ def seen(picture: Picture) -> Answer:
         return Answer(
             question="seen", level="unjudged", summary=f"not judged: {analysis.verdict.reason}", term="verdict"
         )
-    if analysis.rounded:
+    if analysis.below_rounding:
         return Answer(question="seen", level="mind", summary=analysis.verdict.reason, cure="repair", term="rank")
     determined = f"{analysis.rank} of {STATES} quantities determined"
     if analysis.rank < STATES:
@@ -99,8 +99,10 @@ def accuracy(picture: Picture) -> Answer:
     analysis, needed = picture.analysis, picture.preset.requirement
     predicted, wanted = analysis.lifted_end.position, f"wanted ±{quantity(needed.position_sigma, 'm')}"
     if not math.isfinite(predicted):
-        summary = f"the ranges of one window do not determine the position, {wanted}"
-        return Answer(question="accuracy", level="bad", summary=summary, cure="repair", term="window accuracy")
+        at_this = " at this precision" if analysis.below_rounding else ""
+        summary = f"the ranges of one window do not determine the position{at_this}, {wanted}"
+        undetermined: Level = "mind" if analysis.below_rounding else "bad"
+        return Answer(question="accuracy", level=undetermined, summary=summary, cure="repair", term="window accuracy")
     summary = f"±{quantity(predicted, 'm')} from one window of {needed.window:g} s, {wanted}"
     reached = picture.summary.steady_position
     remembers = math.isfinite(reached) and reached * REMEMBERS < predicted and not picture.summary.diverged
@@ -126,7 +128,7 @@ def accuracy(picture: Picture) -> Answer:
 def arrival(picture: Picture) -> Answer:
     """Whether the estimate settles, fits its ranges, and is as near as the requirement asks."""
     summary, needed = picture.summary, picture.preset.requirement.position_sigma
-    blind = picture.analysis.known_rank < STATES
+    blind = picture.analysis.blind
     fit = summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position)
     error = quantity(summary.steady_position, "m")
     if summary.diverged and not blind:

@@ -8,7 +8,6 @@ import msgspec
 
 from explorer.model.compute import Picture
 from explorer.model.glossary import field_label
-from rangenav.model import STATES
 from rangenav.number_format import percent, quantity, significant
 from rangenav.preset import Preset
 
@@ -48,7 +47,7 @@ def figures(a: Picture, b: Picture) -> list[str]:
     """One sentence for each figure that changed from A to B."""
     before, after = a.analysis.verdict.summary, b.analysis.verdict.summary
     sentences = [f"{before} → {after}"] if before != after else []
-    first, second = (run.summary.fit.summary(blind=run.analysis.known_rank < STATES) for run in (a, b))
+    first, second = (run.summary.fit.summary(blind=run.analysis.blind) for run in (a, b))
     if first != second:
         sentences.append(f"on its ranges: {first} → {second}")
     for name, run in (("A", a), ("B", b)):

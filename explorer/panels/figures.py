@@ -7,7 +7,6 @@ from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.model.glossary import TERMS
 from rangenav import continuity, sensors, window_text
-from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
 
@@ -110,7 +109,8 @@ def _observability_rows(picture: Picture) -> list[tuple[str, str]]:
             f"; {window}"
         )
         undetermined = math.isnan(start.position) and math.isnan(end.position)
-        rows.append((f"σ {name}", "position not determined" if undetermined else text))
+        at_this = " at this precision" if analysis.below_rounding else ""
+        rows.append((f"σ {name}", f"position not determined{at_this}" if undetermined else text))
     return rows
 
 
@@ -121,7 +121,7 @@ def _least(eigenvalue: float, floor: float) -> str:
 
 
 def _observer_rows(picture: Picture) -> list[tuple[str, str]]:
-    summary, blind = picture.summary, picture.analysis.known_rank < STATES
+    summary, blind = picture.summary, picture.analysis.blind
     fit = ("ranges", summary.fit.statement(blind=blind, predicted=picture.analysis.lifted_end.position))
     if summary.diverged:
         return [("observer", f"✕ diverged: {html.escape(summary.divergence or '')}"), fit]

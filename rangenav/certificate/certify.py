@@ -95,12 +95,12 @@ def _without_artifact(preset: Preset) -> Certificate:
     proof, needed = prove(*arguments(preset)), preset.requirement
     excitation = sections.excitation_section(proof.excitation, needed.mu)
     rank = sections.rank_section(proof)
-    accuracy = sections.accuracy_section(preset, proof.accuracy, rounded=proof.rank.rounded)
+    accuracy = sections.accuracy_section(preset, proof)
     limits, flyability = motion_sections.limits_section(preset)
     jumps = motion_sections.jumps_section(preset)
     checks = requirements.requirements(excitation, rank, accuracy, jumps, flyability, preset)
     failures = requirements.failures(
-        checks, excitation, preset.expect, undetermined=accuracy.bound is None, rounded=proof.rank.rounded
+        checks, excitation, preset.expect, undetermined=accuracy.bound is None, rounded=proof.rounded
     )
     analysed = analysis.analyse(preset)
     judged = analysed.verdict

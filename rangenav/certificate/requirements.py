@@ -71,7 +71,8 @@ def failures(
     unobservable: the excitation must be missed (by a bound, where one is known), or the rank must be below 13, or the
     ranges of a window must leave the position undetermined.
     undetermined: whether the ranges of a window leave the position undetermined; version 1 did not ask.
-    rounded: whether the rank is below 13 because of rounding alone, which shows no motion to be unobservable.
+    rounded: whether rank or position are undetermined because of rounding alone, which shows no motion to be
+    unobservable.
     A path that jumps, or that the preset's vehicle cannot fly, is a failure whatever is expected.
     """
     check = {one.name: one for one in checks}

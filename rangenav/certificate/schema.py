@@ -163,6 +163,9 @@ class Accuracy(Part, frozen=True, kw_only=True):
     """In that window, of those that are measured at k / range_rate."""
     bound: float | msgspec.UnsetType | None = msgspec.UNSET
     """m; no window predicts more for the lifted position at its end."""
+    rounded: bool | msgspec.UnsetType = msgspec.UNSET
+    """True if the ranges of the worst window leave the position undetermined because of rounding alone, as far as is
+    known."""
     scope: Scope | msgspec.UnsetType = msgspec.UNSET
     """Of the bound."""
     sphere: float | msgspec.UnsetType = msgspec.UNSET

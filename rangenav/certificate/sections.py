@@ -13,7 +13,6 @@ from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion_analysis import farthest_from_anchor
 from rangenav.observability import accuracy
-from rangenav.observability.worst_accuracy import WorstAccuracy
 from rangenav.observability.worst_excitation import WorstExcitation
 from rangenav.preset import Preset
 from rangenav.proof import Proof
@@ -73,12 +72,9 @@ def rank_section(proof: Proof) -> schema.Rank:
     )
 
 
-def accuracy_section(preset: Preset, worst: WorstAccuracy, *, rounded: bool) -> schema.Accuracy:
-    """Predicted σ on the window of the flight that is worst for the lifted position at its end, and its bound.
-
-    rounded: whether the rank of a window is too low because of rounding alone; then that no σ is known proves nothing.
-    """
-    windows, sensors = worst.windows, preset.sensors
+def accuracy_section(preset: Preset, proof: Proof) -> schema.Accuracy:
+    """Predicted σ on the window of the flight that is worst for the lifted position at its end, and its bound."""
+    worst, windows, sensors, rounded = proof.accuracy, proof.accuracy.windows, preset.sensors, proof.rounded
     bounded = math.isfinite(windows.bound)
     at_this = " at this precision" if rounded else ""
     return schema.Accuracy(
@@ -86,7 +82,8 @@ def accuracy_section(preset: Preset, worst: WorstAccuracy, *, rounded: bool) -> 
         at=figure(windows.at),
         ranges=windows.ranges,
         bound=figure(windows.bound, toward=1) if bounded else None,
-        scope=_scope(bounded or not rounded, worst.starts, worst.reason),
+        rounded=True if proof.undetermined == "rounding" else msgspec.UNSET,
+        scope=_scope(proof.accuracy_proven, worst.starts, worst.reason),
         range_sigma=sensors.sigma.range,
         range_rate=sensors.range_rate,
         noise=noise_assumption(sensors),

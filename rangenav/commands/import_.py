@@ -90,6 +90,7 @@ def import_(
 
 def _report(imported: Any, preset: presets.Preset, output: Path) -> dict[str, Any]:
     from rangenav import analysis
+    from rangenav import report as reports
     from rangenav.formats.path_preset import choices
     from rangenav.signals import Flown
 
@@ -110,7 +111,7 @@ def _report(imported: Any, preset: presets.Preset, output: Path) -> dict[str, An
         "attitude": "as flown" if flown else "the body does not turn: flying this path has no attitude somewhere",
         "excitation": {"window": preset.requirement.window, "mu": analysed.mu, "floor": analysed.mu_floor},
         "rank": analysed.rank,
-        "verdict": analysed.verdict.word,
+        **reports.verdict(preset, analysed),
     }
     if imported.rate is None:
         report["rate_reason"] = "null: pieces and no samples"

@@ -68,4 +68,5 @@ def _answer(checked: "Verification", stored: "Certificate | None") -> dict[str, 
     from rangenav.certificate import verdict_of
 
     verdict = verdict_of(stored)
-    return {**answer, "verdict": verdict.word, "expect": stored.expect, "verdict_words": verdict.summary}
+    word = verdict.word if verdict.judged else None
+    return {**answer, "verdict": word, "expect": stored.expect, "verdict_words": verdict.summary}

@@ -97,7 +97,7 @@ def choices(preset: Preset, result: ImportResult) -> tuple[str, ...]:
     """What the preset of an imported path has that its file does not say, and why: anchor, window, duration and end."""
     place = np.asarray(preset.world.anchor)
     away = np.linalg.norm(preset.path(np.linspace(0, preset.duration, BOX_SAMPLES)) - place, axis=-1)
-    where = ", ".join(f"{value:g}" for value in preset.world.anchor)
+    where = ", ".join(f"{value:zg}" for value in preset.world.anchor)
     period, window = preset.path.period, preset.requirement.window
     if period:
         turns = preset.duration / period

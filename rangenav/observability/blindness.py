@@ -7,6 +7,7 @@ from numpy import ndarray as Array
 
 from rangenav.arguments import finite_array
 from rangenav.model import GRAVITY, POSITION, STATES, VELOCITY
+from rangenav.number_format import fixed
 from rangenav.observability.gramian_rank import CUBIC, unseen_unknowns
 from rangenav.results import result
 from rangenav.signals import AXES
@@ -80,7 +81,7 @@ def name(vector: Float[Array, "3"]) -> str:
     for axis, k in AXES.items():
         if abs(vector[k]) > SAME:
             return axis
-    return "(" + ", ".join(f"{value + 0.0:.2f}" for value in vector) + ")"
+    return f"({', '.join(fixed(value) for value in vector.tolist())})"
 
 
 def _summary(vector: Array, kinds: list[str]) -> str:

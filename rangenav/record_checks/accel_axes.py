@@ -15,7 +15,7 @@ from scipy.interpolate import CubicSpline
 
 from rangenav import motion
 from rangenav.formats.recorded_flight import Flight
-from rangenav.number_format import significant
+from rangenav.number_format import fixed, significant
 from rangenav.record_checks import axes
 from rangenav.record_checks.blocks import KEPT, blocks
 from rangenav.record_checks.check import Evidence
@@ -47,8 +47,8 @@ def accel_axes(flight: Flight) -> Evidence | None:
     if 0 not in good:
         chosen = axes.simplest(good)
         text = (
-            f"the file's positions follow the accelerometer in the axes {chosen} (correlation {correlation.max():.2f}) "
-            f"and not in its own ({correlation[0]:.2f}){axes.handedness(chosen)}"
+            f"the file's positions follow the accelerometer in the axes {chosen} (correlation "
+            f"{fixed(correlation.max())}) and not in its own ({fixed(correlation[0])}){axes.handedness(chosen)}"
         )
         return Evidence(text=text, suggestion=chosen)
     return None if len(good) == 1 else _by_acceleration(flight, good)

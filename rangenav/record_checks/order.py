@@ -12,6 +12,7 @@ from numpy import ndarray as Array
 
 from rangenav.formats import frames
 from rangenav.formats.recorded_flight import Flight
+from rangenav.number_format import fixed
 from rangenav.record_checks import turning
 from rangenav.record_checks.axes import AS_IT_IS
 from rangenav.record_checks.check import Evidence
@@ -47,7 +48,7 @@ def attitude_order(flight: Flight) -> Evidence | None:
         if followed is not None and followed.own >= turning.FOLLOWS and _closer(other, flight):
             text = (
                 f"the attitude in the file follows the gyro if its quaternion is {MEANT[order]} (correlation "
-                f"{followed.own:.2f}; as it is named, {fit.own:.2f})"
+                f"{fixed(followed.own)}; as it is named, {fixed(fit.own)})"
             )
             return Evidence(text=text, suggestion=order)
     return None

@@ -12,7 +12,7 @@ from numpy import ndarray as Array
 
 from rangenav import so3
 from rangenav.formats.recorded_flight import Flight
-from rangenav.number_format import significant
+from rangenav.number_format import fixed, significant
 from rangenav.record_checks import axes
 from rangenav.record_checks.blocks import KEPT, blocks, rms
 from rangenav.record_checks.check import Evidence, unit_for
@@ -99,13 +99,13 @@ def attitude_reversed(flight: Flight) -> Evidence | None:
         return None
     if fit.reversed >= max(FOLLOWS, fit.correlation + LESS):
         text = (
-            f"the inverse of the attitude in the file follows the gyro (correlation {fit.reversed:.2f}), and the "
-            f"attitude in no axes as well ({fit.correlation:.2f})"
+            f"the inverse of the attitude in the file follows the gyro (correlation {fixed(fit.reversed)}), and the "
+            f"attitude in no axes as well ({fixed(fit.correlation)})"
         )
         return Evidence(text=text, suggestion="inverse")
     if fit.correlation >= FOLLOWS:
         return None
-    text = f"the attitude in the file follows the gyro in no axes (correlation {fit.correlation:.2f})"
+    text = f"the attitude in the file follows the gyro in no axes (correlation {fixed(fit.correlation)})"
     return Evidence(text=text, suggestion=None)
 
 
@@ -115,8 +115,8 @@ def gyro_axes(flight: Flight) -> Evidence | None:
     if fit is None or fit.correlation < FOLLOWS or fit.own > fit.correlation - DIFFERS:
         return None
     text = (
-        f"the attitude in the file follows the gyro in the axes {fit.axes} (correlation {fit.correlation:.2f}) and not "
-        f"in its own ({fit.own:.2f}){axes.handedness(fit.axes)}"
+        f"the attitude in the file follows the gyro in the axes {fit.axes} (correlation {fixed(fit.correlation)}) and "
+        f"not in its own ({fixed(fit.own)}){axes.handedness(fit.axes)}"
     )
     return Evidence(text=text, suggestion=fit.axes)
 

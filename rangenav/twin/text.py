@@ -89,4 +89,4 @@ def _unit(vector: Array) -> Array:
 
 
 def _numbers(vector: Array) -> str:
-    return "(" + ", ".join(f"{value:.2g}" for value in vector) + ")"
+    return "(" + ", ".join(f"{value:z.2g}" for value in vector) + ")"

@@ -68,3 +68,16 @@ def test_vectors_exponents_and_indices_are_written_as_in_a_formula() -> None:
     assert number_format.power_of_ten(-13) == "10⁻¹³"
     assert number_format.subscript(13) == "₁₃"
     assert number_format.signed(-0.5) == "−0.500"
+
+
+@given(st.floats(min_value=-2, max_value=2), st.integers(min_value=0, max_value=4))
+def test_no_text_has_a_negative_zero(value: float, decimals: int) -> None:
+    written = (
+        number_format.fixed(value, decimals),
+        number_format.signed(value, decimals).replace(number_format.MINUS, "-"),
+        number_format.percent(value).removesuffix("%"),
+        number_format.significant(value),
+        *number_format.vector((value, -0.0)).strip("()").split(", "),
+    )
+    for text in written:
+        assert float(text) != 0 or not text.startswith("-")

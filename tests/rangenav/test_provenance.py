@@ -120,8 +120,20 @@ def test_an_import_tells_where_the_snap_is_from(imported, answer, tmp_path: Path
         said = answer("import", file, "--from", "reference", "-o", tmp_path / "y.toml")
         fit = kind == "jerk"
         assert said["snap_from"] == ("a fit: it is not in the file" if fit else "the file")
-        assert (said["verdict"] == "not judged", said["excitation"] is None, said["rank"] is None) == (fit,) * 3
+        assert (said["verdict"] is None, said["excitation"] is None, said["rank"] is None) == (fit,) * 3
         assert (reference.IMPLIED in said["findings"]) == fit
+
+
+def test_every_command_that_prints_a_verdict_has_one_spelling_of_it(imported, answer, tmp_path: Path):
+    """Of a path that is judged, and of one that is not: null, with the reason."""
+    for kind in ("reference", "jerk"):
+        file, _ = imported(kind)
+        said = answer("import", file, "--from", "reference", "-o", tmp_path / "y.toml")
+        stated = {key: value for key, value in said.items() if key.startswith("verdict")}
+        assert (stated["verdict"] is None, "verdict_reason" in stated) == (kind == "jerk",) * 2
+        for command in ("analyze", "explain", "simulate"):
+            again = answer(command, tmp_path / "y.toml")
+            assert {key: value for key, value in again.items() if key.startswith("verdict")} == stated
 
 
 @pytest.mark.parametrize("kind", ["tum", "polynomial"])

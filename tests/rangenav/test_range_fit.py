@@ -110,3 +110,12 @@ def test_what_is_said_of_a_run_has_its_gains_and_the_predicted_error_unless_the_
     assert fit.statement(blind=False, predicted=1.812) == "consistent (noise-matched gains); predicted position ±1.81 m"
     assert fit.statement(blind=False, predicted=np.inf).endswith("predicted position not determined")
     assert fit.statement(blind=True, predicted=None) == f"{range_fit.BLIND} (noise-matched gains)"
+
+
+def test_of_constant_gains_consistent_says_that_their_covariance_was_not_judged():
+    """Whatever its size: innovations a tenth of their stated σ are as white as others."""
+    fit = range_fit.of(estimate(0.1 * noise(), CONSTANT))
+    words = "consistent by mean and whiteness of the innovations"
+    assert fit.statement(blind=False, predicted=1.812) == f"{words} (constant gains); predicted position ±1.81 m"
+    assert range_fit.counted([fit, fit], blind=False) == f"2 {words}"
+    assert (fit.report(blind=False)["word"], fit.report(blind=False)["words"]) == ("consistent", words)

@@ -22,6 +22,18 @@ def rank(path: Multisine, gravity: Vec3, start: float, window: float) -> int:
     """How many of the 13 functions are independent on [start, start + window]: pivoted Gram–Schmidt of their values."""
     with mp.workdps(LENGTH):
         moments = [mp.mpf(window) * (1 - mp.cos(mp.pi * (k + mp.mpf(1) / 2) / NODES)) / 2 for k in range(NODES)]
+        return _independent(path, gravity, start, moments)
+
+
+def rank_of_ranges(path: Multisine, gravity: Vec3, first: int, last: int, rate: float) -> int:
+    """How many of the 13 functions are independent at the ranges first/rate to last/rate (Hz)."""
+    with mp.workdps(LENGTH):
+        moments = [mp.mpf(k) / mp.mpf(rate) for k in range(last - first + 1)]
+        return _independent(path, gravity, first / rate, moments)
+
+
+def _independent(path: Multisine, gravity: Vec3, start: float, moments: list[Real]) -> int:
+    with mp.workdps(LENGTH):
         values = [rows(path, gravity, start, tau) for tau in moments]
         columns = [_unit([row[j] for row in values]) for j in range(13)]
         found = 0

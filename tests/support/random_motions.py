@@ -87,15 +87,25 @@ def _aliased(rng: Random, rate: float) -> Multisine:
     )
 
 
+SIZES: tuple[tuple[float, float, float, float, float], ...] = (
+    (0.4, 0.5, 1.25, 1.5, 3.0),
+    (0.5, 0.02, 0.4, 0.95, 1.7),
+    (0.1, 2.0, 30.0, 0.9, 1.3),
+)
+"""How often; the predicted error in diameters of the largest sphere on which a range leaves the position, from and to;
+the required one in predicted ones, from and to. Near the sphere, which then decides; within it, where the requirement
+decides; outside. The worst window has up to twice the error of the worst sampled one, from which these are taken."""
+LEAST_NOISE, MOST_NOISE = 1e-6, 10.0
+"""m, of a range; where no such noise gives the error, the motion is as weak or as good as it is."""
 KINDS: dict[str, Callable[[Random], tuple[Signal, float, float, float]]] = {
     "tones": lambda rng: (_tones(rng), 20.0, float(rng.uniform(3, 8)), 50.0),
     "beats": lambda rng: (_beats(rng, 40.0), 40.0, float(rng.uniform(2.5, 6)), 50.0),
     "slow": lambda rng: (_tones(rng, slowest=0.04, fastest=0.4), 300.0, float(rng.uniform(60, 120)), 2.0),
-    "few ranges": lambda rng: (_tones(rng), 30.0, float(rng.uniform(4, 8)), float(rng.uniform(1.5, 6))),
+    "few ranges": lambda rng: (_tones(rng), 30.0, float(rng.uniform(4, 8)), float(rng.uniform(2, 6))),
     "aliased": lambda rng: (_aliased(rng, 1.0), 60.0, 20.0, 1.0),
     "nearly planar": lambda rng: (_nearly_planar(rng), 15.0, float(rng.uniform(4, 7)), 50.0),
     "planar": lambda rng: (_planar(rng), 15.0, float(rng.uniform(4, 7)), 50.0),
-    "short windows": lambda rng: (_tones(rng, slowest=3.0, fastest=15.0), 10.0, float(rng.uniform(0.5, 1.2)), 100.0),
+    "short windows": lambda rng: (_tones(rng, slowest=4.0, fastest=30.0), 10.0, float(rng.uniform(0.5, 1.5)), 100.0),
     "waypoints": lambda rng: (Waypoints(points=_points(rng, 24.0)), 24.0, float(rng.uniform(4, 10)), 25.0),
     "minimum snap": lambda rng: (MinimumSnap(points=_points(rng, 24.0)), 24.0, float(rng.uniform(4, 10)), 25.0),
     "polynomials": lambda rng: (
@@ -116,7 +126,10 @@ KINDS: dict[str, Callable[[Random], tuple[Signal, float, float, float]]] = {
 
 
 def random_preset(kind: str, seed: int) -> Preset:
-    """A preset whose required μ and σ are near those of the worst sampled window, above or below them."""
+    """A preset whose required μ and σ are near those of the worst sampled window, above or below them.
+
+    The noise of its ranges is such that σ is near, within or outside the sphere on which one range leaves the position.
+    """
     rng = np.random.default_rng([seed, *kind.encode()])
     path, duration, window, rate = KINDS[kind](rng)
     anchor = tuple(float(a) for a in rng.uniform(-3, 3, 3))
@@ -131,9 +144,13 @@ def random_preset(kind: str, seed: int) -> Preset:
     )
     seen = analysis.sampled(p)
     sigma = seen.lifted_end.position if math.isfinite(seen.lifted_end.position) else 1.0
+    _, least, most, *required = SIZES[int(rng.choice(len(SIZES), p=[size[0] for size in SIZES]))]
+    wanted = 2 * seen.farthest * float(np.exp(rng.uniform(math.log(least), math.log(most))))
+    noise = float(np.clip(0.1 * wanted / sigma, LEAST_NOISE, MOST_NOISE))  # σ is nearly proportional to it
     needed = Requirement(
         window=window,
         mu=max(1e-9, seen.mu * float(rng.uniform(0.5, 1.1))),
-        position_sigma=sigma * float(rng.uniform(0.95, 1.3)),
+        position_sigma=sigma * noise / 0.1 * float(rng.uniform(*required)),
     )
-    return msgspec.structs.replace(p, requirement=needed)
+    sensors = msgspec.structs.replace(p.sensors, noise=msgspec.structs.replace(p.sensors.noise, range=noise))
+    return msgspec.structs.replace(p, requirement=needed, sensors=sensors)

@@ -26,6 +26,8 @@ class Judged:
     seed: int
     said: str
     sampled: str
+    allowed: float
+    """m: the largest σ with which the motion is observable."""
     sigma: float
     """m: the largest of the scan; infinite where a window does not determine the position."""
     bound: float
@@ -56,6 +58,7 @@ def judged(kind: str, seed: int, *, count: int) -> Judged:
         seed=seed,
         said=analysed.verdict.word,
         sampled=analysis.sampled(preset).verdict.word,
+        allowed=min(needed.position_sigma, verdict.sphere(analysed.farthest)),
         sigma=sigma,
         bound=bound,
         mu=mu,

@@ -91,7 +91,8 @@ VERDICT = {
     ),
     "range fit": Term(
         label="fit to the ranges",
-        meaning="Whether measured minus expected ranges are as small and as random as they should be.",
+        meaning="Whether measured minus expected ranges have no mean and are white and, with noise-matched gains, are "
+        "as small as they should be; it does not judge the covariance of constant gains.",
     ),
     "initial guess": Term(
         label="initial guess",

@@ -10,7 +10,6 @@ from explorer.model.compute import Picture
 from explorer.model.consistency import RunConsistency
 from rangenav import range_fit
 from rangenav.ensemble import Ensemble, spread
-from rangenav.model import STATES
 from rangenav.number_format import NEVER, percent, quantity, significant
 from rangenav.record import Summary
 
@@ -140,7 +139,7 @@ def _on_ranges(name: str, summary: Summary, picture: Picture) -> str:
 
 
 def _blind(picture: Picture) -> bool:
-    return picture.analysis.known_rank < STATES
+    return picture.analysis.blind
 
 
 def _run(picture: Picture) -> str:

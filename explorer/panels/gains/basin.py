@@ -28,7 +28,7 @@ from rangenav import ensemble
 from rangenav.ensemble import Basin
 from rangenav.ensemble.basin import MAX_AXES
 from rangenav.inputs import require
-from rangenav.number_format import significant
+from rangenav.number_format import fixed, significant
 from rangenav.progress import Cancelled, Progress
 
 ANGLE, AXES = math.radians(179.0), 300
@@ -162,7 +162,7 @@ def basin_text(picture: Picture, result: Basin) -> str:
     lines.append(
         f"Median <b>{significant(middle)} s</b>." if math.isfinite(middle) else "Half of them or more never do."
     )
-    about = f"about ({', '.join(f'{entry:.2f}' for entry in result.axis[last])})"
+    about = f"about ({', '.join(fixed(entry) for entry in result.axis[last].tolist())})"
     if settles[last]:
         lines.append(f"The slowest, {about}, takes <b>{significant(result.settle[last])} s</b>.")
     else:

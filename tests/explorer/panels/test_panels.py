@@ -26,7 +26,7 @@ from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial, LogDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
-from rangenav import analysis, certificate, preset, sensors
+from rangenav import analysis, certificate, preset, range_fit, sensors
 from rangenav.attitude import Schedule
 from rangenav.certificate.figures import Figures
 from rangenav.progress import CancelledError
@@ -243,7 +243,7 @@ def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_so
     said = f"{blind.summary.fit.summary(blind=True)} (constant gains)"
     assert _row(blind, "ranges") == _row(diverged, "ranges") == said
     assert " off its ranges, and cannot be told" in said
-    assert _row(seen, "ranges") == "consistent (constant gains); predicted position ±1.71 m"
+    assert _row(seen, "ranges") == f"{range_fit.WHITE} (constant gains); predicted position ±1.71 m"
     lost_run = dataclasses.replace(seen, summary=dataclasses.replace(seen.summary, fit=lost))
     assert _row(lost_run, "ranges").startswith("lost (")
 

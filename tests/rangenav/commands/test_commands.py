@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rangenav
-from rangenav import analysis, preset, record, report
+from rangenav import analysis, preset, range_fit, record, report
 from rangenav.commands import overview
 from rangenav.observability import excitation
 from rangenav.signals import Multisine
@@ -192,7 +192,7 @@ def test_several_runs_are_told_by_their_medians(answer, short):
     single = [answer("simulate", short, "--seed", seed) for seed in (5, 6, 7)]
     together = answer("simulate", short, "--seed", "5", "--runs", "3")
     assert together["runs"] == 3
-    assert together["fits"] == "3 consistent"
+    assert together["fits"] == f"3 {range_fit.WHITE}"
     assert together["runs_fit"] == {"consistent": 3, "overconfident": 0, "correlated": 0, "lost": 0, "not judged": 0}
     assert together["runs_settled"] == {
         key: sum(one["settle"][f"{key}_s"] is not None for one in single) for key in ("position", "attitude")

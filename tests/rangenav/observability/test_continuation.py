@@ -5,7 +5,7 @@ import json
 import pytest
 from msgspec.structs import replace
 
-from rangenav import analysis, certificate, explanation, preset, report, twin, verdict
+from rangenav import analysis, certificate, explanation, preset, report, twin
 from rangenav import preset as presets
 from rangenav.observability import functions
 from rangenav.observability.worst_rank import worst_rank
@@ -85,10 +85,3 @@ def test_shipped_blind_motions_stay_blind(name: str):
     worst = worst_rank(p.path, p.world, p.duration, p.requirement.window)
     assert worst.rank < 13
     assert not worst.rounded
-
-
-def test_ranges_at_many_places_fall_on_too_few_of_them_in_no_report():
-    """60 ranges at 60 places in 1.2 s of a loop of 8.4 s; of a loop of 1 s, one range a second has one place."""
-    reason = analysis.analyse(replace(SHORT, requirement=replace(SHORT.requirement, window=1.2))).verdict.reason
-    assert "at this precision" in reason
-    assert verdict.for_these_ranges(60, 0.0, 60.0, 1.0, 1.0).startswith("the 60 in the 60 s from t = 0 s fall on too")
