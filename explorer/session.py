@@ -150,6 +150,7 @@ class Session:
         actions = SessionActions(
             restart_preset=self._restart_preset,
             show_paper_figures=self._show_paper_figures,
+            show_side_by_side=lambda: self.charts.show_side_by_side(),
             download_preset=self._download_preset,
             send=self._send,
             notify=self._notify,

@@ -12,6 +12,7 @@ from explorer.charts.chart import Chart, ChartStyle
 from explorer.charts.large_view import LargeView
 from explorer.charts.plot_tabs import PlotPanel
 from explorer.charts.pointer import Pointer, curve_id
+from explorer.charts.side_by_side import SideBySide
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 from explorer.model.drawn import Drawn
@@ -28,8 +29,14 @@ MIN_HEIGHT, MAX_HEIGHT = 90, 320
 """px of a plot."""
 GROUP_TITLES = {group.title: {plot.name: plot.title for plot in group.plots} for group in plot_list.GROUPS}
 """The titles of the plots by their names, for each group of plots that share a tab."""
-TITLES = {plot.name: plot.title for group in plot_list.GROUPS for plot in group.plots}
+PLOTS = {plot.name: plot for group in plot_list.GROUPS for plot in group.plots}
+TITLES = {name: plot.title for name, plot in PLOTS.items()}
 """The title of each plot, by the plot's name."""
+SLOW = {plot.name for group in plot_list.GROUPS if group.slow for plot in group.plots}
+"""The plots that follow when nothing has changed for a moment."""
+EXCITATION = "excitation"
+BESIDE = "-beside"
+"""Behind the name of a plot: the plot of the pinned run and of the one on the page, side by side."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,9 +81,11 @@ class Charts:
         self._comparison = NOTHING
         self._time, self._cursor_drawn = 0.0, Drawn()
         self._switched_off: dict[str, set[int]] = {name: set() for name in TITLES}
+        self._pointer.add_to(client.gui)  # outside the panels: one that is folded has nothing in the page
         self._live = client.gui.add_html("")
         """The one element that changes as time moves, also where no plot is in sight."""
-        self._large: LargeView | None = None
+        self._over: LargeView | SideBySide | None = None
+        """The window that lies over the page."""
         self._size = size
         self._panels = self._build(size)
 
@@ -84,7 +93,7 @@ class Charts:
         errors, *others = plot_list.GROUPS
         groups = [(errors,), tuple(others)] if size.two_panels else [plot_list.GROUPS]
         # The browser puts each new panel outermost, whatever viser's documentation says: so the first comes last.
-        panels = [PlotPanel(self._client, one, self._pointer, self._switched_off, size.style) for one in groups[::-1]]
+        panels = [PlotPanel(self._client, one, self._switched_off, size.style) for one in groups[::-1]]
         if not size.two_panels:
             panels[0].panel.set_width(size.width)
         if size.folded:
@@ -118,39 +127,50 @@ class Charts:
     @property
     def actions(self) -> dict[str, Callable[[], None]]:
         """What the buttons of the plots do, by the names that they send."""
-        return {f"expand-{name}": partial(self._expand, name) for name in TITLES} | {"close-large": self.close_large}
+        expand = {f"expand-{name}": partial(self._expand, name) for name in PLOTS}
+        beside = {f"beside-{name}": partial(self.show_side_by_side, name) for name in PLOTS}
+        return expand | beside | {"close-large": self.close_large}
 
     def _expand(self, name: str) -> None:
         """Show a plot large."""
         self.close_large()
-        chart = next(chart for chart in self.charts if chart.plot.name == name)
-        style = self._size.style
-        self._large = LargeView(
-            self._client, chart.base, self._size.window_height, self._switched_off[name], big=style.big
+        size, pinned = self._size, self._comparison.pinned is not None
+        self._over = LargeView(
+            self._client,
+            PLOTS[name],
+            size.window_height,
+            self._switched_off[name],
+            big=size.style.big,
+            pinned=pinned,
         )
-        if self._picture is not None:
-            self._large.chart.draw(self._picture, self._comparison)
+        self._draw_over()
+
+    def show_side_by_side(self, name: str = EXCITATION) -> None:
+        """Show a plot of the pinned run and of the one on the page side by side."""
+        self.close_large()
+        size = self._size
+        self._over = SideBySide(self._client, PLOTS[name], TITLES, size.window_height, big=size.style.big)
+        self._draw_over()
 
     def close_large(self) -> None:
-        """Close the large view, if there is one."""
-        if self._large is not None:
-            self._large.close()
-            self._large = None
+        """Close the window over the page, if there is one."""
+        if self._over is not None:
+            self._over.close()
+            self._over = None
 
-    def _draw_large(self, *, slow: bool) -> None:
-        """Draw the large view, if its plot belongs to the groups that are drawn now."""
-        if self._large is None or self._picture is None:
-            return
-        name = self._large.chart.base.name
-        if slow == any(group.slow and name in {plot.name for plot in group.plots} for group in plot_list.GROUPS):
-            self._large.chart.draw(self._picture, self._comparison)
+    def _draw_over(self) -> None:
+        """Draw the window over the page."""
+        if self._over is not None and self._picture is not None:
+            self._over.draw(self._picture, self._comparison)
+        self._cursor_drawn.forget()
 
     def draw(self, picture: Picture, comparison: Comparison = NOTHING, *, time: float | None = None) -> None:
         """Show another picture and the runs compared with it; the cursor moves to a time (s), or stays."""
         self._picture, self._comparison = picture, comparison
         for panel in self._panels:
             panel.draw(picture, comparison)
-        self._draw_large(slow=False)
+        if self._over is not None and self._over.plot.name not in SLOW:
+            self._draw_over()
         self._cursor_drawn.forget()
         self.cursor(picture, self._time if time is None else time)
 
@@ -159,7 +179,8 @@ class Charts:
         for a moment."""
         for panel in self._panels:
             panel.draw_details(picture, self._comparison)
-        self._draw_large(slow=True)
+        if self._over is not None and self._over.plot.name in SLOW:
+            self._draw_over()
         self._cursor_drawn.forget()
         self.cursor(picture, self._time)
 
@@ -174,7 +195,8 @@ class Charts:
         values_at = time if pointed is None else pointed * duration
         hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
         fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
-        values = [entry for chart in self.charts for entry in chart.legend_values(values_at)]
+        charts = (*self.charts, *(self._over.charts if isinstance(self._over, SideBySide) else ()))
+        values = [entry for chart in charts for entry in chart.legend_values(values_at)]
         status = cursor_values.status_line(picture, time)
         self._live.content = markup.live_style(fraction, window, values, status, hovered)
 
@@ -199,6 +221,10 @@ class Charts:
 
         Raises ValueError with one sentence if there is no such plot, if no curve is shown, or if the file would be too
         large."""
+        if name.endswith(BESIDE) and kind != "csv":
+            if not isinstance(self._over, SideBySide):
+                raise ValueError("two runs side by side are not shown: “Show A and B side by side” in the tab Compare")
+            return partial(plot_file.picture, self._over.panels(), kind)
         chart = next((chart for chart in self.charts if chart.plot.name == name), None)
         if chart is None or chart.drawing is None:
             raise ValueError(f"there is no plot {name!r} yet")
@@ -224,8 +250,7 @@ class Charts:
         clicks = self._pointer.take_clicks()
         if not clicks:
             return
-        large = [] if self._large is None else [self._large.chart]
-        for chart in (*self.charts, *large):
+        for chart in (*self.charts, *(() if self._over is None else self._over.charts)):
             for column in chart.plot.in_legend:
                 if clicks.count(curve_id(chart.plot, column)) % 2:
                     chart.toggle(column)

@@ -89,7 +89,7 @@ class Chart:
     def restyle(self, style: ChartStyle) -> None:
         """Draw it in another size."""
         self.style = style
-        self.handle.height = style.height
+        self.handle.height, self.handle.padding = style.height, markup.padding(style.big)
         if self.drawing is not None:
             self._describe(self.drawing)
 
@@ -107,6 +107,7 @@ class Chart:
         """Assign axes, legend and curves if any of their inputs has changed."""
         switched_off = frozenset(self.switched_off)
         empty = self.plot.reason_if_empty(drawing)
+        empty = f"B: {empty}" if empty and self.pinned is not None else empty  # A may have curves
         inputs = (drawing.axis, drawing.hidden, self.duration, switched_off, self.plot.curves, self.style, empty)
         if inputs != self.described:
             self.described = inputs
@@ -154,7 +155,7 @@ def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off:
             "drag": {"x": False, "y": False},
         },  # a zoom would displace the time cursor
         height=style.height,
-        padding=markup.PADDING,
+        padding=markup.padding(style.big),
     )
     return Chart(base=plot, plot=plot, style=style, header=header, handle=handle, switched_off=switched_off)
 

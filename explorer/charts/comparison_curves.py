@@ -74,8 +74,8 @@ def with_comparison(
     if not added:
         return plot, drawing
     axis = _common_axis(drawing.axis, added)
-    parts = [_onto_axis(drawing.values, drawing.drawn, drawing.axis, axis) if plot.log else drawing.drawn]
-    parts += [_onto_axis(more.values, more.drawn, more.axis, axis) if plot.log else more.drawn for more in added]
+    parts = [onto_axis(drawing.values, drawing.drawn, drawing.axis, axis) if plot.log else drawing.drawn]
+    parts += [onto_axis(more.values, more.drawn, more.axis, axis) if plot.log else more.drawn for more in added]
     firsts = np.cumsum([len(plot.curves), *(len(more.curves) for more in added)])
     bands = tuple((int(k) + 1, int(k) + 2) for k, more in zip(firsts, added, strict=False) if more.band)
     values = np.concatenate([drawing.values, *(more.values for more in added)], axis=1)
@@ -90,17 +90,17 @@ def _added_curves(
     added, errors = [], plot.name in ERROR_PLOTS
     if errors and comparison.seeds is not None:
         added.append(_seed_curves(plot, drawing.time, comparison.seeds))
-    if pinned_run is not None and plot.pinned_curves:
-        added.append(_pinned_curves(plot, drawing.time, pinned_run))
+    if pinned_run is not None:
+        columns = [column for column in plot.pinned_curves if column not in pinned_run.drawing.hidden]
+        added += [_pinned_curves(drawing.time, plot, pinned_run, columns)] if columns else []
     if errors:
         added += [_estimator_curve(plot, drawing.time, baseline) for baseline in comparison.baselines]
     return added
 
 
-def _pinned_curves(plot: Plot, time: Float[Array, "n"], pinned_run: PinnedDrawing) -> AddedCurves:
-    """The curves of A; one that A's own drawing hides is NaN."""
-    columns, drawing = list(plot.pinned_curves), pinned_run.drawing
-    several = len(columns) > 1
+def _pinned_curves(time: Float[Array, "n"], plot: Plot, pinned_run: PinnedDrawing, columns: list[int]) -> AddedCurves:
+    """The curves of A."""
+    drawing, several = pinned_run.drawing, len(columns) > 1
     added = tuple(
         Curve(
             label=f"A {plot.curves[column].label}" if several else "A",
@@ -110,11 +110,7 @@ def _pinned_curves(plot: Plot, time: Float[Array, "n"], pinned_run: PinnedDrawin
         )
         for column, dash in zip(columns, PINNED_DASHES, strict=False)
     )
-    hidden = np.array([column in drawing.hidden for column in columns])
-    values, drawn = (
-        np.where(hidden, np.nan, sampled_at(drawing.time, columns_of[:, columns], time))
-        for columns_of in (drawing.values, drawing.drawn)
-    )
+    values, drawn = (sampled_at(drawing.time, of_run[:, columns], time) for of_run in (drawing.values, drawing.drawn))
     return AddedCurves(added, values, drawn, drawing.axis)
 
 
@@ -172,8 +168,9 @@ def _common_axis(own: Range, added: list[AddedCurves]) -> Range:
     return low, high
 
 
-def _onto_axis(values: Array, drawn: Array, before: Range, axis: Range) -> Array:
-    """Values for another log axis: those that were moved outside the axis `before` are moved outside this one."""
+def onto_axis(values: Array, drawn: Array, before: Range, axis: Range) -> Array:
+    """Values for another log axis; `drawn` are those for the axis `before`. What was moved outside that axis is moved
+    outside this one."""
     with np.errstate(invalid="ignore"):
         positive = np.isfinite(values) & (values > 0)
         below, above = ~positive & (drawn < before[0]), ~positive & (drawn > before[1])

@@ -7,9 +7,11 @@ from viser._gui_handles import GuiModalHandle
 
 from explorer.charts.chart import Chart, ChartStyle, add_chart
 from explorer.charts.plots import Plot
+from explorer.model.comparison import Comparison
+from explorer.model.compute import Picture
 
-SHARE, MIN_HEIGHT = 0.62, 180
-"""The plot's share of the window's height, and its least height (px)."""
+AROUND, BIG_AROUND, MIN_HEIGHT = 190, 285, 180
+"""px of the window's height that the plot leaves to title, legend and buttons, and with big type; its least height."""
 FORMATS = ("svg", "png", "pdf", "csv")
 BUTTON = '<button type="button" class="rn-button" data-rn-event="{}">{}</button>'
 
@@ -17,16 +19,33 @@ BUTTON = '<button type="button" class="rn-button" data-rn-event="{}">{}</button>
 class LargeView:
     """A window over the page with one plot."""
 
-    def __init__(self, client: ClientHandle, plot: Plot, window_height: float, switched_off: set[int], *, big: bool):
+    def __init__(
+        self,
+        client: ClientHandle,
+        plot: Plot,
+        window_height: float,
+        switched_off: set[int],
+        *,
+        big: bool,
+        pinned: bool = False,
+    ):
+        """`pinned`: whether a run is pinned, which can be seen side by side with the one on the page."""
+        self.plot = plot
         self._modal: GuiModalHandle = client.gui.add_modal(plot.title)
-        style = ChartStyle(height=max(round(SHARE * window_height), MIN_HEIGHT), big=big, large=True)
+        height = max(round(window_height) - (BIG_AROUND if big else AROUND), MIN_HEIGHT)
+        style = ChartStyle(height=height, big=big, large=True)
         with self._modal:
             saves = "".join(BUTTON.format(f"save-{plot.name}-{kind}", f"{kind.upper()}") for kind in FORMATS)
+            beside = BUTTON.format(f"beside-{plot.name}", "A and B side by side") if pinned else ""
             close = BUTTON.format("close-large", "✕ close")
-            client.gui.add_html(f'<div class="rn-large">save as {saves}<span></span>{close}</div>')
-            self.chart: Chart = add_chart(client, plot, style, set(switched_off))
+            client.gui.add_html(f'<div class="rn-large">save as {saves}{beside}<span></span>{close}</div>')
+            self.charts: tuple[Chart, ...] = (add_chart(client, plot, style, set(switched_off)),)
             name = html.escape(f"{plot.x_name} (s)")
             client.gui.add_html(f'<div class="rn-axis-name">{name}</div>')
+
+    def draw(self, picture: Picture, comparison: Comparison) -> None:
+        """Show a picture and what it is compared with."""
+        self.charts[0].draw(picture, comparison)
 
     def close(self) -> None:
         """Remove it from the page."""

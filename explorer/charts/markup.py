@@ -18,8 +18,8 @@ from explorer.model import palette
 AXIS_SIZES, BIG_AXIS_SIZES = (50, 24), (78, 34)
 """px: width of the vertical and height of the horizontal axis of a plot; and with big type. They are fixed, so that the
 ends of the time axis are known to the cursor."""
-PADDING = (8, 24, 0, 0)
-"""px inside a plot: top, right, bottom, left."""
+PADDING, BIG_PADDING = (8, 24, 0, 0), (13, 24, 0, 0)
+"""px inside a plot: top, right, bottom, left; and with big type, whose highest label is half of its height higher."""
 MARGIN = 10
 """px that viser leaves around a plot (its spacing "xs"); its border is 1 px wide."""
 BORDER, BIG_FACTOR = 1, 1.5
@@ -57,6 +57,7 @@ STYLE = f"""<style>
 .rn-expand:focus-visible {{ outline: 2px solid {palette.FOCUS}; }}
 .rn-empty {{ position: absolute; inset: 0; display: flex; align-items: center; justify-content: center;
   text-align: center; padding: 0 10px; font-size: calc(12px * var(--rn-scale, 1)); }}
+.rn-empty span {{ background: var(--mantine-color-body); padding: 0 .4em; border-radius: 3px; }}
 .rn-other {{ color: {palette.PRINTED_FORMULA}; opacity: 1; right: 0; }}
 .rn-definition {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
   background: {palette.DEFINITION_FILL}; }}
@@ -65,13 +66,13 @@ STYLE = f"""<style>
 .rn-over {{ position: absolute; pointer-events: none; z-index: 2; }}
 .rn-cursor {{ position: absolute; top: 0; bottom: 0; width: 1.5px;
   margin-left: -.75px; background: currentColor; opacity: .55; }}
-.rn-at {{ position: absolute; bottom: -{AXIS_SIZES[1] - 3}px; transform: translateX(-50%); padding: 0 4px;
+.rn-at {{ position: absolute; transform: translateX(-50%); padding: 0 4px;
   border-radius: 3px; background: {palette.TOOLTIP}; color: {palette.TOOLTIP_TEXT};
   font-size: calc(12px * var(--rn-scale, 1)); font-variant-numeric: tabular-nums; }}
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
 .rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
-.rn-seconds {{ position: absolute; right: {MARGIN + 3 - RIGHT}px; bottom: -{AXIS_SIZES[1] - 4}px;
+.rn-seconds {{ position: absolute; right: {MARGIN + 3 - RIGHT}px;
   font-size: calc(12px * var(--rn-scale, 1)); opacity: .65; }}
 </style>"""
 
@@ -92,6 +93,11 @@ def axis_sizes(big: bool) -> tuple[int, int]:
     return BIG_AXIS_SIZES if big else AXIS_SIZES
 
 
+def padding(big: bool) -> tuple[int, int, int, int]:
+    """px inside a plot: top, right, bottom, left."""
+    return BIG_PADDING if big else PADDING
+
+
 def header(
     plot: Plot,
     *,
@@ -107,23 +113,26 @@ def header(
     A hidden curve has no legend entry. A curve that the visitor has switched off keeps its entry, to switch it on."""
     legend = "".join(_entry(plot, i, on=i not in switched_off) for i in plot.in_legend if i not in hidden)
     margin = MARGIN * (BIG_FACTOR if big else 1.0)
-    top = margin - 7 + BORDER + PADDING[0]
+    inset, right, _, _ = padding(big)
+    top = margin - 7 + BORDER + inset
     axis_width, axis_height = axis_sizes(big)
-    inside = height - PADDING[0] - axis_height
-    ends = f"left:{margin + BORDER + axis_width:g}px;right:{margin + BORDER + PADDING[1]:g}px"
+    inside = height - inset - axis_height
+    ends = f"left:{margin + BORDER + axis_width:g}px;right:{margin + BORDER + right:g}px"
     span = f"width:calc(var({WINDOW_SPAN}, 0) * 100%)"
     brush = f"left:{_left(BRUSH_FROM, '0')};width:calc(var({BRUSH_SPAN}, 0) * 100%)"
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     expand = "" if large else EXPAND.format(plot.name, plot.title)
-    other = f'<span class="rn-seconds rn-other">{plot.x_name} (s)</span>'
+    beneath = f"bottom:-{axis_height - 4}px"
+    other = f'<span class="rn-seconds rn-other" style="{beneath}">{plot.x_name} (s)</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.definition.note}</div>' if plot.definition.note else ""
     equation = f'<div class="rn-equation">{plot.definition.equation}</div>'
     moving = (
         f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};{span}"></div>'
-        f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div><span class="rn-seconds">s</span>'
+        f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div>'
+        f'<span class="rn-seconds" style="{beneath}">s</span>'
     )
-    reason = f'<div class="rn-empty">{escape(empty)}</div>' if empty else ""
+    reason = f'<div class="rn-empty"><span>{escape(empty)}</span></div>' if empty else ""
     return (
         f'{STYLE}<div class="rn-plot" data-plot="{plot.name}">{expand}<details>'
         f'<summary><div class="rn-title">{title}</div></summary>'
@@ -131,7 +140,7 @@ def header(
         f'<div class="rn-legend">{legend}</div>{note}'
         f'<div class="rn-over" style="top:calc(100% + {top:g}px);height:{inside}px;{ends}">{reason}'
         f'{moving if plot.along_flight else other}<div class="rn-brush" style="{brush}"></div>'
-        f'<span class="rn-at" style="left:{_left(HOVERED, "-99")}"></span></div></div>'
+        f'<span class="rn-at" style="left:{_left(HOVERED, "-99")};{beneath}"></span></div></div>'
     )
 
 

@@ -9,8 +9,8 @@ import csv
 import io
 import math
 import threading
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -21,11 +21,14 @@ from explorer.model import palette
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+PictureFormat = Literal["svg", "png", "pdf"]
 PlotFormat = Literal["csv", "svg", "png", "pdf"]
 MAX_CELLS = 5_000_000
 """About 100 MB of text; a larger download would block a browser."""
-SIZE, DOTS = (7.2, 3.6), 200
-"""Width and height in inches, as wide as a column of text; and dots per inch."""
+SIZE, SIZE_OF_TWO, DOTS = (7.2, 3.6), (11.0, 3.9), 200
+"""Width and height in inches: of one plot, as wide as a column of text, and of two side by side; and dots per inch."""
+METADATA: dict[PictureFormat, dict[str, None]] = {"svg": {"Date": None}, "png": {}, "pdf": {"CreationDate": None}}
+"""Equal plots are equal bytes: no picture holds its date."""
 FILL_OPACITY = int(palette.FILL, 16) / 255
 """Opacity of the area below a filled curve, as on the page."""
 LOGARITHMIC = "log axis"
@@ -40,6 +43,15 @@ line's width, as on the page. Long curves are drawn in chunks: one of millions o
 _MATPLOTLIB = threading.Lock()
 """One picture at a time: matplotlib's settings and fonts are shared by all threads."""
 Columns = tuple[int, ...]
+
+
+class Panel(NamedTuple):
+    """One plot of a picture: its numbers, the columns that are drawn, and the length of its time axis (s)."""
+
+    plot: Plot
+    drawing: Drawing
+    columns: Columns
+    duration: float
 
 
 def require_writable(plot: Plot, drawing: Drawing, columns: Columns) -> None:
@@ -65,17 +77,17 @@ def table(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> by
 
 def svg(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
     """A vector picture."""
-    return _picture(plot, drawing, columns, duration, "svg", {"Date": None})
+    return picture((Panel(plot, drawing, columns, duration),), "svg")
 
 
 def png(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
     """A picture in pixels."""
-    return _picture(plot, drawing, columns, duration, "png", {})
+    return picture((Panel(plot, drawing, columns, duration),), "png")
 
 
 def pdf(plot: Plot, drawing: Drawing, columns: Columns, duration: float) -> bytes:
     """A vector picture for LaTeX."""
-    return _picture(plot, drawing, columns, duration, "pdf", {"CreationDate": None})
+    return picture((Panel(plot, drawing, columns, duration),), "pdf")
 
 
 WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {
@@ -86,21 +98,24 @@ WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {
 }
 
 
-def _picture(
-    plot: Plot, drawing: Drawing, columns: Columns, duration: float, kind: str, metadata: dict[str, None]
-) -> bytes:
+def picture(panels: Sequence[Panel], kind: PictureFormat) -> bytes:
+    """One plot, or two side by side."""
     from matplotlib import rc_context  # takes half a second, so only when a picture is wanted
     from matplotlib.figure import Figure
 
-    buffer = io.BytesIO()
+    buffer, alone = io.BytesIO(), len(panels) == 1
     with _MATPLOTLIB, rc_context(RC_SETTINGS):
-        figure = Figure(figsize=SIZE, layout="constrained")
-        axes = figure.add_subplot()
-        for i in columns:
-            _draw(axes, plot.curves[i], drawing, i)
-        _frame(axes, plot, drawing.axis, duration)
-        figure.legend(loc="outside upper right", ncols=4, frameon=False)
-        figure.savefig(buffer, format=kind, dpi=DOTS, metadata=metadata)
+        figure = Figure(figsize=SIZE if alone else SIZE_OF_TWO, layout="constrained")
+        for k, panel in enumerate(panels):
+            axes = figure.add_subplot(1, len(panels), k + 1)
+            for i in panel.columns:
+                _draw(axes, panel.plot.curves[i], panel.drawing, i)
+            _frame(axes, panel.plot, panel.drawing.axis, panel.duration)
+            if not alone:
+                axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False)
+        if alone:
+            figure.legend(loc="outside upper right", ncols=4, frameon=False)
+        figure.savefig(buffer, format=kind, dpi=DOTS, metadata=METADATA[kind])
     return buffer.getvalue()
 
 

@@ -60,10 +60,10 @@ OBSERVABILITY = Group(
             draw=plots.snap,
             inputs=("phi", "phi_printed", "settings.printed"),
             empty="The excitation is zero along every axis: the path has no snap.",
-            deciding=(0, 1, 2),
+            deciding=(0, 1, 2, 4, 5, 6),
             definition=definitions.SNAP,
             log=False,
-            pinned_curves=(3,),
+            pinned_curves=(3, 7),
         ),
         Plot(
             name="excitation",
@@ -78,8 +78,9 @@ OBSERVABILITY = Group(
             draw=plots.excitation,
             inputs=("analysis", "printed_excitation", "preset.requirement", "settings.printed"),
             empty="The excitation is zero along every axis.",
-            deciding=(0, 1, 2),
+            deciding=(0, 1, 2, 4, 5, 6),
             definition=definitions.EXCITATION,
+            pinned_curves=(0, 4),
         ),
         Plot(
             name="gramian",

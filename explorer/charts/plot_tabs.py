@@ -7,7 +7,6 @@ from viser import ClientHandle, GuiHtmlHandle, GuiTabHandle, PanelHandle
 from explorer.charts import markup
 from explorer.charts.chart import Chart, ChartStyle, add_chart
 from explorer.charts.plot_list import Group
-from explorer.charts.pointer import Pointer
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
 
@@ -42,7 +41,6 @@ class PlotPanel:
         self,
         client: ClientHandle,
         groups: tuple[Group, ...],
-        pointer: Pointer,
         switched_off: dict[str, set[int]],
         style: ChartStyle,
     ) -> None:
@@ -52,10 +50,7 @@ class PlotPanel:
         self._tabs: list[GuiTabHandle] = []
         self._charts: list[list[Chart]] = []
         self._texts: list[list[GroupText]] = []
-        self._add_tab(groups[0])
-        with self._tabs[0]:
-            pointer.add_to(client.gui)
-        for group in groups[1:]:
+        for group in groups:
             self._add_tab(group)
         self.panel.dock_left()
 

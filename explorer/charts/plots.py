@@ -89,9 +89,8 @@ class Plot:
 
     def reason_if_empty(self, drawing: "Drawing") -> str:
         """Why there is nothing to see; empty where there is something."""
-        values = drawing.values[:, self.deciding]
-        gone = set(self.deciding) <= set(drawing.hidden)
-        return self.empty if gone or not np.any(np.isfinite(values) & (values != 0.0)) else ""
+        values = drawing.values[:, [column for column in self.deciding if column not in drawing.hidden]]
+        return "" if np.any(np.isfinite(values) & (values != 0.0)) else self.empty
 
     @property
     def in_legend(self) -> tuple[int, ...]:

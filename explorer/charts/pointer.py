@@ -9,7 +9,8 @@ into a hidden text box, as if it were typed there:
 While a brush lasts, only the script draws it: it sets the CSS variables of a band over every plot. viser drops all but
 the last input of 50 ms. Nothing is lost by that, for the newest text repeats the clicks and brushes of the last second,
 and each one counts once by its number. The script relies on two facts of the page: uPlot calls its drawing area
-`u-over`, and viser makes the controls of a tab siblings. If either changes, the legends give the values at the cursor.
+`u-over`, and viser makes the controls of a container siblings. If either changes, the legends give the values at the
+cursor.
 """
 
 import re
@@ -30,7 +31,7 @@ BRUSH = re.compile(rf"(\d{{1,16}}):({NUMBER})-({NUMBER})")
 MAX_CLICKS = 64
 """Clicks stored while the session is busy; beyond that the oldest are dropped."""
 MARK_ORDER, BOX_ORDER = -3.0, -2.0
-"""viser's order of controls in a tab: both before all others, the box directly behind the script."""
+"""viser's order of controls in a container: both before all others, the box directly behind the script."""
 SCRIPT = """if (!window.rnPointer) {
   window.rnPointer = true;
   const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
@@ -102,7 +103,7 @@ class Pointer:
         return self._fraction
 
     def add_to(self, gui: viser.GuiApi) -> None:
-        """Put the box and the script into the tab that is being filled."""
+        """Put the box and the script into the page."""
         gui.add_html(MARK, order=MARK_ORDER)
         box = gui.add_text(LABEL, "", order=BOX_ORDER)
         box.on_update(lambda _: self.receive(box.value))  # the newest text, whichever of viser's threads runs first

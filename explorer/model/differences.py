@@ -8,6 +8,7 @@ import msgspec
 
 from explorer.model.compute import Picture
 from explorer.model.glossary import field_label
+from explorer.model.settings import PRINTED_LABELS, Printed
 from rangenav.number_format import percent, quantity, significant
 from rangenav.preset import Preset
 
@@ -65,6 +66,14 @@ def notable(before: float | None, after: float | None) -> bool:
     return abs(y - x) > NOTABLE * max(abs(x), abs(y))
 
 
+def chosen(a: Picture, b: Picture) -> list[str]:
+    """All that was chosen otherwise: the switches “as printed”, then the settings of the preset."""
+    before, after = a.settings.printed, b.settings.printed
+    names = (name for name in PRINTED_LABELS if getattr(before, name) != getattr(after, name))
+    switches = [_capital(f"{PRINTED_LABELS[name]}: {_state(before, name)} → {_state(after, name)}") for name in names]
+    return switches + choices(a.preset, b.preset)
+
+
 def choices(a: Preset, b: Preset) -> list[str]:
     """The settings that differ, by their labels on the page: at most six, then the number of the others."""
     differing = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
@@ -81,9 +90,16 @@ def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
         for k, (x, y) in enumerate(zip(a, b, strict=True)):
             yield from _choices(x, y, f"{where}[{k + 1}]")
     elif a != b:
-        label = field_label(where)
-        label = label[:1].upper() + label[1:]
+        label = _capital(field_label(where))
         yield f"{label}: {_value(a)} → {_value(b)}" if _short(a) and _short(b) else f"{label}: another one"
+
+
+def _state(printed: Printed, name: str) -> str:
+    return "on" if getattr(printed, name) else "off"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _has_tables(entries: Any) -> bool:

@@ -70,10 +70,17 @@ GOOD, WARNING, ERROR = "light-dark(#00785A, #4FD1AD)", "light-dark(#9A5B00, #F0B
 UNOBSERVABLE = "light-dark(#7A3E00, #E0A878)"
 """Certified as such: neither good nor an error."""
 NEUTRAL = "light-dark(#555555, #BBBBBB)"
+RUN_TEXT: dict[Color, Color] = {
+    PINNED: "light-dark(#9C3F74, #D99AC9)",
+    ESTIMATE: "light-dark(#A84300, #FF9152)",
+    SKY: "light-dark(#1B6699, #6CBFF0)",
+    GREEN: "light-dark(#00785A, #4FD1AD)",
+}
+"""The name of a run in text, by its colour in the plots and in the scene."""
 SECONDARY_TEXT, CAPTION_TEXT = "light-dark(#666666, #A8A8A8)", "light-dark(#5C5C5C, #B0B0B0)"
 PRINTED_FORMULA = "light-dark(#8A3D7A, #D99AC9)"
 """Of the label that says which printed formulas are switched on."""
-JUMP_NOTICE = "#8A5300"
+JUMP_NOTICE = "light-dark(#8A5300, #F0B35A)"
 """Of the sentences on jumps of a piecewise path."""
 THUMBNAIL_LINE, THUMBNAIL_ANCHOR, THUMBNAIL_FRAME = "light-dark(#0072B2, #56B4E9)", VERMILLION, "light-dark(#CCC, #555)"
 BAR_TRACK = "#8883"

@@ -39,6 +39,17 @@ class Printed(Input, frozen=True, kw_only=True):
     """Time constants of the attitude error as printed, twice the true ones."""
 
 
+PRINTED_LABELS = {
+    "model": "use the paper's misprinted model",
+    "excitation": "printed signal φ",
+    "reduced_row": "printed row r₄,₂",
+    "body_axes": "excitation in body axes",
+    "initial_values": "printed initial values",
+    "attitude_rate": "printed attitude rate",
+}
+"""The label of each switch."""
+
+
 class Drafts(Input, frozen=True, kw_only=True):
     """What was entered and is not in use: choosing another family, or switching a part off, loses nothing."""
 

@@ -108,9 +108,15 @@ class Dock:
             take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
             imports = ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
             flights = FlightPanel(form, jobs)
-            self.printed = PrintedPanel(form, catalog, self)
+            self.printed = PrintedPanel(
+                form,
+                catalog,
+                self,
+                pin=lambda settings: self.compare.pin_next(settings),
+                show_side_by_side=session_actions.show_side_by_side,
+            )
         with tabs.add_tab("Compare"):
-            self.compare = ComparePanel(form, jobs)
+            self.compare = ComparePanel(form, jobs, session_actions.show_side_by_side)
         self.belonging: list[Belonging] = [
             self.presets, self.repair, self.bundle, imports, self.tuning, self.basin, self.compare
         ]  # fmt: skip

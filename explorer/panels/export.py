@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import PurePath
 from typing import Literal
 
-from explorer.model.settings import Settings
+from explorer.model.settings import PRINTED_LABELS, Settings
 from explorer.storage import preset_file
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
@@ -21,7 +21,7 @@ FILE_HINT = (
     "or only rounding noise, inf where a window is blind. SVG, PNG and PDF: the plot as it is on the page."
 )
 LINES_HINT = "The Python code computes what is on the page from the preset file; both belong in one folder."
-NOT_IN_LINES = {"reduced_row": "printed row r₄,₂", "attitude_rate": "printed attitude rate"}
+NOT_IN_LINES = ("reduced_row", "attitude_rate")
 """Switches “as printed” that change only a number next to their control, and no run or plot."""
 PRINTED = (
     'print(f"{result.verdict.word}: rank {result.rank} of 13, μ {result.mu:.4g} m²/s⁷, δ {p.requirement.window:g} s")',
@@ -66,12 +66,9 @@ class ExportPanel:
 
     @property
     def actions(self) -> dict[str, Action]:
-        """What the buttons of a plot's large view do, by the names that they send."""
-        return {
-            f"save-{plot}-{kind}": partial(self._write, plot, kind)
-            for plot in self._plot_names.values()
-            for kind in FORMATS
-        }
+        """What the buttons of a plot's large view and of two runs side by side do, by the names that they send."""
+        names = [name for plot in self._plot_names.values() for name in (plot, f"{plot}-beside")]
+        return {f"save-{name}-{kind}": partial(self._write, name, kind) for name in names for kind in FORMATS}
 
     def _write_plot(self, plot_format: PlotFormat) -> None:
         self._write(self._plot_names.get(self._menu.value, ""), plot_format)
@@ -91,7 +88,7 @@ class ExportPanel:
     def _lines(self) -> None:
         file, settings = self._actions.settings()
         lines = python_lines(settings, file)
-        omitted = [label for name, label in NOT_IN_LINES.items() if getattr(settings.printed, name)]
+        omitted = [PRINTED_LABELS[name] for name in NOT_IN_LINES if getattr(settings.printed, name)]
         note = f" The switches not in these lines: {', '.join(omitted)}." if omitted else ""
         code = f'<pre style="overflow-x:auto;user-select:all">{html.escape(lines)}</pre>'
         text = f"Run them beside <b>{html.escape(file)}</b>, the preset file.{note}"

@@ -11,7 +11,9 @@ from rangenav.number_format import quantity, significant
 from rangenav.vehicle import FREE
 
 ROW = f'<tr><td style="color:{palette.SECONDARY_TEXT}">{{}}</td><td>{{}}</td></tr>'
-CHIP_STYLE = "border:1px solid;border-radius:3px;padding:0 0.35em;margin-left:0.6em;font-size:0.75em"
+CHIP_STYLE = (
+    "border:1px solid;border-radius:3px;padding:0 0.35em;margin-left:0.6em;font-size:max(0.75em, var(--rn-least, 0px))"
+)
 ROUND_OFF = 1e-9
 """m: a path through the anchor is 0 m from it, and not 1e-15."""
 CHIP = f'<span style="color:{{}};{CHIP_STYLE}">{{}}</span>'

@@ -13,6 +13,8 @@ class SessionActions:
 
     restart_preset: Action
     show_paper_figures: Action
+    show_side_by_side: Action
+    """Shows the pinned run A and the one on the page side by side."""
     download_preset: Action
     send: Send
     """Downloads a file: its name and its content."""

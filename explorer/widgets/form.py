@@ -30,7 +30,7 @@ AXES_STYLE = (
     f'{BOX} + {BOX}:nth-child(2):nth-last-child(2)::before{{content:"y"}}'
     f'{BOX} + {BOX}:nth-child(3):last-child::before{{content:"z"}}'
     f"{BOX}::before{{position:absolute;left:0.45em;top:50%;transform:translateY(-50%);z-index:2;"
-    "font-size:0.75em;opacity:0.7;pointer-events:none}</style>"
+    "font-size:max(0.75em, var(--rn-least, 0px));opacity:0.7;pointer-events:none}</style>"
 )
 """The letters of the axes in the three boxes of a vector."""
 

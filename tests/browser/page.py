@@ -233,7 +233,7 @@ class Visitor:
 
     def folder(self, label: str) -> None:
         """Open or close the folder whose heading begins so."""
-        self.page.get_by_text(re.compile(f"^{re.escape(label)}")).first.click()
+        self.page.get_by_text(re.compile(f"^{re.escape(label)}")).filter(visible=True).first.click()
         time.sleep(0.4)
 
     def beside(self, label: str) -> Locator:

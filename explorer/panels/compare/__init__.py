@@ -21,7 +21,7 @@ from explorer.model.settings import Settings
 from explorer.model.view import View
 from explorer.panels.compare import text
 from explorer.widgets.controls import Number, Switch
-from explorer.widgets.form import Form
+from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
 from rangenav import ensemble
 from rangenav.comparison import Candidate
@@ -31,6 +31,7 @@ from rangenav.inputs import require
 MAX_SEEDS, SEEDS = 100, 20
 PIN_HINT = "Keeps this run as A: every plot draws it in purple beside what you change from here on, and so does 3-D."
 KEEP_HINT = "Keeps A when another preset is opened, to compare two presets; otherwise A goes with its preset."
+BESIDE_HINT = "Shows both runs in numbers and in one plot each, on the same axes, over the whole page."
 SEEDS_HINT = "Runs these settings with other noise: the plots then show the median and the band from 10 to 90 %."
 OUTDATED = "The settings have changed: the band belonged to others and is gone."
 STOPPED = "The settings changed while the seeds ran, so these were stopped."
@@ -61,7 +62,7 @@ class _BaselineResults:
 class ComparePanel:
     """What the run on the page is compared with."""
 
-    def __init__(self, form: Form, jobs: Jobs) -> None:
+    def __init__(self, form: Form, jobs: Jobs, show_side_by_side: Action) -> None:
         self._form, self._jobs, self._background = form, jobs, form.new_jobs()
         self._picture: Picture | None = None
         self.pinned: Picture | None = None
@@ -72,7 +73,7 @@ class ComparePanel:
         self._drawn_seeds: Ensemble | None = None
         self.baseline_results, self.enabled, self._drawn = _BaselineResults(), frozenset[Name](), frozenset[Name]()
         self._changed, self._baselines_compiled, self._message = False, False, ""
-        self._build_pin(form)
+        self._build_pin(form, show_side_by_side)
         self._build_seeds(form)
         self._build_baselines(form)
         section = Section(form, "Does P tell the truth?")
@@ -80,13 +81,15 @@ class ComparePanel:
             self._consistency = form.gui.add_html("")
         form.command("Pin this run as A", self.pin)
         form.command("Unpin A", self._unpin)
+        form.command("A and B side by side", show_side_by_side, step=False)
 
-    def _build_pin(self, form: Form) -> None:
+    def _build_pin(self, form: Form, show_side_by_side: Action) -> None:
         section = Section(form)
         with section:
             form.button("Pin this run as A", self.pin, hint=PIN_HINT)
+            self._beside_button = form.button("Show A and B side by side", show_side_by_side, hint=BESIDE_HINT)
             self._unpin_button = form.button("Unpin", self._unpin, hint="Takes A off the plots and out of 3-D.")
-            self._unpin_button.visible = False
+            self._unpin_button.visible = self._beside_button.visible = False
             self._differences = form.gui.add_html(text.nothing_pinned())
             self.keep_pinned = Switch(section, "keep A with another preset", hint=KEEP_HINT)
 
@@ -142,12 +145,13 @@ class ComparePanel:
     def draw(self, picture: Picture, shown: Comparison) -> None:
         """Show the text and the tables for a comparison."""
         _assign(self._seeds_line, text.seeds(picture, shown.seeds, self._message))
-        _show(self._unpin_button, visible=shown.pinned is not None)
+        for button in (self._unpin_button, self._beside_button):
+            _show(button, visible=shown.pinned is not None)
         _show(self._clear_button, visible=shown.seeds is not None)
         if shown.pinned is None:
             _assign(self._differences, text.nothing_pinned())
         else:
-            choices = differences.choices(shown.pinned.preset, picture.preset)
+            choices = differences.chosen(shown.pinned, picture)
             _assign(
                 self._differences,
                 text.differences(shown.pinned, picture, choices, differences.figures(shown.pinned, picture)),
@@ -172,6 +176,10 @@ class ComparePanel:
     def pin(self) -> None:
         """Pin the run on the page as A."""
         self.pinned, self._changed = self._picture, True
+
+    def pin_next(self, settings: Settings) -> None:
+        """Pin the run of these settings as A, with the next picture."""
+        self.pinned, self._to_pin, self._changed = None, settings, True
 
     def forget_preset(self) -> None:
         """Unpin the run, which belongs to a preset that is not on the page any more; forget what was said of seeds."""

@@ -34,10 +34,8 @@ def nothing_pinned() -> str:
 
 def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) -> str:
     """The settings and the figures that differ between the pinned run A and the run B on the page."""
-    head = (
-        f'<b style="color:{palette.PINNED}">A</b> {_run(a)} <span style="opacity:.7">(pinned)</span><br>'
-        f'<b style="color:{palette.ESTIMATE}">B</b> {_run(b)} <span style="opacity:.7">(what you change)</span>'
-    )
+    first, second = _named("A", palette.PINNED), _named("B", palette.ESTIMATE)
+    head = f"{first} {_run(a)} {GREY.format('(pinned)')}<br>{second} {_run(b)} {GREY.format('(what you change)')}"
     if not choices:
         return BLOCK.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
     consequences = _list(figures) if figures else GREY.format("No figure changed by more than half a percent.")
@@ -88,7 +86,7 @@ def baselines(picture: Picture, shown: Iterable[Baseline], refusals: list[str]) 
     for name, candidate in shown:
         color = palette.ESTIMATORS[name]
         if candidate is None:
-            lines += _row([f'<b style="color:{color}">{name}</b>', "at work …", "", ""])
+            lines += _row([_named(name, color), "at work …", "", ""])
         else:
             lines += _estimator_row(name, color, candidate.summary, steps, cascade_duration)
             texts.append(f"<b>{name}</b>: {html.escape(candidate.outcome)}")
@@ -104,7 +102,12 @@ def _estimator_row(name: str, color: str, summary: Summary, steps: int, cascade_
     steady = f"<b>{significant(summary.steady_position)} m</b>, {significant(summary.steady_attitude_deg)}°"
     duration = _milliseconds(summary, steps)
     ratio = f" ({significant(duration / cascade_duration, 2)}×)" if cascade_duration > 0 and name != "cascade" else ""
-    return _row([f'<b style="color:{color}">{name}</b>', settled, steady, f"{quantity(duration, 'ms')}{ratio}"])
+    return _row([_named(name, color), settled, steady, f"{quantity(duration, 'ms')}{ratio}"])
+
+
+def _named(name: str, color: palette.Color) -> str:
+    """The name of a run in its colour."""
+    return f'<b style="color:{palette.RUN_TEXT[color]}">{name}</b>'
 
 
 def consistency(run: RunConsistency, of_seeds: RunConsistency | None, count: int, *, matched: bool) -> str:

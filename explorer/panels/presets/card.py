@@ -37,7 +37,7 @@ LINE += ' stroke-linejoin="round"/>'
 START = f'<circle cx="{{:.1f}}" cy="{{:.1f}}" r="2.5" fill="{palette.THUMBNAIL_LINE}"/>'
 ANCHOR = f'<path d="M{{x:.1f}} {{y:.1f}}m0-4l4 7h-8z" fill="{palette.THUMBNAIL_ANCHOR}"/>'
 STYLE = "font-size:0.85em;line-height:1.45;padding:0 0.9em 0.6em;overflow-wrap:anywhere"
-CAPTION = f'<figcaption style="{DIMMED};font-size:0.8em">{{}}</figcaption>'
+CAPTION = f'<figcaption style="{DIMMED};font-size:max(0.8em, var(--rn-least, 0px))">{{}}</figcaption>'
 FIGURE = f'<figure style="margin:0;text-align:center">{{}}{CAPTION}</figure>'
 FRAME = f"border:1px solid {palette.THUMBNAIL_FRAME};border-radius:4px"
 BOX = f'<svg width="{{0}}" height="{{0}}" style="{FRAME}" role="img" aria-label="{{1}}">'

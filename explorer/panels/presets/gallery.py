@@ -31,12 +31,13 @@ PRESS_BUTTON = (
 )
 TILE = (
     '<button class="tile" onclick="{press}" title="{title}" style="all:unset;cursor:pointer;width:{side}px;'
-    'font-size:0.72em;line-height:1.25;text-align:center;overflow-wrap:anywhere">{drawing}'
+    'font-size:max(0.72em, var(--rn-least, 0px));line-height:1.25;text-align:center;overflow-wrap:anywhere">{drawing}'
     '<div style="font-weight:{weight}"><span style="color:{colour}">{shape}</span> {name}</div></button>'
 )
 TILES = (
     '<div class="tiles" style="display:flex;flex-wrap:wrap;gap:0.6em 0.7em;align-items:flex-start;padding:0.3em 0.9em">'
-    f'{{}}</div><style>{{}}</style><div style="{DIMMED};font-size:0.75em;padding:0.2em 1.1em 0.6em">'
+    "{}</div><style>{}</style>"
+    f'<div style="{DIMMED};font-size:max(0.75em, var(--rn-least, 0px));padding:0.2em 1.1em 0.6em">'
     "● certified observable, ▲ weak, ✕ unobservable; ◌ not certified, or not yet{}</div>"
 )
 OPEN_HINT = "The same as a click on its picture. Ctrl+Z brings back what was on the page."

@@ -7,10 +7,10 @@ import msgspec
 import numpy as np
 
 from explorer.model.compute import Picture
-from explorer.model.settings import Printed
+from explorer.model.settings import PRINTED_LABELS, Printed, Settings
 from explorer.storage.catalog import Catalog
 from explorer.widgets.controls import Switch
-from explorer.widgets.form import Form
+from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 from explorer.widgets.section import Section
 from rangenav.number_format import significant
@@ -20,23 +20,29 @@ EQUILIBRIA_NOTE = (
     "The true ones are 2uuᵀ − I, turns by 180° about an eigenvector u of M."
 )
 TURNING_HOVER = "turning-hover"
-FALSE_CERTIFICATE = "Certify a hover, as printed"
+FALSE_CERTIFICATE = "Printed against derived, on a hover"
 FALSE_HINT = (
-    "Opens a vehicle that stands still and turns, with the printed φ and the PE integral in body axes: the printed "
-    "condition holds, and the position cannot be told."
+    "Opens a vehicle that stands still and turns, and shows two runs side by side: A with the printed φ and the "
+    "integral in body axes, B with the derived ones. The printed condition holds, and the position cannot be told."
 )
 
 
 class PrintedPanel:
     """The switches "as printed"."""
 
-    def __init__(self, form: Form, catalog: Catalog, page: Page) -> None:
-        self._catalog, self._page = catalog, page
+    def __init__(
+        self, form: Form, catalog: Catalog, page: Page, *, pin: Callable[[Settings], None], show_side_by_side: Action
+    ) -> None:
+        """`pin` pins the run of these settings as A; `show_side_by_side` shows A beside the run on the page."""
+        self._catalog, self._page, self._pin, self._show_side_by_side = catalog, page, pin, show_side_by_side
         section = Section(form, "As printed in the paper", expanded=False)
         with section:
             form.gui.add_markdown("Each switch follows the printed paper where it departs from what can be derived.")
             form.button(FALSE_CERTIFICATE, self._show_false_certificate, hint=FALSE_HINT)
-            self._switches = {name: _MisprintSwitch(section, misprint) for name, misprint in MISPRINTS.items()}
+            self._switches = {
+                name: _MisprintSwitch(section, PRINTED_LABELS[name], misprint.hint)
+                for name, misprint in MISPRINTS.items()
+            }
             form.gui.add_markdown(EQUILIBRIA_NOTE)
 
     def read(self) -> Printed:
@@ -49,9 +55,10 @@ class PrintedPanel:
             misprint.switch.write(getattr(printed, name), False)
 
     def _show_false_certificate(self) -> None:
-        settings = self._catalog.open(TURNING_HOVER)
-        printed = Printed(excitation=True, body_axes=True)
-        self._page.write(msgspec.structs.replace(settings, printed=printed))
+        derived = self._catalog.open(TURNING_HOVER)
+        self._page.write(derived)
+        self._pin(msgspec.structs.replace(derived, printed=Printed(excitation=True, body_axes=True)))
+        self._show_side_by_side()
 
     def draw(self, picture: Picture) -> None:
         """Show below each switch its effect on a picture."""
@@ -63,14 +70,13 @@ class PrintedPanel:
 class Misprint:
     """One departure."""
 
-    label: str
     hint: str
     consequence: Callable[[Picture], str]
 
 
 class _MisprintSwitch:
-    def __init__(self, section: Section, misprint: Misprint) -> None:
-        self.switch = Switch(section, misprint.label, hint=misprint.hint)
+    def __init__(self, section: Section, label: str, hint: str) -> None:
+        self.switch = Switch(section, label, hint=hint)
         self._line = section.gui.add_markdown("")
 
     def draw(self, sentence: str) -> None:
@@ -131,32 +137,26 @@ def _attitude_rate(picture: Picture) -> str:
 
 MISPRINTS = {
     "model": Misprint(
-        "use the paper's misprinted model",
         "Printed: C₅ ≡ 0 and B_m with |g|² (paper, eq. 6–7). Derived: C₅ = 6 on the g block and 3|g|² into ξ₄.",
         _model,
     ),
     "excitation": Misprint(
-        "printed signal φ",
         "Printed: φ = ä − ω×ȧ − 2ω×(ω×a). Derived: φ = ä + 2ω×ȧ + ω̇×a + ω×(ω×a) = Rᵀp⁗ (paper, eq. 11–12).",
         _excitation,
     ),
     "reduced_row": Misprint(
-        "printed row r₄,₂",
         "Printed: 4ȧᵀ − 3aᵀ[ω]x. Derived: 4ȧᵀ − 4aᵀ[ω]x (paper, eq. 11–12, the reduced pair).",
         _reduced_row,
     ),
     "body_axes": Misprint(
-        "excitation in body axes",
         "Printed: pair (Ā, R̄ r₄), so the integral of φφᵀ runs in body axes. Derived: inertial axes, ∫p⁗p⁗ᵀ.",
         _body_axes,
     ),
     "initial_values": Misprint(
-        "printed initial values",
         "Printed: p(0) = (1, 0, 0), v(0) = (−.0125, 2.5, −4.33), which belong to another, planar path.",
         _initial_values,
     ),
     "attitude_rate": Misprint(
-        "printed attitude rate",
         "Printed: the error equation has −k1 R̂ψ(MR̃). Derived: −2 k1 ψ(MR̃), twice as fast (paper, eq. 10).",
         _attitude_rate,
     ),

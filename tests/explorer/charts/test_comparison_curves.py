@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from explorer.charts import Charts, PlotSize, comparison_curves, plot_list, plots
+from explorer.charts import Charts, PlotSize, comparison_curves, plot_list, plots, side_by_side
 from explorer.model import comparison, consistency, differences
+from explorer.model import side_by_side as numbers
 from explorer.model.comparison import Baseline, Comparison
 from explorer.model.compute import Picture, compute
-from explorer.model.settings import Settings
+from explorer.model.settings import Printed, Settings
 from explorer.panels.compare import text
 from explorer.scene import Scene
 from rangenav import comparison as estimators
@@ -62,7 +63,7 @@ def test_every_plot_takes_in_a_run_of_any_other_motion_and_duration(name: str, s
             more, drawing = compared(plot, example, Comparison(pinned=a))
             check_drawable(more, drawing)
             labels = [curve.label for curve in more.curves[len(plot.curves) :]]
-            assert len(labels) == len(plot.pinned_curves)
+            assert len(labels) == len(set(plot.pinned_curves) - set(plot.draw(a).hidden))
             assert all(label.startswith("A") for label in labels)
             own = plot.draw(example)
             assert drawing.axis[0] <= own.axis[0] < own.axis[1] <= drawing.axis[1]
@@ -73,11 +74,39 @@ def test_a_run_pinned_beside_itself_lies_on_its_own_curves(slow: Picture) -> Non
     for plot in ALL:
         _, drawing = compared(plot, slow, Comparison(pinned=slow))
         first = len(plot.curves)
-        for k, column in enumerate(plot.pinned_curves):
-            if column in drawing.hidden:
-                assert np.isnan(drawing.drawn[:, first + k]).all()
-                continue
+        for k, column in enumerate(column for column in plot.pinned_curves if column not in drawing.hidden):
             np.testing.assert_array_equal(drawing.drawn[:, first + k], drawing.drawn[:, column])
+
+
+def test_side_by_side_both_runs_have_the_axes_of_each_other_and_their_own_values() -> None:
+    blind, free = picture("circle"), picture("paper-slow")
+    for plot in ALL:
+        for a, b in ((blind, free), (free, blind)):
+            first, second = side_by_side.on_same_axes(plot, a, b)
+            assert first.axis == second.axis
+            np.testing.assert_array_equal(first.time, second.time)
+            np.testing.assert_array_equal(second.values, plot.draw(b).values)
+            own = plot.draw(a)
+            np.testing.assert_array_equal(first.values, comparison_curves.sampled_at(own.time, own.values, second.time))
+            for drawing in (first, second):
+                inside = np.isfinite(drawing.values) & (drawing.values > 0)
+                if plot.log and plot.name in ("position", "excitation"):
+                    np.testing.assert_array_equal(drawing.drawn[inside], drawing.values[inside])
+                    assert (drawing.drawn[drawing.values == 0] < drawing.axis[0]).all()
+
+
+def test_numbers_side_by_side_are_those_of_the_pictures(slow: Picture) -> None:
+    circle = picture("circle")
+    rows = {row.name: row[1:] for row in numbers.rows(slow, circle)}
+    assert rows["verdict"] == ("observable", "blind")
+    assert rows["quantities determined"] == ("13 of 13", "11 of 13")
+    assert rows["excitation condition"][0].startswith("✓ holds: derived μ")
+    assert rows["excitation condition"][1].startswith("✕ fails: derived μ 0 of")
+    assert numbers.title(slow, circle) == slow.preset.title
+    printed = compute(Settings(preset=slow.preset, printed=Printed(body_axes=True)))
+    assert numbers.title(printed, slow).endswith(", as printed")
+    assert numbers.title(slow, printed).endswith(", as derived")
+    assert "holds: printed μ" in numbers.rows(printed, slow)[0].a
 
 
 def test_what_a_plot_cannot_show_stays_outside_a_wider_axis() -> None:

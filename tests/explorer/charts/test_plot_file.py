@@ -141,6 +141,16 @@ def test_the_floor_is_drawn_and_a_curve_that_is_not_shown_is_not():
     assert (len(_patches(some, grey)), len(_patches(some, blue))) == (1, 0)
 
 
+def test_two_plots_side_by_side_are_one_picture_with_the_curves_of_both():
+    panels = []
+    for name in ("circle", "paper-slow"):
+        plot, example = ALL["position"], picture(name)
+        drawing = plot.draw(example)
+        panels.append(plot_file.Panel(plot, drawing, _columns(plot, drawing), _duration(example)))
+    root = ElementTree.fromstring(plot_file.picture(panels, "svg"))
+    assert len(_patches(root, ALL["position"].curves[0].color.lower())) == 2
+
+
 def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     charts, example, other = (

@@ -49,6 +49,7 @@ def dock(client: viser.ClientHandle) -> Dock:
     actions = SessionActions(
         restart_preset=_nothing,
         show_paper_figures=_nothing,
+        show_side_by_side=_nothing,
         download_preset=_nothing,
         send=_nothing_sent,
         notify=_nothing_shown,

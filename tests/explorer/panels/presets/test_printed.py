@@ -1,16 +1,23 @@
-"""The switches "as printed": one button shows a hover that the printed condition certifies."""
+"""The switches "as printed": one button shows the printed condition beside the derived one on a hover."""
 
 import pytest
 
+from explorer.model.settings import Printed
 from tests.support.waiting_visitor import Editing
 
 pytestmark = pytest.mark.slow
 
 
-def test_one_button_shows_the_false_certificate_of_a_hover(editing: Editing):
-    editing.press("Certify a hover, as printed")
+def test_one_button_shows_the_printed_condition_beside_the_derived_one(editing: Editing):
+    editing.press("Printed against derived, on a hover")
     assert editing.settings.origin == "turning-hover"
-    assert editing.settings.printed.excitation
-    assert editing.settings.printed.body_axes
-    editing.tab.wait_for_text("where the derived one is 0 — a false certificate")
-    assert "blind</b>" in editing.tab.text()
+    assert editing.settings.printed == Printed()
+    editing.tab.wait_for_text("Chosen otherwise (A → B): Printed signal φ: on → off; Excitation in body axes: on → off")
+    text = editing.tab.text()
+    assert "<td>✓ holds: printed μ 16 of 1 m²/s⁷</td><td>✕ fails: derived μ 0 of 1 m²/s⁷</td>" in text
+    assert "<td>5 of 13</td><td>5 of 13</td>" in text
+    pinned = editing.session.dock.compare.pinned
+    assert pinned is not None
+    assert pinned.settings.printed == Printed(excitation=True, body_axes=True)
+    editing.command("Unpin A")
+    editing.tab.wait_for_text("No run is pinned. “Pin this run as A” in the tab Compare keeps the run on the page.")
