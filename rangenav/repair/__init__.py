@@ -10,16 +10,17 @@ from collections.abc import Iterator
 
 import msgspec
 import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
 
 from rangenav import provenance
 from rangenav.certificate import Certificate, remedy
-from rangenav.certificate.figures import Figures, figures
+from rangenav.certificate.figures import figures
 from rangenav.inputs import require
 from rangenav.observability import blindness
-from rangenav.observability.derivative_bounds import UnboundedDerivativeError
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress, never, unheard
-from rangenav.repair import confirmed, path_changes, tones, ways_out
+from rangenav.repair import confirmed, long_flight, path_changes, tones, ways_out
 from rangenav.repair.change import KINDS, Change, ChangeKind
 from rangenav.repair.export_target import ExportTarget
 from rangenav.repair.outcome import (
@@ -79,9 +80,14 @@ def repair(
     _refuse_hopeless(preset, by, before)
     _refuse_unjudged(preset, by, before)
     searched, repeats = (preset, False) if target is None else (target.searched(preset), True)
+    why = long_flight.too_long(preset)
+    if why is not None:
+        solution = long_flight.certified_tones(searched, budget, target=target) if by == "tones" else None
+        if solution is None:
+            raise CannotRepairError(f"{by}: {why}; {long_flight.way_out(by)}")
+        return _confirmed(preset, by, *solution, budget)
     nearest_trials: list[Trial] = []
     refused: list[Refused] = []
-    _sampled(preset, by)
     for limited in _limited(searched, by, budget):
         solution = confirmed.smallest(
             _changes(limited, by, before.excitation.at, budget, repeats=repeats),
@@ -91,9 +97,7 @@ def repair(
             refused=refused,
         )
         if solution is not None:
-            change, theta = solution
-            after = changed_preset(change, theta, preset, REPAIRED)
-            return outcome(preset, after, by, change.description(theta), change.effort(theta), budget)
+            return _confirmed(preset, by, *solution, budget)
     reason = failure_reason(preset, by, budget, nearest_trials, refused)
     raise CannotRepairError(f"{reason}; {ways_out.ways_out(preset, by, before.excitation.at)}")
 
@@ -112,9 +116,10 @@ def improve(
     Raises CannotRepairError if the motion is blind, which is for `repair`, or if σ does not fall by a tenth.
     """
     require(by in KINDS, f"by must be one of {', '.join(KINDS)}, got {by}")
-    current, refused = _sampled(preset, by), path_changes.refusal(by, preset)
+    refused = path_changes.refusal(by, preset) or long_flight.too_long(preset)
     if refused is not None:
         raise CannotRepairError(f"{by}: {refused}")
+    current = figures(preset)
     if not np.isfinite(current.sigma):
         raise CannotRepairError(
             f"{by}: the motion is blind, so there is no predicted error to improve: repair it first"
@@ -135,14 +140,10 @@ def improve(
     )
 
 
-def _sampled(preset: Preset, by: ChangeKind) -> Figures:
-    """The figures of a preset on samples. Raises CannotRepairError where they, and those of any trial, are too much
-    work.
-    """
-    try:
-        return figures(preset)
-    except UnboundedDerivativeError as error:
-        raise CannotRepairError(f"{by}: {error}") from None
+def _confirmed(preset: Preset, by: ChangeKind, change: Change, theta: Float[Array, "n"], budget: Budget) -> Repair:
+    """The result of a change that a certificate has confirmed."""
+    after = changed_preset(change, theta, preset, REPAIRED)
+    return outcome(preset, after, by, change.description(theta), change.effort(theta), budget)
 
 
 def _kept(after: Preset, limited: Preset) -> bool:

@@ -1,7 +1,6 @@
 """The result of a repair: the changed preset with its certificate, or the reason why there is none."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import msgspec
@@ -12,7 +11,7 @@ from numpy import ndarray as Array
 from rangenav import certificate
 from rangenav import preset as presets
 from rangenav.certificate import Certificate
-from rangenav.certificate.figures import BLIND_MU, Figures, figures
+from rangenav.certificate.figures import BLIND_MU, Figures, demanded, excess
 from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
 from rangenav.repair.change import Change, ChangeKind
 from rangenav.repair.search import NOWHERE, Budget, Trial
@@ -88,11 +87,16 @@ def outcome(before: Preset, after: Preset, by: ChangeKind, description: str, eff
 
 
 def _certified(preset: Preset) -> Figures:
-    """The figures of a preset, with μ and σ from its certificate in place of the search's samples."""
+    """The figures of a preset, with μ and σ from its certificate and not from samples."""
     issued = certificate_of(preset)
     bound = issued.accuracy.bound
-    sigma = bound if isinstance(bound, float) else math.inf
-    return replace(figures(preset), mu=max(BLIND_MU, issued.excitation.found or 0.0), sigma=sigma)
+    demands = demanded(preset)
+    return Figures(
+        mu=max(BLIND_MU, issued.excitation.found or 0.0),
+        sigma=bound if isinstance(bound, float) else math.inf,
+        excess=excess(demands, preset.vehicle),
+        farthest=float(demands.anchor_distance.max()),
+    )
 
 
 def certificate_of(preset: Preset) -> Certificate:

@@ -144,13 +144,13 @@ def random_preset(kind: str, seed: int) -> Preset:
     )
     seen = analysis.sampled(p)
     sigma = seen.lifted_end.position if math.isfinite(seen.lifted_end.position) else 1.0
-    _, least, most, *required = SIZES[int(rng.choice(len(SIZES), p=[size[0] for size in SIZES]))]
+    _, least, most, lowest, highest = SIZES[int(rng.choice(len(SIZES), p=[size[0] for size in SIZES]))]
     wanted = 2 * seen.farthest * float(np.exp(rng.uniform(math.log(least), math.log(most))))
     noise = float(np.clip(0.1 * wanted / sigma, LEAST_NOISE, MOST_NOISE))  # σ is nearly proportional to it
     needed = Requirement(
         window=window,
         mu=max(1e-9, seen.mu * float(rng.uniform(0.5, 1.1))),
-        position_sigma=sigma * noise / 0.1 * float(rng.uniform(*required)),
+        position_sigma=sigma * noise / 0.1 * float(rng.uniform(lowest, highest)),
     )
     sensors = msgspec.structs.replace(p.sensors, noise=msgspec.structs.replace(p.sensors.noise, range=noise))
     return msgspec.structs.replace(p, requirement=needed, sensors=sensors)

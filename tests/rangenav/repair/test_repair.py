@@ -322,3 +322,16 @@ def test_tones_join_what_a_path_has():
     once = with_tones(LOOP, (tone,))
     assert once == Sum(base=LOOP, wiggle=Multisine(tones=(tone,)))
     assert with_tones(once, (tone,)) == Sum(base=LOOP, wiggle=Multisine(tones=(tone, tone)))
+
+
+def test_a_pause_in_a_flight_too_long_for_a_search_is_filled_by_tones_that_a_certificate_confirms():
+    moving = "(1 - exp(-((t - 305)/4)**32))"
+    path = Formula(x=f"{moving}*cos(16*t)", y=f"0.3*{moving}*sin(32*t + 0.3)", z=f"0.4*{moving}*sin(32*t - 0.3)")
+    needed = Requirement(window=6.0, mu=1000.0, position_sigma=5.0)
+    pausing = replace(preset.load("soft"), path=path, duration=900.0, vehicle=FREE, requirement=needed)
+    with pytest.raises(CannotRepairError, match=r"900 s is too long to be tried in hundreds of versions.*by tones"):
+        repair.repair(pausing, by="timescale")
+    found = repair.repair(pausing)
+    assert found.certificate.meets
+    assert found.evaluations <= 10
+    assert found.figures_before.sigma > 5.0
