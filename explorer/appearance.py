@@ -1,5 +1,7 @@
-"""What follows from the visitor's window: the widths of the docks, the sizes of the plots, dark or light, big type, and
-the layers of the scene that are shown. The page follows while the window changes."""
+"""What follows from the visitor's window: the widths of the docks, the sizes of the plots, which plots and tabs are in
+sight, dark or light, big type, and the layers of the scene that are shown. The page follows while it changes."""
+
+from dataclasses import replace
 
 import viser
 
@@ -7,6 +9,7 @@ from explorer.charts import Charts, plot_size
 from explorer.display import Display
 from explorer.model import layers
 from explorer.panels import dock
+from explorer.panels.dock import Dock
 from explorer.scene import Scene
 from explorer.web.door import Window
 
@@ -23,16 +26,25 @@ AROUND_SCENE = 140
 class Appearance:
     """The look of one visitor's page."""
 
-    def __init__(self, client: viser.ClientHandle, charts: Charts, scene: Scene, display: Display) -> None:
-        self._client, self._charts, self._scene, self._display = client, charts, scene, display
+    def __init__(
+        self, client: viser.ClientHandle, controls: Dock, charts: Charts, scene: Scene, display: Display
+    ) -> None:
+        self._client, self._controls, self._charts = client, controls, charts
+        self._scene, self._display = scene, display
         self._window: Window | None = None
         self._dark, self._controls_width = False, dock.WIDTH
 
     def follow(self, window: Window | None) -> None:
         """Take what the browser has reported last."""
-        if window is None or window == self._window:
+        if window is None:
             return
-        self._window = window
+        with self._client.atomic():
+            self._charts.see(window.plots)
+            self._controls.see(window.tabs)
+        looks = replace(window, plots=None, tabs=None)
+        if looks == self._window:
+            return
+        self._window = looks
         big = "big" in window.flags
         if self._dark != ("dark" in window.flags):
             self._dark = not self._dark

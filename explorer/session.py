@@ -178,7 +178,7 @@ class Session:
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
-        self._appearance = Appearance(client, self.charts, scene, self._display)
+        self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
         self._actions |= {"learn": lambda: self._open(LESSON)}
         with client.atomic():

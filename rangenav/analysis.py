@@ -16,7 +16,14 @@ from numpy import ndarray as Array
 
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.motion_analysis import Windows, farthest_from_anchor, motion_analysis, path_samples, sampled_windows
+from rangenav.motion_analysis import (
+    Windows,
+    farthest_from_anchor,
+    motion_analysis,
+    nonlinear_spectrum,
+    path_samples,
+    sampled_windows,
+)
 from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum, undetermined
 from rangenav.observability.accuracy import Accuracy
 from rangenav.observability.blindness import Direction
@@ -53,8 +60,8 @@ class Analysis:
     mu_floor: float
     """Excitation eigenvalues below it are rounding."""
     bound_for_all_t: float | None
-    """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period, or if no bound
-    above 0 is known."""
+    """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period, if no bound
+    above 0 is known, or if only sampled windows were computed."""
     gramian_at: float
     """s, where the window of least rank (and then least scaled singular value) starts."""
     gramian: Float[Array, "13"]
@@ -144,9 +151,12 @@ def analysis(
     window = requirement.window
     lifted = motion_analysis(path, world.gravity, duration, window)
     samples = path_samples(path, duration, window)
-    local = spectrum.local_spectra(samples, world.anchor)
-    k, j = lifted.worst, spectrum.worst(local)
-    windows = sampled_windows(samples, world, lifted, local, range_sigma, range_rate, arriving)
+    windows = sampled_windows(samples, world, lifted, range_sigma, range_rate, arriving)
+    k, worst = lifted.worst, lifted.worst_spectrum
+    j = spectrum.worst_of_triangles(
+        windows.local, window, time_powers=spectrum.NONLINEAR_TIME_POWERS, rounding=samples.rounding
+    )
+    local = nonlinear_spectrum(windows.local[[j]], window, samples.rounding)
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)
     of = accuracy.of_held(
@@ -163,17 +173,17 @@ def analysis(
         mu_at=lifted.least_at,
         excitation=lifted.least,
         mu_floor=excitation.floor(lifted.excitation),
-        bound_for_all_t=lifted.bound_for_all_t,
+        bound_for_all_t=None,
         gramian_at=float(lifted.start[k]),
-        gramian=lifted.spectrum.eigenvalues[k],
-        floor=float(lifted.spectrum.floor[k]),
+        gramian=worst.eigenvalues[0],
+        floor=float(worst.floor[0]),
         rank=rank,
         rounded=lifted.rounded,
-        tolerance=float(lifted.spectrum.tolerance[k] / lifted.spectrum.scaled[k, 0]),
+        tolerance=float(worst.tolerance[0] / worst.scaled[0, 0]),
         nonlinear_at=float(lifted.start[j]),
-        nonlinear=local.eigenvalues[j],
-        nonlinear_floor=float(local.floor[j]),
-        nonlinear_rank=int(local.rank[j]),
+        nonlinear=local.eigenvalues[0],
+        nonlinear_floor=float(local.floor[0]),
+        nonlinear_rank=int(local.rank[0]),
         directions=lifted.directions,
         accuracy_at=at,
         lifted_start=of.lifted_start,

@@ -66,11 +66,12 @@ def range_residuals(
     estimate: Estimate, range_time: Float[Array, "m"], ranges: Float[Array, "m"]
 ) -> tuple[float, float]:
     """RMS of |p̂| − d (m) over the third and the last quarter of the ranges; NaN where a quarter has none."""
-    k = np.clip(np.searchsorted(estimate.time, range_time, side="right") - 1, 0, None)
+    third, last = (j * len(ranges) // 4 for j in (2, 3))
+    k = np.clip(np.searchsorted(estimate.time, range_time[third:], side="right") - 1, 0, None)
     with np.errstate(over="ignore", invalid="ignore"):
-        off = np.linalg.norm(estimate.state[k][:, model.POSITION], axis=-1) - ranges
-        third, last = (off[j * len(off) // 4 : (j + 1) * len(off) // 4] for j in (2, 3))
-        before, after = (float(np.sqrt(np.mean(part**2))) if len(part) else math.nan for part in (third, last))
+        off = np.linalg.norm(estimate.state[:, model.POSITION][k], axis=-1) - ranges[third:]
+        parts = off[: last - third], off[last - third :]
+        before, after = (float(np.sqrt(np.mean(part**2))) if len(part) else math.nan for part in parts)
     return before, after
 
 

@@ -1,6 +1,6 @@
 """The sampled windows of a motion: excitation, Gramian and blind directions, and the accuracy that ranges allow."""
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -9,10 +9,12 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, blindness, excitation, reduced, rows, spectrum
+from rangenav.observability import accuracy, blindness, excitation, gramian_rank, reduced, rows, spectrum
 from rangenav.observability.blindness import Direction
 from rangenav.observability.continuation import continued
+from rangenav.observability.gramian_rank import Remainders
 from rangenav.observability.rows import PathSamples
+from rangenav.observability.spectrum import NONLINEAR_TIME_POWERS, Spectrum
 from rangenav.results import result
 from rangenav.signals import Signal
 
@@ -27,49 +29,96 @@ CACHED, CACHED_SAMPLES = 8, 2
 
 
 @result
-class Windows:
-    """Observability over sliding windows [start, start + window]."""
-
-    start: Float[Array, "w"]
-    """s"""
-    window: float
-    excitation: Float[Array, "w 3"]
-    """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
-    gramian: Float[Array, "w 13"]
-    """Eigenvalues of the lifted Gramian (1/δ)∫, ascending, SI."""
-    floor: Float[Array, "w"]
-    """Gramian eigenvalues below it are rounding."""
-    scaled: Float[Array, "w 13"]
-    """Scaled singular values, descending."""
-    rank: Int[Array, "w"]
-    nonlinear: Float[Array, "w 9"]
-    """Eigenvalues of the nonlinear Gramian, ascending, SI."""
-    nonlinear_floor: Float[Array, "w"]
-    nonlinear_rank: Int[Array, "w"]
-    sigma_lifted: Float[Array, "w"]
-    """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
-    sigma_nonlinear: Float[Array, "w"]
-
-
-@result
 class MotionAnalysis:
     """The part of an analysis that depends on neither anchor nor sensors."""
 
     start: Float[Array, "w"]
-    spectrum: spectrum.Spectrum
+    remainders: Remainders
+    """Of the lifted rows in each window: all that its spectra follow from."""
+    rounding: float
+    """The absolute rounding error of the lifted rows."""
     excitation: Float[Array, "w 3"]
     worst: int
     """Index of the window of least rank, and then of least scaled singular value."""
+    worst_spectrum: Spectrum
+    """Of that window alone."""
     rank: int
     """Its rank: what is computed, or what a longer window shows, if that is below 13."""
     rounded: bool
     """Whether its rank is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
     least: Float[Array, "3"]
     least_at: float
-    bound_for_all_t: float | None
     directions: tuple[Direction, ...]
     reduced_min: float
     reduced_floor: float
+
+    @cached_property
+    def spectrum(self) -> Spectrum:
+        """Of every window. Only plots need it, and it takes three times as long as all that the verdict needs of it."""
+        return spectrum.of_remainders(self.remainders, rounding=self.rounding)
+
+
+@result
+class Windows:
+    """Observability over sliding windows [start, start + window]; spectra are computed when they are read first."""
+
+    start: Float[Array, "w"]
+    """s"""
+    window: float
+    excitation: Float[Array, "w 3"]
+    """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
+    sigma_lifted: Float[Array, "w"]
+    """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
+    sigma_nonlinear: Float[Array, "w"]
+    lifted: MotionAnalysis
+    local: Float[Array, "w r 9"]
+    """R of the weighted rows of the nonlinear Gramian."""
+    local_rounding: float
+    """Their absolute rounding error."""
+
+    @property
+    def rank(self) -> Int[Array, "w"]:
+        """Of the 13 functions of each window."""
+        return self.lifted.remainders.rank
+
+    @property
+    def gramian(self) -> Float[Array, "w 13"]:
+        """Eigenvalues of the lifted Gramian (1/δ)∫, ascending, SI."""
+        return self.lifted.spectrum.eigenvalues
+
+    @property
+    def floor(self) -> Float[Array, "w"]:
+        """Gramian eigenvalues below it are rounding."""
+        return self.lifted.spectrum.floor
+
+    @property
+    def scaled(self) -> Float[Array, "w 13"]:
+        """Scaled singular values, descending."""
+        return self.lifted.spectrum.scaled
+
+    @property
+    def nonlinear(self) -> Float[Array, "w 9"]:
+        """Eigenvalues of the nonlinear Gramian, ascending, SI."""
+        return self._nonlinear_spectrum.eigenvalues
+
+    @property
+    def nonlinear_floor(self) -> Float[Array, "w"]:
+        """Eigenvalues of the nonlinear Gramian below it are rounding."""
+        return self._nonlinear_spectrum.floor
+
+    @property
+    def nonlinear_rank(self) -> Int[Array, "w"]:
+        """Of 9."""
+        return self._nonlinear_spectrum.rank
+
+    @cached_property
+    def _nonlinear_spectrum(self) -> Spectrum:
+        return nonlinear_spectrum(self.local, self.window, self.local_rounding)
+
+
+def nonlinear_spectrum(R: Float[Array, "w r 9"], window: float, rounding: float) -> Spectrum:
+    """Spectra of the nonlinear Gramian of windows whose triangles are known."""
+    return spectrum.of_triangles(R, window, time_powers=NONLINEAR_TIME_POWERS, rounding=rounding)
 
 
 @lru_cache(maxsize=CACHED_SAMPLES)
@@ -82,27 +131,29 @@ def path_samples(path: Signal, duration: float, window: float) -> PathSamples:
 def motion_analysis(path: Signal, gravity: Vec3, duration: float, window: float) -> MotionAnalysis:
     """Excitation, Gramian and blind directions, which depend on path, gravity and window only."""
     samples = path_samples(path, duration, window)
-    start, gramians = samples.start, spectrum.lifted_spectra(samples, gravity)
-    k = spectrum.worst(gramians)
+    start, of = samples.start, gramian_rank.of(samples, gravity, samples.weight, "start")
+    k = spectrum.worst_of_remainders(of)
+    worst = spectrum.of_remainders(of.some(np.array([k])), rounding=samples.rounding)
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
     values, axes = excitation.directions(path, float(start[k]), window)
-    computed = int(gramians.rank[k])
+    computed = int(worst.rank[0])
     known = continued(path, gravity, float(start[k]), window, duration, computed)
     rounded = known.rank == STATES > computed
-    null_basis = spectrum.null_basis(gramians, k)
+    null_basis = spectrum.null_basis(worst, 0)
     if known.window > window:
         null_basis = spectrum.null_basis(spectrum.window_spectra(path, gravity, start[[k]], known.window), 0)
     reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
     return MotionAnalysis(
         start=start,
-        spectrum=gramians,
+        remainders=of,
+        rounding=samples.rounding,
         excitation=excitation.eigenvalues(path, start, window),
         worst=k,
+        worst_spectrum=worst,
         rank=computed if rounded else known.rank,
         rounded=rounded,
         least=least,
         least_at=least_at,
-        bound_for_all_t=excitation.bound_for_all_t(path, window),
         directions=() if rounded else blindness.directions(null_basis, values, axes),
         reduced_min=reduced_min,
         reduced_floor=reduced_floor,
@@ -116,13 +167,7 @@ def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:
 
 
 def sampled_windows(
-    samples: PathSamples,
-    world: World,
-    lifted: MotionAnalysis,
-    local: spectrum.Spectrum,
-    sigma: float,
-    rate: float,
-    share: float,
+    samples: PathSamples, world: World, lifted: MotionAnalysis, sigma: float, rate: float, share: float
 ) -> Windows:
     """What every sampled window has, with the accuracy that ranges of noise sigma (m) and rate (Hz) allow.
 
@@ -136,13 +181,9 @@ def sampled_windows(
         start=lifted.start,
         window=samples.window,
         excitation=lifted.excitation,
-        gramian=lifted.spectrum.eigenvalues,
-        floor=lifted.spectrum.floor,
-        scaled=lifted.spectrum.scaled,
-        rank=lifted.spectrum.rank,
-        nonlinear=local.eigenvalues,
-        nonlinear_floor=local.floor,
-        nonlinear_rank=local.rank,
         sigma_lifted=end_position("lifted"),
         sigma_nonlinear=end_position("nonlinear"),
+        lifted=lifted,
+        local=spectrum.local_triangles(samples, world.anchor),
+        local_rounding=samples.rounding,
     )

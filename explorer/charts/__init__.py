@@ -32,7 +32,7 @@ GROUP_TITLES = {group.title: {plot.name: plot.title for plot in group.plots} for
 PLOTS = {plot.name: plot for group in plot_list.GROUPS for plot in group.plots}
 TITLES = {name: plot.title for name, plot in PLOTS.items()}
 """The title of each plot, by the plot's name."""
-SLOW = {plot.name for group in plot_list.GROUPS if group.slow for plot in group.plots}
+SLOW = frozenset(plot.name for group in plot_list.GROUPS if group.slow for plot in group.plots)
 """The plots that follow when nothing has changed for a moment."""
 EXCITATION = "excitation"
 BESIDE = "-beside"
@@ -80,6 +80,9 @@ class Charts:
         self._picture: Picture | None = None
         self._comparison = NOTHING
         self._time, self._cursor_drawn = 0.0, Drawn()
+        self._in_sight: frozenset[str] | None = None
+        self._settled = False
+        """Whether the slow groups may be drawn: nothing has changed for a moment."""
         self._switched_off: dict[str, set[int]] = {name: set() for name in TITLES}
         self._pointer.add_to(client.gui)  # outside the panels: one that is folded has nothing in the page
         self._live = client.gui.add_html("")
@@ -124,6 +127,28 @@ class Charts:
         """The charts of all panels and tabs."""
         return [chart for panel in self._panels for chart in panel.charts]
 
+    def see(self, names: frozenset[str] | None) -> None:
+        """Draw the plots of these names alone from now on, because no other is in sight; None for all plots. What comes
+        into sight is drawn at once."""
+        if names == self._in_sight:
+            return
+        self._in_sight = names
+        if self._picture is not None:
+            self._draw_in_sight(self._picture)
+            self.cursor(self._picture, self._time)
+
+    def _take(self, picture: Picture) -> None:
+        if picture is not self._picture or not self._settled:
+            for panel in self._panels:
+                panel.mark_outdated()
+        self._picture = picture
+        self._draw_in_sight(picture)
+
+    def _draw_in_sight(self, picture: Picture) -> None:
+        for panel in self._panels:
+            panel.draw(picture, self._comparison, in_sight=self._in_sight, settled=self._settled)
+        self._cursor_drawn.forget()
+
     @property
     def actions(self) -> dict[str, Callable[[], None]]:
         """What the buttons of the plots do, by the names that they send."""
@@ -166,22 +191,19 @@ class Charts:
 
     def draw(self, picture: Picture, comparison: Comparison = NOTHING, *, time: float | None = None) -> None:
         """Show another picture and the runs compared with it; the cursor moves to a time (s), or stays."""
-        self._picture, self._comparison = picture, comparison
-        for panel in self._panels:
-            panel.draw(picture, comparison)
+        self._comparison, self._settled = comparison, False
+        self._take(picture)
         if self._over is not None and self._over.plot.name not in SLOW:
             self._draw_over()
-        self._cursor_drawn.forget()
         self.cursor(picture, self._time if time is None else time)
 
     def draw_details(self, picture: Picture) -> None:
         """Show the slow groups, which take as long to compute as all others together; called when nothing has changed
         for a moment."""
-        for panel in self._panels:
-            panel.draw_details(picture, self._comparison)
+        self._settled = True
+        self._take(picture)
         if self._over is not None and self._over.plot.name in SLOW:
             self._draw_over()
-        self._cursor_drawn.forget()
         self.cursor(picture, self._time)
 
     def cursor(self, picture: Picture, time: float) -> None:
@@ -195,7 +217,8 @@ class Charts:
         values_at = time if pointed is None else pointed * duration
         hovered = None if pointed is None else (pointed, f"{pointed * duration:.2f} s")
         fraction, window = float(np.clip(time / duration, 0.0, 1.0)), cursor_values.window_at(picture, time)
-        charts = (*self.charts, *(self._over.charts if isinstance(self._over, SideBySide) else ()))
+        in_sight = (chart for chart in self.charts if chart.is_among(self._in_sight))
+        charts = (*in_sight, *(self._over.charts if isinstance(self._over, SideBySide) else ()))
         values = [entry for chart in charts for entry in chart.legend_values(values_at)]
         status = cursor_values.status_line(picture, time)
         self._live.content = markup.live_style(fraction, window, values, status, hovered)
@@ -226,6 +249,8 @@ class Charts:
                 raise ValueError("two runs side by side are not shown: “Show A and B side by side” in the tab Compare")
             return partial(plot_file.picture, self._over.panels(), kind)
         chart = next((chart for chart in self.charts if chart.plot.name == name), None)
+        if chart is not None and chart.outdated and self._picture is not None and (self._settled or name not in SLOW):
+            chart.draw(self._picture, self._comparison)  # it was out of sight
         if chart is None or chart.drawing is None:
             raise ValueError(f"there is no plot {name!r} yet")
         if chart.outdated:

@@ -56,17 +56,16 @@ class Chart:
     changes, because each description rebuilds the chart in the browser."""
     bands: tuple[tuple[int, int], ...] = ()
     outdated: bool = True
-    """Whether it shows an earlier picture, or none."""
+    """Whether it may show an earlier picture, or none."""
     _drawn: Drawn = field(default_factory=Drawn)
     _legend_drawn: Drawn = field(default_factory=Drawn)
     _legend: list[tuple[str, str]] = field(default_factory=list)
 
     def draw(self, picture: Picture, comparison: Comparison) -> None:
         """Assign the curves if an input of the plot has changed; axes and legend only when they have changed."""
-        changed = self._drawn.changed(*self._inputs(picture, comparison))
-        if not (changed or self.outdated):
-            return
         self.outdated = False
+        if not self._drawn.changed(*self._inputs(picture, comparison)):
+            return
         self.pinned = comparison_curves.pinned(self.base, comparison.pinned, self.pinned)
         plot, drawing = comparison_curves.with_comparison(self.base, picture, comparison, self.pinned)
         if plot.curves != self.plot.curves:  # other runs are compared: their columns are new
@@ -85,6 +84,10 @@ class Chart:
         own = (picture,) if self.base.inputs is None else (attrgetter(name)(picture) for name in self.base.inputs)
         candidates = (one for baseline in comparison.baselines for one in baseline)
         return picture.motion, *own, comparison.pinned, comparison.seeds, *candidates
+
+    def is_among(self, names: frozenset[str] | None) -> bool:
+        """Whether it is one of the plots of these names; None stands for all plots."""
+        return names is None or self.base.name in names
 
     def restyle(self, style: ChartStyle) -> None:
         """Draw it in another size."""

@@ -1,4 +1,5 @@
-"""A dock panel of plots, with a tab for each group of plots. Slow groups are drawn only when nothing changes."""
+"""A dock panel of plots, with a tab for each group of plots. Slow groups are drawn only when nothing changes, and all
+plots only while they are in sight."""
 
 from dataclasses import dataclass
 
@@ -54,22 +55,24 @@ class PlotPanel:
             self._add_tab(group)
         self.panel.dock_left()
 
-    def draw(self, picture: Picture, comparison: Comparison) -> None:
-        """Draw the fast groups; mark the slow ones as outdated."""
+    def mark_outdated(self) -> None:
+        """Let every plot follow when it is drawn next."""
+        for chart in self.charts:
+            chart.outdated = True
+
+    def draw(self, picture: Picture, comparison: Comparison, *, in_sight: frozenset[str] | None, settled: bool) -> None:
+        """Draw the outdated plots of the names that are `in_sight`, or of all names; slow groups only if nothing has
+        changed for a moment (`settled`)."""
         for group, charts, texts in zip(self._groups, self._charts, self._texts, strict=True):
-            if group.slow:
+            outdated = [chart for chart in charts if chart.outdated and chart.is_among(in_sight)]
+            if outdated and group.slow and not settled:
                 for text in texts:
                     text.mark_outdated()
-                for chart in charts:
-                    chart.outdated = True
-            else:
-                _draw_group(picture, comparison, charts, texts)
-
-    def draw_details(self, picture: Picture, comparison: Comparison) -> None:
-        """Draw the slow groups."""
-        for group, charts, texts in zip(self._groups, self._charts, self._texts, strict=True):
-            if group.slow:
-                _draw_group(picture, comparison, charts, texts)
+            elif outdated:
+                for chart in outdated:
+                    chart.draw(picture, comparison)
+                for text in texts:
+                    text.draw(picture)
 
     def restyle(self, style: ChartStyle) -> None:
         """Draw all plots in another size."""
@@ -98,10 +101,3 @@ class PlotPanel:
             self._charts.append(
                 [add_chart(self._client, plot, self._style, self._switched_off[plot.name]) for plot in group.plots]
             )
-
-
-def _draw_group(picture: Picture, comparison: Comparison, charts: list[Chart], texts: list[GroupText]) -> None:
-    for chart in charts:
-        chart.draw(picture, comparison)
-    for text in texts:
-        text.draw(picture)

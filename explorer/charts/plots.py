@@ -68,8 +68,8 @@ class Plot:
     draw: Callable[[Picture], Drawing]
     definition: definitions.Definition
     inputs: tuple[str, ...] | None = None
-    """What `draw` reads of a picture, besides its time axis: while all of it stays as it is, nothing is drawn. None for
-    a plot that is always drawn."""
+    """What `draw` reads of a picture, besides its motion and what is computed from both at its first use: while all of
+    it stays as it is, nothing is drawn. None for a plot that is always drawn."""
     log: bool = True
     pinned_curves: tuple[int, ...] = (0,)
     """The columns that the pinned run A repeats."""

@@ -4,7 +4,7 @@ motion        <- path, angular velocity, world, duration, rate
 breaks        <- motion's inputs, vehicle
 gramian       <- path, gravity, window            (not attitude, not gains, not the anchor)
 accuracy      <- gramian's inputs, anchor, sensors
-printed       <- path, angular velocity, world, window
+printed       <- path, angular velocity, world, window; computed at its first use
 measurements  <- motion's inputs, sensors, seed
 estimate      <- measurements' inputs, gains, guess
 details       <- see `details`; computed at its first use
@@ -52,16 +52,10 @@ class Picture:
     limits: Limits
     breaks: tuple[Break, ...]
     """The vehicle limits that the motion exceeds, first the one that it exceeds for longest."""
-    phi: Float[Array, "n 3"]
-    """Rᵀp⁗ (m/s⁴), body axes."""
-    phi_printed: Float[Array, "n 3"]
-    """The printed φ, body axes."""
     analysis: Analysis
     """Spectra over sliding windows, the worst of them, blind directions, accuracy and verdict (derived forms).
 
     `proven` puts the worst of all windows in place of the worst sampled ones."""
-    printed_excitation: Float[Array, "w 3"]
-    """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
     measurements: Measurements
     estimate: cascade.Estimate
     errors: Errors
@@ -73,6 +67,21 @@ class Picture:
     """s, slowest first; under the printed switch twice as long."""
     reduced_min: float
     """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
+
+    @cached_property
+    def phi(self) -> Float[Array, "n 3"]:
+        """Rᵀp⁗ (m/s⁴), body axes. Computed at its first use, as all that few plots show."""
+        return _phi(truth_inputs(self.preset))[0]
+
+    @cached_property
+    def phi_printed(self) -> Float[Array, "n 3"]:
+        """The printed φ, body axes."""
+        return _phi(truth_inputs(self.preset))[1]
+
+    @cached_property
+    def printed_excitation(self) -> Float[Array, "w 3"]:
+        """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
+        return _printed_excitation(truth_inputs(self.preset), self.preset.requirement.window, self.settings.printed)
 
     @cached_property
     def details(self) -> Details:
@@ -96,7 +105,6 @@ def compute(settings: Settings) -> Picture:
     """Compute everything the page draws. Raises ValueError with one sentence if no picture is possible."""
     p, printed = effective(settings), settings.printed
     inputs, analysis = truth_inputs(p), sampled(p)
-    phi, phi_printed = _phi(inputs)
     outcome, position = _observed(
         inputs, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
     )
@@ -106,10 +114,7 @@ def compute(settings: Settings) -> Picture:
         motion=record.simulated(inputs).motion,
         limits=_limits(inputs),
         breaks=_breaks(inputs, p.vehicle),
-        phi=phi,
-        phi_printed=phi_printed,
         analysis=analysis,
-        printed_excitation=_printed_excitation(inputs, p.requirement.window, printed),
         measurements=record.measured(inputs, p.sensors, p.seed),
         estimate=outcome.estimate,
         errors=outcome.errors,

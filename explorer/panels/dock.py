@@ -18,6 +18,7 @@ from explorer.panels.gains import GainsPanel
 from explorer.panels.gains.basin import BasinPanel
 from explorer.panels.gains.guess import GuessPanel
 from explorer.panels.gains.tuning import TuningPanel
+from explorer.panels.kept import Kept
 from explorer.panels.legend import add_legend
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.presets.bundle import BundlePanel
@@ -60,6 +61,9 @@ class Dock:
         self._chosen: Settings | InvalidInputError | ValueError
         self._others: Settings | None = None
         """What all panels but that of the gains held when they were last read; None if that may have changed."""
+        self._open_tabs: frozenset[str] | None = None
+        self._behind: dict[str, Picture] = {}
+        """The picture that each closed tab is to show when it is opened."""
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         self._jobs, self._undo = jobs, UndoPanel(form, history, self, session_actions.notify)
@@ -81,16 +85,24 @@ class Dock:
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
         with tabs.add_tab("World"):
+            count = len(form.sections)
             self.world = WorldPanel(form, self.relabel_axes)
+            self._world = Kept(self.world, frozenset(form.sections[count:]))
             self.twin = TwinPanel(form)
+            count = len(form.sections)
             self.vehicle = VehiclePanel(form)
+            self._vehicle = Kept(self.vehicle, frozenset(form.sections[count:]))
         with tabs.add_tab("Sensors"):
+            count = len(form.sections)
             self.sensors = sensors.SensorsPanel(form)
+            self._sensors = Kept(self.sensors, frozenset(form.sections[count:]))
         with tabs.add_tab("Gains"):
             others = len(form.sections)
             self.gains = GainsPanel(form)
             self._of_gains = frozenset(form.sections[others:])
+            count = len(form.sections)
             self.guess = GuessPanel(form)
+            self._guess = Kept(self.guess, frozenset(form.sections[count:]))
             self.tuning = TuningPanel(form, self, jobs)
             self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
@@ -149,7 +161,10 @@ class Dock:
         touched = self.form.take_touched()
         if self._others is None or touched is None or not touched <= self._of_gains:
             self._others = None  # until all of them are valid
-            for panel in (self.motion, self.sensors, self.world, self.vehicle, self.guess, self.twin):
+            kept = self._sensors, self._world, self._vehicle, self._guess
+            for panel in kept:
+                panel.touch(touched)
+            for panel in (self.motion, *kept, self.twin):
                 panel.refresh()
             self._others = self._without_gains()
         self.gains.refresh(self._others)
@@ -157,7 +172,7 @@ class Dock:
 
     def _without_gains(self) -> Settings:
         """What all panels but that of the gains hold."""
-        motion_choice, sensor_choice = self.motion.read(), self.sensors.read()
+        motion_choice, sensor_choice = self.motion.read(), self._sensors.value
         preset = msgspec.structs.replace(
             self._settings.preset,
             path=motion_choice.path,
@@ -165,11 +180,11 @@ class Dock:
             initial_rotation=motion_choice.initial_rotation,
             duration=motion_choice.duration,
             requirement=msgspec.structs.replace(self._settings.preset.requirement, window=motion_choice.window),
-            world=self.world.read(),
-            vehicle=self.vehicle.read(),
+            world=self._world.value,
+            vehicle=self._vehicle.value,
             sensors=sensor_choice.sensors,
             seed=sensor_choice.seed,
-            guess=self.guess.read(),
+            guess=self._guess.value,
         )
         return Settings(
             origin=self._settings.origin,
@@ -206,6 +221,7 @@ class Dock:
             for panel in self.belonging:
                 panel.forget_preset()
         self._settings, self._others = settings, None
+        self.form.touch()
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.MotionChoice.of(settings), motion.MotionChoice.of(original), settings.drafts)
@@ -234,14 +250,26 @@ class Dock:
         self._proofs.cancel()
         self.verdict.draw(picture)
         self.motion.draw(picture.settings.time_scale)
-        self.vehicle.draw(picture)
-        self.gains.draw(picture)
-        self.guess.draw(picture)
+        self._behind = dict.fromkeys(("world", "gains"), picture)
+        self._draw_open_tabs()
         self.tuning.draw(picture)
         self.basin.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
         self.bundle.draw(picture)
+
+    def see(self, tabs: frozenset[str] | None) -> None:
+        """Draw what follows from a picture in these tabs alone from now on; None for all tabs. A tab that is opened is
+        drawn at once."""
+        self._open_tabs = tabs
+        self._draw_open_tabs()
+
+    def _draw_open_tabs(self) -> None:
+        """Draw what takes a while in the open tabs that show an earlier picture."""
+        for tab in [tab for tab in self._behind if self._open_tabs is None or tab in self._open_tabs]:
+            picture = self._behind.pop(tab)
+            for panel in (self.vehicle,) if tab == "world" else (self.gains, self.guess):
+                panel.draw(picture)
 
     @property
     def actions(self) -> dict[str, Action]:
@@ -286,6 +314,7 @@ class Dock:
     def move_anchor(self, position: Vec3) -> None:
         """Move the anchor, as a drag does."""
         self._others = None
+        self._world.touch(None)
         self.world.move_anchor(position)
 
     def _base(self, settings: Settings) -> Preset:

@@ -75,14 +75,19 @@ def scene_bounds(picture: Picture) -> SceneBounds:
     height = float((points @ up).min() - centre @ up)
     return SceneBounds(
         centre=centre,
-        radius=radius,
-        unit=radius * max(share, MIN_UNIT_SHARE),
+        radius=stepped(radius),
+        unit=stepped(radius * max(share, MIN_UNIT_SHARE)),
         up=up,
         ground=centre + height * up,
-        cell=round_step(radius / 4),
+        cell=round_step(stepped(radius) / 4),
         view_centre=(centre + anchor) / 2,
         view_radius=max(radius, SPHERE_SHARE * float(np.linalg.norm(path - anchor, axis=1).max())),
     )
+
+
+def stepped(length: float) -> float:
+    """The next length, upwards, in ratios of 2^(1/8): the nodes keep their sizes while a path changes a little."""
+    return 2.0 ** (math.ceil(8 * math.log2(length) - 1e-9) / 8)
 
 
 def round_step(length: float) -> float:

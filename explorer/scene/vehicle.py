@@ -58,7 +58,7 @@ class Vehicle:
 
     def fit(self, bounds: SceneBounds, shape: airframe.Shape) -> None:
         """Take the sizes of a scene and the shape of a vehicle. It stands upright when R = I."""
-        if not self._fitted.changed(bounds, shape):
+        if not self._fitted.changed(bounds.unit, *bounds.up.tolist(), shape):
             return
         if shape != self._shape:
             self._shape = shape

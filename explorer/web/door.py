@@ -3,7 +3,8 @@
 viser 1.1.1 reports none of it. A script in the page (page.js) writes it into a hidden text box, as if it were typed
 there, and brings the style sheet (page.css) along. The text is a query string:
 
-    width=1366&height=768&flags=dark+unfolded&switched=sphere&query=preset%3Dhover&event=1712345678901:repair
+    width=1366&height=768&flags=dark+unfolded&switched=sphere&plots=snap&tabs=motion&query=preset%3Dhover
+    &event=1712345678901:repair
 
 A browser may write anything: what does not have this form is ignored.
 """
@@ -48,6 +49,10 @@ class Window:
     """dark, big, unfolded, welcomed, …: what the visitor, the system or the address has chosen."""
     switched: frozenset[str] = field(default=frozenset())
     """Layers of the scene that the visitor has switched, off or on."""
+    plots: frozenset[str] | None = None
+    """The names of the plots in sight; None if the browser has not said which."""
+    tabs: frozenset[str] | None = None
+    """The open tabs by their labels, as "in-depth"; None if the browser has not said which."""
     query: str = ""
     """What follows the question mark in the address."""
 
@@ -95,6 +100,8 @@ class Door:
                 height=int(height),
                 flags=_names(said.get("flags", [""])[0]),
                 switched=_names(said.get("switched", [""])[0]),
+                plots=_names(said["plots"][0]) if "plots" in said else None,
+                tabs=_names(said["tabs"][0]) if "tabs" in said else None,
                 query=said.get("query", [""])[0],
             )
             for event in said.get("event", []):

@@ -1,10 +1,13 @@
 // Runs in the visitor's browser (viser 1.1.1). It keeps what only the browser knows, and reports it to the session.
 //
-//   width=1366&height=768&flags=dark+unfolded&switched=sphere&query=preset%3Dhover&event=1712345678901:repair
+//   width=1366&height=768&flags=dark+unfolded&switched=sphere&plots=snap&tabs=motion&query=preset%3Dhover
+//   &event=1712345678901:repair
 //
 // flags    choices that are kept in localStorage: they are classes of the page's root element, so that the style sheet
 //          follows without a round trip
 // switched layers of the scene that were switched, off or on
+// plots    plots in sight, or "none": those of closed tabs and of a folded panel have no box on the page
+// tabs     open tabs, by their labels
 // event    buttons pressed in the last second, each with a number of its own: viser drops all but the last input of 50 ms
 //
 // A button of the page's own HTML names what it does:
@@ -20,7 +23,7 @@
   const query = location.search.slice(1);
   const asked = new URLSearchParams(query), present = asked.has('present');
   let welcomed = SKIP_WELCOME || asked.has('preset');  // whoever asks for a preset is not held up by the card
-  let kept = {flags: [], switched: []}, events = [], last = '', stamp = 0;
+  let kept = {flags: [], switched: []}, events = [], last = '', stamp = 0, plots = 'none', tabs = 'none';
   try { kept = {...kept, ...JSON.parse(localStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
   const keep = () => {
     try { localStorage.setItem(KEY, JSON.stringify(kept)); } catch (refused) { console.info(String(refused)); }
@@ -57,6 +60,7 @@
     events = events.filter(event => Date.now() - parseInt(event) < 1000);
     const text = new URLSearchParams([
       ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['switched', kept.switched.join(' ')],
+      ['plots', plots], ['tabs', tabs],
       ['query', query], ...events.map(event => ['event', event]),
     ]).toString();
     if (text === last && !again) return;
@@ -97,6 +101,16 @@
   dark.addEventListener('change', () => { show(); report(); });
   let later = 0;
   addEventListener('resize', () => { clearTimeout(later); later = setTimeout(report, 200); });
+
+  // viser reports neither which tabs are open nor which panel is folded
+  const look = () => {
+    const boxes = [...document.querySelectorAll('[data-plot]')].filter(plot => plot.getClientRects().length);
+    const seen = boxes.map(plot => plot.dataset.plot).join(' ') || 'none';
+    const chosen = [...document.querySelectorAll('[role=tab][aria-selected=true]')];
+    const open = chosen.map(tab => tab.textContent.trim().toLowerCase().replaceAll(' ', '-')).join(' ') || 'none';
+    if (seen !== plots || open !== tabs) { plots = seen; tabs = open; report(); }
+  };
+  setInterval(look, 100);
 
   // What the docks leave to the scene: the verdict lies above it, and the timeline below it.
   const fit = () => {

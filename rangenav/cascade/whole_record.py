@@ -62,8 +62,9 @@ def attitudes(
 
 def ranges_at_imu_rate(measurements: Measurements, sensors: Sensors) -> bool:
     """Whether the symmetric scheme applies: every range on an IMU stamp, at the IMU's rate. Gaps do not matter."""
-    on_stamp = bool(np.isin(measurements.range_time, measurements.time).all())
-    return on_stamp and sensors.range_rate == sensors.imu_rate
+    if sensors.range_rate != sensors.imu_rate:
+        return False
+    return bool(np.isin(measurements.range_time, measurements.time).all())
 
 
 def _first_sample(z: Measurements) -> Sample:

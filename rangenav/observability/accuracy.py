@@ -105,23 +105,29 @@ def of_held(
     tau = np.arange(first, last + 1)[None] / rate - start
     samples = rows.sample_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
 
-    def of(kind: Problem, at: Moment) -> Accuracy:
-        return of_ranges(samples, world, sigma=sigma, kind=kind, at=at, share=share)
+    count = np.full(tau.shape, share)
 
+    def nonlinear(at: Moment) -> Accuracy:
+        return _accuracy(sigmas(samples, count, world, sigma=sigma, kind="nonlinear", at=at))
+
+    at_start, at_end = _lifted_at_both_ends(samples, count, world, sigma)
     return FourAccuracies(
-        lifted_start=of("lifted", "start"),
-        lifted_end=of("lifted", "end"),
-        nonlinear_start=of("nonlinear", "start"),
-        nonlinear_end=of("nonlinear", "end"),
+        lifted_start=_accuracy(at_start),
+        lifted_end=_accuracy(at_end),
+        nonlinear_start=nonlinear("start"),
+        nonlinear_end=nonlinear("end"),
     )
+
+
+def _accuracy(values: Float[Array, "1 3"]) -> Accuracy:
+    return Accuracy(position=float(values[0, 0]), velocity=float(values[0, 1]), gravity=float(values[0, 2]))
 
 
 def of_ranges(
     samples: PathSamples, world: World, *, sigma: float, kind: Problem, at: Moment, share: float = 1.0
 ) -> Accuracy:
     """Accuracy from one range, with noise sigma (m), at each sample of one window, or from a share of these ranges."""
-    values = sigmas(samples, np.full(samples.tau.shape, share), world, sigma=sigma, kind=kind, at=at)[0]
-    return Accuracy(position=float(values[0]), velocity=float(values[1]), gravity=float(values[2]))
+    return _accuracy(sigmas(samples, np.full(samples.tau.shape, share), world, sigma=sigma, kind=kind, at=at))
 
 
 def end_sigmas(
@@ -150,7 +156,14 @@ def along(
     """
     count = samples.weight * (share * samples.window * rate)
     count[:, [0, -1]] = 0.5 * share
-    return sigmas(samples, count, world, sigma=sigma, kind=kind, at="end")
+    if kind == "nonlinear":
+        return sigmas(samples, count, world, sigma=sigma, kind=kind, at="end")
+    of = gramian_rank.of(samples, world.gravity, _lifted_weight(samples, count, world, _noise(sigma)), "end")
+    inner, counts = gramian_rank.regular(of)
+    result = _norms(of, inner)
+    if not counts.all():
+        result[~counts] = _lifted_sigmas(of.some(~counts))
+    return result if sigma > 0 else result * 0.0
 
 
 def sigmas(
@@ -159,12 +172,13 @@ def sigmas(
     """sqrt(trace) of the position, velocity and gravity blocks of each window, from `count` ranges at each time."""
     if kind == "lifted" and samples.tau.shape[1] < LEAST_RANGES:
         return np.full((len(samples.start), 3), np.nan)
-    distance2 = np.sum((samples.position - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
-    noise = sigma if sigma > 0 else 1.0  # without noise every determined block is exact: computed for 1 m, then zero
+    noise = _noise(sigma)
     if kind == "lifted":
-        weight = count / (distance2 * noise**2 + noise**4 / 2)
-        result = _lifted_sigmas(gramian_rank.of(samples, world.gravity, weight, at))
+        result = _lifted_sigmas(
+            gramian_rank.of(samples, world.gravity, _lifted_weight(samples, count, world, noise), at)
+        )
     else:
+        distance2 = _squared_distance(samples, world)
         near = distance2 < NEAREST**2
         weight = np.where(near, 0.0, count / (np.where(near, 1.0, distance2) * noise**2))
         R = rows.triangles(samples, weight, lambda part: rows.nonlinear_of(part, world.anchor, at))
@@ -172,17 +186,47 @@ def sigmas(
     return result if sigma > 0 else result * 0.0
 
 
+def _lifted_at_both_ends(
+    samples: PathSamples, count: Float[Array, "v k"], world: World, sigma: float
+) -> tuple[Float[Array, "w 3"], Float[Array, "w 3"]]:
+    """`sigmas` of the lifted problem at the start and at the end of each window, from one decomposition."""
+    weight = _lifted_weight(samples, count, world, _noise(sigma))
+    start = gramian_rank.of(samples, world.gravity, weight, "start")
+    end = gramian_rank.at_other_end(start, samples, world.gravity, weight)
+    exact = 1.0 if sigma > 0 else 0.0
+    return _lifted_sigmas(start) * exact, _lifted_sigmas(end) * exact
+
+
+def _noise(sigma: float) -> float:
+    """m; without noise every determined block is exact: it is computed for 1 m, and is zero then."""
+    return sigma if sigma > 0 else 1.0
+
+
+def _squared_distance(samples: PathSamples, world: World) -> Float[Array, "w k"]:
+    return np.sum((samples.position - np.asarray(world.anchor)[:, None]) ** 2, axis=1)
+
+
+def _lifted_weight(samples: PathSamples, count: Array, world: World, noise: float) -> Float[Array, "w k"]:
+    """1/var y of each range."""
+    return count / (_squared_distance(samples, world) * noise**2 + noise**4 / 2)
+
+
 def _lifted_sigmas(of: Remainders) -> Float[Array, "w 3"]:
     """Norms of the rows of M⁻¹R⁻¹ in each block; NaN where the null space reaches into the block."""
-    units = of.window ** LIFTED_TIME_POWERS[LIFTED_BLOCKS[0].start :].astype(float)
-    variance = np.sum((of.unknown_states @ gramian_rank.inverse(of)) ** 2, axis=2) / units**2
+    result = _norms(of, gramian_rank.inverse(of))
     blind = gramian_rank.unseen(of, np.ones(gramian_rank.STATES))
-    result = np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in NONLINEAR_BLOCKS], axis=1))
     low = np.flatnonzero(of.rank < gramian_rank.STATES)
     unseen = gramian_rank.unseen_unknowns(blind[low])
     reach = np.stack([np.linalg.norm(unseen[:, block], axis=1).max(axis=1) for block in NONLINEAR_BLOCKS], axis=1)
     result[low] = np.where(reach > NULL_SHARE, np.nan, result[low])
     return result
+
+
+def _norms(of: Remainders, inner: Float[Array, "w 9 9"]) -> Float[Array, "w 3"]:
+    """Norms of the rows of M⁻¹R⁻¹ in each block, in SI units; `inner` is the inverse of the remainders' triangle."""
+    units = of.window ** LIFTED_TIME_POWERS[LIFTED_BLOCKS[0].start :].astype(float)
+    variance = np.sum((of.unknown_states @ inner) ** 2, axis=2) / units**2
+    return np.sqrt(np.stack([variance[:, block].sum(axis=1) for block in NONLINEAR_BLOCKS], axis=1))
 
 
 def _block_sigmas(R: Array, scale: Array, blocks: tuple[slice, ...]) -> Array:

@@ -88,15 +88,15 @@ def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[
     Raises ValueError as `eigenvalues` does.
     """
     start, window = windows.checked(path, start, window)
-    if knots.has_pieces(path):
-        first, last = float(start.min()), float(start.max())
-        sums = running_sums.between(path, first, last + window)
-        if sums is not None:
-            events = _events(path, first, last, window)
-            every = start if events is None else np.union1d(start, events)
-            least = running_sums.least_eigenvalues(path, sums, every, window)
-            lowest = int(np.sum(least <= least.min() + sums.rounding))  # sums cannot tell these apart
-            start = every[np.argsort(least, kind="stable")[: min(lowest, len(start))]]
+    first, last = float(start.min()), float(start.max())
+    sums = running_sums.between(path, first, last + window)
+    if sums is not None:
+        events = _events(path, first, last, window)
+        every = start if events is None else np.union1d(start, events)
+        least = running_sums.least_eigenvalues(path, sums, every, window)
+        alike = least <= least.min() + 2 * (sums.rounding + sums.quadrature)  # sums cannot tell these apart
+        lowest = int(np.sum(alike))
+        start = every[np.argsort(least, kind="stable")[: min(lowest, len(start))]]
     values = eigenvalues(path, start, window)
     k = int(np.argmin(values[:, 0]))
     return values[k], float(start[k])

@@ -11,10 +11,10 @@ floor is zero. Singular values are taken of the remainders in units of their flo
 """
 
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 
 from rangenav.inputs import Vec3
@@ -52,6 +52,10 @@ class Remainders:
     """When the states are: at the windows' starts or ends."""
     window: float
 
+    def some(self, chosen: Array) -> "Remainders":
+        """Those of the chosen windows: indices, or a mask."""
+        return replace(self, triangle=self.triangle[chosen], floor=self.floor[chosen], departure=self.departure[chosen])
+
     @cached_property
     def decomposition(self) -> tuple[Float[Array, "w 9 9"], Float[Array, "w 9"], Float[Array, "w 9 9"]]:
         """The singular value decomposition U, S, Vᵀ of the remainders in units of their floors."""
@@ -65,21 +69,16 @@ class Remainders:
     @cached_property
     def states(self) -> Float[Array, "w 13 13"]:
         """M⁻¹: the 13 coordinates in units of 1 m and δ, inertial axes, from those of these columns."""
-        s = 1.0 if self.moment == "start" else -1.0
-        shift = (TIMES_U + s * np.eye(CUBIC + 2)) / 2  # times τ/δ
-        powers = [np.eye(CUBIC + 2)[0]]
-        for k in (1, 2, 3):
-            powers.append(shift @ powers[-1] / k)
-        scalars = np.linalg.inv(np.stack(powers, axis=1)[:CUBIC])
+        shift, scalars, unpowered = _constants(1.0 if self.moment == "start" else -1.0)
         K = np.zeros((len(self.triangle), CUBIC + 2, 3))
         K[:, :CUBIC] = self.departure
         of_unknowns = np.concatenate([K, shift @ K, shift @ shift @ K / 2], axis=2)[:, :CUBIC]
         inverse = np.zeros((len(self.triangle), STATES, STATES))
         inverse[:, :CUBIC, :CUBIC], inverse[:, CUBIC:, CUBIC:] = scalars, self.unknown_states
-        inverse[:, :CUBIC, CUBIC:] = -scalars @ of_unknowns @ np.linalg.inv(np.kron(_powers(s), np.eye(3)))
+        inverse[:, :CUBIC, CUBIC:] = -scalars @ of_unknowns @ unpowered
         return inverse
 
-    @property
+    @cached_property
     def unknown_states(self) -> Float[Array, "9 9"]:
         """The block of M⁻¹ for position, velocity and gravity: it has no K, so their errors are the remainders'."""
         return np.linalg.inv(np.kron(_powers(1.0 if self.moment == "start" else -1.0), self.turn))
@@ -94,14 +93,32 @@ def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment:
     """The remainders of windows whose samples are known, with these weights of their rows."""
     turn, fall = _turn(gravity)
     turned = _turned(samples, turn)
-    departure = _departure(turned, fall, moment)
     R = rows.triangles(turned, weight, lambda some: _columns(some, fall))
     R = np.pad(R, ((0, 0), (0, STATES - R.shape[1]), (0, 0)))  # fewer rows than columns: rows of zeros tell nothing
-    size = np.broadcast_to(samples.size[:, None], (len(R), UNKNOWNS)).copy()
+    return _with_departure(turned, R, weight, turn, fall, moment)
+
+
+def at_other_end(of: Remainders, samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"]) -> Remainders:
+    """The remainders for the states at the other ends of the windows, whose triangle is the same."""
+    turn, fall = _turn(gravity)
+    moment: Moment = "start" if of.moment == "end" else "end"
+    return _with_departure(_turned(samples, turn), of.triangle, weight, turn, fall, moment)
+
+
+def _with_departure(
+    turned: PathSamples,
+    R: Float[Array, "w 13 13"],
+    weight: Float[Array, "v k"],
+    turn: Array,
+    fall: float,
+    moment: Moment,
+) -> Remainders:
+    departure = _departure(turned, fall, moment)
+    size = np.broadcast_to(turned.size[:, None], (len(R), UNKNOWNS)).copy()
     size[:, -1] += np.abs(_times_u_twice(departure)[:, CUBIC, 2])
     total = np.sqrt(np.broadcast_to(weight, (len(R), weight.shape[1])).sum(axis=1))
     floor = ROUNDING * total[:, None] * np.maximum(size, SMALLEST)
-    return Remainders(triangle=R, floor=floor, departure=departure, turn=turn, moment=moment, window=samples.window)
+    return Remainders(triangle=R, floor=floor, departure=departure, turn=turn, moment=moment, window=turned.window)
 
 
 def unseen(of: Remainders, units: Float[Array, "13"]) -> Float[Array, "w 13 13"]:
@@ -140,13 +157,44 @@ def inverse(of: Remainders) -> Float[Array, "w 9 9"]:
     return right.swapaxes(1, 2) @ (reciprocal[..., None] * left.swapaxes(1, 2)) / of.floor[..., None]
 
 
+def regular(of: Remainders) -> tuple[Float[Array, "w 9 9"], Bool[Array, "w"]]:
+    """The inverse of the remainders' triangle of each window where it shows that all of them count, and which these
+    windows are; zeros elsewhere.
+
+    In units of the floors no singular value is less than 1/|inverse|. An inverse takes a fifth of the time of a
+    singular value decomposition.
+    """
+    triangle = of.triangle[:, CUBIC:, CUBIC:]
+    counts = (np.abs(np.diagonal(triangle, axis1=1, axis2=2)) > of.floor).all(axis=1)
+    inverses = np.zeros_like(triangle)
+    inverses[counts] = np.linalg.inv(triangle[counts])
+    counts &= np.linalg.norm(of.floor[..., None] * inverses, axis=(1, 2)) < 1.0
+    return inverses, counts
+
+
 def pseudoinverse(of: Remainders) -> Float[Array, "w 13 13"]:
     """M⁻¹R⁺, where remainders that do not count are zero."""
+    return with_inner(of, inverse(of))
+
+
+def with_inner(of: Remainders, inner: Float[Array, "w 9 9"]) -> Float[Array, "w 13 13"]:
+    """M⁻¹R⁺ where the inverse of the remainders' triangle is known."""
     result = np.zeros_like(of.triangle)
-    outer, inner = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC]), inverse(of)
+    outer = np.linalg.inv(of.triangle[:, :CUBIC, :CUBIC])
     result[:, :CUBIC, :CUBIC], result[:, CUBIC:, CUBIC:] = outer, inner
     result[:, :CUBIC, CUBIC:] = -outer @ of.triangle[:, :CUBIC, CUBIC:] @ inner
     return of.states @ result
+
+
+@lru_cache(maxsize=2)
+def _constants(s: float) -> tuple[Float[Array, "6 6"], Float[Array, "4 4"], Float[Array, "9 9"]]:
+    """What M⁻¹ has of no window: the matrix of τ/δ, the block of the polynomials, and the powers of u, inverted."""
+    shift = (TIMES_U + s * np.eye(CUBIC + 2)) / 2
+    powers = [np.eye(CUBIC + 2)[0]]
+    for k in (1, 2, 3):
+        powers.append(shift @ powers[-1] / k)
+    scalars = np.linalg.inv(np.stack(powers, axis=1)[:CUBIC])
+    return shift, scalars, np.linalg.inv(np.kron(_powers(s), np.eye(3)))
 
 
 def _powers(s: float) -> Float[Array, "3 3"]:

@@ -125,6 +125,9 @@ def _triangle(matrix: Float[Array, "w k n"]) -> Float[Array, "w r n"]:
 def _parts(samples: PathSamples) -> Iterator[tuple[slice, PathSamples]]:
     """The samples in groups of a few windows."""
     each = max(1, CHUNK // samples.tau.shape[1])
+    if each >= len(samples.start):
+        yield slice(None), samples
+        return
     for first in range(0, len(samples.start), each):
         inside = slice(first, first + each)
         yield (

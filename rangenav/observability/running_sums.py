@@ -19,6 +19,8 @@ MAX_EVALUATIONS = 150_000
 """Most evaluations of the snap for the sums of one path (30 ms)."""
 CELL_NODES, CELLS_PER_RADIAN = 4, 2.0
 """A cell has half a radian of the fastest tone, which 4 Gauss nodes integrate to a relative 1e-11."""
+CELL_ERROR = 1e-10
+"""Relative: the error of the sums of tones, with a margin."""
 
 
 @result
@@ -30,6 +32,8 @@ class Sums:
     nodes: int
     rounding: float
     """Rounding of a difference of two sums. Reported eigenvalues never come from these sums."""
+    quadrature: float
+    """The most that a difference of two sums is off by because tones are integrated by a few nodes in each cell."""
 
 
 def between(path: Signal, first: float, last: float) -> Sums | None:
@@ -43,8 +47,10 @@ def between(path: Signal, first: float, last: float) -> Sums | None:
         return None
     edges = np.union1d(np.linspace(first, last, math.ceil(cells) + 1), knots.knots(path, first, last))
     total = np.concatenate([np.zeros((1, 3, 3)), np.cumsum(_cell(path, edges[:-1], edges[1:], count), axis=0)])
-    rounding = (len(edges) + count) * np.finfo(float).eps * float(np.trace(total[-1]))
-    return Sums(edges=edges, total=total, nodes=count, rounding=rounding)
+    size = float(np.trace(total[-1]))
+    rounding = (len(edges) + count) * np.finfo(float).eps * size
+    quadrature = CELL_ERROR * size if bandwidth > 0 else 0.0
+    return Sums(edges=edges, total=total, nodes=count, rounding=rounding, quadrature=quadrature)
 
 
 def least_eigenvalues(path: Signal, sums: Sums, start: Array, window: float) -> Array:

@@ -7,11 +7,12 @@ with N the unseen states: H itself holds them to an absolute 1e-16 of the larges
 """
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from numpy import ndarray as Array
 
 from rangenav.arguments import number
 from rangenav.inputs import Vec3, require
+from rangenav.model import STATES
 from rangenav.observability import gramian_rank, rows, windows
 from rangenav.observability.gramian_rank import CUBIC, Remainders
 from rangenav.observability.rows import PathSamples
@@ -21,6 +22,8 @@ from rangenav.signals import Signal
 RANK_TOLERANCE = 1e-13
 """Singular values below this times the largest are rounding of the SVD: rows carry some tens of relative errors of
 1e-16. Remainders resolve smaller ones."""
+NEARLY = 1e-6
+"""Relative: singular values of inverses that are nearer to each other are compared by decompositions."""
 LIFTED_TIME_POWERS = np.array([0, 1, 2, 3, 0, 0, 0, 1, 1, 1, 2, 2, 2])
 NONLINEAR_TIME_POWERS = np.repeat([0, 1, 2], 3)
 """Units of the columns in powers of time; the length unit is 1 m. Fixed units, never a column's own norm."""
@@ -73,8 +76,13 @@ def lifted_spectra(samples: PathSamples, gravity: Vec3) -> Spectrum:
 
 def local_spectra(samples: PathSamples, anchor: Vec3) -> Spectrum:
     """Spectra of the 9-state nonlinear Gramian of windows whose samples are known."""
-    R = rows.triangles(samples, samples.weight, lambda some: rows.nonlinear_of(some, anchor, "start"))
+    R = local_triangles(samples, anchor)
     return of_triangles(R, samples.window, time_powers=NONLINEAR_TIME_POWERS, rounding=samples.rounding)
+
+
+def local_triangles(samples: PathSamples, anchor: Vec3) -> Float[Array, "w r 9"]:
+    """R of the weighted rows of the nonlinear Gramian."""
+    return rows.triangles(samples, samples.weight, lambda some: rows.nonlinear_of(some, anchor, "start"))
 
 
 def spectra(
@@ -95,7 +103,7 @@ def of_triangles(R: Float[Array, "w n n"], window: float, *, time_powers: Int[Ar
     singular = np.linalg.svd(R, compute_uv=False)
     in_units = R * window ** -time_powers.astype(float)
     scaled = np.linalg.svd(in_units, compute_uv=False)
-    tolerance = np.maximum(RANK_TOLERANCE * scaled[:, 0], rounding)
+    tolerance = _tolerance(scaled, rounding)
     rank = np.sum(scaled > tolerance[:, None], axis=-1)
     counted, least = np.arange(R.shape[-1]) < rank[:, None], singular[np.arange(len(R)), np.maximum(rank, 1) - 1]
     floor = np.minimum(_floor(singular, window, rounding), least / 2)  # as many values lie above it as the rank says
@@ -119,7 +127,7 @@ def of_remainders(of: Remainders, *, rounding: float) -> Spectrum:
     unseen, in_si = gramian_rank.unseen(of, np.ones_like(units)), gramian_rank.unseen(of, units)
     forward, inverse = of.triangle @ np.linalg.inv(of.states), gramian_rank.pseudoinverse(of)
     direct, small = np.linalg.svd(forward, compute_uv=False), _reciprocals(inverse, unseen)
-    tolerance = np.maximum(RANK_TOLERANCE * direct[:, 0], rounding)
+    tolerance = _tolerance(direct, rounding)
     scaled, tolerance = _resolved(direct, small, tolerance, of)
     direct, small = np.linalg.svd(forward * units, compute_uv=False), _reciprocals(inverse / units[:, None], in_si)
     singular, floor = _resolved(direct, small, _floor(direct, of.window, rounding), of)
@@ -168,5 +176,43 @@ def null_basis(spectrum: Spectrum, k: int) -> Float[Array, "n _"]:
 
 def worst(spectrum: Spectrum) -> int:
     """The window that sees least: the lowest rank, then the smallest of the singular values that count."""
-    last = np.take_along_axis(spectrum.scaled, spectrum.rank[:, None] - 1, axis=1)[:, 0]
-    return int(np.lexsort((last, spectrum.rank))[0])
+    return _worst(spectrum.scaled, spectrum.rank)
+
+
+def worst_of_remainders(of: Remainders) -> int:
+    """The same of windows whose remainders are known. Only windows that may be the worst are decomposed."""
+    inner, counts = gramian_rank.regular(of)
+    if counts.all():
+        chosen = np.flatnonzero(_may_be_largest(gramian_rank.with_inner(of, inner)))
+    else:
+        rank = np.full(len(counts), STATES)
+        rank[~counts] = of.some(~counts).rank
+        chosen = np.flatnonzero(rank == rank.min())
+    some = of.some(chosen)
+    largest = _reciprocals(gramian_rank.pseudoinverse(some), gramian_rank.unseen(some, np.ones(STATES)))[:, -1]
+    return int(chosen[np.argmin(1 / np.maximum(largest, np.finfo(float).tiny))])
+
+
+def _may_be_largest(matrix: Float[Array, "w n n"]) -> Bool[Array, "w"]:
+    """Which matrices may have the largest singular value of all: with S = AAᵀ, |S|²/tr S ≤ σ² ≤ |S|."""
+    product = matrix @ matrix.swapaxes(1, 2)
+    size = np.linalg.norm(product, axis=(1, 2))
+    least = size * (size / np.trace(product, axis1=1, axis2=2))
+    return size >= least.max() * (1 - NEARLY)
+
+
+def worst_of_triangles(
+    R: Float[Array, "w n n"], window: float, *, time_powers: Int[Array, "n"], rounding: float
+) -> int:
+    """The same of windows whose triangles are known, at half the work of their spectra."""
+    scaled = np.linalg.svd(R * window ** -time_powers.astype(float), compute_uv=False)
+    return _worst(scaled, np.sum(scaled > _tolerance(scaled, rounding)[:, None], axis=-1))
+
+
+def _worst(scaled: Float[Array, "w n"], rank: Int[Array, "w"]) -> int:
+    last = np.take_along_axis(scaled, rank[:, None] - 1, axis=1)[:, 0]
+    return int(np.lexsort((last, rank))[0])
+
+
+def _tolerance(scaled: Float[Array, "w n"], rounding: float) -> Float[Array, "w"]:
+    return np.maximum(RANK_TOLERANCE * scaled[:, 0], rounding)

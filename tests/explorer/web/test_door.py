@@ -39,6 +39,23 @@ def test_a_report_is_a_window_and_each_press_counts_once(door: Door) -> None:
 
 
 @pytest.mark.parametrize(
+    ("said", "plots", "tabs"),
+    [
+        ("", None, None),
+        ("&plots=snap+rank-by-length&tabs=in-depth", frozenset({"snap", "rank-by-length"}), frozenset({"in-depth"})),
+        ("&plots=none&tabs=none", frozenset({"none"}), frozenset({"none"})),
+        ("&plots=%3Cb%3E", frozenset(), None),
+    ],
+)
+def test_what_is_in_sight_is_known_once_the_browser_has_named_it(
+    door: Door, said: str, plots: frozenset[str] | None, tabs: frozenset[str] | None
+) -> None:
+    door.receive("width=911&height=512" + said)
+    assert door.window is not None
+    assert (door.window.plots, door.window.tabs) == (plots, tabs)
+
+
+@pytest.mark.parametrize(
     "text", ["", "width=0&height=512", "width=nan&height=512", "width=911", "height=512&width=99999999", "\x00" * 5000]
 )
 def test_a_report_without_a_size_is_ignored(door: Door, text: str) -> None:
