@@ -85,6 +85,10 @@ class Chart:
         candidates = (one for baseline in comparison.baselines for one in baseline)
         return picture.motion, *own, comparison.pinned, comparison.seeds, *candidates
 
+    def forget(self) -> None:
+        """Draw it anew next time, although its inputs stay."""
+        self._drawn.forget()
+
     def is_among(self, names: frozenset[str] | None) -> bool:
         """Whether it is one of the plots of these names; None stands for all plots."""
         return names is None or self.base.name in names

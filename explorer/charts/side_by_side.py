@@ -69,7 +69,7 @@ class SideBySide:
         self._titles = side_by_side.title(a, picture), side_by_side.title(picture, a)
         self._drawings = dict(zip(RUNS, on_same_axes(self.plot, a, picture), strict=True))
         for chart in self.charts:
-            chart.outdated = True
+            chart.forget()
             chart.draw(picture, NOTHING)
 
     def panels(self) -> tuple[plot_file.Panel, ...]:
