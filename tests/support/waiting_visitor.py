@@ -91,3 +91,14 @@ def save_as(page: Editing, title: str) -> None:
     page.set("title", title)
     page.press("keep", "save as")
     page.tab.wait_for_text("saved as")
+
+
+def drawn(tab: Wire) -> str:
+    """The verdict block."""
+    return next(p["content"] for p in tab.elements.values() if "of 13</b>" in str(p.get("content")))
+
+
+def proven(tab: Wire) -> str:
+    """The verdict block once it rests on all windows: on a busy machine that replaces the sampled one much later."""
+    tab.wait_for(lambda: "≈" not in drawn(tab), "the verdict on all windows")
+    return drawn(tab)

@@ -37,6 +37,8 @@ CHANGED = " •"
 """Ends the label of a control that differs from its preset."""
 WAIT_TIMEOUT = 90.0
 """s; the first picture may have to wait for a compiler."""
+PAUSE, QUIET = 0.01, 0.05
+"""s between two looks at a condition while messages come, and at most."""
 
 
 REMEMBERED = re.compile(r"sessionStorage\.setItem\('([\w-]+)', '(\w+)'\)")
@@ -82,6 +84,8 @@ class Wire:
         self._pressed = 0
         self.closed_with: int | None = None
         """The code with which the server ended the connection."""
+        self._arrived = threading.Event()
+        """Set when messages have been taken in: what waits looks again."""
         self._socket = connect(
             f"ws://127.0.0.1:{port}/",
             origin=Origin(origin or f"http://127.0.0.1:{port}"),
@@ -190,7 +194,9 @@ class Wire:
         while not holds():
             if time.monotonic() > deadline:
                 raise AssertionError(f"waited {timeout:g} s in vain for {what}; the page says:\n{self.text()}")
-            time.sleep(0.01)
+            self._arrived.wait(QUIET)  # the condition may also be one of the session, which sends nothing then
+            self._arrived.clear()
+            time.sleep(PAUSE)
 
     def wait_for_text(self, text: str) -> None:
         """Wait until the page shows a text."""
@@ -209,6 +215,7 @@ class Wire:
                 packed = zstandard.ZstdDecompressor().decompress(frame[2 * HEADER : 2 * HEADER + size])
                 for message in msgspec.msgpack.decode(packed)["messages"]:
                     self._take_in(message)
+                self._arrived.set()
         except ConnectionClosed as closed:
             self.closed_with = closed.rcvd.code if closed.rcvd else None
 

@@ -127,12 +127,13 @@ def test_a_diverged_run_has_a_cross_and_says_by_which_figure(run, tmp_path: Path
     preset.save(
         replace(soft, path=Multisine(tones=tones), duration=300.0, requirement=requirement), tmp_path / "slow.toml"
     )
-    first = " ".join(run("simulate", tmp_path / "slow.toml")[1].split("\n\n")[0].split())
+    out = run("simulate", tmp_path / "slow.toml")[1]
+    first = " ".join(out.split("\n\n")[0].split())
     assert re.match(r"slow\.toml ✗ diverged: its distance from the anchor is wrong by \d+ m", first)
     answer = json.loads(run("simulate", tmp_path / "slow.toml", "--json")[1])
     assert answer["diverged"]
     assert answer["diverged_reason"] in first
-    assert 'mode = "noise-matched" under [gains]' in " ".join(run("simulate", tmp_path / "slow.toml")[1].split())
+    assert 'mode = "noise-matched" under [gains]' in " ".join(out.split())
 
 
 def test_a_run_that_settles_on_a_weak_motion_has_no_tick_and_every_run_names_the_verdict(run, tmp_path: Path):

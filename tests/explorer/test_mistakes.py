@@ -1,0 +1,89 @@
+"""Mistakes in the controls of a session: each gets a sentence at its cause, and the last picture stays."""
+
+import math
+from collections.abc import Iterator
+
+import pytest
+
+from explorer.server import SessionServer
+from tests.support.waiting_visitor import drawn, proven
+from tests.support.wire import Wire
+
+pytestmark = pytest.mark.slow
+
+
+NOT_SHOWN = "Not shown"
+SPEED = "speed (slower ⟷ faster)"
+
+
+@pytest.fixture(scope="module")
+def standing(sessions: tuple[int, SessionServer]) -> Iterator[Wire]:
+    """One tab for all mistakes: each of them is corrected."""
+    tab = Wire(sessions[0])
+    tab.wait_for_text("13 of 13")
+    yield tab
+    tab.close()
+
+
+@pytest.mark.parametrize(
+    ("label", "value", "sentence"),
+    [
+        ("amplitude x (m)", math.nan, "amplitude x (m) must be a finite number"),
+        ("amplitude x (m)", 1e300, "amplitude must"),
+        ("amplitude x (m): number", "1e300", "amplitude must"),
+        ("amplitude x (m): number", "a lot", "amplitude x (m): “a lot” is no number"),
+        ("frequency ω (rad/s)", -3.0, "frequency must lie between 1e-06 and 10000 rad/s, got -3"),
+        ("frequency ω (rad/s)", 900.0, "faster than the IMU can sample"),
+        ("phase φ₀ (rad)", math.inf, "phase φ₀ (rad) must be a finite number"),
+        (SPEED, 1e9, f"{SPEED} must be a number"),
+        (f"{SPEED}: number", "20", f"{SPEED} must lie between 0.1 and 10, got 20"),
+        (f"{SPEED}: number", "0", f"{SPEED} must lie between 0.1 and 10, got 0"),
+        ("time window judged δ (s)", 25.0, "time window judged δ must be shorter than the duration"),
+        ("time window judged δ (s)", math.nan, "time window judged δ (s) must be a finite number"),
+        ("flight duration (s)", "1e9", "flight duration must lie between"),
+        ("flight duration (s)", "", "flight duration (s): the box is empty"),
+        ("ranges per second (Hz)", 0.0, "ranges per second must lie between"),
+        ("IMU rate (Hz)", 1e12, "IMU rate must lie between"),
+        ("magnetometer rate (Hz)", 900.0, "magnetometer rate must lie between 1 Hz and IMU rate"),
+        ("range noise σ (m): number", "1e9", "range noise σ must lie between"),
+        ("gyro noise σ (rad/s)", math.nan, "gyro noise σ (rad/s) must be a finite number"),
+        ("gyro noise σ (rad/s): number", "-1", "gyro noise σ must lie between"),
+        ("sensor set", "gold", "sensor set must be one of: paper, "),
+        ("gyro bias (rad/s)", [math.nan, 0.0, 0.0], "gyro bias must be a finite number"),
+        ("gyro bias (rad/s)", [0.0], "gyro bias (rad/s) must have three components, got 1"),
+        ("accelerometer bias (m/s²)", [1e30, 0.0, 0.0], "accelerometer bias must not be longer than 100 m/s²"),
+        ("range bias (m)", 1e9, "range bias must lie between -1000 and 1000 m"),
+        ("outliers (%)", 100.0, "outliers (%) must lie between 0 and 99.9, got 100"),
+        ("outlier size (m)", -1.0, "outlier size must lie between"),
+        ("drop-outs (%)", math.nan, "drop-outs (%) must be a finite number"),
+        ("silent from (s)", -1.0, "silent from must lie between 0"),
+        ("silent for (s)", math.inf, "silent for (s): “inf” is no number"),
+        ("lever arm (m)", [0.0, 0.0, 1e6], "lever arm must not be longer than 100 m"),
+        ("noise seed", -1.0, "noise seed must lie between"),
+        ("noise seed", 0.5, "noise seed must be a whole number"),
+        ("noise seed", math.nan, "noise seed: “nan” is no number"),
+        ("range weight q (1/(m⁴ s))", 9.0, "range weight q must lie between 0.001 and 100000"),
+        ("process noise V(p)", -9.0, "process noise V(p) must lie between"),
+        ("initial variance P₀(g)", 9.0, "initial variance P₀(g) must lie between"),
+        ("attitude gain k1 (1/s)", -9.0, "attitude gain k1 must lie between"),
+        ("trust in gravity ρ2 (s⁴/m²)", 1e6, "trust in gravity ρ2 (s⁴/m²) must be a number"),
+        ("kind of gains", "best", "kind of gains must be one of"),
+        ("initial estimate x̂(0)", "", "initial estimate x̂(0) must be one of"),
+        ("initial attitude error (°)", 900.0, "initial attitude error (°) must lie between -180 and 180, got 900"),
+        ("axis of that error", [0.0, 0.0, 0.0], "axis of that error must not be the zero vector"),
+        ("axis of that error", [1.0], "axis of that error must have three components, got 1"),
+        ("position offset (m)", [math.nan, 0.0, 0.0], "position offset must be a finite number"),
+        ("position offset (m)", [1e30, 0.0, 0.0], "position offset must not be longer than"),
+        ("drift (m/s)", [math.inf, 0.0, 0.0], "drift must be a finite number"),
+        ("preset", "nowhere", "preset must be one of"),
+    ],
+)
+def test_nonsense_gets_a_sentence_and_the_last_picture_stays(standing: Wire, label: str, value: object, sentence: str):
+    good, before = standing.value(label), proven(standing)
+    standing.set(label, value)
+    standing.wait_for_text(NOT_SHOWN)
+    shown = [p["content"] for p in standing.elements.values() if p.get("visible") and "⚠" in str(p.get("content"))]
+    assert any(sentence.replace("&", "&amp;") in text for text in shown), shown
+    assert drawn(standing) == before
+    standing.set(label, good)
+    standing.wait_for(lambda: NOT_SHOWN not in standing.text(), "the complaint to go")
