@@ -8,6 +8,8 @@ from explorer.model import convergence
 from explorer.model.compute import Picture
 from rangenav.record import SETTLED_POSITION
 
+BEGINNING = 0.25
+"""Share of the flight that sets no axis: while P is large, eigenvalues are thousands of times as fast as later."""
 FADED = 1e-4
 """Of the largest error: below it an error without noise counts as gone."""
 
@@ -39,7 +41,8 @@ def closed_loop(picture: Picture) -> Drawing:
     if of is None:
         return _empty(picture, 2)
     values = np.real(of.dynamics.eigenvalues)[:, [0, -1]]
-    return Drawing(time=of.dynamics.time, values=values, drawn=values, axis=curves.even_range(values, symmetric=True))
+    later = values[int(len(values) * BEGINNING) :]
+    return Drawing(time=of.dynamics.time, values=values, drawn=values, axis=curves.even_range(later, symmetric=True))
 
 
 def describe(picture: Picture) -> tuple[str, ...]:

@@ -115,5 +115,6 @@ CONTRACTION = Definition(
 CLOSED_LOOP = Definition(
     "Re eig(𝒜(ω, a) − K𝒞)",
     "The largest and the smallest real part at each moment. For a motion that changes they prove nothing: the largest"
-    " may be positive while every error fades, as the contraction shows.",
+    " may be positive while every error fades, as the contraction shows. In the first quarter P is large, and they may"
+    " lie outside the axes.",
 )

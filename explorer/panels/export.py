@@ -25,7 +25,8 @@ NOT_IN_LINES = ("reduced_row", "attitude_rate")
 """Switches “as printed” that change only a number next to their control, and no run or plot."""
 PRINTED = (
     'print(f"{result.verdict.word}: rank {result.rank} of 13, μ {result.mu:.4g} m²/s⁷, δ {p.requirement.window:g} s")',
-    'print(f"position error {flight.summary.steady_position:.3g} m (RMS of the last quarter)")',
+    'print(f"position: settled after (s) {flight.summary.settle_position_s}, '
+    'steady error {flight.summary.steady_position:.3g} m (RMS of the last quarter)")',
 )
 """The last lines: the key figures."""
 STYLE = "font-size:0.8em;line-height:1.45;padding:0 0.9em 0.6em"

@@ -125,11 +125,11 @@ def _write_format(
 
 def _write_program(export: CertifiedExport, folder: Path, name: str) -> list[str]:
     """Write the program that flies a loop with a Crazyflie, if the file is one. Returns a sentence about it."""
-    figures, steady = export.output.figures, export.output.steady
-    if export.certificate is None or not export.output.loop or steady is None:
+    figures, steady, where = export.output.figures, export.output.steady, export.output.place
+    if export.certificate is None or not export.output.loop or steady is None or where is None:
         return []
     begin, end = steady
-    program = crazyflie.script(name, begin, end - begin, figures["loop_first"], figures["loop_pieces"])
+    program = crazyflie.script(name, begin, end - begin, figures["loop_first"], figures["loop_pieces"], where)
     place = folder / f"fly_{Path(name).name.partition('.')[0]}.py"
     place.write_text(program, "utf-8")
     return [f"{place.name}: uploads {name} with cflib, and flies ramp in, the loop as often as asked, and ramp out"]

@@ -1,6 +1,7 @@
 """How a Crazyflie flies a looped export: three trajectories from one upload, the middle one again and again."""
 
-from rangenav.formats.hover_ramps import HoverRamps
+from rangenav.formats.hover_ramps import LOW, HoverRamps, Place
+from rangenav.inputs import Vec3
 
 PIECE = 132
 """Bytes of a piece (cflib's Poly4D) in the Crazyflie's trajectory memory."""
@@ -19,18 +20,30 @@ def looping(course: HoverRamps, first: int, count: int) -> str:
     return f"{pieces}: start the loop again as often as it is to be flown"
 
 
-def script(file: str, course_ramp: float, period: float, first: int, count: int) -> str:
-    """Lines of Python with cflib that upload the file and fly the loop; `cf` is a connected Crazyflie."""
-    ramp_in = f"    commander.start_trajectory(1)\n    time.sleep({course_ramp:.9g})\n" if first else ""
-    ramp_out = f"    commander.start_trajectory(3)\n    time.sleep({course_ramp:.9g})\n" if first else ""
+def script(file: str, course_ramp: float, period: float, first: int, count: int, place: Place) -> str:
+    """Lines of Python with cflib that upload the file and fly the loop; `cf` is a connected Crazyflie.
+
+    cflib's third argument of start_trajectory is whether a trajectory begins where the Crazyflie is; its name has
+    changed between versions, so it is passed by its position.
+    """
+    ramp_in = f"    commander.start_trajectory(1, 1.0, relative)\n    time.sleep({course_ramp:.9g})\n" if first else ""
+    ramp_out = f"    commander.start_trajectory(3, 1.0, relative)\n    time.sleep({course_ramp:.9g})\n" if first else ""
     entry = f"    commander.define_trajectory(1, 0, {first})\n" if first else ""
     leaving = f"    commander.define_trajectory(3, {first + count} * {PIECE}, {first})\n" if first else ""
-    return f'''"""Fly {file}: ramp in, the loop as often as asked, ramp out; with cflib, and a Crazyflie in the air."""
+    return f'''"""Fly {file}: ramp in, the loop as often as asked, ramp out; with cflib, and a Crazyflie in the air.
+
+The file's axes have z up; all numbers in metres. The certificate holds with the anchor at ANCHOR of these axes only.
+"""
 
 import csv
 import time
 
 from cflib.crazyflie.mem import MemoryElement, Poly4D
+
+FIRST = {_numbers(place.first)}  # the first point of the path
+LOWEST = {place.lowest:.4g}  # the lowest z of the path
+ANCHOR = {_numbers(place.anchor)}
+FLOOR = {LOW}  # an absolute flight must stay above it
 
 
 def upload(cf, file="{file}"):
@@ -45,12 +58,24 @@ def upload(cf, file="{file}"):
         raise RuntimeError("the pieces did not arrive in the Crazyflie's memory")
 
 
-def fly(cf, loops):
-    """Fly the loop so many times. Go to the first point of the path before, and hover there."""
+def fly(cf, loops, relative):
+    """Fly the loop so many times.
+
+    relative=False: the file's axes are those of your positioning system. Go to FIRST before, and hover there.
+    relative=True: the path begins where the Crazyflie hovers. From there the anchor must stand at ANCHOR - FIRST, and
+    there must be room below: the path goes down by FIRST[2] - LOWEST.
+    """
+    if not relative and LOWEST < FLOOR:
+        raise ValueError(f"the path comes down to z = {{LOWEST}} m: hover higher up and fly it with relative=True")
     commander = cf.high_level_commander
 {entry}    commander.define_trajectory(2, {first} * {PIECE}, {count})
 {leaving}{ramp_in}    begin = time.monotonic()
     for k in range(loops):
-        commander.start_trajectory(2)  # the next loop begins where this one ends: start it in time
+        commander.start_trajectory(2, 1.0, relative)  # the next loop begins where this one ends: start it in time
         time.sleep(max(0.0, begin + (k + 1) * {period:.9g} - time.monotonic()))
 {ramp_out}'''
+
+
+def _numbers(point: Vec3) -> str:
+    """A point as Python writes it, to a tenth of a millimetre."""
+    return f"({', '.join(f'{value:.4f}' for value in point)})"

@@ -12,6 +12,7 @@ from numpy import ndarray as Array
 
 from rangenav.formats import hermite
 from rangenav.inputs import Vec3, require
+from rangenav.number_format import significant, vector
 from rangenav.results import result
 from rangenav.signals import Flown, Polynomials, Signal, formula, multirotor
 from rangenav.signals.multirotor import Attitude
@@ -32,8 +33,33 @@ LIKE_A_RAMP, LIKE_SAMPLES, DEGREE, LIKE = (0.15, 0.4), 60, 7, 2e-4
 """Share of the ramp, samples there, degree of the polynomial in σ fitted to the velocity, and what it may miss: the
 shipped presets' exports miss 6e-5 at most, minimum-snap curves through random points miss 1e-3 at least."""
 ORDERS = 5
+PLACES, MICROMETRE = 2001, 6
+"""Samples of a motion for its lowest point, and the decimals of its points."""
+LOW = 0.1
+"""m: the height below which a vehicle would meet a floor at z = 0."""
 RAMP_STEP = 0.05
 """s: length of the pieces of degree 7 from which the attitude on a ramp is computed."""
+
+
+@result
+class Place:
+    """Where a written motion lies, in the axes of its file, z up; all in m."""
+
+    first: Vec3
+    """Its first point, which is also the last one of a loop."""
+    lowest: float
+    highest: float
+    anchor: Vec3
+
+    @property
+    def summary(self) -> str:
+        """One sentence for whoever flies it: the ranges fit no other place of the anchor."""
+        low = "; that is not above a floor at z = 0: fly it from a hover high enough" if self.lowest < LOW else ""
+        return (
+            f"in the file's axes (z up) the path begins at {vector(self.first)} m and lies at z from "
+            f"{significant(self.lowest)} to {significant(self.highest)} m{low}; the anchor must stand at "
+            f"{vector(self.anchor)} m of the same axes"
+        )
 
 
 @result
@@ -55,6 +81,13 @@ class HoverRamps:
     def steady(self) -> tuple[float, float]:
         """From when to when (s) it runs at the path's own speed."""
         return self.ramp, self.duration
+
+    def place(self, anchor: Vec3) -> Place:
+        """Where the motion and an anchor (m) lie, from PLACES samples; path and anchor have z up."""
+        points = self(np.linspace(0.0, self.end, PLACES)).round(MICROMETRE) + 0.0
+        x, y, z = points[0].tolist()
+        heights = points[:, 2]
+        return Place(first=(x, y, z), lowest=float(heights.min()), highest=float(heights.max()), anchor=anchor)
 
     def __call__(self, t: Float[Array, "n"], order: int = 0) -> Float[Array, "n 3"]:
         """The derivative of the given order (0 to 4) at times t (s)."""

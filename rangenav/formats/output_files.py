@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, cast
 
-from rangenav.formats.hover_ramps import RAMP
+from rangenav.formats.hover_ramps import RAMP, Place
 from rangenav.inputs import require
 from rangenav.results import result
 
@@ -39,6 +39,8 @@ class OutputFile:
     """Whether that part closes, and is flown again and again."""
     unfit: str | None = None
     """Why the file is not the preset's motion, as one clause; None if it is."""
+    place: Place | None = None
+    """Where a written motion lies; None for a run."""
     notes: tuple[str, ...] = ()
     figures: dict[str, Any] = field(default_factory=dict)
 

@@ -133,6 +133,8 @@ def _write(preset: Preset, turned: Preset, layout: Layout, path: Path) -> Output
     change = f"{fit.mu / fit.mu_path - 1:+.2%}" if fit.mu_path > 0 else "none"
     notes = [f"{len(rows)} pieces, {1e3 * fit.distance:.2g} mm from the path at most, μ changed by {change}"]
     figures: dict[str, Any] = {"pieces": len(rows), "fit_error": fit.distance, "mu": fit.mu, "mu_path": fit.mu_path}
+    place = course.place(turned.world.anchor)
+    notes.append(place.summary)
     if layout.loop:
         first, count = layout.middle
         notes.append(crazyflie.looping(layout.course, first, count))
@@ -146,6 +148,7 @@ def _write(preset: Preset, turned: Preset, layout: Layout, path: Path) -> Output
         steady=course.steady,
         loop=layout.loop,
         unfit=None if fit.distance <= WORST_FIT else stray,
+        place=place,
         notes=tuple(notes),
         figures=figures,
     )

@@ -163,9 +163,13 @@ def write(preset: Preset, path: Path, *, attitude: Attitudes = "flown", ramp: fl
     rows = [",".join(repr(value) for value in row) for row in table.tolist()]
     write_text(path, "\n".join([",".join(names), *rows, ""]))
     notes = [f"{len(t)} rows at {RATE:g} Hz, attitude {'of the preset' if attitude == 'preset' else 'as flown'}"]
+    place = course.place(turned.world.anchor)
+    notes.append(place.summary)
     if not isinstance(preset.angular_velocity, Flown) and attitude == "flown":
         notes.append("the preset's own angular velocity is not in the file: a multirotor cannot fly the path with it")
-    return OutputFile(files=(path,), frame="z-up", steady=course.steady, notes=tuple(notes), figures={"rows": len(t)})
+    return OutputFile(
+        files=(path,), frame="z-up", steady=course.steady, place=place, notes=tuple(notes), figures={"rows": len(t)}
+    )
 
 
 def _attitude(preset: Preset, course: hover_ramps.HoverRamps, t: Array, kind: Attitudes) -> tuple[Array, Array, Array]:

@@ -211,7 +211,7 @@ def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp
     *figures, numbers = ran.stdout.splitlines()
     position, mu, verdict, *rest = json.loads(numbers)
     assert figures[0].startswith(f"{verdict}: rank ")
-    assert figures[1].startswith("position error ")
+    assert figures[1].startswith("position: settled after (s) ")
     example = compute(settings)
     np.testing.assert_array_equal(position, example.errors.position)
     judged = example.proven().analysis

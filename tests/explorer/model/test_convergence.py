@@ -38,3 +38,11 @@ def test_each_plot_has_a_column_for_each_curve_whether_the_error_is_linear_or_no
         assert bool(drawing.hidden) == (mode == "noise-matched")
     said = charts.describe(picture)
     assert ("not linear" in said[0]) == (mode == "noise-matched")
+
+
+def test_the_axis_of_the_eigenvalues_fits_the_flight_and_not_its_first_moment():
+    """While P is large, an eigenvalue is thousands of times as fast as later: an axis for it would flatten the rest."""
+    drawing = charts.closed_loop(compute(Settings(origin="paper-slow", preset=preset.load("paper-slow"))))
+    later = np.abs(drawing.values[drawing.time > drawing.time[-1] / 2])
+    assert np.abs(drawing.values).max() > 1e3 * later.max()
+    assert later.max() <= drawing.axis[1] < 20 * later.max()

@@ -178,6 +178,7 @@ class FakeCrazyflie:
 
     def __init__(self) -> None:
         self.clock, self.defined, self.started, self.trajectory = 0.0, {}, [], []
+        self.relative: set[bool] = set()
         self.mem = self.high_level_commander = self
 
     def get_mems(self, kind: int):
@@ -190,7 +191,9 @@ class FakeCrazyflie:
     def define_trajectory(self, name: int, offset: int, count: int) -> None:
         self.defined[name] = (offset, count)
 
-    def start_trajectory(self, name: int) -> None:
+    def start_trajectory(self, name: int, time_scale: float, relative: bool) -> None:
+        assert time_scale == 1.0
+        self.relative.add(relative)
         self.started.append((self.clock, name))
 
     def monotonic(self) -> float:
@@ -206,12 +209,20 @@ def test_the_program_of_a_loop_flies_the_path_through_its_ramps_and_three_loops(
     p = preset.load("eight-repaired")
     written = formats.export(p, "polynomial", tmp_path / "x.csv")
     (begin, end), figures, drone = present(written.steady), written.figures, FakeCrazyflie()
-    text = crazyflie.script(str(tmp_path / "x.csv"), begin, end - begin, figures["loop_first"], figures["loop_pieces"])
+    text = crazyflie.script(
+        str(tmp_path / "x.csv"),
+        begin,
+        end - begin,
+        figures["loop_first"],
+        figures["loop_pieces"],
+        present(written.place),
+    )
     program: dict = {}
     exec(compile(text, "fly.py", "exec"), program)
     program["time"] = drone
     program["upload"](drone)
-    program["fly"](drone, 3)
+    program["fly"](drone, 3, relative=False)
+    assert drone.relative == {False}
     held = b"".join(bytes(piece.pack()) for piece in drone.trajectory)
     course = hover_ramps.HoverRamps(path=upright(p).path, duration=begin + 3 * (end - begin), ramp=begin)
     at = 0.0
@@ -225,6 +236,27 @@ def test_the_program_of_a_loop_flies_the_path_through_its_ramps_and_three_loops(
             np.testing.assert_allclose(np.transpose(place), course(at + local), atol=3e-4)
             at += numbers[32]
     assert at == pytest.approx(course.end, abs=1e-5)  # and nothing of the path is left
+
+
+def test_a_path_near_the_floor_is_flown_only_from_a_hover_above_it_and_its_anchor_is_named(tmp_path):
+    pytest.importorskip("cflib.crazyflie.mem", reason="cflib is not installed")
+    p = preset.load("soft")  # heights from -0.3 to 0.3 m, and the anchor 1.5 m below
+    written = formats.export(p, "polynomial", tmp_path / "x.csv")
+    place, figures, drone = present(written.place), written.figures, FakeCrazyflie()
+    heights = upright(p).path(np.linspace(0, present(p.path.period), 4001))[:, 2]
+    assert (place.lowest, place.highest) == pytest.approx((heights.min(), heights.max()), abs=1e-5)
+    assert place.anchor == upright(p).world.anchor
+    assert "the anchor must stand at (0, 0, -1.5) m" in " ".join(written.notes)
+    text = crazyflie.script("x.csv", 2.0, 8.0, figures["loop_first"], figures["loop_pieces"], place)
+    program: dict = {}
+    exec(compile(text, "fly.py", "exec"), program)
+    program["time"] = drone
+    with pytest.raises(ValueError, match="hover higher up and fly it with relative=True"):
+        program["fly"](drone, 1, relative=False)
+    assert drone.started == []
+    program["fly"](drone, 1, relative=True)
+    assert drone.relative == {True}
+    assert program["ANCHOR"] == pytest.approx(place.anchor)
 
 
 # --- ROS
