@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from explorer.model.compute import Picture
 from rangenav import continuity, sensors
 from rangenav import verdict as verdicts
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
-from rangenav.record import SETTLED_POSITION
+from rangenav.record import SETTLED_POSITION, SETTLED_SHARE
 from rangenav.vehicle import CATALOGUE, FREE, THRUST_MARGIN
 
 Level = Literal["good", "unjudged", "mind", "bad"]
@@ -33,6 +35,10 @@ Cure = Literal["repair", "tune", "slow down", "model", "vehicle"]
 """What helps: another motion, other gains, a slower path, the observer's model as derived, another vehicle."""
 MOST_THRUST = max(one.thrust_to_weight or 0.0 for one in CATALOGUE) / (1 + THRUST_MARGIN)
 """Times the weight: what the strongest vehicle of the catalogue may use."""
+LAST = "last tenth of the run"
+"""What SETTLED_SHARE is called."""
+SIGMAS = 3.0
+"""The wanted error is one σ: an estimate that stays within this many has arrived."""
 REMEMBERS = 3.0
 """An error this many times smaller than one window allows is explained: the observer also uses earlier windows."""
 
@@ -147,6 +153,8 @@ def arrival(picture: Picture) -> Answer:
             question="arrival", level="mind", summary=wrong[0], remarks=(*wrong[1:], fit), cure="tune", term="settled"
         )
     since = f"within {SETTLED_POSITION:g} m from {significant(summary.settle_position_s or 0.0)} s on"
+    if summary.settle_position_s is None:
+        since = f"though not always within {SETTLED_POSITION:g} m over the {LAST}"
     text = f"yes, {since}, {error} off at the end, wanted {quantity(needed, 'm')}"
     return Answer(question="arrival", level="good", summary=text, remarks=(fit,), term="settled")
 
@@ -156,12 +164,19 @@ def _not_arrived(picture: Picture) -> Iterator[str]:
     summary, needed = picture.summary, picture.preset.requirement.position_sigma
     if not summary.steady_position <= needed:
         yield f"{quantity(summary.steady_position, 'm')} off at the end, wanted {quantity(needed, 'm')}"
-    if summary.settle_position_s is None:
-        yield f"the position does not stay within {SETTLED_POSITION:g} m over the last tenth of the run"
+    if summary.settle_position_s is None and not _stays(picture, SIGMAS * needed):
+        limit = quantity(max(SIGMAS * needed, SETTLED_POSITION), "m")
+        yield f"the position does not stay within {limit} over the {LAST}"
     if summary.settle_attitude_s is None:
-        yield "the attitude does not stay within 5° over the last tenth of the run"
+        yield f"the attitude does not stay within 5° over the {LAST}"
     if summary.fit.word in ("overconfident", "correlated"):
         yield f"the estimate does not fit its ranges: {summary.fit.summary(blind=False)}"
+
+
+def _stays(picture: Picture, limit: float) -> bool:
+    """Whether the position error stays within a limit (m) over the last part of the run."""
+    last = picture.errors.position[-max(1, round(SETTLED_SHARE * len(picture.errors.position))) :]
+    return bool(np.all(last <= limit))
 
 
 def flight(picture: Picture) -> Answer:

@@ -77,3 +77,17 @@ def test_lost_ranges_are_in_the_predicted_accuracy_and_so_are_no_error_of_the_mo
     lost = answers(with_effects(dropout_probability=0.2))["model"]
     assert lost.level == "good"
     assert "20 of 100 ranges" in lost.remarks[0]
+
+
+def test_an_error_within_what_is_wanted_has_arrived_though_it_does_not_settle_below_30_cm():
+    """One limit for one question: the verdict asks for the wanted error, and so does the estimate that arrives."""
+    soft = preset.load("soft")  # it does not settle below 0.3 m
+    run = compute(Settings(preset=soft))
+    last = run.errors.position[-len(run.errors.position) // 10 :]
+    assert run.summary.settle_position_s is None
+    assert 0.3 < last.max() < 0.9
+    for wanted, level in ((0.5, "good"), (0.3, "good"), (0.1, "mind")):  # the RMS over the last quarter is 0.27 m
+        required = replace(soft.requirement, position_sigma=wanted)
+        given = answers(Settings(preset=replace(soft, requirement=required)))["arrival"]
+        assert given.level == level
+        assert ("though not always within 0.3 m" in given.summary) == (level == "good")
