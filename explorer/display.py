@@ -118,6 +118,7 @@ class Display:
         details = picture.details
         with self._client.atomic():
             self._dock.compare.draw_details(picture)
+            self._dock.learn.draw_details(picture)
             self._dock.twin.draw(details.twin)
             self._charts.draw_details(picture)
             self._scene.draw_details(picture, details)

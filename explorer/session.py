@@ -50,8 +50,8 @@ from explorer.widgets.form import Form
 
 PROGRESS_PERIOD = 0.1
 """s between two updates of the progress of the compilation."""
-PAPER, LESSON = "paper", "hover"
-"""The presets of the paper's figures, and of the first steps."""
+PAPER, FIRST_LESSON = "paper", 1
+"""The preset of the paper's figures, and the lesson that a new visitor is led to."""
 
 log = logging.getLogger(__name__)
 
@@ -107,13 +107,16 @@ class Session:
                 if woken:
                     self._wake.clear()
                     self._react()
+                self.dock.learn.play_if_due(time.monotonic())
                 self._display.animate()
                 self._display.draw_details_if_due(time.monotonic(), self._wake)
                 self._autosave.write_aside(time.monotonic())
 
     def _sleep(self, now: float) -> float | None:
         """The time (s) until a frame, the details or a write is due; None if none of them is."""
-        waits = (self._playback.wait(now), self._autosave.wait(now), self._display.wait(now))
+        waits = (
+            self._playback.wait(now), self._autosave.wait(now), self._display.wait(now), self.dock.learn.wait(now)
+        )  # fmt: skip
         return min((wait for wait in waits if wait is not None), default=None)
 
     def _leave(self) -> None:
@@ -153,6 +156,7 @@ class Session:
             show_side_by_side=lambda: self.charts.show_side_by_side(),
             download_preset=self._download_preset,
             send=self._send,
+            go_to=lambda label: self._commands.go_to_control(label),
             notify=self._notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
@@ -180,11 +184,12 @@ class Session:
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
-        self._actions |= {"learn": lambda: self._open(LESSON)}
+        self._actions |= {"learn": lambda: self.dock.learn.open_number(FIRST_LESSON)}
         with client.atomic():
-            commands = Commands(client, self.form, self._notify)
+            self._commands = commands = Commands(client, self.form, self._notify)
             commands.add_plots(GROUP_TITLES)
             commands.add_presets({name: p.title for name, p in self.shared.shipped.items()}, self._open)
+            commands.add_lessons(self.dock.learn.titles, self.dock.learn.open_number)
         places.install(self._client)
         self._built = True
         self._restore()
@@ -232,9 +237,14 @@ class Session:
         if window is None or self._address_read:
             return
         self._address_read = True
-        (name,) = parse_qs(window.query).get("preset", [""])[-1:]
+        asked = parse_qs(window.query)
+        (name,), (number,) = asked.get("preset", [""])[-1:], asked.get("lesson", [""])[-1:]
         if name in self.catalog.presets and name != self.dock.origin:
             self._open(name)
+        if number.isdecimal() and int(number[:4]) in self.dock.learn.titles:
+            self.dock.learn.open_number(int(number[:4]))
+        elif number:
+            self._notify("No such lesson", f"The address asks for lesson {number[:20]!r}; the Learn tab lists all.")
 
     def _apply_changes(self) -> bool:
         """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""

@@ -4,6 +4,7 @@ The names of the fields are part of the file format of saved work.
 """
 
 from explorer.model.comparison import Name
+from explorer.model.learning import Learning
 from explorer.model.settings import Settings
 from rangenav.inputs import Input
 
@@ -26,6 +27,8 @@ class View(Input, frozen=True, kw_only=True):
     """The settings of the pinned run A."""
     keep_pinned: bool = False
     """Whether the pinned run stays when another preset is opened."""
+    learning: Learning = Learning()
+    """Where the visitor is in the course."""
     past: tuple[Settings, ...] = ()
     """What can be undone, the oldest first; the last one is what was on the page."""
     future: tuple[Settings, ...] = ()

@@ -10,7 +10,7 @@ from explorer.web import keys
 from explorer.web.elements import Step, place_of
 from explorer.widgets.form import Form
 
-TABS = ("Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Export")
+TABS = ("Learn", "Motion", "World", "Sensors", "Gains", "Presets", "Compare", "Export")
 KEYS = (
     "Space plays and pauses · ← and → step · Home goes to the start · Ctrl+Z undoes, Ctrl+Shift+Z redoes · "
     "Ctrl+K finds everything · Esc lets go of a handle · on a slider ← and → move the slider"
@@ -28,7 +28,7 @@ class Commands:
         for tab in TABS:
             self._go(f"{tab} tab", [("tab", tab)], "")
         for name in hints:
-            form.command(f"Control: {name}", partial(self._go_to_control, name), step=False)
+            form.command(f"Control: {name}", partial(self.go_to_control, name), step=False)
         form.command("Help: keys", partial(notify, "Keys", KEYS), step=False)
 
     def add_plots(self, groups: Mapping[str, Mapping[str, str]]) -> None:
@@ -44,6 +44,11 @@ class Commands:
         for name, title in titles.items():
             self._form.command(f"Preset: {title} ({name})", partial(open_preset, name))
 
+    def add_lessons(self, titles: Mapping[int, str], open_lesson: Callable[[int], None]) -> None:
+        """Open a lesson; `titles` by their numbers."""
+        for number, title in titles.items():
+            self._form.command(f"Lesson {number}: {title}", partial(open_lesson, number))
+
     def _controls(self) -> list[Any]:
         """The controls of all sections that exist now, the topmost first."""
         return [control for section in self._form.sections for control in section.controls]
@@ -51,7 +56,7 @@ class Commands:
     def _go(self, label: str, steps: list[Step], target: str) -> None:
         self._form.command(label, partial(keys.go_to, self._client, steps, target), step=False)
 
-    def _go_to_control(self, name: str) -> None:
+    def go_to_control(self, name: str) -> None:
         """Bring the first control of a name that is on the page into sight, or say that there is none now."""
         places = (place_of(control.handle) for control in self._controls() if control.name == name)
         place = next((steps for steps in places if steps is not None), None)

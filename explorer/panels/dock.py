@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import msgspec
 
+from explorer.lessons import course
 from explorer.model.assessment import Cure
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
@@ -19,6 +20,7 @@ from explorer.panels.gains.basin import BasinPanel
 from explorer.panels.gains.guess import GuessPanel
 from explorer.panels.gains.tuning import TuningPanel
 from explorer.panels.kept import Kept
+from explorer.panels.learn import LearnActions, LearnPanel
 from explorer.panels.legend import add_legend
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.presets.bundle import BundlePanel
@@ -82,6 +84,18 @@ class Dock:
         }
         self.verdict = VerdictPanel(gui, cures, answers)
         self.tabs = tabs = gui.add_tab_group()
+        with tabs.add_tab("Learn"):
+            self.learn = LearnPanel(
+                form,
+                course(),
+                self,
+                LearnActions(
+                    pin=lambda settings: self.compare.pin_next(settings),
+                    pinned=lambda: self.compare.pinned_settings,
+                    exported=lambda: self.bundle.exported,
+                    go_to=session_actions.go_to,
+                ),
+            )
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
         with tabs.add_tab("World"):
@@ -257,6 +271,7 @@ class Dock:
         self.printed.draw(picture)
         self.presets.draw(picture)
         self.bundle.draw(picture)
+        self.learn.draw(picture)
 
     def see(self, tabs: frozenset[str] | None) -> None:
         """Draw what follows from a picture in these tabs alone from now on; None for all tabs. A tab that is opened is
@@ -274,7 +289,7 @@ class Dock:
     @property
     def actions(self) -> dict[str, Action]:
         """What the buttons do that lie outside the tabs, by the names that they send."""
-        return self.verdict.actions | self._undo.actions | {"again": self._again}
+        return self.verdict.actions | self._undo.actions | self.learn.actions | {"again": self._again}
 
     def draw_progress(self) -> None:
         """Show the progress of the running job below the verdict and beside its button, and what a search has found."""

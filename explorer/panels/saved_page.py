@@ -29,6 +29,7 @@ def view_of(dock: Dock, history: History, playback: Playback) -> View:
         estimators=tuple(name for name in NAMES if name in compare.enabled),
         pinned=compare.pinned_settings,
         keep_pinned=compare.keep_pinned.read(),
+        learning=dock.learn.learning,
         past=past,
         future=future,
     )
@@ -40,16 +41,19 @@ def restore(
     """Show the work of an earlier visit; `as_a_step` it is not shown, but the next undo brings it back."""
     dock.gains.use_units(work.language)
     view = work.view
-    pinned = () if view.pinned is None else (view.pinned,)
-    steps = with_presets((*view.past, work.settings, *view.future, *pinned), catalog)
+    others = [settings for settings in (view.pinned, view.learning.before) if settings is not None]
+    steps = with_presets((*view.past, work.settings, *view.future, *others), catalog)
     done, undone = len(view.past), len(view.past) + 1 + len(view.future)
-    settings, pinned = steps[done], steps[undone:]
+    settings, others = steps[done], steps[undone:]
+    pinned = others[0] if view.pinned is not None else None
+    before = others[-1] if view.learning.before is not None else None
     history.restore(steps[:done], steps[done + 1 : undone])
     history.record(settings, time.monotonic(), separate=True)
     playback.restore(view.time, view.speed, loop=view.loop)
     if not as_a_step:
         dock.write(settings)
-        dock.compare.restore(view, pinned[0] if pinned else None)
+        dock.compare.restore(view, pinned)
+        dock.learn.restore(msgspec.structs.replace(view.learning, before=before))
 
 
 def with_presets(steps: Sequence[Settings], catalog: Catalog) -> list[Settings]:

@@ -1,5 +1,5 @@
-"""The first minute: a card over the scene with one sentence, the marks of the scene and four doors; and a second card
-with the first steps. Both are shown and closed in the browser, which remembers it; “?” brings the first one back."""
+"""The first minute: a card over the scene with one sentence, the marks of the scene and four doors. It is shown and
+closed in the browser, which remembers it; “?” brings it back."""
 
 import viser
 
@@ -14,8 +14,8 @@ MARKS = ("path", "tail", "uncertainty", "sphere", "blind", "twin")
 DOORS = (
     (
         "Learn",
-        "why a hover is lost and a wave is found, in four steps",
-        'data-rn-event="learn" data-rn-flag="welcomed steps"',
+        "why a hover is lost: the first lesson, six minutes",
+        'data-rn-event="learn" data-rn-flag="welcomed" data-rn-tab="Learn"',
     ),
     ("Tune", "an observer: its gains, on this motion", 'data-rn-flag="welcomed" data-rn-tab="Gains"'),
     ("Design", "a motion to fly, and take it as a file", 'data-rn-flag="welcomed" data-rn-tab="Presets"'),
@@ -23,22 +23,12 @@ DOORS = (
 )
 """Name, what is behind it, and what the button does."""
 DOOR = '<button type="button" class="rn-door-button" {}><b>{}</b><span>{}</span></button>'
-STEPS = (
-    "This vehicle hovers. Press <b>▶ play</b>: the range never changes, and the estimate (orange) does not arrive.",
-    "Press <b>▾ why</b> above: 5 of 13 quantities are determined. The evil twin flies elsewhere with the same ranges.",
-    "In <b>Motion</b>, add a tone along x, one along y and one along z. Equal frequencies stay on a line: make the "
-    "three frequencies differ. Or press <b>make it observable</b> above.",
-    "Press play again: the estimate arrives, and the verdict is green once the predicted error is as wanted.",
-)
 CLOSE = '<button type="button" class="rn-button" data-rn-flag="{}" aria-label="Close">{}</button>'
 
 
 def add_welcome(gui: viser.GuiApi) -> None:
-    """Put both cards over the scene."""
+    """Put the card over the scene."""
     gui.add_html(f'<div class="rn-card rn-welcome" role="dialog" aria-label="Welcome">{welcome()}</div>')
-    steps = "".join(f"<li>{step}</li>" for step in STEPS)
-    head = f'<div class="rn-card-head"><b>First steps</b>{CLOSE.format("steps", "✕")}</div>'
-    gui.add_html(f'<div class="rn-card rn-steps" role="dialog" aria-label="First steps">{head}<ol>{steps}</ol></div>')
 
 
 def welcome() -> str:

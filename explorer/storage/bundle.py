@@ -98,6 +98,17 @@ def pack(
     return Bundle(f"{stem}{MARK if marked else ''}.zip", content, tuple(notes), refused)
 
 
+def motion_in(bundle: Bundle, format_names: Sequence[str]) -> tuple[str, bytes] | None:
+    """The first of some formats that holds a motion and is in the zip, with its content; None if none is."""
+    motions = [row for row in formats.writable() if row.certified_as == "motion" and row.name in format_names]
+    with zipfile.ZipFile(io.BytesIO(bundle.content)) as archive:
+        for row in motions:
+            for name in archive.namelist():
+                if name.endswith(row.suffix) and "/" not in name:
+                    return row.name, archive.read(name)
+    return None
+
+
 def _with_cures(error: RefusedExportError, cancelled: Cancelled) -> Refused:
     return Refused(format_name=error.format_name, reason=str(error), cures=cures.cures(error, cancelled=cancelled))
 

@@ -177,8 +177,8 @@ class ComparePanel:
         """Pin the run on the page as A."""
         self.pinned, self._changed = self._picture, True
 
-    def pin_next(self, settings: Settings) -> None:
-        """Pin the run of these settings as A, with the next picture."""
+    def pin_next(self, settings: Settings | None) -> None:
+        """Pin the run of these settings as A, with the next picture; None unpins A."""
         self.pinned, self._to_pin, self._changed = None, settings, True
 
     def forget_preset(self) -> None:

@@ -10,7 +10,7 @@ from explorer.model.changes import with_changes
 from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
-from explorer.storage.bundle import Bundle, Refused, Send, pack
+from explorer.storage.bundle import Bundle, Refused, Send, motion_in, pack
 from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
 from explorer.widgets.controls import Number, Switch
@@ -54,6 +54,8 @@ class BundlePanel:
     def __init__(self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
         self._form, self._catalog, self._page, self._jobs, self._send = form, catalog, page, jobs, send
         self._section = section = Section(form, "Download with certificate", expanded=False)
+        self.exported: tuple[str, bytes] | None = None
+        """The format and the content of the motion that was exported last."""
         self._cures_section: Section | None = None
         self._cured: Preset | None = None
         """What the cures on the page are for."""
@@ -124,7 +126,7 @@ class BundlePanel:
                 cancelled=cancelled,
             )
 
-        self._jobs.start(EXPORTING, work, partial(self._done, shown), self._refuse)
+        self._jobs.start(EXPORTING, work, partial(self._done, shown, names), self._refuse)
 
     def _refuse(self, reason: str) -> None:
         """Show a line for each failure, until something else is on the page."""
@@ -132,8 +134,9 @@ class BundlePanel:
         head, refused, rest = first.partition(": refused: ")
         self._section.answer(f"{head}{refused}".removesuffix(": "), more=((rest,) if rest else ()) + tuple(more))
 
-    def _done(self, shown: Preset, bundle: Bundle) -> None:
+    def _done(self, shown: Preset, names: tuple[str, ...], bundle: Bundle) -> None:
         if bundle.content:
+            self.exported = motion_in(bundle, names)
             self._send(bundle.name, bundle.content)
             sentences = (f"{bundle.name}, {len(bundle.content)} bytes", *bundle.notes)
             self._result_line.content = NOTE.format(bullets(sentences))

@@ -1,0 +1,303 @@
+"""The Learn tab: the course, and the player of one lesson.
+
+A lesson puts its first state on the page. What was there before comes back when the lesson is left. The check runs on
+what the page shows whenever nothing has changed for a moment.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import msgspec
+
+from explorer.lessons import demonstration, screens
+from explorer.lessons.course import Course
+from explorer.lessons.demonstration import Step
+from explorer.lessons.lesson import Lesson
+from explorer.lessons.state import Outcome, State
+from explorer.model import learning as progress
+from explorer.model.compute import Picture
+from explorer.model.learning import PREDICTION, Learning
+from explorer.model.settings import Settings
+from explorer.panels.learn import markup
+from explorer.widgets.form import Action, Form
+from explorer.widgets.page import Page
+from rangenav.number_format import quantity
+
+STEP_PERIOD = 1.5
+"""s between two steps of "show me": long enough to see what a step has changed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LearnActions:
+    """What only the session can do."""
+
+    pin: Callable[[Settings | None], None]
+    """Pins a run A by its settings, or unpins it."""
+    pinned: Callable[[], Settings | None]
+    exported: Callable[[], tuple[str, bytes] | None]
+    """The name of the format and the content of the file that was exported last."""
+    go_to: Callable[[str], None]
+    """Brings a control into sight, by its label."""
+
+
+class LearnPanel:
+    """The list of lessons, or one screen of a lesson."""
+
+    def __init__(self, form: Form, course: Course, page: Page, actions: LearnActions) -> None:
+        self._form, self._course, self._page, self._session = form, course, page, actions
+        self._checks = form.new_jobs()
+        self.learning = Learning()
+        self._picture: Picture | None = None
+        self._outcome: Outcome | None = None
+        self._show: tuple[Step, ...] = ()
+        self._step_at, self._step_text = math.inf, ""
+        self._block = form.gui.add_html("")
+        self._number = form.gui.add_text("your prediction", "", visible=False)
+        self._commit = form.button("Commit", self._predict_number, hint="A committed prediction stays.")
+        self._commit.visible = False
+        self._draw()
+
+    @property
+    def actions(self) -> dict[str, Action]:
+        """What the buttons do, by the names that they send."""
+        named: dict[str, Action] = {
+            "next": lambda: self._turn(1),
+            "back": lambda: self._turn(-1),
+            "leave": self._leave,
+            "following": self._following,
+            "hint": self._hint,
+            "show": self._demonstrate,
+            "again": self._again,
+        }
+        for lesson in self._course.lessons:
+            named[f"open-{lesson.name}"] = partial(self.open, lesson)
+        most = range(1, 10)
+        named |= {f"predict-{k}": partial(self._predict, k) for k in most}
+        named |= {f"control-{k}": partial(self._go_to, k) for k in most}
+        named |= {f"case-{k}": partial(self._open_case, k) for k in most}
+        named |= {f"answer-{k}-{j}": partial(self._answer, k, j) for k in most for j in most}
+        return {f"lesson-{name}": action for name, action in named.items()}
+
+    @property
+    def lesson(self) -> Lesson | None:
+        """The open lesson; None while the list is shown, or if the lesson is no longer there."""
+        return next((one for one in self._course.lessons if one.name == self.learning.lesson), None)
+
+    @property
+    def titles(self) -> dict[int, str]:
+        """The titles of all lessons by their numbers."""
+        return {lesson.number: lesson.header.title for lesson in self._course.lessons}
+
+    def open(self, lesson: Lesson) -> None:
+        """Show a lesson from its beginning, on its first state."""
+        self.learning = progress.opened(self.learning, lesson.name, self._page.read())
+        self._put(lesson.start)
+
+    def open_number(self, number: int) -> None:
+        """Open a lesson by its number, which must be one of `titles`."""
+        lesson = self._course.lesson(number)
+        if lesson is not None:
+            self.open(lesson)
+
+    def restore(self, learning: Learning) -> None:
+        """Take over where the visitor was before a reload."""
+        self.learning = learning
+        self._draw()
+
+    def wait(self, now: float) -> float | None:
+        """How long (s) until the next step of "show me"; None if it does not play."""
+        return None if self._step_at == math.inf else max(0.0, self._step_at - now)
+
+    def play_if_due(self, now: float) -> None:
+        """Do the next step of "show me" when it is due."""
+        if now < self._step_at or not self._show:
+            return
+        step, *rest = self._show
+        self._show, self._step_at = tuple(rest), now + STEP_PERIOD if rest else math.inf
+        self._step_text = f"Shown: {step.label}." + ("" if rest else " That was the last step.")
+        self._form.do(partial(self._page.write, step.settings))
+        self._draw()
+
+    def draw(self, picture: Picture) -> None:
+        """The page shows another picture: the old outcome is that of something else."""
+        self._checks.cancel()
+        self._picture, self._outcome = picture, None
+        if self._kind == "task":  # the figures of other screens follow when nothing moves
+            self._draw()
+
+    def draw_details(self, picture: Picture) -> None:
+        """Nothing has changed for a moment: check what the page shows."""
+        lesson = self.lesson
+        if lesson is None:
+            return
+        self._draw()
+        state = self._state(picture.settings)
+        self._checks.start(
+            "the check of the lesson", lambda _progress, _cancelled: lesson.check(state), self._take, self._refused
+        )
+
+    def _take(self, outcome: Outcome) -> None:
+        self._outcome = outcome
+        if outcome.passed:
+            self.learning = progress.passed(self.learning)
+        self._draw()
+
+    def _refused(self, reason: str) -> None:
+        self._outcome = Outcome(math.nan, False, f"The check could not judge this: {reason}")
+        self._draw()
+
+    def _state(self, settings: Settings) -> State:
+        return State(
+            settings=settings,
+            pinned=self._session.pinned(),
+            answers=progress.answers_of(self.learning, self.learning.lesson),
+            exported=self._session.exported(),
+        )
+
+    def _put(self, state: State) -> None:
+        """Show a state of the lesson."""
+        self._stop_show()
+        self._session.pin(state.pinned)
+        self._page.write(state.settings)
+        self._outcome = None
+        self._draw()
+
+    def _turn(self, by: int) -> None:
+        lesson = self.lesson
+        if lesson is None:
+            return
+        last = len(screens.screens(lesson)) - 1
+        to = min(max(self.learning.screen + by, 0), last)
+        self.learning = msgspec.structs.replace(self.learning, screen=to)
+        self._draw()
+
+    def _leave(self) -> None:
+        """Back to the list, and to what was on the page before."""
+        self._stop_show()
+        before = self.learning.before
+        self.learning = progress.left(self.learning)
+        self._session.pin(None)
+        if before is not None:
+            self._page.write(before)
+        self._draw()
+
+    def _following(self) -> None:
+        names = [lesson.name for lesson in self._course.lessons]
+        k = names.index(self.learning.lesson) + 1 if self.learning.lesson in names else len(names)
+        if k < len(names):
+            self.open(self._course.lessons[k])
+        else:
+            self._leave()
+
+    def _again(self) -> None:
+        if self.lesson is not None:
+            self._put(self.lesson.start)
+
+    def _hint(self) -> None:
+        self.learning = msgspec.structs.replace(self.learning, hints=self.learning.hints + 1)
+        self._draw()
+
+    def _predict(self, k: int) -> None:
+        lesson = self.lesson
+        if lesson is None or k > len(lesson.header.prediction.choices):
+            return
+        self._commit_prediction(lesson.header.prediction.choices[k - 1])
+
+    def _predict_number(self) -> None:
+        lesson, typed = self.lesson, self._number.value.strip().replace(",", ".")
+        if lesson is None or not typed:
+            return
+        try:
+            value = float(typed)
+        except ValueError:
+            value = math.nan
+        if math.isfinite(value):
+            self._commit_prediction(quantity(value, lesson.header.prediction.unit))
+        else:
+            self._step_text = f"“{typed[:20]}” is no number: type one, such as 0.5."
+            self._draw()
+
+    def _commit_prediction(self, answer: str) -> None:
+        """A prediction is committed once."""
+        if PREDICTION not in progress.answers_of(self.learning, self.learning.lesson):
+            self.learning = progress.answered(self.learning, PREDICTION, answer)
+            self._turn(1)
+
+    def _answer(self, k: int, j: int) -> None:
+        lesson = self.lesson
+        if lesson is None or k > len(lesson.header.answers) or j > len(lesson.header.answers[k - 1].choices):
+            return
+        asked = lesson.header.answers[k - 1]
+        self.learning = progress.answered(self.learning, asked.name, asked.choices[j - 1])
+        self._draw()
+        if self._picture is not None:
+            self.draw_details(self._picture)
+
+    def _open_case(self, k: int) -> None:
+        lesson = self.lesson
+        if lesson is not None and k <= len(getattr(lesson, "cases", ())):
+            self._put(getattr(lesson, "cases", ())[k - 1])
+
+    def _go_to(self, k: int) -> None:
+        lesson = self.lesson
+        if lesson is not None and k <= len(lesson.header.controls):
+            self._session.go_to(lesson.header.controls[k - 1].rpartition(" / ")[2])
+
+    def _demonstrate(self) -> None:
+        lesson = self.lesson
+        if lesson is not None:
+            self._show = demonstration.steps(self._page.read(), lesson.solved.settings)
+            self._step_at = time.monotonic()
+            self._step_text = "" if self._show else "The page already shows a solution."
+            self._draw()
+
+    def _stop_show(self) -> None:
+        self._show, self._step_at, self._step_text = (), math.inf, ""
+
+    def _draw(self) -> None:
+        """Show the list, or the open screen."""
+        lesson = self.lesson
+        if lesson is None:
+            content = markup.course_list(self._course, self.learning)
+        else:
+            shown = markup.Shown(
+                learning=self.learning,
+                states=self._states(lesson),
+                outcome=self._outcome,
+                demonstration=self._step_text,
+            )
+            content = markup.screen(lesson, shown)
+        asks_number = lesson is not None and self._asks_number(lesson)
+        for handle in (self._number, self._commit):
+            if handle.visible != asks_number:
+                handle.visible = asks_number
+        if content != self._block.content:
+            self._block.content = content
+
+    @property
+    def _kind(self) -> screens.Kind | None:
+        """What the open screen is; None while the list is shown."""
+        lesson = self.lesson
+        if lesson is None:
+            return None
+        pages = screens.screens(lesson)
+        return pages[min(self.learning.screen, len(pages) - 1)].kind
+
+    def _asks_number(self, lesson: Lesson) -> bool:
+        open_question = PREDICTION not in progress.answers_of(self.learning, lesson.name)
+        return self._kind == "prediction" and not lesson.header.prediction.choices and open_question
+
+    def _states(self, lesson: Lesson) -> dict[str, State | None]:
+        shown = None if self._picture is None else self._state(self._picture.settings)
+        pinned = shown.pinned if shown is not None else None
+        cases = {f"case-{k}": case for k, case in enumerate(getattr(lesson, "cases", ()), start=1)}
+        return {
+            "": shown,
+            "start": lesson.start,
+            "solved": lesson.solved,
+            "pinned": None if pinned is None else State(settings=pinned),
+            **cases,
+        }

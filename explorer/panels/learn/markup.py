@@ -1,0 +1,184 @@
+"""The Learn tab as HTML: the list of lessons, and one screen of a lesson with its buttons.
+
+The buttons are the page's own: what they send is the name of an action, `lesson-next`.
+"""
+
+import html
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from explorer.lessons import text
+from explorer.lessons.course import Course
+from explorer.lessons.lesson import Answer, Goal, Lesson
+from explorer.lessons.screens import Screen, screens
+from explorer.lessons.state import Outcome
+from explorer.model.learning import PREDICTION, Learning
+from rangenav.number_format import quantity
+
+BUTTON = '<button type="button" class="rn-button {}" data-rn-event="{}" {}>{}</button>'
+INTRODUCTION = (
+    "Each lesson asks a question, has you predict the answer, and lets you try. What is on the page now is kept, and "
+    "comes back when you leave the lesson."
+)
+HINT_NAMES = ("a hint", "another hint", "the last hint")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """What one screen needs besides its lesson."""
+
+    learning: Learning
+    states: text.States
+    outcome: Outcome | None = None
+    """The check of what is on the page; None until it has been computed."""
+    demonstration: str = ""
+    """What "show me" is doing."""
+
+
+def button(name: str, label: str, kind: str = "", *, pressed: bool | None = None, disabled: bool = False) -> str:
+    """One button of this tab."""
+    attributes = "" if pressed is None else f'aria-pressed="{str(pressed).lower()}"'
+    return BUTTON.format(kind, f"lesson-{name}", attributes + (" disabled" if disabled else ""), html.escape(label))
+
+
+def course_list(course: Course, learning: Learning) -> str:
+    """All lessons, each with its minutes and whether it was passed."""
+    rows = "".join(_row(lesson, learning) for lesson in course.lessons)
+    broken = "".join(f'<p class="rn-lesson-broken">{html.escape(reason)}</p>' for reason in course.complaints)
+    done = sum(lesson.name in learning.passed for lesson in course.lessons)
+    head = f"<p>{INTRODUCTION}</p><p><b>{done} of {len(course.lessons)}</b> lessons passed.</p>"
+    return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}</div>'
+
+
+def screen(lesson: Lesson, shown: Shown) -> str:
+    """One screen of a lesson, with what leads on and back."""
+    pages, k = screens(lesson), min(shown.learning.screen, len(screens(lesson)) - 1)
+    page = pages[k]
+    body = {"text": _text, "prediction": _prediction, "task": _task, "outcome": _outcome}[page.kind](
+        lesson, page, shown
+    )
+    head = (
+        f'<div class="rn-lesson-head"><span>{lesson.number} · <b>{html.escape(lesson.header.title)}</b></span>'
+        f"{button('leave', 'leave')}</div>"
+    )
+    bar = f'<progress max="{len(pages)}" value="{k + 1}" aria-label="screen {k + 1} of {len(pages)}"></progress>'
+    waits = page.kind == "prediction" and PREDICTION not in _answers(lesson, shown.learning)
+    last = k == len(pages) - 1
+    onward = (
+        button("next", "Next ›", "rn-main", disabled=waits)
+        if not last
+        else button("following", "Next lesson ›", "rn-main")
+    )
+    back = button("back", "‹ Back", disabled=k == 0)
+    foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {len(pages)}</span>{onward}</div>'
+    return f'<div class="rn-lesson">{head}{bar}<h4>{html.escape(page.heading)}</h4>{body}{foot}</div>'
+
+
+def _row(lesson: Lesson, learning: Learning) -> str:
+    mark = "✓" if lesson.name in learning.passed else "•" if _answers(lesson, learning) else ""
+    label = f"{lesson.number} · {lesson.header.title}"
+    return (
+        f'<li><span class="rn-lesson-mark" title="{"passed" if mark == "✓" else ""}">{mark}</span>'
+        f"{button(f'open-{lesson.name}', label)}<span>{lesson.header.minutes:g} min</span></li>"
+    )
+
+
+def _text(lesson: Lesson, page: Screen, shown: Shown) -> str:
+    return text.to_html(page.markdown, shown.states)
+
+
+def _prediction(lesson: Lesson, page: Screen, shown: Shown) -> str:
+    """The question, and its choices; a number is typed into a box below. A committed prediction stays."""
+    asked, given = lesson.header.prediction, _answers(lesson, shown.learning).get(PREDICTION)
+    body = f"<p>{html.escape(text.filled(asked.question, shown.states))}</p>"
+    if given is not None:
+        return f"{body}<p>You predicted: <b>{html.escape(given)}</b>. What came is shown after the task.</p>"
+    choices = "".join(f"<li>{button(f'predict-{k}', choice)}</li>" for k, choice in enumerate(asked.choices, start=1))
+    return body + (f'<ul class="rn-lesson-choices">{choices}</ul>' if choices else "<p>Type a number below.</p>")
+
+
+def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
+    """What to do, how far it is done, where the controls are, and help."""
+    passed = lesson.name in shown.learning.passed
+    controls = "".join(
+        button(f"control-{k}", label.rpartition(" / ")[2]) for k, label in enumerate(lesson.header.controls, start=1)
+    )
+    hints = "".join(f"<li>{html.escape(hint)}</li>" for hint in lesson.header.hints[: shown.learning.hints])
+    more = shown.learning.hints < len(lesson.header.hints)
+    help_row = [button("hint", HINT_NAMES[shown.learning.hints])] if more else []
+    help_row += [button("show", "show me"), button("again", "start again")]
+    cases = "".join(button(f"case-{k}", name) for k, name in enumerate(_cases(lesson), start=1))
+    questions = "".join(
+        _question(k, asked, lesson, shown.learning) for k, asked in enumerate(lesson.header.answers, start=1)
+    )
+    parts = [
+        _text(lesson, page, shown),
+        f'<p class="rn-lesson-buttons">{cases}</p>' if cases else "",
+        questions,
+        _meter(lesson.header.goal, shown.outcome, passed=passed),
+        f'<p class="rn-lesson-buttons">The controls: {controls}</p>' if controls else "",
+        f"<ul>{hints}</ul>" if hints else "",
+        f'<p class="rn-lesson-buttons">Stuck? {"".join(help_row)}</p>',
+        f'<p role="status">{html.escape(shown.demonstration)}</p>' if shown.demonstration else "",
+    ]
+    return "".join(parts)
+
+
+def _outcome(lesson: Lesson, page: Screen, shown: Shown) -> str:
+    """What came, beside what was predicted."""
+    asked, given = lesson.header.prediction, _answers(lesson, shown.learning).get(PREDICTION, "nothing")
+    came = asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", shown.states)
+    rows = (("You predicted", given), ("It came", came), ("Because", text.filled(asked.because, shown.states)))
+    table = "".join(f"<tr><td>{name}</td><td>{html.escape(value)}</td></tr>" for name, value in rows)
+    return f"<table>{table}</table>{_text(lesson, page, shown)}"
+
+
+def _question(k: int, asked: Answer, lesson: Lesson, learning: Learning) -> str:
+    given = _answers(lesson, learning).get(asked.name)
+    choices = "".join(
+        button(f"answer-{k}-{j}", choice, pressed=choice == given) for j, choice in enumerate(asked.choices, start=1)
+    )
+    return f'<p>{html.escape(asked.question)}</p><p class="rn-lesson-buttons">{choices}</p>'
+
+
+def _meter(goal: Goal, outcome: Outcome | None, *, passed: bool) -> str:
+    """A bar from nothing to the goal, and the number with its unit."""
+    if outcome is None:
+        return '<p role="status">The check is being computed …</p>'
+    bound = "at least" if goal.at_least else "at most"
+    share = 1.0 if outcome.passed else min(reached(goal, outcome.metric), 0.99)
+    sign = "✓" if outcome.passed else "…"
+    now = quantity(outcome.metric if math.isfinite(outcome.metric) else None, goal.unit)
+    earlier = "" if outcome.passed or not passed else " You have passed this lesson before."
+    return (
+        f'<p class="rn-lesson-goal">{html.escape(goal.label)}: <b>{now}</b>, wanted {bound} '
+        f"{quantity(goal.value, goal.unit)}</p>"
+        f'<progress class="rn-lesson-bar" max="1" value="{share:.3f}" aria-label="how near the goal is"></progress>'
+        f'<p role="status">{sign} {html.escape(outcome.hint)}{earlier}</p>'
+    )
+
+
+def reached(goal: Goal, metric: float) -> float:
+    """How much of the way to the goal is done, from 0 to 1."""
+    if not math.isfinite(metric):
+        return 0.0
+    if goal.log:
+        if metric <= 0:
+            return 0.0 if goal.at_least else 1.0
+        decades = math.log10(metric / goal.value) * (1 if goal.at_least else -1)
+        return min(max(1 + decades / DECADES, 0.0), 1.0)
+    ratio = metric / goal.value if goal.at_least else goal.value / metric if metric > 0 else 1.0
+    return min(max(ratio, 0.0), 1.0)
+
+
+DECADES = 6.0
+"""So many decades from the goal the bar of a logarithmic metric is empty."""
+
+
+def _answers(lesson: Lesson, learning: Learning) -> Mapping[str, str]:
+    return {a.question: a.answer for a in learning.answers if a.lesson == lesson.name}
+
+
+def _cases(lesson: Lesson) -> tuple[str, ...]:
+    return tuple(getattr(lesson.header, "cases", ()))
