@@ -12,6 +12,7 @@ from typing import Annotated
 import tyro
 
 from rangenav import preset
+from rangenav.inputs import require
 
 DEFAULT_PRESET = "paper-slow"
 STOPPING_SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -25,6 +26,8 @@ class Arguments:
 
     preset: str = DEFAULT_PRESET
     """A shipped preset's name, or the path of a TOML file."""
+    lesson: int | None = None
+    """The number of a lesson, 1 to 14, that the page begins with."""
     host: str = "127.0.0.1"
     """127.0.0.1 or localhost."""
     port: int = 8080
@@ -48,6 +51,7 @@ def serve(arguments: Arguments) -> None:
     """Serve until interrupted. Raises ValueError with one sentence if host, port or preset cannot be used."""
     shipped = preset.shipped()
     first = _first_preset(shipped, arguments.preset)
+    _refuse_unknown_lesson(arguments.lesson)
     from explorer.web.security import close_server, open_server  # here: a wrong preset is reported at once
 
     server = open_server(arguments.host, arguments.port)
@@ -65,6 +69,7 @@ def serve(arguments: Arguments) -> None:
             shipped=shipped,
             first=first,
             requested=requested,
+            lesson="" if arguments.lesson is None else str(arguments.lesson),
             compilation=compilation,
             work_files=WorkFiles(),
             slots=slots,
@@ -99,6 +104,16 @@ def _stopping_signals() -> threading.Event:
         if handler is not signal.SIG_IGN:
             signal.signal(number, stop)
     return stopped
+
+
+def _refuse_unknown_lesson(number: int | None) -> None:
+    """Raise ValueError if there is no lesson of that number."""
+    if number is None:
+        return
+    from explorer.lessons import course  # here: a start without a lesson need not wait for the texts
+
+    numbers = [lesson.number for lesson in course().lessons]
+    require(number in numbers, f"--lesson {number}: no such lesson; there are {', '.join(map(str, numbers))}")
 
 
 def _first_preset(shipped: dict[str, preset.Preset], name_or_path: str) -> str:

@@ -149,7 +149,7 @@ class Session:
         client = self._client
         set_theme(client, dark=False)
         client.gui.set_panel_label("rangenav")
-        self._door = Door(client, self._wake.set, welcome=not self.shared.requested)
+        self._door = Door(client, self._wake.set, welcome=not (self.shared.requested or self.shared.lesson))
         actions = SessionActions(
             restart_preset=self._restart_preset,
             show_paper_figures=self._show_paper_figures,
@@ -232,19 +232,19 @@ class Session:
             self._display.draw_handles()
 
     def _open_preset_of_address(self) -> None:
-        """Show, once, the preset that the page's address names: …/?preset=hover."""
+        """Show, once, the preset or the lesson that the page's address names: …/?preset=hover, …/?lesson=4."""
         window = self._door.window
         if window is None or self._address_read:
             return
         self._address_read = True
         asked = parse_qs(window.query)
-        (name,), (number,) = asked.get("preset", [""])[-1:], asked.get("lesson", [""])[-1:]
+        (name,), (number,) = asked.get("preset", [""])[-1:], asked.get("lesson", [self.shared.lesson])[-1:]
         if name in self.catalog.presets and name != self.dock.origin:
             self._open(name)
         if number.isdecimal() and int(number[:4]) in self.dock.learn.titles:
             self.dock.learn.open_number(int(number[:4]))
         elif number:
-            self._notify("No such lesson", f"The address asks for lesson {number[:20]!r}; the Learn tab lists all.")
+            self._notify("No such lesson", f"There is no lesson “{number[:20]}”; the Learn tab lists all.")
 
     def _apply_changes(self) -> bool:
         """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""

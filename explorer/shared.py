@@ -59,6 +59,8 @@ class Shared:
     """The preset that a new visitor sees."""
     requested: bool
     """Whether that preset was requested on the command line."""
+    lesson: str = ""
+    """The number of the lesson that was requested on the command line; empty if none was."""
     compilation: Compilation
     work_files: WorkFiles
     slots: Slots

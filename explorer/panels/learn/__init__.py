@@ -87,6 +87,11 @@ class LearnPanel:
         return next((one for one in self._course.lessons if one.name == self.learning.lesson), None)
 
     @property
+    def content(self) -> str:
+        """What the tab shows, as HTML."""
+        return self._block.content
+
+    @property
     def titles(self) -> dict[int, str]:
         """The titles of all lessons by their numbers."""
         return {lesson.number: lesson.header.title for lesson in self._course.lessons}
@@ -167,7 +172,7 @@ class LearnPanel:
 
     def _turn(self, by: int) -> None:
         lesson = self.lesson
-        if lesson is None:
+        if lesson is None or (by > 0 and self._waits_for_prediction(lesson)):
             return
         last = len(screens.screens(lesson)) - 1
         to = min(max(self.learning.screen + by, 0), last)
@@ -286,9 +291,12 @@ class LearnPanel:
         pages = screens.screens(lesson)
         return pages[min(self.learning.screen, len(pages) - 1)].kind
 
+    def _waits_for_prediction(self, lesson: Lesson) -> bool:
+        answers = progress.answers_of(self.learning, lesson.name)
+        return self._kind == "prediction" and PREDICTION not in answers
+
     def _asks_number(self, lesson: Lesson) -> bool:
-        open_question = PREDICTION not in progress.answers_of(self.learning, lesson.name)
-        return self._kind == "prediction" and not lesson.header.prediction.choices and open_question
+        return self._waits_for_prediction(lesson) and not lesson.header.prediction.choices
 
     def _states(self, lesson: Lesson) -> dict[str, State | None]:
         shown = None if self._picture is None else self._state(self._picture.settings)

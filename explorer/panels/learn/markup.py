@@ -39,7 +39,7 @@ class Shown:
 def button(name: str, label: str, kind: str = "", *, pressed: bool | None = None, disabled: bool = False) -> str:
     """One button of this tab."""
     attributes = "" if pressed is None else f'aria-pressed="{str(pressed).lower()}"'
-    return BUTTON.format(kind, f"lesson-{name}", attributes + (" disabled" if disabled else ""), html.escape(label))
+    return BUTTON.format(kind, f"lesson-{name}", "disabled" if disabled else attributes, html.escape(label))
 
 
 def course_list(course: Course, learning: Learning) -> str:

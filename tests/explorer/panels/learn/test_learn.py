@@ -1,0 +1,105 @@
+"""The Learn tab: a lesson puts its state on the page, is passed by what the page shows, and gives back the work."""
+
+import time
+
+import pytest
+
+from explorer.lessons import course
+from explorer.lessons.lesson import Goal
+from explorer.model.compute import compute
+from explorer.panels.dock import Dock
+from explorer.panels.learn import markup
+
+COURSE = course()
+PATIENCE = 20.0
+"""s for a check."""
+
+
+@pytest.fixture
+def learning(dock: Dock):
+    yield dock
+    if dock.learn.lesson is not None:
+        dock.learn.actions["lesson-leave"]()
+
+
+def show(dock: Dock) -> None:
+    """What the session does after a change, and when nothing has changed for a moment."""
+    picture = compute(dock.read())
+    dock.draw(picture)
+    dock.learn.draw_details(picture)
+
+
+def run(dock: Dock) -> None:
+    """Run the actions that were queued."""
+    dock.form.run_actions()
+
+
+def wait_for(dock: Dock, text: str) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while text not in dock.learn.content:
+        assert time.monotonic() < deadline, dock.learn.content
+        dock.form.deliver()
+        time.sleep(0.01)
+
+
+def test_a_lesson_shows_its_state_and_leaving_gives_back_what_was_there(learning: Dock):
+    before = learning.read()
+    learning.learn.open(COURSE.lessons[0])
+    assert learning.read().preset == COURSE.lessons[0].start.settings.preset
+    learning.learn.open(COURSE.lessons[-1])
+    learning.learn.actions["lesson-leave"]()
+    assert learning.read() == before
+    assert "lessons passed" in learning.learn.content
+
+
+def test_the_prediction_comes_before_what_follows_it_and_is_committed_once(learning: Dock):
+    lesson, press = COURSE.lessons[0], learning.learn.actions
+    learning.learn.open(lesson)
+    while "Your prediction" not in learning.learn.content:
+        press["lesson-next"]()
+    assert 'data-rn-event="lesson-next" disabled' in learning.learn.content
+    press["lesson-predict-1"]()
+    press["lesson-back"]()
+    press["lesson-predict-2"]()
+    assert f"You predicted: <b>{lesson.header.prediction.choices[0]}</b>" in learning.learn.content
+
+
+@pytest.mark.parametrize("lesson", COURSE.lessons, ids=lambda lesson: lesson.name)
+def test_show_me_leads_from_the_start_of_each_lesson_to_its_solution(learning: Dock, lesson):
+    learning.learn.open(lesson)
+    learning.learn.actions["lesson-show"]()
+    while learning.learn.wait(time.monotonic()) is not None:
+        learning.learn.play_if_due(float("inf"))
+        run(learning)
+    assert lesson.check(lesson.solved).passed
+    shown = learning.read()
+    assert shown.preset.path == lesson.solved.settings.preset.path
+    assert (shown.preset.gains, shown.preset.world) == (
+        lesson.solved.settings.preset.gains,
+        lesson.solved.settings.preset.world,
+    )
+
+
+def test_the_check_judges_what_the_page_shows_and_a_passed_lesson_stays_passed(learning: Dock):
+    lesson = COURSE.lessons[0]
+    learning.learn.open(lesson)
+    while "Task" not in learning.learn.content:
+        learning.learn.actions["lesson-next"]()
+        learning.learn.actions["lesson-predict-1"]()
+    show(learning)
+    wait_for(learning, "turn it farther")
+    learning.write(lesson.solved.settings)
+    show(learning)
+    wait_for(learning, "✓")
+    learning.learn.actions["lesson-again"]()
+    show(learning)
+    wait_for(learning, "You have passed this lesson before.")
+
+
+def test_the_bar_is_full_at_the_goal_and_empty_far_from_it():
+    at_least, at_most = Goal(label="x", value=2.0), Goal(label="x", value=2.0, at_least=False)
+    decades = Goal(label="x", value=1.0, log=True)
+    assert [markup.reached(at_least, x) for x in (0.0, 1.0, 2.0, 9.0)] == [0.0, 0.5, 1.0, 1.0]
+    assert [markup.reached(at_most, x) for x in (8.0, 2.0, 1.0)] == [0.25, 1.0, 1.0]
+    assert [markup.reached(decades, x) for x in (1e-6, 1e-3, 1.0, 10.0)] == [0.0, pytest.approx(0.5), 1.0, 1.0]
+    assert markup.reached(at_least, float("nan")) == 0.0
