@@ -7,6 +7,7 @@ import threading
 import urllib.request
 import webbrowser
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated
 
 import tyro
@@ -28,6 +29,10 @@ class Arguments:
     """A shipped preset's name, or the path of a TOML file."""
     lesson: int | None = None
     """The number of a lesson, 1 to 14, that the page begins with."""
+    handout: Path | None = None
+    """Write the preset or the lesson as one HTML file that opens without a network, and start no page."""
+    slider: tuple[str, ...] = ()
+    """Up to two numbers that move in the handout: gains.attitude.k1, or with limits gains.attitude.k1=0.5:20."""
     host: str = "127.0.0.1"
     """127.0.0.1 or localhost."""
     port: int = 8080
@@ -39,12 +44,34 @@ def main() -> None:
     arguments = tyro.cli(Arguments, prog="rangenav-explorer")
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     try:
-        serve(arguments)
+        if arguments.handout is not None:
+            write_handout(arguments, arguments.handout)
+        else:
+            serve(arguments)
     except ValueError as error:
         print(error, file=sys.stderr)
         sys.exit(2)
     except KeyboardInterrupt:
         pass
+
+
+def write_handout(arguments: Arguments, path: Path) -> None:
+    """Write a handout and print where it is. Raises ValueError with one sentence if it cannot be made or written."""
+    from explorer.handout import handout
+    from explorer.lessons import course
+    from explorer.model.settings import Settings
+
+    _refuse_unknown_lesson(arguments.lesson)
+    lesson = None if arguments.lesson is None else course().lesson(arguments.lesson)
+    shown = preset.load(arguments.preset)
+    settings = Settings(origin=arguments.preset, preset=shown) if lesson is None else lesson.start.settings
+    name = lesson.name if lesson is not None else preset.find(arguments.preset).stem
+    content = handout(settings, arguments.slider, lesson=lesson, name=name)
+    try:
+        path.write_bytes(content)
+    except OSError as error:
+        raise ValueError(f"{path}: cannot be written: {error.strerror}") from None
+    print(f"{path}, {len(content) / 1e6:.1f} MB: opens in any browser, without a network")
 
 
 def serve(arguments: Arguments) -> None:

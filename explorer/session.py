@@ -21,7 +21,9 @@ import viser
 from explorer.appearance import Appearance, set_theme
 from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
 from explorer.display import Display
+from explorer.handout import handout
 from explorer.interaction import Interaction
+from explorer.lessons.lesson import Lesson
 from explorer.model import compute, palette
 from explorer.model.compute import Picture
 from explorer.model.history import History
@@ -31,6 +33,7 @@ from explorer.panels import saved_page
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
+from explorer.panels.handout import HandoutPanel
 from explorer.panels.scene_file import SceneFilePanel
 from explorer.panels.session_actions import SessionActions
 from explorer.panels.timeline import TimelinePanel
@@ -47,6 +50,7 @@ from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Form
+from rangenav.progress import Cancelled, Progress
 
 PROGRESS_PERIOD = 0.1
 """s between two updates of the progress of the compilation."""
@@ -177,6 +181,13 @@ class Session:
                 stem=lambda: self._named_settings()[0].removesuffix(".toml"),
                 download=self._send,
             )
+            self._handout = HandoutPanel(
+                self.form,
+                settings=self._named_settings,
+                lesson=lambda: self.dock.learn.lesson,
+                write=_handout,
+                download=self._send,
+            )
         self.form.command("Show all curves", self.charts.show_all_curves)
         scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
@@ -227,6 +238,7 @@ class Session:
         self.form.refresh()
         self.dock.draw_progress()
         self._scene_file.progress.draw()
+        self._handout.progress.draw()
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()
@@ -321,3 +333,14 @@ class Session:
             self._playback.playing = False
             text = "Something went wrong on the server; what you see may be out of date. The log has the details."
             self._client.add_notification("⚠ Internal error", text, color=palette.NOTIFY_ERROR, auto_close_seconds=10)
+
+
+def _handout(
+    settings: Settings,
+    sliders: tuple[str, ...],
+    lesson: Lesson | None,
+    name: str,
+    progress: Progress,
+    cancelled: Cancelled,
+) -> bytes:
+    return handout(settings, sliders, lesson=lesson, name=name, progress=progress, cancelled=cancelled)

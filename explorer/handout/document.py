@@ -25,6 +25,7 @@ from rangenav.progress import Cancelled, CancelledError, Progress, never, unhear
 MAX_BYTES = 6_000_000
 MAX_SLIDERS = 2
 FOLDER = Path(__file__).parent
+BUTTON = '<button type="button" class="choice">{}</button>'
 HIDDEN_UNTIL_PREDICTED = ("What you see", "Insight")
 
 
@@ -75,7 +76,7 @@ def _document(base: Picture, data: dict[str, Any], lesson: Lesson | None, name: 
     import plotly.offline  # here: it takes a second, and the page begins without it
 
     preset_bytes = preset_file.document(base.settings)
-    certified = certificate.dumps(certificate.certify(preset_bytes, source=f"{name}.toml")).encode()
+    certified = certificate.dumps(certificate.certify(preset_bytes, source=f"{name}.toml"))
     title = lesson.header.title if lesson is not None else base.preset.title or name
     parts = {
         "TITLE": html.escape(title),
@@ -98,35 +99,40 @@ def _document(base: Picture, data: dict[str, Any], lesson: Lesson | None, name: 
 def _lesson(lesson: Lesson) -> str:
     """The text of a lesson; what answers its prediction stays folded until the prediction is made."""
     states = lesson.states(lesson.start)
-    asked = lesson.header.prediction
     blocks = []
     for section in SECTIONS:
         screens = "".join(text.to_html(screen, states) for screen in lesson.sections[section])
-        hidden = ' class="after"' if section in HIDDEN_UNTIL_PREDICTED else ""
-        blocks.append(f"<section{hidden}><h2>{section}</h2>{screens}</section>")
+        hidden = section in HIDDEN_UNTIL_PREDICTED
+        blocks.append(_section(section, screens, hidden=hidden))
         if section == "Question":
             blocks.append(_prediction(lesson, states))
-    came = asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", states)
-    because = html.escape(text.filled(asked.because, states))
-    blocks.insert(
-        -2,
-        f'<section class="after"><p>You predicted: <b id="predicted"></b>. It came: <b>{html.escape(came)}</b>. {because}</p></section>',
-    )
+        if section == "Task":
+            blocks.append(_outcome(lesson, states))
     return "".join(blocks)
+
+
+def _section(heading: str, body: str, *, hidden: bool = False) -> str:
+    title = f"<h2>{heading}</h2>" if heading else ""
+    return f'<section class="{"after" if hidden else ""}">{title}{body}</section>'
 
 
 def _prediction(lesson: Lesson, states: text.States) -> str:
     asked = lesson.header.prediction
-    if asked.choices:
-        choices = "".join(
-            f'<button type="button" class="choice">{html.escape(choice)}</button>' for choice in asked.choices
-        )
-    else:
-        choices = f'<input id="number" inputmode="decimal"> {html.escape(asked.unit)} <button type="button" class="choice">commit</button>'
+    answers = [BUTTON.format(html.escape(choice)) for choice in asked.choices]
+    if not answers:
+        answers = ['<input id="number" inputmode="decimal" aria-label="your prediction">', html.escape(asked.unit)]
+        answers.append(BUTTON.format("commit"))
     question = html.escape(text.filled(asked.question, states))
-    return (
-        f'<section id="prediction"><h2>Your prediction</h2><p>{question}</p><p class="choices">{choices}</p></section>'
-    )
+    return _section("Your prediction", f'<p>{question}</p><p class="choices">{" ".join(answers)}</p>')
+
+
+def _outcome(lesson: Lesson, states: text.States) -> str:
+    """What came, beside what was predicted."""
+    asked = lesson.header.prediction
+    came = asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", states)
+    because = html.escape(text.filled(asked.because, states))
+    came = f'You predicted: <b id="predicted"></b>. It came: <b>{html.escape(came)}</b>. {because}'
+    return _section("", f"<p>{came}</p>", hidden=True)
 
 
 def _data_url(content: bytes, kind: str) -> str:

@@ -61,7 +61,7 @@
   const sceneLayout = () => {
     const range = limits(of('truth')), up = upright();
     const axis = (title, j) => ({title: {text: title}, range: range[j], color: ink(), gridcolor: line(), showbackground: false});
-    const eye = {x: 1.3, y: 1.3, z: up.z < 0 ? -0.8 : 0.8};
+    const eye = {x: 1.5, y: 1.5, z: up.z < 0 ? -0.9 : 0.9};
     return {
       margin: {l: 0, r: 0, t: 0, b: 0}, paper_bgcolor: 'transparent', font: {color: ink()}, uirevision: 'kept',
       legend: {orientation: 'h', x: 0, y: 1, bgcolor: 'transparent'},

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from explorer.model import field_path
-from explorer.model.glossary import field_label
 from explorer.model.settings import Settings
 from rangenav.inputs import require
 
@@ -37,17 +36,16 @@ def slider(settings: Settings, text: str) -> Baked:
     now = field_path.value(settings, path)
     low, high = _limits(text, limits) if limits else _usual_limits(path, now)
     wanted = np.geomspace(low, high, POSITIONS) if low > 0 else np.linspace(low, high, POSITIONS)
-    values, states = [], []
+    values, states, refusal = [], [], ""
     for value in wanted:
         try:
             states.append(field_path.replaced(settings, path, _rounded(float(value))))
             values.append(_rounded(float(value)))
         except ValueError as reason:
             refusal = str(reason)
-            continue
-    require(len(values) >= 2, f"{path}: no two of its positions are valid: {refusal if len(values) < 2 else ''}")
+    require(len(values) >= 2, f"{path}: no two of its positions are valid: {refusal}")
     at = int(np.argmin(np.abs(np.array(values) - now)))
-    return Baked(path=path, label=field_label(path), values=tuple(values), settings=tuple(states), at=at)
+    return Baked(path=path, label=field_path.label(path), values=tuple(values), settings=tuple(states), at=at)
 
 
 def _limits(text: str, limits: str) -> tuple[float, float]:
@@ -65,7 +63,7 @@ def _limits(text: str, limits: str) -> tuple[float, float]:
 
 def _usual_limits(path: str, now: float) -> tuple[float, float]:
     require(now != 0, f"{path}: is 0, so its limits must be given, such as {path}=-1:1")
-    return tuple(sorted((now / SPAN, now * SPAN))) if now > 0 else (now * 2, -now * 2)  # type: ignore[return-value]
+    return (now / SPAN, now * SPAN) if now > 0 else (2 * now, -2 * now)
 
 
 def _rounded(value: float) -> float:

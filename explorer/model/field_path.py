@@ -3,10 +3,12 @@
 A number after a dot counts entries from 1, as the page does; the components of a vector are x, y, z.
 """
 
+import re
 from typing import Any
 
 import msgspec
 
+from explorer.model.glossary import field_label
 from explorer.model.settings import Settings
 from rangenav.inputs import require, shortened
 
@@ -17,7 +19,7 @@ OF_SETTINGS = ("time_scale", "twin_turn")
 
 def value(settings: Settings, path: str) -> float:
     """The number. Raises ValueError with one sentence if the path names none."""
-    table = msgspec.to_builtins(settings)
+    table = msgspec.json.decode(msgspec.json.encode(settings))  # lists, which take an entry
     for part in _parts(path):
         table = table[_key(table, part, path)]
     require(isinstance(table, int | float) and not isinstance(table, bool), f"{path}: names no number")
@@ -27,7 +29,7 @@ def value(settings: Settings, path: str) -> float:
 def replaced(settings: Settings, path: str, number: float) -> Settings:
     """The settings with another number. Raises ValueError with one sentence if it does not fit."""
     value(settings, path)
-    table = msgspec.to_builtins(settings)
+    table = msgspec.json.decode(msgspec.json.encode(settings))  # lists, which take an entry
     inner, *parts = table, *_parts(path)
     for part in parts[:-1]:
         inner = inner[_key(inner, part, path)]
@@ -37,6 +39,11 @@ def replaced(settings: Settings, path: str, number: float) -> Settings:
         return msgspec.convert(table, Settings)
     except (msgspec.ValidationError, ValueError) as error:
         raise ValueError(f"{path} = {number:g}: {shortened(str(error))}") from None
+
+
+def label(path: str) -> str:
+    """What the page calls it: path.tones.3.amplitude → path, tone 3, amplitude."""
+    return field_label(re.sub(r"\.(\d+)", r"[\1]", path))
 
 
 def _parts(path: str) -> list[str]:

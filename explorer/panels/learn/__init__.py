@@ -243,8 +243,8 @@ class LearnPanel:
 
     def _open_case(self, k: int) -> None:
         lesson = self.lesson
-        if lesson is not None and k <= len(getattr(lesson, "cases", ())):
-            self._put(getattr(lesson, "cases", ())[k - 1])
+        if lesson is not None and k <= len(lesson.cases):
+            self._put(lesson.cases[k - 1])
 
     def _go_to(self, k: int) -> None:
         lesson = self.lesson
@@ -299,13 +299,5 @@ class LearnPanel:
         return self._waits_for_prediction(lesson) and not lesson.header.prediction.choices
 
     def _states(self, lesson: Lesson) -> dict[str, State | None]:
-        shown = None if self._picture is None else self._state(self._picture.settings)
-        pinned = shown.pinned if shown is not None else None
-        cases = {f"case-{k}": case for k, case in enumerate(getattr(lesson, "cases", ()), start=1)}
-        return {
-            "": shown,
-            "start": lesson.start,
-            "solved": lesson.solved,
-            "pinned": None if pinned is None else State(settings=pinned),
-            **cases,
-        }
+        """The states that the text may name; before the first picture what is shown is the lesson's first state."""
+        return lesson.states(lesson.start if self._picture is None else self._state(self._picture.settings))

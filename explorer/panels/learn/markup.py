@@ -181,4 +181,4 @@ def _answers(lesson: Lesson, learning: Learning) -> Mapping[str, str]:
 
 
 def _cases(lesson: Lesson) -> tuple[str, ...]:
-    return tuple(getattr(lesson.header, "cases", ()))
+    return lesson.header.cases
