@@ -14,7 +14,6 @@ import threading
 import time
 from collections.abc import Iterator
 from functools import partial
-from urllib.parse import parse_qs
 
 import viser
 
@@ -30,6 +29,7 @@ from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
 from explorer.panels import saved_page
+from explorer.panels.address import Address
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
@@ -72,7 +72,6 @@ class Session:
         self._built = False
         """Whether the page is complete; it stays incomplete if the tab disconnects while the page is being built."""
         self.history = History()
-        self._address_read = False
         self._autosave = Autosave(shared.work_files, shared.first, self._notify_about_work)
         self._playback = Playback(shared.shipped[shared.first].duration)
         self.thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
@@ -195,7 +194,9 @@ class Session:
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
-        self._actions |= {"learn": lambda: self.dock.learn.open_number(FIRST_LESSON)}
+        self._address = Address(client, self.dock, self.catalog, self._notify, lesson=self.shared.lesson)
+        self._actions |= {"learn": lambda: self.dock.learn.open_number(FIRST_LESSON), "link": self._address.copy_link}
+        self.form.command("Copy a link to this page", self._address.copy_link, step=False)
         with client.atomic():
             self._commands = commands = Commands(client, self.form, self._notify)
             commands.add_plots(GROUP_TITLES)
@@ -230,7 +231,7 @@ class Session:
     def _react(self) -> None:
         """Apply the changes of the visitor, and update the marks of the form."""
         self._appearance.follow(self._door.window)
-        self._open_preset_of_address()
+        self._address.follow(self._door.window)
         for name in self._door.take_events():
             if name in self._actions:
                 self.form.do(self._actions[name])
@@ -242,21 +243,6 @@ class Session:
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()
-
-    def _open_preset_of_address(self) -> None:
-        """Show, once, the preset or the lesson that the page's address names: …/?preset=hover, …/?lesson=4."""
-        window = self._door.window
-        if window is None or self._address_read:
-            return
-        self._address_read = True
-        asked = parse_qs(window.query)
-        (name,), (number,) = asked.get("preset", [""])[-1:], asked.get("lesson", [self.shared.lesson])[-1:]
-        if name in self.catalog.presets and name != self.dock.origin:
-            self._open(name)
-        if number.isdecimal() and int(number[:4]) in self.dock.learn.titles:
-            self.dock.learn.open_number(int(number[:4]))
-        elif number:
-            self._notify("No such lesson", f"There is no lesson “{number[:20]}”; the Learn tab lists all.")
 
     def _apply_changes(self) -> bool:
         """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""

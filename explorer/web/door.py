@@ -4,7 +4,7 @@ viser 1.1.1 reports none of it. A script in the page (page.js) writes it into a 
 there, and brings the style sheet (page.css) along. The text is a query string:
 
     width=1366&height=768&flags=dark+unfolded&switched=sphere&plots=snap&tabs=motion&query=preset%3Dhover
-    &event=1712345678901:repair
+    &event=1712345678901:repair&link=eNp…    (the link is the text after #s= in the address, which viser removes there)
 
 A browser may write anything: what does not have this form is ignored.
 """
@@ -24,12 +24,13 @@ from explorer.model import palette
 from explorer.web.connection import run_script
 
 LABEL = "page"
-MAX_LENGTH, MAX_EVENTS = 2000, 64
+MAX_LENGTH, MAX_EVENTS = 16_000, 64
 """Characters of a report, and events stored while the session is busy; beyond that the oldest are dropped."""
-SIZE, EVENT, NAME = (
+SIZE, EVENT, NAME, LINK = (
     re.compile(r"[1-9]\d{1,4}"),
     re.compile(r"(\d{1,16}):([a-z][\w-]{0,60})"),
     re.compile(r"[a-z-]{1,30}"),
+    re.compile(r"[\w-]{1,15000}", re.ASCII),
 )
 FOLDER = Path(__file__).parent
 COLORS = f":root {{ --rn-dimmed: {palette.SECONDARY_TEXT}; }}\n"
@@ -55,6 +56,8 @@ class Window:
     """The open tabs by their labels, as "in-depth"; None if the browser has not said which."""
     query: str = ""
     """What follows the question mark in the address."""
+    link: str = ""
+    """The text of a link, from the fragment of the address."""
 
 
 class Door:
@@ -103,6 +106,7 @@ class Door:
                 plots=_names(said["plots"][0]) if "plots" in said else None,
                 tabs=_names(said["tabs"][0]) if "tabs" in said else None,
                 query=said.get("query", [""])[0],
+                link=link if LINK.fullmatch(link := said.get("link", [""])[0]) else "",
             )
             for event in said.get("event", []):
                 match = EVENT.fullmatch(event)
@@ -110,6 +114,11 @@ class Door:
                     self._last = int(match[1])
                     self._events.append(match[2])
         self._wake()
+
+
+def copy_link(client: viser.ClientHandle, fragment: str) -> None:
+    """Copy the page's address with a fragment."""
+    run_script(client, f"window.rnPage.copyLink({json.dumps(fragment)})")
 
 
 def script(*, welcome: bool) -> str:

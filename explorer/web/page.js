@@ -21,8 +21,14 @@
   const put = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set;
   const dark = matchMedia('(prefers-color-scheme: dark)');
   const query = location.search.slice(1);
+  // viser takes the fragment away from the address; where the visitor came from still has it. A reload goes on with the
+  // visitor's own work.
+  const shared = address => (address.match(/#(?:.*&)?s=([\w-]+)/) || ['', ''])[1];
+  const came = performance.getEntriesByType('navigation')[0];
+  let link = came && came.type !== 'reload' ? shared(location.href) || shared(came.name) : '';
   const asked = new URLSearchParams(query), present = asked.has('present');
-  let welcomed = SKIP_WELCOME || asked.has('preset');  // whoever asks for a preset is not held up by the card
+  // whoever asks for something is not held up by the card
+  let welcomed = SKIP_WELCOME || asked.has('preset') || asked.has('lesson') || link !== '';
   let kept = {flags: [], switched: []}, events = [], last = '', stamp = 0, plots = 'none', tabs = 'none';
   try { kept = {...kept, ...JSON.parse(localStorage.getItem(KEY))}; } catch (refused) { console.info(String(refused)); }
   const keep = () => {
@@ -61,7 +67,7 @@
     const text = new URLSearchParams([
       ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['switched', kept.switched.join(' ')],
       ['plots', plots], ['tabs', tabs],
-      ['query', query], ...events.map(event => ['event', event]),
+      ['query', query], ...(link ? [['link', link]] : []), ...events.map(event => ['event', event]),
     ]).toString();
     if (text === last && !again) return;
     last = text;
@@ -98,6 +104,15 @@
     if (button.dataset.rnLayer) act('layer', button.dataset.rnLayer);
     if (button.dataset.rnTab) act('tab', button.dataset.rnTab);
   });
+  addEventListener('hashchange', () => { const next = shared(location.href); if (next) { link = next; report(); } });
+  const copyLink = fragment => {
+    const address = location.origin + location.pathname + '?' + fragment;  // viser makes its socket's address of all before the ?
+    const aside = () => {
+      const box = document.createElement('textarea');
+      box.value = address; document.body.append(box); box.select(); document.execCommand('copy'); box.remove();
+    };
+    if (navigator.clipboard && navigator.clipboard.writeText) navigator.clipboard.writeText(address).catch(aside); else aside();
+  };
   dark.addEventListener('change', () => { show(); report(); });
   let later = 0;
   addEventListener('resize', () => { clearTimeout(later); later = setTimeout(report, 200); });
@@ -129,6 +144,6 @@
   new MutationObserver(() => {
     marking = marking || setTimeout(() => { marking = 0; mark(); }, 200);
   }).observe(document.body, {childList: true, subtree: true});
-  window.rnPage = {report, act};
+  window.rnPage = {report, act, copyLink};
   show(); fit(); report();
 })();

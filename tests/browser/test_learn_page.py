@@ -1,0 +1,103 @@
+"""A lesson is walked through the page, a link brings its settings, and a handout works from disk without a network."""
+
+import re
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from explorer.handout import handout
+from explorer.lessons import course
+from explorer.model import share
+from explorer.model.settings import Settings
+from rangenav import preset
+from tests.browser.page import Server, Visitor
+
+LESSON = course().lessons[0]
+OTHER = Settings(origin="soft", preset=preset.load("soft"), time_scale=1.5)
+
+
+@pytest.fixture(scope="module")
+def visitor(server: Server, browser: Browser):
+    tab = Visitor(browser, f"{server.url}?lesson={LESSON.number}", says="blind")
+    tab.dismiss_notifications()
+    yield tab
+    assert tab.complaints == []
+    tab.close()
+
+
+def press(page: Page, label: str) -> None:
+    """Press a button of the lesson, and wait until the session has answered with another screen or text."""
+    before = page.locator(".rn-lesson").inner_html()
+    page.locator(".rn-lesson button", has_text=label).first.click()
+    page.wait_for_function("before => document.querySelector('.rn-lesson')?.innerHTML !== before", arg=before)
+
+
+def test_a_lesson_is_walked_from_its_question_to_passed_and_a_reload_keeps_the_place(visitor: Visitor):
+    page = visitor.page
+    visitor.wait_for_text(LESSON.header.title)
+    press(page, "Next")
+    visitor.wait_for_text("Your prediction")
+    press(page, LESSON.header.prediction.choices[0])
+    while not page.get_by_text("Stuck?").is_visible():
+        press(page, "Next")
+    visitor.wait_for_text("turn it farther")
+    page.locator(".rn-lesson button", has_text="turn of the twin").click()  # brings the control into sight
+    page.get_by_text("axis of that turn").wait_for(state="visible")
+    visitor.type_number("turn of the twin (°)", "40")
+    visitor.tab("Learn")
+    visitor.wait_for_text("and has the same range")
+    visitor.reload()
+    visitor.tab("Learn")
+    visitor.wait_for_text("and has the same range")
+    press(page, "Next")
+    visitor.wait_for_text("You predicted")
+    assert LESSON.header.prediction.choices[0] in visitor.text()
+    press(page, "leave")
+    visitor.wait_for_text("1 of ")
+    visitor.wait_for_text("observable")
+
+
+def test_a_link_opens_its_settings_on_an_open_page_and_a_broken_one_says_so(visitor: Visitor):
+    visitor.page.evaluate("fragment => { location.hash = fragment }", f"#s={share.link_text(OTHER)}")
+    visitor.wait_for_text("A link was opened")
+    visitor.tab("Motion")
+    visitor.wait_for_text("1.5")
+    visitor.page.evaluate("location.hash = '#s=abc'")
+    visitor.wait_for_text("The link is damaged")
+
+
+def test_a_new_tab_opens_a_link_and_copies_its_own(server: Server, browser: Browser):
+    tab = Visitor(browser, f"{server.url}?#s={share.link_text(OTHER)}", says="soft")
+    tab.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
+    tab.press("Copy a link")
+    tab.wait_for_text("Link copied")
+    copied = tab.page.evaluate("navigator.clipboard.readText()")
+    assert share.from_link(copied.partition("#s=")[2]).preset == OTHER.preset
+    assert tab.complaints == []
+    tab.close()
+
+
+def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: Browser, tmp_path):
+    path = tmp_path / "lesson.html"
+    path.write_bytes(handout(LESSON.start.settings, ["gains.attitude.k1"], lesson=LESSON))
+    context, complaints = browser.new_context(viewport={"width": 400, "height": 800}, offline=True), []
+    page = context.new_page()
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
+    page.goto(path.as_uri())
+    page.wait_for_function("document.querySelectorAll('#plots .main-svg').length > 0")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 400
+    assert not page.get_by_text("No program can tell").is_visible()
+    page.locator(".choice").first.click()
+    assert page.locator("#predicted").inner_text() == LESSON.header.prediction.choices[0]
+    page.locator("#time").fill("120")
+    now = page.locator("#now").inner_text()
+    assert re.fullmatch(r"\d+\.\d\d s", now)
+    page.locator("#play").click()
+    page.wait_for_function("now => document.getElementById('now').textContent !== now", arg=now)
+    offset = page.locator("#offset").inner_text()
+    page.locator("#play").click()
+    page.locator("#sliders input").fill("0")
+    page.wait_for_function("before => document.getElementById('offset').textContent !== before", arg=offset)
+    assert complaints == []
+    context.close()
