@@ -31,6 +31,25 @@ SEEDS = 5
 NEAR_HALF_TURN = math.pi - 0.01
 """rad: an initial attitude error close to an undesired equilibrium."""
 
+PARTS = {
+    "path": "the path",
+    "angular_velocity": "the angular velocity",
+    "duration": "the flight duration",
+    "world": "the anchor, gravity and the magnetic direction",
+    "sensors": "the sensors",
+    "gains": "the gains",
+    "guess": "the initial estimate",
+    "requirement": "the time window",
+    "vehicle": "the vehicle",
+}
+"""What sentences call the parts of a preset."""
+
+
+def changed(preset: Preset, start: Preset, *parts: str) -> str:
+    """One sentence if a part of a preset that belongs to the task is not as at the start; empty if all are."""
+    others = [words for name, words in PARTS.items() if name in parts and getattr(preset, name) != getattr(start, name)]
+    return f"Put back what is part of the task: {' and '.join(others)}." if others else ""
+
 
 def picture(state: State) -> Picture:
     """What the page shows of a state. Its stages are cached, so that several figures compute it once."""
@@ -113,12 +132,13 @@ def gravity_estimate(state: State) -> tuple[float, float]:
 
 
 def correction(state: State) -> float:
-    """Length of the mean of k1 σ over the last quarter of the run (rad/s): what the attitude filter adds to the gyro."""
+    """Length of the mean of k1 σ over the last quarter (rad/s): what the attitude filter adds to the gyro."""
     shown = picture(state)
     last = slice(3 * len(shown.estimate.time) // 4, None)
     gains, world, rotation = shown.preset.gains.attitude, shown.preset.world, shown.estimate.rotation[last]
-    mag = np.cross(shown.measurements.mag[last], to_body(rotation, np.array(world.magnetic)))
-    gravity = np.cross(shown.estimate.state[last, GRAVITY], to_body(rotation, np.array(world.gravity)))
+    field, down = (np.broadcast_to(vector, (len(rotation), 3)) for vector in (world.magnetic, world.gravity))
+    mag = np.cross(shown.measurements.mag[last], to_body(rotation, field))
+    gravity = np.cross(shown.estimate.state[last, GRAVITY], to_body(rotation, down))
     mean = np.nanmean(gains.rho1 * mag + gains.rho2 * gravity, axis=0)
     return gains.k1 * float(np.linalg.norm(mean))
 
