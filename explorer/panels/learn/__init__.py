@@ -26,6 +26,7 @@ from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 from rangenav.number_format import quantity
 
+EXPORT = "Now export it: on the tab Presets, below “Download with certificate”, the button “Export as a zip”."
 STEP_PERIOD = 1.5
 """s between two steps of "show me": long enough to see what a step has changed."""
 
@@ -122,8 +123,10 @@ class LearnPanel:
             return
         step, *rest = self._show
         self._show, self._step_at = tuple(rest), now + STEP_PERIOD if rest else math.inf
-        self._step_text = f"Shown: {step.label}." + ("" if rest else " That was the last step.")
         self._form.do(partial(self._page.write, step.settings))
+        lesson = self.lesson
+        end = f" {self._end_of_show(lesson)}" if lesson is not None and not rest else ""
+        self._step_text = f"Shown: {step.label}.{end}"
         self._draw()
 
     def draw(self, picture: Picture) -> None:
@@ -255,9 +258,17 @@ class LearnPanel:
         lesson = self.lesson
         if lesson is not None:
             self._show = demonstration.steps(self._page.read(), lesson.solved.settings)
-            self._step_at = time.monotonic()
-            self._step_text = "" if self._show else "The page already shows a solution."
+            self._step_at = time.monotonic() if self._show else math.inf
+            self._step_text = "" if self._show else self._end_of_show(lesson)
             self._draw()
+
+    def _end_of_show(self, lesson: Lesson) -> str:
+        """Give the answers of the solution; a sentence on what remains to be done by hand."""
+        for name, answer in lesson.solved.answers.items():
+            self.learning = progress.answered(self.learning, name, answer)
+        if self._picture is not None:
+            self.draw_details(self._picture)
+        return EXPORT if lesson.solved.exported is not None else "That is a solution."
 
     def _stop_show(self) -> None:
         self._show, self._step_at, self._step_text = (), math.inf, ""
