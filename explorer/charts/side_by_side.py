@@ -12,7 +12,7 @@ from viser._gui_handles import GuiModalHandle
 
 from explorer.charts import comparison_curves, plot_file
 from explorer.charts.chart import Chart, ChartStyle, add_chart
-from explorer.charts.large_view import BUTTON
+from explorer.charts.large_view import BUTTON, save_buttons
 from explorer.charts.plots import Drawing, Plot
 from explorer.model import differences, side_by_side
 from explorer.model.comparison import NOTHING, Comparison
@@ -33,13 +33,13 @@ class SideBySide:
     """A window over the page with both runs."""
 
     def __init__(
-        self, client: ClientHandle, plot: Plot, titles: dict[str, str], window_height: float, *, big: bool
+        self, client: ClientHandle, plot: Plot, titles: dict[str, str], window_height: float, of_page: ChartStyle
     ) -> None:
-        """`titles` of the plots by their names."""
+        """`titles` of the plots by their names; `of_page`: the style of the other plots."""
         self.plot = plot
         self._modal: GuiModalHandle = client.gui.add_modal("A and B side by side")
-        height = max(round(window_height) - (BIG_AROUND if big else AROUND), MIN_HEIGHT)
-        style = ChartStyle(height=height, big=big, large=True)
+        height = max(round(window_height) - (BIG_AROUND if of_page.big else AROUND), MIN_HEIGHT)
+        style = replace(of_page, height=height, large=True)
         self._drawings: dict[str, Drawing] = {}
         self._titles: tuple[str, str] = ("", "")
         with self._modal:
@@ -110,9 +110,9 @@ def _head(plot: Plot, titles: dict[str, str]) -> str:
     others = "".join(
         OTHER_PLOT.format(f"beside-{name}", str(name == plot.name).lower(), titles[name]) for name in names
     )
-    saves = "".join(BUTTON.format(f"save-{plot.name}-beside-{kind}", kind.upper()) for kind in FORMATS)
     one, close = BUTTON.format(f"expand-{plot.name}", "A and B in one plot"), BUTTON.format("close-large", "✕ close")
-    return f'<div class="rn-large rn-beside">{others}<span></span>{one} save as {saves}{close}</div>'
+    saves = save_buttons(f"{plot.name}-beside", FORMATS)
+    return f'<div class="rn-large rn-beside">{others}<span></span>{one}{saves}{close}</div>'
 
 
 def _numbers(a: Picture | None, b: Picture) -> str:

@@ -40,8 +40,8 @@ DERIVED, PRINTED = BLUE, ORANGE
 """A formula as derived, and as the paper prints it."""
 MEASURED = SKY
 TURN_RATE = ORANGE
-OTHER_AXIS = PURPLE
-"""A horizontal axis that is not the time of the flight."""
+OTHER_AXIS: dict[bool, Color] = {False: "#8A3D7A", True: "#D99AC9"}
+"""The numbers of a horizontal axis that is not the time of the flight, by whether the page is dark."""
 PLOT_GRID = "#DDDDDD"
 """Of an exported picture."""
 TRANSLUCENT, FILL = "B0", "38"
