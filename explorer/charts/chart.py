@@ -204,7 +204,7 @@ def axes(plot: Plot, axis: curves.Range, style: ChartStyle) -> tuple[uplot.Axis,
     positions, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
     width, height = markup.axis_sizes(style.big)
     font = BIG_FONT if style.big else FONT
-    grid = uplot.Axis_Grid(stroke=f"{palette.GREY}{palette.FILL}")  # viser's own cannot be seen on a dark page
+    grid = uplot.Axis_Grid(stroke=palette.PAGE_GRID)  # viser's own cannot be seen on a dark page
     y = uplot.Axis(size=width, gap=2, font=font, splits=tuple(positions), values=tuple(labels), grid=grid)
     x = uplot.Axis(size=height, gap=2, font=font, grid=grid)
     if not plot.along_flight:  # another quantity than the time of the flight

@@ -18,7 +18,7 @@ from explorer.model import differences, side_by_side
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 
-AROUND, BIG_AROUND, MIN_HEIGHT = 340, 540, 200
+AROUND, BIG_AROUND, MIN_HEIGHT = 370, 570, 190
 """px of the window's height that the plots leave to numbers, legends and buttons, and with big type; their least
 height."""
 OFFERED = ("excitation", "gramian", "predicted", "position", "attitude")
