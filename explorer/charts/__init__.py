@@ -202,7 +202,7 @@ class Charts:
         for a moment."""
         self._settled = True
         self._take(picture)
-        if self._over is not None and self._over.plot.name in SLOW:
+        if self._over is not None:
             self._draw_over()
         self.cursor(picture, self._time)
 

@@ -61,6 +61,8 @@ class SideBySide:
     def draw(self, picture: Picture, comparison: Comparison) -> None:
         """Show the pinned run and a picture; without a pinned run, say so."""
         a = comparison.pinned
+        if a is not None:
+            a = a.judged_on(len(picture.analysis.windows.start))
         self._numbers.content = _numbers(a, picture)
         for chart in self.charts:
             chart.header.visible = chart.handle.visible = a is not None
