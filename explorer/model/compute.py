@@ -43,7 +43,7 @@ MOVING_WINDOWS = 34
 """Windows that are judged while a hand moves: a third of those at rest, so that a path is judged twice as fast."""
 CACHED = 4
 """How many results of each stage its cache holds."""
-_AT_REST: WeakValueDictionary[tuple[object, ...], Analysis] = WeakValueDictionary()
+AT_REST: WeakValueDictionary[tuple[object, ...], Analysis] = WeakValueDictionary()
 """The analyses of pictures at rest: a gain that moves keeps all their windows, and the plots of them stay."""
 
 
@@ -95,7 +95,7 @@ class Picture:
     def at_rest(self) -> "Picture":
         """The same picture with as many windows as its curves need to be smooth, for when no hand moves."""
         resting = self.judged_on(WINDOWS)
-        _AT_REST[_judged_inputs(self.preset)] = resting.analysis
+        AT_REST[_judged_inputs(self.preset)] = resting.analysis
         return resting
 
     def judged_on(self, windows: int) -> "Picture":
@@ -127,7 +127,7 @@ class Picture:
 def compute(settings: Settings) -> Picture:
     """Compute everything the page draws. Raises ValueError with one sentence if no picture is possible."""
     p, printed = effective(settings), settings.printed
-    inputs, analysis = truth_inputs(p), _AT_REST.get(_judged_inputs(p)) or sampled(p, MOVING_WINDOWS)
+    inputs, analysis = truth_inputs(p), AT_REST.get(_judged_inputs(p)) or sampled(p, MOVING_WINDOWS)
     outcome, position = _observed(
         inputs, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
     )
