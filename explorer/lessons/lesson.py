@@ -1,0 +1,119 @@
+"""A lesson: a question, a prediction to commit, something to do, and a check by machine."""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from explorer.lessons.state import Outcome, State
+from rangenav.inputs import Input, require
+
+MAX_TITLE = 60
+FIGURE = re.compile(r"\{(?:(start|solved|pinned)\.)?([a-z_]+)\}")
+"""A number that the page computes: `{mu}` of what is shown, `{start.mu}` of the lesson's own first state."""
+
+
+class Prediction(Input, frozen=True, kw_only=True):
+    """A question that is answered before the lesson shows what happens: one of some choices, or a number."""
+
+    question: str
+    choices: tuple[str, ...] = ()
+    """Empty if the answer is a number."""
+    right: int = 0
+    """Which choice came true, from 1."""
+    unit: str = ""
+    figure: str = ""
+    """The number that came, as a figure: `start.sigma`; it stands beside what was predicted."""
+    because: str
+    """Why it came so, in one or two sentences."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.choices:
+            require(len(self.choices) >= 2, "prediction: choices must be two or more")
+            require(
+                1 <= self.right <= len(self.choices),
+                f"prediction: right must name one of the {len(self.choices)} choices",
+            )
+        else:
+            require(
+                bool(FIGURE.fullmatch(f"{{{self.figure}}}")), "prediction: a number needs a figure, such as start.mu"
+            )
+
+
+class Answer(Input, frozen=True, kw_only=True):
+    """A question of the task itself, whose answer the check judges."""
+
+    name: str
+    question: str
+    choices: tuple[str, ...]
+
+
+class Goal(Input, frozen=True, kw_only=True):
+    """What the check's metric must reach, for the bar beside the task."""
+
+    label: str
+    """What the metric is, a noun."""
+    unit: str = ""
+    value: float
+    at_least: bool = True
+    """False: the metric must not exceed the value."""
+    log: bool = False
+    """Whether the bar counts decades."""
+
+
+class Header(Input, frozen=True, kw_only=True):
+    """The front matter of lesson.md."""
+
+    title: str
+    minutes: float
+    needs: str
+    """What a student should know, in a few words."""
+    controls: tuple[str, ...]
+    """The labels of the controls that the lesson uses, in the order in which it uses them: `Motion / window δ`."""
+    plots: tuple[str, ...] = ()
+    """The plots that show what happens."""
+    prediction: Prediction
+    answers: tuple[Answer, ...] = ()
+    goal: Goal
+    hints: tuple[str, str, str]
+    """From a nudge to nearly everything."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require(0 < len(self.title.strip()) <= MAX_TITLE, f"title must have 1 to {MAX_TITLE} characters")
+        require(0 < self.minutes <= 60, f"minutes must lie between 0 and 60, got {self.minutes:g}")
+        require(all(hint.strip() for hint in self.hints), "hints must not be empty")
+
+
+SectionName = Literal["Question", "Explanation", "Task", "What you see", "Insight"]
+SECTIONS: tuple[SectionName, ...] = ("Question", "Explanation", "Task", "What you see", "Insight")
+"""In this order. Question and explanation may be read without touching anything; the insight is shown at the end."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Lesson:
+    """One lesson, read from its folder."""
+
+    name: str
+    """The name of its folder, `01-one-range`."""
+    folder: Path
+    header: Header
+    sections: dict[SectionName, tuple[str, ...]]
+    """The screens of each section, in Markdown; one idea a screen."""
+    start: State
+    solved: State
+    check: Callable[[State], Outcome]
+    """A pure function."""
+
+    @property
+    def number(self) -> int:
+        """The number before its name."""
+        return int(self.name.split("-", 1)[0])
+
+    def failing(self) -> tuple[State, ...]:
+        """States that look like a solution and do not pass; tests and the teacher's page use them."""
+        from explorer.lessons.state import read
+
+        return tuple(read(self.folder / f"failing-{k}.toml") for k in (1, 2))

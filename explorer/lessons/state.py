@@ -1,0 +1,121 @@
+"""What the check of a lesson judges, and what it answers.
+
+A state is a frozen value: the page makes it from what is shown, and a test reads it from a file. The file names a
+preset, and what differs from it:
+
+    preset = "circle"              # a shipped preset
+    [set.path]                     # a table is merged into the preset's; one of another `kind` takes its place
+    tones = [...]
+    [answers]                      # what was answered in the lesson
+    misprints = "model"
+    [pinned]                       # the same again, for the pinned run A
+    preset = "paper-slow"
+"""
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import msgspec
+
+from explorer.model.settings import Printed, Settings, effective
+from rangenav import formats, preset, toml_limits
+from rangenav.inputs import Vec3, shortened
+from rangenav.preset import Preset
+
+
+class Outcome(NamedTuple):
+    """What a check answers."""
+
+    metric: float
+    """The number that the bar shows, in the unit that the lesson names; NaN if there is none yet."""
+    passed: bool
+    hint: str
+    """What is still missing, or what was reached, in one sentence."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class State:
+    """Everything that a check may look at."""
+
+    settings: Settings
+    pinned: Settings | None = None
+    """The settings of the pinned run A."""
+    answers: Mapping[str, str] = field(default_factory=dict)
+    """What was answered in this lesson, by the name of its question."""
+    exported: tuple[str, bytes] | None = None
+    """The name of the format and the content of the file that was exported last."""
+
+    @property
+    def preset(self) -> Preset:
+        """The preset as it is computed: time scale and printed initial values applied."""
+        return effective(self.settings)
+
+
+class StateFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """The content of a state's file."""
+
+    preset: str
+    set: dict[str, Any] = {}
+    time_scale: float = 1.0
+    printed: Printed = Printed()
+    twin_turn: Vec3 | None = None
+    answers: dict[str, str] = {}
+    pinned: "StateFile | None" = None
+    exported: Literal["", "polynomial", "reference"] = ""
+    """The format in which the preset was exported; its file is made when the state is read."""
+
+
+def read(path: Path) -> State:
+    """The state in a file. Raises ValueError with one sentence that begins with the file's name."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        toml_limits.refuse_large(text)
+        return _state(msgspec.toml.decode(text, type=StateFile))
+    except OSError as error:
+        raise ValueError(f"{path.name}: cannot be read: {error.strerror}") from None
+    except (msgspec.DecodeError, UnicodeDecodeError, ValueError) as error:
+        raise ValueError(f"{path.parent.name}/{path.name}: {shortened(str(error))}") from None
+
+
+def _state(file: StateFile) -> State:
+    settings = _settings(file)
+    return State(
+        settings=settings,
+        pinned=_settings(file.pinned) if file.pinned is not None else None,
+        answers=file.answers,
+        exported=_exported(file.exported, effective(settings)) if file.exported else None,
+    )
+
+
+def _settings(file: StateFile) -> Settings:
+    chosen = preset.load(file.preset)
+    if file.set:
+        chosen = msgspec.convert(_merged(msgspec.to_builtins(chosen), file.set), Preset)
+    return Settings(
+        origin=file.preset,
+        preset=chosen,
+        time_scale=file.time_scale,
+        printed=file.printed,
+        twin_turn=file.twin_turn,
+    )
+
+
+def _merged(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """A table with changes; a table within it is merged too, unless the change states another kind."""
+    merged = dict(table)
+    for key, change in changes.items():
+        before = table.get(key)
+        both = isinstance(before, Mapping) and isinstance(change, Mapping)
+        same_kind = both and change.get("kind", before.get("kind")) == before.get("kind")
+        merged[key] = _merged(before, change) if same_kind else change
+    return merged
+
+
+def _exported(name: str, chosen: Preset) -> tuple[str, bytes]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"motion{formats.row(name).suffix}"
+        formats.export(chosen, name, path)
+        return name, path.read_bytes()

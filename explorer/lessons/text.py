@@ -1,0 +1,76 @@
+"""A lesson's Markdown -> HTML: equations become MathML, figures become numbers, and nothing else is let through.
+
+HTML within the Markdown is shown as the characters that were typed: a lesson brings text, not scripts.
+"""
+
+import html
+from functools import cache
+
+import latex2mathml.converter
+from markdown_it import MarkdownIt
+from markdown_it.token import Token
+from mdit_py_plugins.dollarmath import dollarmath_plugin
+
+from explorer.lessons import figures
+from explorer.lessons.lesson import FIGURE
+from explorer.lessons.state import State
+
+States = dict[str, State | None]
+"""The states by the word before the dot; "" is what is shown. None where there is none, as without a pinned run."""
+MISSING = "…"
+
+
+def to_html(markdown: str, states: States) -> str:
+    """One screen as HTML. Raises ValueError for a figure that does not exist."""
+    tokens = _parser().parse(markdown)
+    for token in tokens:
+        for child in token.children or ():
+            if child.type == "text":
+                child.content = filled(child.content, states)
+    return _parser().renderer.render(tokens, _parser().options, {})
+
+
+def filled(text: str, states: States) -> str:
+    """A plain text with its figures filled in. Raises ValueError for a figure that does not exist."""
+    pieces, end = [], 0
+    for match in FIGURE.finditer(text):
+        pieces += [text[end : match.start()], _figure(match[1] or "", match[2], states)]
+        end = match.end()
+    return "".join([*pieces, text[end:]])
+
+
+def refuse_unknown_figures(text: str) -> None:
+    """Raise ValueError if a text names a figure that does not exist."""
+    for match in FIGURE.finditer(text):
+        if match[2] not in figures.FIGURES:
+            raise ValueError(f"{match[0]}: no such figure; there are {', '.join(figures.FIGURES)}")
+
+
+def _figure(whose: str, name: str, states: States) -> str:
+    if name not in figures.FIGURES:
+        raise ValueError(f"{{{name}}}: no such figure; there are {', '.join(figures.FIGURES)}")
+    state = states.get(whose)
+    return MISSING if state is None else figures.text(name, state)
+
+
+@cache
+def _parser() -> MarkdownIt:
+    parser = MarkdownIt("commonmark", {"html": False}).enable("table").use(dollarmath_plugin, double_inline=True)
+    parser.add_render_rule("math_inline", _inline)
+    parser.add_render_rule("math_inline_double", _block)
+    parser.add_render_rule("math_block", _block)
+    return parser
+
+
+def _inline(_renderer: object, tokens: list[Token], k: int, *_: object) -> str:
+    return _mathml(tokens[k].content, "inline")
+
+
+def _block(_renderer: object, tokens: list[Token], k: int, *_: object) -> str:
+    return f"<p>{_mathml(tokens[k].content, 'block')}</p>"
+
+
+def _mathml(latex: str, display: str) -> str:
+    """An equation; its source in words of LaTeX is kept as the text that a screen reader and a copy get."""
+    made = latex2mathml.converter.convert(latex.strip(), display=display)
+    return made.replace("<math ", f'<math alttext="{html.escape(latex.strip(), quote=True)}" ', 1)
