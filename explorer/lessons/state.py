@@ -108,10 +108,15 @@ def _merged(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, A
     merged = dict(table)
     for key, change in changes.items():
         before = table.get(key)
-        both = isinstance(before, Mapping) and isinstance(change, Mapping)
-        same_kind = both and change.get("kind", before.get("kind")) == before.get("kind")
-        merged[key] = _merged(before, change) if same_kind else change
+        if isinstance(before, Mapping) and isinstance(change, Mapping) and _same_kind(before, change):
+            merged[key] = _merged(before, change)
+        else:
+            merged[key] = change
     return merged
+
+
+def _same_kind(before: Mapping[str, Any], change: Mapping[str, Any]) -> bool:
+    return change.get("kind", before.get("kind")) == before.get("kind")
 
 
 def _exported(name: str, chosen: Preset) -> tuple[str, bytes]:
