@@ -40,7 +40,7 @@ def course(more: Path | None = None) -> Course:
 def _lessons(folder: Path) -> tuple[tuple[Lesson, ...], tuple[str, ...]]:
     lessons, complaints = [], []
     for one in sorted(folder.iterdir()):
-        if (one / "lesson.md").is_file():
+        if reading.NAME.fullmatch(one.name) or (one / "lesson.md").is_file():
             try:
                 lessons.append(reading.read(one))
             except ValueError as error:

@@ -1,22 +1,22 @@
 """The numbers that a lesson's text may name, each computed by the library from a state, with its unit.
 
 A text never holds a typed number of a run: `{mu}` is the excitation of what is shown, `{start.mu}` that of the lesson's
-first state, `{solved.mu}` that of its solution, and `{pinned.mu}` that of the pinned run A.
+first state, `{solved.mu}` that of its solution, `{pinned.mu}` that of the pinned run A, and `{case-1.mu}` that of the
+first case. To add a figure, add a row to FIGURES.
 """
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
+from explorer.lessons import measures
+from explorer.lessons.measures import picture
 from explorer.lessons.state import State
-from explorer.model import details
-from explorer.model.compute import Picture, compute
-from rangenav import analysis, motion, record
+from rangenav import vehicle
 from rangenav.model import STATES
-from rangenav.number_format import quantity, significant
-from rangenav.twin import Twin
+from rangenav.number_format import NEVER, NOT_DETERMINED, quantity, significant
+
+MU = "m²/s⁷"
 
 
 @dataclass(frozen=True)
@@ -26,77 +26,81 @@ class Figure:
     meaning: str
     unit: str
     of: Callable[[State], float | None]
+    never: str = NOT_DETERMINED
+    """The word in place of a number that there is not: None, NaN or infinite."""
 
     def text(self, state: State) -> str:
-        """The number with its unit, as everywhere on the page; "not determined" where there is none."""
+        """The number with its unit, as everywhere on the page; a word where there is none."""
         value = self.of(state)
         if value is None or not math.isfinite(value):
-            return quantity(None, self.unit)
+            return self.never
         return quantity(value, self.unit)
 
 
-def picture(state: State) -> Picture:
-    """What the page shows of a state. Its stages are cached, so that several figures compute it once."""
-    return compute(state.settings)
-
-
-def _twin(state: State) -> Twin | None:
-    found = details.details(state.preset, turn=state.settings.twin_turn).twin
-    return found if isinstance(found, Twin) else None
-
-
-def _mu(state: State) -> float:
-    found = analysis.sampled(state.preset)
-    return found.mu if found.mu >= found.mu_floor else 0.0
-
-
-def _limits(state: State) -> motion.Limits:
-    p = state.preset
-    return motion.limits(record.simulated(record.truth_inputs(p)).motion, world=p.world)
-
-
-def _anchor_distance(state: State) -> float:
-    p = state.preset
-    position = record.simulated(record.truth_inputs(p)).motion.position
-    return float(np.linalg.norm(position - np.array(p.world.anchor), axis=1).min())
-
-
 FIGURES = {
-    "mu": Figure("the least excitation over all windows", "m²/s⁷", _mu),
-    "mu_required": Figure("the excitation required", "m²/s⁷", lambda s: s.preset.requirement.mu),
-    "mu_printed": Figure(
-        "the printed excitation of its worst window",
-        "m²/s⁷",
-        lambda s: details.details(s.preset).printed.mu_printed,
-    ),
-    "rank": Figure(
-        f"how many of the {STATES} quantities are determined",
-        "",
-        lambda s: float(analysis.sampled(s.preset).known_rank),
-    ),
-    "sigma": Figure(
-        "the position error of one window, linear model", "m", lambda s: analysis.sampled(s.preset).lifted_end.position
-    ),
+    "mu": Figure("the least excitation over all windows", MU, lambda s: measures.mu(s.preset)),
+    "mu_required": Figure("the excitation required", MU, lambda s: s.preset.requirement.mu),
+    "mu_printed": Figure("the printed excitation of its worst window", MU, lambda s: measures.mu_printed(s.preset)),
+    "rank": Figure(f"how many of the {STATES} quantities are determined", "", lambda s: float(measures.rank(s.preset))),
+    "sigma": Figure("the position error of one window, linear model", "m", lambda s: measures.sigma(s.preset)),
     "sigma_nonlinear": Figure(
-        "the position error of one window, true model", "m", lambda s: analysis.sampled(s.preset).nonlinear_end.position
+        "the position error of one window, true model", "m", lambda s: measures.sigma_nonlinear(s.preset)
     ),
     "window": Figure("the window δ", "s", lambda s: s.preset.requirement.window),
     "duration": Figure("the duration of the flight", "s", lambda s: s.preset.duration),
-    "speed": Figure("the largest speed", "m/s", lambda s: _limits(s).speed),
-    "acceleration": Figure("the largest acceleration", "m/s²", lambda s: _limits(s).acceleration),
-    "thrust": Figure("the largest thrust over weight", "", lambda s: _limits(s).thrust_to_weight),
-    "anchor_distance": Figure("the least distance to the anchor", "m", _anchor_distance),
-    "twin_apart": Figure("the least distance of the twin", "m", lambda s: t.nearest if (t := _twin(s)) else None),
+    "slower": Figure("how many times slower the path is run", "", lambda s: s.settings.time_scale),
+    "speed": Figure("the largest speed", "m/s", lambda s: measures.limits(s.preset).speed),
+    "acceleration": Figure("the largest acceleration", "m/s²", lambda s: measures.limits(s.preset).acceleration),
+    "thrust": Figure("the largest thrust over weight", "", lambda s: measures.limits(s.preset).thrust_to_weight),
+    "thrust_allowed": Figure(
+        "the thrust over weight that the vehicle allows",
+        "",
+        lambda s: vehicle.bound(s.preset.vehicle, "thrust_to_weight"),
+    ),
+    "swing": Figure("how far the height goes to each side", "m", lambda s: measures.swing(s.preset)),
+    "anchor_distance": Figure("the least distance to the anchor", "m", lambda s: measures.anchor_distance(s.preset)),
+    "range_swing": Figure("how far the range goes to each side", "m", lambda s: measures.range_swing(s.preset)),
+    "range_noise": Figure("the noise of a range", "m", lambda s: s.preset.sensors.sigma.range),
+    "rate": Figure("the IMU's rate", "Hz", lambda s: s.preset.sensors.imu_rate),
+    "twin_apart": Figure(
+        "the least distance of the twin", "m", lambda s: t.nearest if (t := measures.twin(s)) else None
+    ),
     "twin_mismatch": Figure(
-        "the largest difference of the two ranges", "m", lambda s: t.mismatch if (t := _twin(s)) else None
+        "the largest difference of the two ranges", "m", lambda s: t.mismatch if (t := measures.twin(s)) else None
     ),
     "error": Figure("the steady position error of the run", "m", lambda s: picture(s).summary.steady_position),
     "peak": Figure("the largest position error of the run", "m", lambda s: picture(s).summary.peak_position),
-    "settled": Figure("when the position has settled", "s", lambda s: picture(s).summary.settle_position_s),
-    "attitude_settled": Figure("when the attitude has settled", "s", lambda s: picture(s).summary.settle_attitude_s),
-    "attitude_error": Figure(
-        "the attitude error at the end of the run", "°", lambda s: picture(s).summary.final_attitude_deg
+    "settled": Figure(
+        "when the position has settled", "s", lambda s: picture(s).summary.settle_position_s, never=NEVER
     ),
+    "attitude_error": Figure(
+        "the steady attitude error of the run", "°", lambda s: picture(s).summary.steady_attitude_deg
+    ),
+    "attitude_settled": Figure(
+        "when the attitude has settled", "s", lambda s: picture(s).summary.settle_attitude_s, never=NEVER
+    ),
+    "seeds_error": Figure(
+        "the largest steady position error of five runs", "m", lambda s: measures.worst_of_seeds(s.preset)[0]
+    ),
+    "seeds_peak": Figure("the largest peak of five runs", "m", lambda s: measures.worst_of_seeds(s.preset)[1]),
+    "slowest_start": Figure(
+        "when the attitude has settled from the slowest half turn",
+        "s",
+        lambda s: measures.slowest_start(s.preset),
+        never=NEVER,
+    ),
+    "q": Figure("the range weight", "1/(m⁴ s)", lambda s: s.preset.gains.riccati.q),
+    "k1": Figure("the attitude gain", "1/s", lambda s: s.preset.gains.attitude.k1),
+    "rho": Figure("the trust in gravity", "s⁴/m²", lambda s: s.preset.gains.attitude.rho2),
+    "stiffness": Figure("the fastest rate of the attitude filter times its step", "", measures.stiffness),
+    "gravity": Figure("the mean length of the estimated gravity", "m/s²", lambda s: measures.gravity_estimate(s)[0]),
+    "gravity_spread": Figure("its standard deviation", "m/s²", lambda s: measures.gravity_estimate(s)[1]),
+    "lift": Figure("the mean of ξ̂₁ − ½|p̂|²", "m²", lambda s: measures.lift_mismatch(s)[0]),
+    "lift_spread": Figure("its standard deviation", "m²", lambda s: measures.lift_mismatch(s)[1]),
+    "innovation": Figure("the mean of y − ŷ", "m²", lambda s: measures.innovation(s)[0]),
+    "innovation_spread": Figure("its standard deviation", "m²", lambda s: measures.innovation(s)[1]),
+    "correction": Figure("what the attitude filter adds to the gyro, on average", "rad/s", measures.correction),
+    "file_mu": Figure("the excitation of the exported file", MU, measures.file_mu),
 }
 """By the name that a text writes between braces."""
 

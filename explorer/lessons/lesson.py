@@ -6,12 +6,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from explorer.lessons import state as states
 from explorer.lessons.state import Outcome, State
 from rangenav.inputs import Input, require
 
 MAX_TITLE = 60
-FIGURE = re.compile(r"\{(?:(start|solved|pinned)\.)?([a-z_]+)\}")
-"""A number that the page computes: `{mu}` of what is shown, `{start.mu}` of the lesson's own first state."""
+MAX_CASES = 9
+FIGURE = re.compile(r"\{(?:(start|solved|pinned|case-[1-9])\.)?([a-z_]+)\}")
+"""A number that the page computes: `{mu}` of what is shown, `{start.mu}` of the lesson's first state, `{case-1.mu}` of
+its first case."""
 
 
 class Prediction(Input, frozen=True, kw_only=True):
@@ -76,6 +79,8 @@ class Header(Input, frozen=True, kw_only=True):
     """The plots that show what happens."""
     prediction: Prediction
     answers: tuple[Answer, ...] = ()
+    cases: tuple[str, ...] = ()
+    """What the states case-1.toml, case-2.toml, … are called, for a lesson that compares or searches several runs."""
     goal: Goal
     hints: tuple[str, str, str]
     """From a nudge to nearly everything."""
@@ -85,6 +90,7 @@ class Header(Input, frozen=True, kw_only=True):
         require(0 < len(self.title.strip()) <= MAX_TITLE, f"title must have 1 to {MAX_TITLE} characters")
         require(0 < self.minutes <= 60, f"minutes must lie between 0 and 60, got {self.minutes:g}")
         require(all(hint.strip() for hint in self.hints), "hints must not be empty")
+        require(len(self.cases) <= MAX_CASES, f"at most {MAX_CASES} cases, got {len(self.cases)}")
 
 
 SectionName = Literal["Question", "Explanation", "Task", "What you see", "Insight"]
@@ -104,8 +110,10 @@ class Lesson:
     """The screens of each section, in Markdown; one idea a screen."""
     start: State
     solved: State
+    cases: tuple[State, ...] = ()
+    """The states of the cases that the header names."""
     check: Callable[[State], Outcome]
-    """A pure function."""
+    """A pure function. What it raises has become a sentence in its outcome."""
 
     @property
     def number(self) -> int:
@@ -114,6 +122,10 @@ class Lesson:
 
     def failing(self) -> tuple[State, ...]:
         """States that look like a solution and do not pass; tests and the teacher's page use them."""
-        from explorer.lessons.state import read
+        return tuple(states.read(self.folder / f"failing-{k}.toml") for k in (1, 2))
 
-        return tuple(read(self.folder / f"failing-{k}.toml") for k in (1, 2))
+    def states(self, shown: State) -> dict[str, State | None]:
+        """Every state that a figure of the text may name, by the word before its dot; "" is what is shown."""
+        pinned = None if shown.pinned is None else State(settings=shown.pinned)
+        cases = {f"case-{k}": case for k, case in enumerate(self.cases, 1)}
+        return {"": shown, "start": self.start, "solved": self.solved, "pinned": pinned, **cases}

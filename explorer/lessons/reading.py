@@ -11,17 +11,19 @@
 
     The next screen of the same section.
 
-check.py is run when the lesson is read, with the rights of whoever started the page.
+check.py is run when the lesson is read, with the rights of whoever started the page. An error in it becomes a sentence,
+then and whenever the function is called.
 """
 
 import importlib.util
+import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import msgspec
 
-from explorer.lessons import state
+from explorer.lessons import state, text
 from explorer.lessons.lesson import SECTIONS, Header, Lesson, SectionName
 from explorer.lessons.state import Outcome, State
 from rangenav import toml_limits
@@ -45,6 +47,7 @@ def read(folder: Path) -> Lesson:
             sections=sections,
             start=state.read(folder / "start.toml"),
             solved=state.read(folder / "solved.toml"),
+            cases=tuple(state.read(folder / f"case-{k}.toml") for k in range(1, len(header.cases) + 1)),
             check=_check(folder / "check.py"),
         )
     except OSError as error:
@@ -61,19 +64,31 @@ def _text(content: str) -> tuple[Header, dict[SectionName, tuple[str, ...]]]:
     try:
         toml_limits.refuse_large(match[1])
         header = msgspec.toml.decode(match[1], type=Header)
+        sections = _sections(match[2])
+        _refuse_unknown_figures(header, sections)
     except (msgspec.DecodeError, ValueError) as error:
         raise ValueError(f"lesson.md: {shortened(str(error))}") from None
-    return header, _sections(match[2])
+    return header, sections
+
+
+def _refuse_unknown_figures(header: Header, sections: Mapping[SectionName, tuple[str, ...]]) -> None:
+    """Raise ValueError if a text names a figure or a state that does not exist, or has a wrong equation."""
+    asked = header.prediction
+    figure = (f"{{{asked.figure}}}",) if asked.figure else ()
+    states = ("", "start", "solved", "pinned", *(f"case-{k}" for k in range(1, len(header.cases) + 1)))
+    screens = (screen for section in sections.values() for screen in section)
+    for markdown in (asked.question, asked.because, *figure, *header.hints, *screens):
+        text.refuse(markdown, states)
 
 
 def _sections(body: str) -> dict[SectionName, tuple[str, ...]]:
     parts = HEADING.split(body)
     headings = tuple(parts[1::2])
-    require(headings == SECTIONS, f"lesson.md: the sections must be {', '.join(SECTIONS)}, got {', '.join(headings)}")
-    texts = (tuple(screen.strip() for screen in SCREEN.split(text)) for text in parts[2::2])
+    require(headings == SECTIONS, f"the sections must be {', '.join(SECTIONS)}, got {', '.join(headings)}")
+    texts = (tuple(screen.strip() for screen in SCREEN.split(part)) for part in parts[2::2])
     sections = dict(zip(SECTIONS, texts, strict=True))
     for name, screens in sections.items():
-        require(all(screens), f"lesson.md: an empty screen in the section {name}")
+        require(all(screens), f"an empty screen in the section {name}")
     return sections
 
 
@@ -87,9 +102,23 @@ def _check(path: Path) -> Callable[[State], Outcome]:
         spec.loader.exec_module(module)
     except OSError:
         raise
-    except Exception as error:  # whatever a teacher's file raises becomes one sentence
-        raise ValueError(f"check.py: {type(error).__name__}: {shortened(str(error))}") from None
+    except (Exception, SystemExit) as error:  # whatever a teacher's file raises becomes one sentence
+        raise ValueError(_sentence(error)) from None
     found = getattr(module, "check", None)
     require(callable(found), "check.py: must define a function check(state)")
     assert found is not None
-    return found
+
+    def check(judged: State) -> Outcome:
+        try:
+            outcome = found(judged)
+        except (Exception, SystemExit) as error:
+            return Outcome(math.nan, False, _sentence(error))
+        if isinstance(outcome, Outcome):
+            return outcome
+        return Outcome(math.nan, False, f"check.py: must return an Outcome, got {type(outcome).__name__}")
+
+    return check
+
+
+def _sentence(error: BaseException) -> str:
+    return f"check.py: {type(error).__name__}: {shortened(str(error))}"

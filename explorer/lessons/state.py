@@ -20,7 +20,7 @@ from typing import Any, Literal, NamedTuple
 
 import msgspec
 
-from explorer.model.settings import Printed, Settings, effective
+from explorer.model.settings import Drafts, Printed, Settings, effective
 from rangenav import formats, preset, toml_limits
 from rangenav.inputs import Vec3, shortened
 from rangenav.preset import Preset
@@ -62,6 +62,8 @@ class StateFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
     time_scale: float = 1.0
     printed: Printed = Printed()
     twin_turn: Vec3 | None = None
+    drafts: Drafts = Drafts()
+    """What appears once another family is chosen: the points of a path that the student is to complete, for example."""
     answers: dict[str, str] = {}
     pinned: "StateFile | None" = None
     exported: Literal["", "polynomial", "reference"] = ""
@@ -100,6 +102,7 @@ def _settings(file: StateFile) -> Settings:
         time_scale=file.time_scale,
         printed=file.printed,
         twin_turn=file.twin_turn,
+        drafts=file.drafts,
     )
 
 

@@ -4,6 +4,7 @@ HTML within the Markdown is shown as the characters that were typed: a lesson br
 """
 
 import html
+from collections.abc import Collection
 from functools import cache
 
 import latex2mathml.converter
@@ -14,6 +15,7 @@ from mdit_py_plugins.dollarmath import dollarmath_plugin
 from explorer.lessons import figures
 from explorer.lessons.lesson import FIGURE
 from explorer.lessons.state import State
+from rangenav.inputs import require, shortened
 
 States = dict[str, State | None]
 """The states by the word before the dot; "" is what is shown. None where there is none, as without a pinned run."""
@@ -21,7 +23,7 @@ MISSING = "…"
 
 
 def to_html(markdown: str, states: States) -> str:
-    """One screen as HTML. Raises ValueError for a figure that does not exist."""
+    """One screen as HTML. Raises ValueError for a figure that does not exist, or a wrong equation."""
     tokens = _parser().parse(markdown)
     for token in tokens:
         for child in token.children or ():
@@ -39,16 +41,17 @@ def filled(text: str, states: States) -> str:
     return "".join([*pieces, text[end:]])
 
 
-def refuse_unknown_figures(text: str) -> None:
-    """Raise ValueError if a text names a figure that does not exist."""
-    for match in FIGURE.finditer(text):
-        if match[2] not in figures.FIGURES:
-            raise ValueError(f"{match[0]}: no such figure; there are {', '.join(figures.FIGURES)}")
+def refuse(markdown: str, states: Collection[str]) -> None:
+    """Raise ValueError for a figure that does not exist, a state that is none of `states`, or a wrong equation."""
+    to_html(markdown, dict.fromkeys(states))
+    for token in _parser().parse(markdown):
+        for child in token.children or ():
+            for match in FIGURE.finditer(child.content if child.type == "text" else ""):
+                require((match[1] or "") in states, f"{match[0]}: the lesson has no state {match[1]}")
 
 
 def _figure(whose: str, name: str, states: States) -> str:
-    if name not in figures.FIGURES:
-        raise ValueError(f"{{{name}}}: no such figure; there are {', '.join(figures.FIGURES)}")
+    require(name in figures.FIGURES, f"{{{name}}}: no such figure; there are {', '.join(figures.FIGURES)}")
     state = states.get(whose)
     return MISSING if state is None else figures.text(name, state)
 
@@ -72,5 +75,8 @@ def _block(_renderer: object, tokens: list[Token], k: int, *_: object) -> str:
 
 def _mathml(latex: str, display: str) -> str:
     """An equation; its source in words of LaTeX is kept as the text that a screen reader and a copy get."""
-    made = latex2mathml.converter.convert(latex.strip(), display=display)
+    try:
+        made = latex2mathml.converter.convert(latex.strip(), display=display)
+    except Exception as error:  # the converter raises an exception of its own for every kind of mistake
+        raise ValueError(f"the equation {shortened(latex.strip())}: {type(error).__name__}") from None
     return made.replace("<math ", f'<math alttext="{html.escape(latex.strip(), quote=True)}" ', 1)
