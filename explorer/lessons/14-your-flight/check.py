@@ -1,0 +1,23 @@
+"""Passed when the flight meets its requirement on every window, the vehicle can fly it, and its file is exported."""
+
+from explorer.lessons import Outcome, State, measures
+
+CHANGE = 0.05
+"""The share by which the excitation of the file may differ from that of the flight."""
+STEPS = 3
+
+
+def check(state: State) -> Outcome:
+    """The metric is how many of the three steps are done."""
+    p = state.preset
+    missed, broken, mu = measures.misses(p), measures.broken(p), measures.mu(p)
+    file_mu = measures.file_mu(state)
+    exported = bool(mu) and file_mu is not None and abs(file_mu - mu) <= CHANGE * mu
+    done = (not missed) + (not broken) + exported
+    if missed:
+        return Outcome(done, False, f"Not certified yet. What is missing: {', '.join(missed)}.")
+    if broken:
+        return Outcome(done, False, f"The vehicle cannot fly it: {broken[0].summary}.")
+    if not exported:
+        return Outcome(done, False, "Certified and flyable. Now export this flight as polynomials.")
+    return Outcome(done, True, "Certified, flyable, and exported.")
