@@ -5,9 +5,12 @@
     reading    a folder -> a Lesson
     state      what a check judges, and what it answers
     figures    the numbers that a text may name
+    measures   what figures and checks compute
+    judging    whether a lesson does what it says
     text       Markdown with equations and figures -> HTML
 
-A lesson's folder is `NN-name/` with lesson.md, start.toml, solved.toml, failing-1.toml, failing-2.toml and check.py.
+A lesson's folder is `NN-name/` with lesson.md, start.toml, solved.toml, failing-1.toml, failing-2.toml and check.py; a
+lesson of several runs adds case-1.toml, case-2.toml, …
 No other file of Python knows a lesson by its name.
 """
 

@@ -28,21 +28,24 @@ def course(more: Path | None = None) -> Course:
     """Our lessons, then those in the folder `more`, or else in the one that RANGENAV_LESSONS names."""
     named = os.environ.get(FOLDERS_VARIABLE, "")
     folder = more or (Path(named) if named else None)
-    lessons, complaints = _lessons(OURS)
-    if folder is not None:
-        if not folder.is_dir():
-            return Course(lessons, (*complaints, f"{folder}: no such folder of lessons"))
-        others, reasons = _lessons(folder)
-        lessons, complaints = lessons + others, complaints + reasons
-    return Course(lessons, complaints)
+    ours = lessons_in(OURS)
+    if folder is None:
+        return ours
+    others = lessons_in(folder)
+    return Course(ours.lessons + others.lessons, ours.complaints + others.complaints)
 
 
-def _lessons(folder: Path) -> tuple[tuple[Lesson, ...], tuple[str, ...]]:
+def lessons_in(folder: Path) -> Course:
+    """The lessons of one folder, in the order of their names."""
     lessons, complaints = [], []
-    for one in sorted(folder.iterdir()):
+    try:
+        folders = sorted(one for one in folder.iterdir() if one.is_dir())
+    except OSError as error:
+        return Course((), (f"{folder}: no folder of lessons: {error.strerror}",))
+    for one in folders:
         if reading.NAME.fullmatch(one.name) or (one / "lesson.md").is_file():
             try:
                 lessons.append(reading.read(one))
             except ValueError as error:
                 complaints.append(str(error))
-    return tuple(lessons), tuple(complaints)
+    return Course(tuple(lessons), tuple(complaints))

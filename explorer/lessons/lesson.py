@@ -12,7 +12,7 @@ from rangenav.inputs import Input, require
 
 MAX_TITLE = 60
 MAX_CASES = 9
-FIGURE = re.compile(r"\{(?:(start|solved|pinned|case-[1-9])\.)?([a-z_]+)\}")
+FIGURE = re.compile(r"\{(?:([a-z][a-z0-9-]*)\.)?([a-z][a-z0-9_]*)\}")
 """A number that the page computes: `{mu}` of what is shown, `{start.mu}` of the lesson's first state, `{case-1.mu}` of
 its first case."""
 

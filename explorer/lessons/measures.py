@@ -113,12 +113,13 @@ def gravity_estimate(state: State) -> tuple[float, float]:
 
 
 def correction(state: State) -> float:
-    """Length of the mean of k1 σ over the last quarter of the run (rad/s): what the attitude filter adds to the gyro."""
+    """Length of the mean of k1 σ over the last quarter (rad/s): what the attitude filter adds to the gyro."""
     shown = picture(state)
     last = slice(3 * len(shown.estimate.time) // 4, None)
     gains, world, rotation = shown.preset.gains.attitude, shown.preset.world, shown.estimate.rotation[last]
-    mag = np.cross(shown.measurements.mag[last], to_body(rotation, np.array(world.magnetic)))
-    gravity = np.cross(shown.estimate.state[last, GRAVITY], to_body(rotation, np.array(world.gravity)))
+    field, down = (np.broadcast_to(vector, (len(rotation), 3)) for vector in (world.magnetic, world.gravity))
+    mag = np.cross(shown.measurements.mag[last], to_body(rotation, field))
+    gravity = np.cross(shown.estimate.state[last, GRAVITY], to_body(rotation, down))
     mean = np.nanmean(gains.rho1 * mag + gains.rho2 * gravity, axis=0)
     return gains.k1 * float(np.linalg.norm(mean))
 

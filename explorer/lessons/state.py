@@ -15,6 +15,7 @@ preset, and what differs from it:
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -24,6 +25,9 @@ from explorer.model.settings import Drafts, Printed, Settings, effective
 from rangenav import formats, preset, toml_limits
 from rangenav.inputs import Vec3, shortened
 from rangenav.preset import Preset
+
+CACHED = 8
+"""Exported files, each of which takes a tenth of a second to make."""
 
 
 class Outcome(NamedTuple):
@@ -122,6 +126,7 @@ def _same_kind(before: Mapping[str, Any], change: Mapping[str, Any]) -> bool:
     return change.get("kind", before.get("kind")) == before.get("kind")
 
 
+@lru_cache(maxsize=CACHED)
 def _exported(name: str, chosen: Preset) -> tuple[str, bytes]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"motion{formats.row(name).suffix}"

@@ -4,6 +4,7 @@ HTML within the Markdown is shown as the characters that were typed: a lesson br
 """
 
 import html
+import re
 from collections.abc import Collection
 from functools import cache
 
@@ -20,6 +21,8 @@ from rangenav.inputs import require, shortened
 States = dict[str, State | None]
 """The states by the word before the dot; "" is what is shown. None where there is none, as without a pinned run."""
 MISSING = "…"
+UNKNOWN = re.compile(r"\\[A-Za-z]+")
+"""A command that the converter has left as it is."""
 
 
 def to_html(markdown: str, states: States) -> str:
@@ -79,4 +82,6 @@ def _mathml(latex: str, display: str) -> str:
         made = latex2mathml.converter.convert(latex.strip(), display=display)
     except Exception as error:  # the converter raises an exception of its own for every kind of mistake
         raise ValueError(f"the equation {shortened(latex.strip())}: {type(error).__name__}") from None
+    unknown = UNKNOWN.search(made)
+    require(unknown is None, f"the equation {shortened(latex.strip())}: {unknown and unknown[0]} is not known")
     return made.replace("<math ", f'<math alttext="{html.escape(latex.strip(), quote=True)}" ', 1)

@@ -1,4 +1,4 @@
-"""Passed when a closed path through the eight points, at heights of the student's choice, predicts the position well."""
+"""Passed when a closed path through the eight points, at heights that may be chosen, predicts the position well."""
 
 import math
 

@@ -22,4 +22,6 @@ def check(state: State) -> Outcome:
         return Outcome(excitation, False, f"A has {short(excitation)} times the excitation of B: slow B down more.")
     if not error > ERROR:
         return Outcome(excitation, False, f"A's error is {short(error)} times that of B: B is too slow now.")
-    return Outcome(excitation, True, f"A has {short(excitation)} times the excitation, and {short(error)} times the error.")
+    return Outcome(
+        excitation, True, f"A has {short(excitation)} times the excitation, and {short(error)} times the error."
+    )

@@ -23,4 +23,6 @@ def check(state: State) -> Outcome:
         return Outcome(sigma, False, "The true model must predict the position to 0.2 m: stay near the anchor.")
     if not sigma < SIGMA:
         return Outcome(sigma, False, f"The linear model predicts the position to {short(sigma, 'm')}.")
-    return Outcome(sigma, True, f"{short(sigma, 'm')} with the linear model, {short(true_sigma, 'm')} with the true one.")
+    return Outcome(
+        sigma, True, f"{short(sigma, 'm')} with the linear model, {short(true_sigma, 'm')} with the true one."
+    )

@@ -17,4 +17,6 @@ def check(state: State) -> Outcome:
         return Outcome(steady, False, "Only gains may change: path, sensors, start and duration are part of the task.")
     if steady >= STEADY:
         return Outcome(steady, False, f"The worst of five runs keeps an error of {short(steady, 'm')}.")
-    return Outcome(steady, True, f"The worst of five runs keeps {short(steady, 'm')}, after a peak of {short(peak, 'm')}.")
+    return Outcome(
+        steady, True, f"The worst of five runs keeps {short(steady, 'm')}, after a peak of {short(peak, 'm')}."
+    )

@@ -18,5 +18,7 @@ def check(state: State) -> Outcome:
     if stiffness > STIFFNESS:
         return Outcome(metric, False, f"The fastest rate times the step is {short(stiffness)}: 1 is the most.")
     if metric > SETTLED:
-        return Outcome(metric, False, f"The attitude settles {'never' if settled is None else f'after {settled:.1f} s'}.")
+        return Outcome(
+            metric, False, f"The attitude settles {'never' if settled is None else f'after {settled:.1f} s'}."
+        )
     return Outcome(metric, True, f"The attitude settles after {short(metric, 's')}.")

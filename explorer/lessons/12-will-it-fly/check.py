@@ -22,5 +22,7 @@ def check(state: State) -> Outcome:
     if file_mu is None:
         return Outcome(thrust, False, "Now export it as polynomials.")
     if not abs(file_mu - mu) <= CHANGE * mu:
-        return Outcome(thrust, False, f"The file has {short(file_mu, 'm²/s⁷')}, the path {short(mu, 'm²/s⁷')}: export again.")
+        return Outcome(
+            thrust, False, f"The file has {short(file_mu, 'm²/s⁷')}, the path {short(mu, 'm²/s⁷')}: export again."
+        )
     return Outcome(thrust, True, f"It flies, and its file has {short(file_mu, 'm²/s⁷')}.")
