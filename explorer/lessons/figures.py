@@ -46,6 +46,7 @@ FIGURES = {
     "sigma_nonlinear": Figure(
         "the position error of one window, true model", "m", lambda s: measures.sigma_nonlinear(s.preset)
     ),
+    "sigma_required": Figure("the position error required", "m", lambda s: s.preset.requirement.position_sigma),
     "window": Figure("the window δ", "s", lambda s: s.preset.requirement.window),
     "duration": Figure("the duration of the flight", "s", lambda s: s.preset.duration),
     "slower": Figure("how many times slower the path is run", "", lambda s: s.settings.time_scale),
@@ -89,9 +90,9 @@ FIGURES = {
         lambda s: measures.slowest_start(s.preset),
         never=NEVER,
     ),
-    "q": Figure("the range weight", "1/(m⁴ s)", lambda s: s.preset.gains.riccati.q),
-    "k1": Figure("the attitude gain", "1/s", lambda s: s.preset.gains.attitude.k1),
-    "rho": Figure("the trust in gravity", "s⁴/m²", lambda s: s.preset.gains.attitude.rho2),
+    "q": Figure("the range weight (1/(m⁴ s))", "", lambda s: s.preset.gains.riccati.q),
+    "k1": Figure("the attitude gain (1/s)", "", lambda s: s.preset.gains.attitude.k1),
+    "rho": Figure("the trust in gravity (s⁴/m²)", "", lambda s: s.preset.gains.attitude.rho2),
     "stiffness": Figure("the fastest rate of the attitude filter times its step", "", measures.stiffness),
     "gravity": Figure("the mean length of the estimated gravity", "m/s²", lambda s: measures.gravity_estimate(s)[0]),
     "gravity_spread": Figure("its standard deviation", "m/s²", lambda s: measures.gravity_estimate(s)[1]),

@@ -1,10 +1,10 @@
 """A lesson: a question, a prediction to commit, something to do, and a check by machine."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from explorer.lessons import state as states
 from explorer.lessons.state import Outcome, State
@@ -12,6 +12,8 @@ from rangenav.inputs import Input, require
 
 MAX_TITLE = 60
 MAX_CASES = 9
+SEPARATOR = " / "
+"""Between the tab, the folders and the label of a control."""
 FIGURE = re.compile(r"\{(?:([a-z][a-z0-9-]*)\.)?([a-z][a-z0-9_]*)\}")
 """A number that the page computes: `{mu}` of what is shown, `{start.mu}` of the lesson's first state, `{case-1.mu}` of
 its first case."""
@@ -74,7 +76,8 @@ class Header(Input, frozen=True, kw_only=True):
     needs: str
     """What a student should know, in a few words."""
     controls: tuple[str, ...]
-    """The labels of the controls that the lesson uses, in the order in which it uses them: `Motion / window δ`."""
+    """The controls that the lesson uses, in the order in which it uses them: `Gains / attitude gain k1 (1/s)`. Where a tab
+    has several controls of one label, the beginning of a folder's label tells them apart: `Motion / z: / phase φ₀`."""
     plots: tuple[str, ...] = ()
     """The plots that show what happens."""
     prediction: Prediction
@@ -90,7 +93,31 @@ class Header(Input, frozen=True, kw_only=True):
         require(0 < len(self.title.strip()) <= MAX_TITLE, f"title must have 1 to {MAX_TITLE} characters")
         require(0 < self.minutes <= 60, f"minutes must lie between 0 and 60, got {self.minutes:g}")
         require(all(hint.strip() for hint in self.hints), "hints must not be empty")
+        for control in self.controls:
+            require(SEPARATOR in control, f"controls are named like “Motion / path made of”, got “{control}”")
         require(len(self.cases) <= MAX_CASES, f"at most {MAX_CASES} cases, got {len(self.cases)}")
+
+    @property
+    def places(self) -> tuple["Place", ...]:
+        """Where each of the controls is."""
+        parts = (control.split(SEPARATOR) for control in self.controls)
+        return tuple(Place(tab, tuple(folders), label) for tab, *folders, label in parts)
+
+
+class Place(NamedTuple):
+    """Where a control is on the page."""
+
+    tab: str
+    folders: tuple[str, ...]
+    """Beginnings of the labels of folders around it, the outermost first; empty if the first such control is meant."""
+    label: str
+
+    def holds(self, steps: Sequence[tuple[str, str]], label: str) -> bool:
+        """Whether it is the place of a control of that label, inside tabs and folders, as ("tab", "Motion")."""
+        if label != self.label or ("tab", self.tab) not in steps:
+            return False
+        around = iter(name for kind, name in steps if kind == "folder")
+        return all(any(name.startswith(beginning) for name in around) for beginning in self.folders)
 
 
 SectionName = Literal["Question", "Explanation", "Task", "What you see", "Insight"]
