@@ -76,8 +76,10 @@ class Header(Input, frozen=True, kw_only=True):
     needs: str
     """What a student should know, in a few words."""
     controls: tuple[str, ...]
-    """The controls that the lesson uses, in the order in which it uses them: `Gains / attitude gain k1 (1/s)`. Where a tab
-    has several controls of one label, the beginning of a folder's label tells them apart: `Motion / z: / phase φ₀`."""
+    """The controls that the lesson uses, in their order: `Gains / attitude gain k1 (1/s)`.
+
+    Where a tab has several controls of one label, the beginning of the label of a folder tells them apart:
+    `Motion / z: / frequency ω (rad/s)`."""
     plots: tuple[str, ...] = ()
     """The plots that show what happens."""
     prediction: Prediction
