@@ -11,13 +11,27 @@ from explorer.widgets.controls import CHANGED
 
 pytestmark = pytest.mark.slow
 
+LESSONS = lessons_in(OURS).lessons
 
-@pytest.mark.parametrize("lesson", lessons_in(OURS).lessons, ids=lambda one: one.name)
+
+@pytest.mark.parametrize("lesson", LESSONS, ids=lambda one: one.name)
 def test_the_controls_of_a_lesson_are_on_the_page(lesson: Lesson, dock: Dock, client: viser.ClientHandle):
-    shown = [*_shown(lesson.start, dock, client), *_shown(lesson.solved, dock, client)]
-    missing = [place for place in lesson.header.places if not any(place.holds(*control) for control in shown)]
-    assert missing == []
-    assert lesson.header.places
+    missing = set(lesson.header.places)
+    assert missing
+    for state in (lesson.start, lesson.solved):
+        if missing:
+            shown = _shown(state, dock, client)
+            missing -= {place for place in missing if any(place.holds(*control) for control in shown)}
+    assert missing == set()
+
+
+@pytest.mark.parametrize("lesson", [one for one in LESSONS if one.start.settings.drafts.path], ids=lambda one: one.name)
+def test_the_draft_of_a_lesson_is_the_path_once_its_family_is_chosen(lesson: Lesson, dock: Dock):
+    (draft,) = lesson.start.settings.drafts.path
+    dock.write(lesson.start.settings)
+    dock.motion.path.base_editor.family_menu.show(str(draft.__struct_config__.tag))
+    dock.refresh()
+    assert dock.read().preset.path == draft
 
 
 def _shown(state: State, dock: Dock, client: viser.ClientHandle) -> list[tuple[list[Step], str]]:
