@@ -23,7 +23,7 @@ PAGE = (
     ("controls", ("panels",), "#fde7d3"),
     ("3-D view and plots", ("scene", "charts"), "#fde7d3"),
     ("parts of controls", ("widgets",), "#fdf3c8"),
-    ("browser, network", ("web",), "#fdf3c8"),
+    ("browser, lessons", ("web", "lessons"), "#fdf3c8"),
     ("what is kept", ("storage",), "#d9edd9"),
     ("what follows", ("model",), "#d6e8f5"),
 )
@@ -49,7 +49,7 @@ FLOWS = (
 )
 NOTES = (
     "A room imports rooms of its own row or of rows below it, never above.",
-    "explorer/storage and explorer/model do not import viser.",
+    "explorer/lessons, storage and model do not import viser.",
     "rangenav imports neither viser nor explorer.",
     "Only rangenav/kernels imports numba.",
 )
