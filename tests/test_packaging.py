@@ -83,6 +83,9 @@ def test_the_wheel_holds_both_packages_every_preset_and_the_licence(wheel: Path)
         assert module in names
     presets = {Path(name).name for name in names if name.startswith("rangenav/presets/")}
     assert presets == {path.name for path in (SOURCE / "presets").iterdir()}
+    lessons = [path for path in (SOURCE / "explorer" / "lessons").glob("[0-9]*/*") if path.is_file()]
+    assert {str(path.relative_to(SOURCE)) for path in lessons} <= set(names)
+    assert lessons
     assert any(name.endswith("/LICENSE") for name in names)
     assert not [name for name in names if name.startswith(("tests/", "benchmarks/", "presets/"))]
 

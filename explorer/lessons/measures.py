@@ -31,6 +31,25 @@ SEEDS = 5
 NEAR_HALF_TURN = math.pi - 0.01
 """rad: an initial attitude error close to an undesired equilibrium."""
 
+PARTS = {
+    "path": "the path",
+    "angular_velocity": "the angular velocity",
+    "duration": "the flight duration",
+    "world": "the anchor, gravity and the magnetic direction",
+    "sensors": "the sensors",
+    "gains": "the gains",
+    "guess": "the initial estimate",
+    "requirement": "the time window",
+    "vehicle": "the vehicle",
+}
+"""What sentences call the parts of a preset."""
+
+
+def changed(preset: Preset, start: Preset, *parts: str) -> str:
+    """One sentence if a part of a preset that belongs to the task is not as at the start; empty if all are."""
+    others = [words for name, words in PARTS.items() if name in parts and getattr(preset, name) != getattr(start, name)]
+    return f"Put back what is part of the task: {' and '.join(others)}." if others else ""
+
 
 def picture(state: State) -> Picture:
     """What the page shows of a state. Its stages are cached, so that several figures compute it once."""

@@ -1,11 +1,13 @@
 """Passed when a closed path through the eight points, at heights that may be chosen, predicts the position well."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 
 from explorer.lessons import Outcome, State, measures
 from explorer.lessons.figures import short
+from explorer.lessons.state import read
 from rangenav.model import STATES
 from rangenav.preset import Preset
 
@@ -15,6 +17,7 @@ POINTS = ((0.0, 0.0), (0.71, 0.5), (1.0, 0.0), (0.71, -0.5), (-0.71, 0.5), (-1.0
 """m, where the path must pass, seen from above."""
 NEAR, SAMPLES = 0.05, 2001
 """m, and samples of one period."""
+START = read(Path(__file__).with_name("start.toml")).preset
 
 
 def check(state: State) -> Outcome:
@@ -26,6 +29,9 @@ def check(state: State) -> Outcome:
     if missed > NEAR:
         return Outcome(math.nan, False, f"Seen from above, the path misses a point by {short(missed, 'm')}.")
     rank, sigma, thrust = measures.rank(p), measures.sigma(p), measures.limits(p).thrust_to_weight
+    other = measures.changed(p, START, "world", "sensors", "requirement", "duration")
+    if other:
+        return Outcome(sigma, False, other)
     if rank < STATES:
         return Outcome(math.nan, False, f"The path determines {rank} of {STATES} quantities: it lies in a plane.")
     if sigma >= SIGMA:

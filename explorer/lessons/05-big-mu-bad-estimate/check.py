@@ -15,6 +15,8 @@ def check(state: State) -> Outcome:
     if state.pinned is None:
         return Outcome(math.nan, False, "Pin the shaking motion as A again: start the lesson anew.")
     a, b = effective(state.pinned), state.preset
+    if a.requirement.window != b.requirement.window:
+        return Outcome(math.nan, False, "A and B must be judged over the same time window: put it back.")
     if not measures.mu(b):
         return Outcome(math.inf, False, "B excites nothing at all: it must be observable.")
     excitation, error = measures.mu(a) / measures.mu(b), measures.sigma(a) / measures.sigma(b)

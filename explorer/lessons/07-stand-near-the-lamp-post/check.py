@@ -1,22 +1,23 @@
 """Passed when the anchor alone has brought the position error of one window below 0.2 m."""
 
+from pathlib import Path
+
 from explorer.lessons import Outcome, State, measures
 from explorer.lessons.figures import short
-from rangenav import preset
+from explorer.lessons.state import read
 
 SIGMA, CLEARANCE = 0.2, 0.3
 """m"""
-PRESET = "soft"
+START = read(Path(__file__).with_name("start.toml")).preset
 
 
 def check(state: State) -> Outcome:
     """The metric is the position error of one window (m)."""
-    p, before = state.preset, preset.load(PRESET)
+    p = state.preset
     sigma, clearance = measures.sigma(p), measures.anchor_distance(p)
-    if (p.path, p.duration) != (before.path, before.duration):
-        return Outcome(sigma, False, "The path has changed. Only the anchor may move.")
-    if p.sensors != before.sensors or p.requirement.window != before.requirement.window:
-        return Outcome(sigma, False, "The sensors or the window have changed. Only the anchor may move.")
+    other = measures.changed(p, START, "path", "duration", "sensors", "requirement")
+    if other:
+        return Outcome(sigma, False, other)
     if clearance < CLEARANCE:
         return Outcome(sigma, False, f"The path passes the anchor at {short(clearance, 'm')}: 0.3 m is the least.")
     if sigma >= SIGMA:

@@ -1,18 +1,23 @@
 """Passed when the vehicle can fly the path, a window is accurate, and the exported file is as exciting as the path."""
 
+from pathlib import Path
+
 from explorer.lessons import Outcome, State, measures
 from explorer.lessons.figures import short
+from explorer.lessons.state import read
 
 SIGMA, CHANGE = 0.15, 0.05
 """m, and the share by which the excitation of the file may differ."""
+START = read(Path(__file__).with_name("start.toml")).preset
 
 
 def check(state: State) -> Outcome:
     """The metric is the largest thrust over the weight."""
     p = state.preset
     thrust, sigma, mu = measures.limits(p).thrust_to_weight, measures.sigma(p), measures.mu(p)
-    if p.vehicle.thrust_to_weight is None:
-        return Outcome(thrust, False, "Choose the vehicle of the lesson again: the Crazyflie, on the tab World.")
+    other = measures.changed(p, START, "world", "sensors", "requirement", "vehicle")
+    if other:
+        return Outcome(thrust, False, other)
     broken = measures.broken(p)
     if broken:
         return Outcome(thrust, False, f"The vehicle cannot fly it: {broken[0].summary}.")

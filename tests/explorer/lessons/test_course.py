@@ -1,10 +1,12 @@
 """Our lessons: each says what it does, its text can be shown, and its numbers exist."""
 
+import dataclasses
 import math
 import re
 from xml.etree import ElementTree
 
 import pytest
+from msgspec.structs import replace
 
 from explorer.charts import TITLES
 from explorer.lessons import Lesson, judging, text
@@ -90,6 +92,20 @@ def test_the_plots_of_a_lesson_exist_and_its_start_is_a_shipped_preset(lesson: L
 def test_a_hint_is_no_repetition_and_every_section_has_a_screen(lesson: Lesson):
     assert len(set(lesson.header.hints)) == 3
     assert tuple(lesson.sections) == SECTIONS
+
+
+@pytest.mark.parametrize("number", [3, 6, 7, 8, 10, 11, 12, 14])
+def test_a_solution_with_better_sensors_than_those_of_the_task_does_not_pass(number: int):
+    one = COURSE.lesson(number)
+    assert one is not None
+    settings = one.solved.settings
+    before = settings.preset.sensors
+    sensors = replace(before, noise=replace(before.noise, range=1e-3))
+    better = replace(settings, preset=replace(settings.preset, sensors=sensors))
+    other = dataclasses.replace(one.solved, settings=better)
+    outcome = one.check(other)
+    assert not outcome.passed
+    assert outcome.hint == "Put back what is part of the task: the sensors."
 
 
 def test_the_table_has_a_row_for_every_lesson():
