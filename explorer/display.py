@@ -3,7 +3,8 @@
 draw(picture)      plots, verdict and marks of the controls in one batch; the scene in the same batch if the path is the
                    same, else in a second one
 draw_details       when nothing has changed for a moment, because the details take as long to compute as all the rest;
-                   then the verdict, which is the sampled windows' until then, is proven in a job
+                   then more windows are judged, and the verdict, which is the sampled windows' until then, is proven in
+                   a job
 animate            moves cursors and scene to the playhead; it computes nothing
 """
 
@@ -14,7 +15,7 @@ import msgspec
 import viser
 
 from explorer.charts import Charts
-from explorer.model.comparison import Comparison
+from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings
@@ -46,6 +47,7 @@ class Display:
         self._scene, self._handles, self._timeline, self._playback = scene, handles, timeline, playback
         self.picture: Picture | None = None
         """The picture on the page; None before the first one."""
+        self._comparison = NOTHING
         self._details_due: float | None = None
         """When to draw the details of the picture (s, monotonic); None if they are drawn."""
 
@@ -56,7 +58,6 @@ class Display:
     def show(self, picture: Picture) -> None:
         """Draw another picture: all of it, or the details alone if nothing but the twin was turned."""
         if self._only_twin_turned(picture.settings):
-            self.picture = picture
             self._draw_details(picture)
         else:
             self.draw(picture)
@@ -65,7 +66,7 @@ class Display:
         """Draw all of a picture, and what it is compared with; the details follow later."""
         self.picture = picture
         self._playback.fit(picture.preset.duration)
-        comparison = self._dock.comparison(picture)
+        self._comparison = comparison = self._dock.comparison(picture)
         with self._client.atomic():
             self._charts.draw(picture, comparison, time=self._playback.time)
             self._dock.draw(picture)
@@ -114,9 +115,12 @@ class Display:
             self._charts.cursor(self.picture, self._playback.time)
             self._timeline.write(now)
 
-    def _draw_details(self, picture: Picture) -> None:
+    def _draw_details(self, moved: Picture) -> None:
+        self.picture = picture = moved.at_rest
         details = picture.details
         with self._client.atomic():
+            self._timeline.draw(picture)
+            self._dock.compare.draw(picture, self._comparison)
             self._dock.compare.draw_details(picture)
             self._dock.learn.draw_details(picture)
             self._dock.twin.draw(details.twin)

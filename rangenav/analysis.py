@@ -1,7 +1,7 @@
 """Observability of a preset's motion from one range: sliding windows, the worst of them, blind directions, verdict.
 
 analyse(preset)     the worst of all windows, as certificates have it: what `analyze` and the page at rest show
-sampled(preset)     the worst of 101 windows, some ten times as fast: for a page while a hand moves
+sampled(preset)     the worst of 101 windows or fewer, some ten times as fast: for a page while a hand moves
 """
 
 import math
@@ -17,6 +17,7 @@ from numpy import ndarray as Array
 from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.motion_analysis import (
+    WINDOWS,
     Windows,
     farthest_from_anchor,
     motion_analysis,
@@ -128,9 +129,9 @@ def analyse(preset: Preset) -> Analysis:
     return _proven(*arguments(preset), preset.source)
 
 
-def sampled(preset: Preset) -> Analysis:
-    """Analyse a preset over its own window: the worst of sampled windows."""
-    return analysis(*arguments(preset), preset.source)
+def sampled(preset: Preset, windows: int = WINDOWS) -> Analysis:
+    """Analyse a preset over its own window: the worst of so many windows, evenly spaced over the flight."""
+    return analysis(*arguments(preset), preset.source, windows)
 
 
 @lru_cache(maxsize=CACHED)
@@ -143,14 +144,16 @@ def analysis(
     range_rate: float,
     arriving: float = 1.0,
     source: Source | None = None,
+    count: int = WINDOWS,
 ) -> Analysis:
     """The analysis by sampled windows. What depends on neither anchor nor noise comes from `motion_analysis`.
 
     `arriving` is the share of ranges that random drop-outs leave. `source` is the file that the path was imported from.
+    count: of the windows.
     """
     window = requirement.window
-    lifted = motion_analysis(path, world.gravity, duration, window)
-    samples = path_samples(path, duration, window)
+    lifted = motion_analysis(path, world.gravity, duration, window, count)
+    samples = path_samples(path, duration, window, count)
     windows = sampled_windows(samples, world, lifted, range_sigma, range_rate, arriving)
     k, worst = lifted.worst, lifted.worst_spectrum
     j = spectrum.worst_of_triangles(
@@ -223,7 +226,7 @@ def _proven(
 ) -> Analysis:
     """The analysis by sampled windows, with the worst of all windows in place of the worst sampled one."""
     window = requirement.window
-    few = analysis(path, world, duration, requirement, range_sigma, range_rate, arriving, source)
+    few = analysis(path, world, duration, requirement, range_sigma, range_rate, arriving, source, WINDOWS)
     proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving)
     excited, rank, worst, held = proof.excitation, proof.rank, proof.accuracy, proof.accuracy.windows
     values = excitation.eigenvalues(path, np.array([excited.at]), window)[0]

@@ -59,8 +59,10 @@ def require(holds: bool, sentence: str) -> None:
 
 def require_within(name: str, value: float, low: float, high: float, unit: str = "") -> None:
     """Raise ValueError unless low ≤ value ≤ high."""
+    if low <= value <= high:  # before the sentence, which takes longer than the rule
+        return
     unit = f" {unit}" if unit else ""
-    require(low <= value <= high, f"{name} must lie between {low:g} and {high:g}{unit}, got {value:g}")
+    raise ValueError(f"{name} must lie between {low:g} and {high:g}{unit}, got {value:g}")
 
 
 def shortened(sentence: str) -> str:

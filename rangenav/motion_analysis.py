@@ -20,8 +20,8 @@ from rangenav.signals import Signal
 
 WINDOWS = 101
 """Start times at which spectra are computed: enough for a smooth curve; 101 windows of 13 columns take 5 ms."""
-FINE_WINDOWS = 401
-"""Start times for the worst excitation, which is far cheaper than a Gramian."""
+FINER = 4
+"""Start times for the worst excitation for each of these: it is far cheaper than a Gramian."""
 DISTANCES = 2001
 """Times at which the distance to the anchor is sampled."""
 CACHED, CACHED_SAMPLES = 8, 2
@@ -122,19 +122,21 @@ def nonlinear_spectrum(R: Float[Array, "w r 9"], window: float, rounding: float)
 
 
 @lru_cache(maxsize=CACHED_SAMPLES)
-def path_samples(path: Signal, duration: float, window: float) -> PathSamples:
-    """Samples of the path in all windows; both spectra and the accuracy are computed from them."""
-    return rows.sample(path, np.linspace(0, duration - window, WINDOWS), window)
+def path_samples(path: Signal, duration: float, window: float, count: int = WINDOWS) -> PathSamples:
+    """Samples of the path in so many windows; both spectra and the accuracy are computed from them."""
+    return rows.sample(path, np.linspace(0, duration - window, count), window)
 
 
 @lru_cache(maxsize=CACHED)
-def motion_analysis(path: Signal, gravity: Vec3, duration: float, window: float) -> MotionAnalysis:
-    """Excitation, Gramian and blind directions, which depend on path, gravity and window only."""
-    samples = path_samples(path, duration, window)
+def motion_analysis(
+    path: Signal, gravity: Vec3, duration: float, window: float, count: int = WINDOWS
+) -> MotionAnalysis:
+    """Excitation, Gramian and blind directions of so many windows, which depend on path, gravity and window only."""
+    samples = path_samples(path, duration, window, count)
     start, of = samples.start, gramian_rank.of(samples, gravity, samples.weight, "start")
     k = spectrum.worst_of_remainders(of)
     worst = spectrum.of_remainders(of.some(np.array([k])), rounding=samples.rounding)
-    least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINE_WINDOWS), window)
+    least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINER * (count - 1) + 1), window)
     values, axes = excitation.directions(path, float(start[k]), window)
     computed = int(worst.rank[0])
     known = continued(path, gravity, float(start[k]), window, duration, computed)

@@ -36,10 +36,10 @@ class Proof:
     def rank_proven(self) -> bool:
         """Whether no window has a lower rank: by cores, or of rank 13 because the ranges in each determine it all.
 
-        Never of a rank that is low because of rounding.
+        Never of a rank that is low because of rounding, or may be.
         """
         by_cores = self.rank.proof is not None and self.rank.proof.proved and self.rank.proof.rank == self.rank.rank
-        by_cores = by_cores and not self.rank.rounded
+        by_cores = by_cores and self.rank.resolved
         by_ranges = self.rank.rank == STATES and self.rank.starts == FLIGHT
         return by_cores or (by_ranges and math.isfinite(self.accuracy.windows.bound))
 
@@ -48,7 +48,7 @@ class Proof:
         """Whether no window has a larger σ; of an undetermined position, whether more digits would not determine it."""
         if self.undetermined is not None:
             return self.undetermined in undetermined.PROVEN
-        return math.isfinite(self.accuracy.windows.bound) or not self.rank.rounded
+        return math.isfinite(self.accuracy.windows.bound) or self.rank.resolved
 
     @property
     def rounded(self) -> bool:

@@ -52,8 +52,8 @@ class PlotSize:
     """px"""
 
 
-def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
-    """For a window of this width and height (CSS px), and for `big` type."""
+def plot_size(width: float, height: float, *, big: bool = False, dark: bool = False) -> PlotSize:
+    """For a window of this width and height (CSS px), for `big` type and for a `dark` page."""
     two_panels = width >= TWO_PANELS and not big
     plot_height = min(max(USUAL_HEIGHT + GROWTH * (height - OF_WINDOW), MIN_HEIGHT), MAX_HEIGHT)
     plot_height = round(1.4 * plot_height if big else plot_height)
@@ -62,7 +62,7 @@ def plot_size(width: float, height: float, *, big: bool = False) -> PlotSize:
         two_panels=two_panels,
         folded=width < (BIG_FOLDED if big else FOLDED),
         width=round(1.25 * WIDTH) if big and width >= 1200 else panel_width,
-        style=ChartStyle(height=plot_height, big=big),
+        style=ChartStyle(height=plot_height, big=big, dark=dark),
         window_height=height,
     )
 
@@ -165,7 +165,7 @@ class Charts:
             PLOTS[name],
             size.window_height,
             self._switched_off[name],
-            big=size.style.big,
+            size.style,
             pinned=pinned,
         )
         self._draw_over()
@@ -174,7 +174,7 @@ class Charts:
         """Show a plot of the pinned run and of the one on the page side by side."""
         self.close_large()
         size = self._size
-        self._over = SideBySide(self._client, PLOTS[name], TITLES, size.window_height, big=size.style.big)
+        self._over = SideBySide(self._client, PLOTS[name], TITLES, size.window_height, size.style)
         self._draw_over()
 
     def close_large(self) -> None:
@@ -202,7 +202,7 @@ class Charts:
         for a moment."""
         self._settled = True
         self._take(picture)
-        if self._over is not None and self._over.plot.name in SLOW:
+        if self._over is not None:
             self._draw_over()
         self.cursor(picture, self._time)
 

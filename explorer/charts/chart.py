@@ -18,8 +18,8 @@ OPAQUE = len("#rrggbb")
 """Characters of a colour before its opacity."""
 
 
-BIG = 1.6
-"""Factor of the width of curves with big type."""
+BIG, LARGE = 1.6, 1.4
+"""Factors of the width of curves with big type, and in a plot that fills the window."""
 FONT, BIG_FONT = "12px system-ui, sans-serif", "19px system-ui, sans-serif"
 
 
@@ -33,6 +33,8 @@ class ChartStyle:
     """Big type and thick curves, for a projector."""
     large: bool = False
     """Whether it is the plot of the large view."""
+    dark: bool = False
+    """Whether the page is dark."""
 
 
 @dataclass(eq=False)
@@ -169,7 +171,7 @@ def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off:
 
 def series(lines: tuple[Curve, ...], hidden: tuple[int, ...], style: ChartStyle) -> tuple[uplot.Series, ...]:
     """uPlot's description of the curves; the first entry is the time axis."""
-    factor = BIG if style.big else 1.0
+    factor = (BIG if style.big else 1.0) * (LARGE if style.large else 1.0)
     return (
         uplot.Series(label="t"),
         *(_line(curve, factor * curve.width, show=i not in hidden) for i, curve in enumerate(lines)),
@@ -202,8 +204,10 @@ def axes(plot: Plot, axis: curves.Range, style: ChartStyle) -> tuple[uplot.Axis,
     positions, labels = curves.decade_ticks(axis) if plot.log else curves.even_ticks(axis)
     width, height = markup.axis_sizes(style.big)
     font = BIG_FONT if style.big else FONT
-    y = uplot.Axis(size=width, gap=2, font=font, splits=tuple(positions), values=tuple(labels))
-    x = uplot.Axis(size=height, gap=2, font=font)
+    grid = uplot.Axis_Grid(stroke=palette.PAGE_GRID)  # viser's own cannot be seen on a dark page
+    y = uplot.Axis(size=width, gap=2, font=font, splits=tuple(positions), values=tuple(labels), grid=grid)
+    x = uplot.Axis(size=height, gap=2, font=font, grid=grid)
     if not plot.along_flight:  # another quantity than the time of the flight
-        x["stroke"], x["grid"] = palette.OTHER_AXIS, {"stroke": f"{palette.OTHER_AXIS}{palette.FILL}", "dash": (2, 4)}
+        color = palette.OTHER_AXIS[style.dark]
+        x["stroke"], x["grid"] = color, {"stroke": f"{color}{palette.FILL}", "dash": (2, 4)}
     return x, y

@@ -29,7 +29,7 @@ def scaled(picture: Picture) -> Drawing:
     axis = curves.decades(values)
     axis = (axis[0] / 10, axis[1])
     drawn = np.concatenate([np.where(counts, ascending, tolerance), tolerance], axis=1)
-    time = picture.analysis.windows.start
+    time = picture.at_rest.analysis.windows.start
     return Drawing(time=time, values=values, drawn=curves.onto_log_axis(drawn, axis), axis=axis)
 
 
@@ -90,8 +90,9 @@ def phi(picture: Picture) -> Drawing:
 
 def certificates(picture: Picture) -> Drawing:
     """The least eigenvalue of the excitation: as derived, with each misprint, with both, and the required μ."""
-    windows, comparison, required = picture.analysis.windows, picture.details.printed, picture.preset.requirement.mu
-    derived = np.where(windows.excitation[:, 0] > picture.analysis.mu_floor, windows.excitation[:, 0], 0.0)
+    analysis, comparison, required = picture.at_rest.analysis, picture.details.printed, picture.preset.requirement.mu
+    windows = analysis.windows
+    derived = np.where(windows.excitation[:, 0] > analysis.mu_floor, windows.excitation[:, 0], 0.0)
     printed = (comparison.least_formula, comparison.least_axes, comparison.least_printed)
     largest = max(float(column.max()) for column in (derived, *printed))
     values = np.column_stack([derived, *printed, np.full_like(derived, required)])

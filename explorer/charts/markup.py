@@ -47,7 +47,7 @@ STYLE = f"""<style>
 .rn-legend button {{ all: unset; white-space: nowrap; cursor: pointer; }}
 .rn-legend button:hover {{ text-decoration: underline; }}
 .rn-legend button:focus-visible {{ outline: 2px solid {palette.FOCUS}; }}
-.rn-legend button[aria-pressed=false] {{ opacity: .5; text-decoration: line-through; }}
+.rn-legend button[aria-pressed=false] {{ opacity: .75; text-decoration: line-through; }}
 .rn-v {{ display: inline-block; min-width: calc(43px * var(--rn-scale, 1)); font-weight: 500; }}
 .rn-v::after {{ content: var(--rn-value, '–'); }}
 .rn-note {{ margin: 0 {MARGIN}px; font-size: calc(12px * var(--rn-scale, 1)); line-height: 1.25; opacity: .75; }}
@@ -72,7 +72,7 @@ STYLE = f"""<style>
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
 .rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
-.rn-seconds {{ position: absolute; right: {MARGIN + 3 - RIGHT}px;
+.rn-seconds {{ position: absolute; right: {MARGIN + 1 - RIGHT}px;
   font-size: calc(12px * var(--rn-scale, 1)); opacity: .65; }}
 </style>"""
 

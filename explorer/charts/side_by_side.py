@@ -12,13 +12,13 @@ from viser._gui_handles import GuiModalHandle
 
 from explorer.charts import comparison_curves, plot_file
 from explorer.charts.chart import Chart, ChartStyle, add_chart
-from explorer.charts.large_view import BUTTON
+from explorer.charts.large_view import BUTTON, save_buttons
 from explorer.charts.plots import Drawing, Plot
 from explorer.model import differences, side_by_side
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 
-AROUND, BIG_AROUND, MIN_HEIGHT = 340, 540, 200
+AROUND, BIG_AROUND, MIN_HEIGHT = 370, 570, 190
 """px of the window's height that the plots leave to numbers, legends and buttons, and with big type; their least
 height."""
 OFFERED = ("excitation", "gramian", "predicted", "position", "attitude")
@@ -33,13 +33,13 @@ class SideBySide:
     """A window over the page with both runs."""
 
     def __init__(
-        self, client: ClientHandle, plot: Plot, titles: dict[str, str], window_height: float, *, big: bool
+        self, client: ClientHandle, plot: Plot, titles: dict[str, str], window_height: float, of_page: ChartStyle
     ) -> None:
-        """`titles` of the plots by their names."""
+        """`titles` of the plots by their names; `of_page`: the style of the other plots."""
         self.plot = plot
         self._modal: GuiModalHandle = client.gui.add_modal("A and B side by side")
-        height = max(round(window_height) - (BIG_AROUND if big else AROUND), MIN_HEIGHT)
-        style = ChartStyle(height=height, big=big, large=True)
+        height = max(round(window_height) - (BIG_AROUND if of_page.big else AROUND), MIN_HEIGHT)
+        style = replace(of_page, height=height, large=True)
         self._drawings: dict[str, Drawing] = {}
         self._titles: tuple[str, str] = ("", "")
         with self._modal:
@@ -61,6 +61,8 @@ class SideBySide:
     def draw(self, picture: Picture, comparison: Comparison) -> None:
         """Show the pinned run and a picture; without a pinned run, say so."""
         a = comparison.pinned
+        if a is not None:
+            a = a.judged_on(len(picture.analysis.windows.start))
         self._numbers.content = _numbers(a, picture)
         for chart in self.charts:
             chart.header.visible = chart.handle.visible = a is not None
@@ -110,9 +112,9 @@ def _head(plot: Plot, titles: dict[str, str]) -> str:
     others = "".join(
         OTHER_PLOT.format(f"beside-{name}", str(name == plot.name).lower(), titles[name]) for name in names
     )
-    saves = "".join(BUTTON.format(f"save-{plot.name}-beside-{kind}", kind.upper()) for kind in FORMATS)
     one, close = BUTTON.format(f"expand-{plot.name}", "A and B in one plot"), BUTTON.format("close-large", "✕ close")
-    return f'<div class="rn-large rn-beside">{others}<span></span>{one} save as {saves}{close}</div>'
+    saves = save_buttons(f"{plot.name}-beside", FORMATS)
+    return f'<div class="rn-large rn-beside">{others}<span></span>{one}{saves}{close}</div>'
 
 
 def _numbers(a: Picture | None, b: Picture) -> str:

@@ -8,15 +8,19 @@ first case. To add a figure, add a row to FIGURES.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from explorer.lessons import measures
 from explorer.lessons.measures import picture
 from explorer.lessons.state import State
+from explorer.model.settings import Settings
 from rangenav import vehicle
 from rangenav.model import STATES
 from rangenav.number_format import NEVER, NOT_DETERMINED, quantity, significant
 
 MU = "m²/s⁷"
+CACHED = 512
+"""Numbers that are kept: many times those of one lesson."""
 
 
 @dataclass(frozen=True)
@@ -29,9 +33,8 @@ class Figure:
     never: str = NOT_DETERMINED
     """The word in place of a number that there is not: None, NaN or infinite."""
 
-    def text(self, state: State) -> str:
+    def text(self, value: float | None) -> str:
         """The number with its unit, as everywhere on the page; a word where there is none."""
-        value = self.of(state)
         if value is None or not math.isfinite(value):
             return self.never
         return quantity(value, self.unit)
@@ -108,7 +111,13 @@ FIGURES = {
 
 def text(name: str, state: State) -> str:
     """One figure as a text shows it. Raises KeyError for a name that no row has."""
-    return FIGURES[name].text(state)
+    return FIGURES[name].text(_value(name, state.settings, state.exported))
+
+
+@lru_cache(maxsize=CACHED)
+def _value(name: str, settings: Settings, exported: tuple[str, bytes] | None) -> float | None:
+    """The number itself. The states of a lesson's own are computed once, and leave the caches to what is shown."""
+    return FIGURES[name].of(State(settings=settings, exported=exported))
 
 
 def short(value: float, unit: str = "") -> str:

@@ -14,6 +14,7 @@ convergence   <- estimate's inputs; computed at its first use
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from weakref import WeakValueDictionary
 
 import numpy as np
 from jaxtyping import Float
@@ -33,12 +34,17 @@ from rangenav.motion_analysis import WINDOWS
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, never, stopping
+from rangenav.proof import arguments
 from rangenav.record import Outcome, Summary, TruthInputs, truth_inputs
 from rangenav.sensors import Measurements, Sensors
 from rangenav.vehicle import Break, Vehicle
 
+MOVING_WINDOWS = 34
+"""Windows that are judged while a hand moves: a third of those at rest, so that a path is judged twice as fast."""
 CACHED = 4
 """How many results of each stage its cache holds."""
+AT_REST: WeakValueDictionary[tuple[object, ...], Analysis] = WeakValueDictionary()
+"""The analyses of pictures at rest: a gain that moves keeps all their windows, and the plots of them stay."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -55,7 +61,8 @@ class Picture:
     analysis: Analysis
     """Spectra over sliding windows, the worst of them, blind directions, accuracy and verdict (derived forms).
 
-    `proven` puts the worst of all windows in place of the worst sampled ones."""
+    It is that of few windows while a hand moves, that of more windows in `at_rest`; `proven` puts the worst of all
+    windows in place of the worst sampled ones."""
     measurements: Measurements
     estimate: cascade.Estimate
     errors: Errors
@@ -81,7 +88,23 @@ class Picture:
     @cached_property
     def printed_excitation(self) -> Float[Array, "w 3"]:
         """Eigenvalues of the excitation under the printed switches that are on, at analysis.windows.start."""
-        return _printed_excitation(truth_inputs(self.preset), self.preset.requirement.window, self.settings.printed)
+        window, count = self.preset.requirement.window, len(self.analysis.windows.start)
+        return _printed_excitation(truth_inputs(self.preset), window, self.settings.printed, count)
+
+    @cached_property
+    def at_rest(self) -> "Picture":
+        """The same picture with as many windows as its curves need to be smooth, for when no hand moves."""
+        resting = self.judged_on(WINDOWS)
+        AT_REST[_judged_inputs(self.preset)] = resting.analysis
+        return resting
+
+    def judged_on(self, windows: int) -> "Picture":
+        """The same picture with so many windows, so that its figures can be compared with another picture's."""
+        if len(self.analysis.windows.start) == windows:
+            return self
+        analysis = sampled(self.preset, windows)
+        least = _reduced(truth_inputs(self.preset), self.preset.requirement.window, analysis, self.settings.printed)
+        return replace(self, analysis=analysis, reduced_min=least)
 
     @cached_property
     def details(self) -> Details:
@@ -104,7 +127,7 @@ class Picture:
 def compute(settings: Settings) -> Picture:
     """Compute everything the page draws. Raises ValueError with one sentence if no picture is possible."""
     p, printed = effective(settings), settings.printed
-    inputs, analysis = truth_inputs(p), sampled(p)
+    inputs, analysis = truth_inputs(p), AT_REST.get(_judged_inputs(p)) or sampled(p, MOVING_WINDOWS)
     outcome, position = _observed(
         inputs, p.sensors, p.seed, p.gains, p.guess, "printed" if printed.model else "derived"
     )
@@ -125,6 +148,11 @@ def compute(settings: Settings) -> Picture:
         ),
         reduced_min=_reduced(inputs, p.requirement.window, analysis, printed),
     )
+
+
+def _judged_inputs(p: Preset) -> tuple[object, ...]:
+    """All that the analysis of a preset depends on."""
+    return *arguments(p), p.source
 
 
 def compile_kernels(progress: Callable[[float, str], None]) -> None:
@@ -158,11 +186,12 @@ def _breaks(inputs: TruthInputs, chosen: Vehicle) -> tuple[Break, ...]:
 
 
 @lru_cache(maxsize=CACHED)
-def _printed_excitation(inputs: TruthInputs, window: float, printed: Printed) -> Array:
-    """Eigenvalues of the excitation under the printed switches, from samples; with none on, of the derived form."""
+def _printed_excitation(inputs: TruthInputs, window: float, printed: Printed, count: int) -> Array:
+    """Eigenvalues of the excitation of so many windows under the printed switches, from samples; with none on, of the
+    derived form."""
     trajectory = record.simulated(inputs).motion
     signal = excitation.chosen_signal(trajectory, printed_formula=printed.excitation, body_axes=printed.body_axes)
-    start = np.linspace(0, inputs.duration - window, WINDOWS)
+    start = np.linspace(0, inputs.duration - window, count)
     return excitation.sampled_eigenvalues(signal, trajectory.time, start, window)
 
 

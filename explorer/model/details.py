@@ -17,7 +17,7 @@ import numpy as np
 from rangenav import record, twin
 from rangenav.analysis import how_long, sampled
 from rangenav.inputs import Vec3
-from rangenav.motion_analysis import WINDOWS, motion_analysis
+from rangenav.motion_analysis import WINDOWS
 from rangenav.observability import ellipsoid, frozen, functions, printed
 from rangenav.observability.ellipsoid import Ellipsoid
 from rangenav.observability.functions import Functions
@@ -54,7 +54,7 @@ def details(preset: Preset, *, turn: Vec3 | None = None) -> Details:
     """The details of a preset; `turn` (rad, about the anchor) turns a twin that may be turned."""
     analysis, requirement = sampled(preset), preset.requirement
     return Details(
-        spectrum=motion_analysis(preset.path, preset.world.gravity, preset.duration, requirement.window).spectrum,
+        spectrum=analysis.windows.lifted.spectrum,
         horizon=how_long(preset),
         functions=_functions(
             preset.path, preset.world.gravity, analysis.gramian_at, requirement.window, preset.duration

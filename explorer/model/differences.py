@@ -84,7 +84,7 @@ def choices(a: Preset, b: Preset) -> list[str]:
 def _choices(a: Any, b: Any, where: str) -> Iterator[str]:
     if isinstance(a, dict) and isinstance(b, dict) and a.get("type") == b.get("type"):
         for key in a | b:
-            if key not in ("title", "story"):
+            if key not in ("title", "story", "expect"):
                 yield from _choices(a.get(key), b.get(key), f"{where}.{key}" if where else key)
     elif isinstance(a, list | tuple) and isinstance(b, list | tuple) and len(a) == len(b) and _has_tables(a):
         for k, (x, y) in enumerate(zip(a, b, strict=True)):

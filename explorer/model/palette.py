@@ -40,10 +40,10 @@ DERIVED, PRINTED = BLUE, ORANGE
 """A formula as derived, and as the paper prints it."""
 MEASURED = SKY
 TURN_RATE = ORANGE
-OTHER_AXIS = PURPLE
-"""A horizontal axis that is not the time of the flight."""
-PLOT_GRID = "#DDDDDD"
-"""Of an exported picture."""
+OTHER_AXIS: dict[bool, Color] = {False: "#8A3D7A", True: "#D99AC9"}
+"""The numbers of a horizontal axis that is not the time of the flight, by whether the page is dark."""
+PLOT_GRID, PAGE_GRID = "#DDDDDD", "#88888828"
+"""Of an exported picture, and of a plot on the page, light or dark."""
 TRANSLUCENT, FILL = "B0", "38"
 """Opacities (hexadecimal, 0 to FF), put behind a colour: curves that show through, and what is tinted below a curve."""
 

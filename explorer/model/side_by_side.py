@@ -13,7 +13,7 @@ from explorer.model.compute import Picture
 from explorer.model.differences import FIGURES, Figure, notable
 from rangenav.number_format import quantity, significant
 
-ROWS = 6
+ROWS = 5
 """At most so many rows: they are read from the back of a room."""
 EXCITATION, ALWAYS, LAST = "excitation μ", "quantities determined", "steady position error"
 ROUNDING = 1e-13

@@ -26,4 +26,4 @@ def analyze(preset: PresetName, *, window: float | None = None, json: bool = Fal
         analysed = analysis.analyse(chosen)
     if json:
         return print_json(report.analysis_report(chosen, analysed, name=preset))
-    return layout.show(text.report(chosen, analysed, name=preset))
+    return layout.show(text.report(chosen, analysed, name=preset, window=window))

@@ -54,4 +54,4 @@ def explain(
         answer = explanation.explanation(chosen, outcome, name=preset)
     if json:
         return print_json(answer)
-    return layout.show(text.report(chosen, analysis.analyse(chosen), answer, name=preset))
+    return layout.show(text.report(chosen, analysis.analyse(chosen), answer, name=preset, window=window))

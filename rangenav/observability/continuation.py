@@ -5,6 +5,8 @@ far as the next knot, and another start only mixes the functions. So the rank is
 and that of a window is at least that of each piece in it. A computed rank counts no rounding: it is never too large.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from rangenav.inputs import Vec3
@@ -27,6 +29,9 @@ class Continued:
     window: float
     """s, the length from the window's start on which the functions were compared: the relations found there hold on
     the window, too. The window's own where no longer one has a larger rank."""
+    resolved: bool
+    """Whether a longer stretch of the same piece has shown the rank, or it is 13. Of a window with a knot inside, and
+    of a path that is too much work, a lower rank may be rounding."""
 
 
 def continued(path: Signal, gravity: Vec3, start: float, window: float, until: float, rank: int) -> Continued:
@@ -35,7 +40,7 @@ def continued(path: Signal, gravity: Vec3, start: float, window: float, until: f
     rank: of the window itself, as computed.
     """
     until = max(until, start + window)
-    best = Continued(rank=rank, window=window)
+    best = Continued(rank=rank, window=window, resolved=rank == STATES)
     if rank == STATES or knots.most(path, until) > MOST_KNOTS:
         return best
     edges = np.concatenate([[0.0], knots.knots(path, 0.0, until), [until]])
@@ -44,13 +49,16 @@ def continued(path: Signal, gravity: Vec3, start: float, window: float, until: f
         end = start + until if len(edges) == 2 else float(edges[first + 1])
         for length in _lengths(window, end - start):
             longer = _rank(path, gravity, start, length)
-            best = Continued(rank=longer, window=length) if longer > best.rank else best
+            if longer > best.rank:
+                best = Continued(rank=longer, window=length, resolved=True)
+            elif longer > 0:
+                best = replace(best, resolved=True)
             if best.rank == STATES:
                 return best
     last = int(np.searchsorted(edges, start + window - knots.SAME))
     for begin, end in zip(edges[first:last][:MOST_PIECES], edges[first + 1 : last + 1][:MOST_PIECES], strict=True):
         if _rank(path, gravity, float(begin), float(end - begin)) == STATES:
-            return Continued(rank=STATES, window=window)
+            return Continued(rank=STATES, window=window, resolved=True)
     return best
 
 

@@ -55,4 +55,5 @@ def _summary(values: Array, axes: Array) -> str:
         across = f"but {strongest}" if count == 2 else f"along {weakest}"
         return f"nothing is excited {across}: the path has no snap there"
     share = np.sqrt(values[2] / values[0])
-    return f"weakest along {weakest}: μ = {values[0]:.3g} m²/s⁷, shaken {share:.3g} times less than {strongest}"
+    less = f"the snap along it is {share:.3g} times smaller than along {strongest} (rms)"
+    return f"weakest along {weakest}: μ = {values[0]:.3g} m²/s⁷; {less}"

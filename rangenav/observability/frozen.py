@@ -67,15 +67,15 @@ def _summary(time: float, body: int, turned: int, windowed: int) -> str:
     ranks = f"Frozen at {time:.3g} s: rank {body} of {model.STATES} in body axes, {turned} in turned axes"
     if windowed == model.STATES:
         return (
-            f"{ranks}, so it calls unobservable what the window from here sees with rank {windowed}: it takes ω and a "
-            "for constants, and it is their change that tells."
+            f"{ranks}, so the frozen test calls the motion unobservable. The window from there has rank {windowed}, "
+            "because ω and a change in it: the frozen test takes them for constants."
         )
     if body > windowed:
         return (
-            f"{ranks}, more than the {windowed} of the window from here: with ω frozen a force that stays in body axes "
-            "seems to turn for ever, which the true one does not."
+            f"{ranks}. The window from there has rank {windowed} alone: the frozen test lets a force that is constant "
+            "in body axes turn for ever with a constant ω, and the true force does not turn like that."
         )
     return (
-        f"{ranks}; the window from here has {windowed}. They need not agree: the frozen test takes ω and a for "
+        f"{ranks}. The window from there has rank {windowed}. They need not agree: the frozen test takes ω and a for "
         "constants, and knows nothing of their change."
     )

@@ -74,9 +74,12 @@ def worst_excitation(path: Signal, window: float, duration: float, required: flo
         return found
     end = (path.period or duration - window) if found.starts == EVERY else duration - window
     by_cores = core_bounds(path, window, end)
-    if by_cores is None or by_cores.lower <= found.bounds.lower:
-        return found
-    return _bounded(by_cores, found.starts, found.reason)
+    if by_cores is not None and by_cores.lower > found.bounds.lower:
+        return _bounded(by_cores, found.starts, found.reason)
+    if found.mu <= found.floor and found.floor >= required:  # neither 0 nor enough: the bounds say nothing
+        why = f"its bounds have an error of {found.floor:.3g} m²/s⁷, no less than the required μ"
+        return _sampled(path, window, duration - window, why)
+    return found
 
 
 def by_second_order(path: Signal, window: float, duration: float, required: float) -> WorstExcitation:

@@ -38,6 +38,8 @@ class WorstRank:
     """What is computed there, or what a longer window shows to be the rank there, if that is below 13."""
     rounded: bool
     """Whether the rank there is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
+    resolved: bool
+    """Whether more digits would not give another rank; see `continuation.Continued`."""
     at: float
     """s, where that window starts."""
     smallest: float
@@ -118,6 +120,7 @@ def _worst(
         proof=proof,
         rank=rank,
         rounded=rounded,
+        resolved=known.resolved and not rounded,
         at=at,
         smallest=float(lifted.scaled[k, -1]),
         tolerance=float(lifted.tolerance[k] / lifted.scaled[k, 0]),

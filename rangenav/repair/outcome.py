@@ -12,6 +12,7 @@ from rangenav import certificate
 from rangenav import preset as presets
 from rangenav.certificate import Certificate
 from rangenav.certificate.figures import BLIND_MU, Figures, demanded, excess
+from rangenav.number_format import quantity, significant
 from rangenav.preset import MAX_STORY, MAX_TITLE, Preset
 from rangenav.repair.change import Change, ChangeKind
 from rangenav.repair.search import NOWHERE, Budget, Trial
@@ -165,11 +166,12 @@ def failure_reason(
         return reason
     sigma, needed = trial.figures.sigma, preset.requirement
     mu = 0.0 if trial.figures.mu <= BLIND_MU else trial.figures.mu
-    reason += f"; the nearest has μ = {mu:.3g} of {needed.mu:.3g} m²/s⁷ and "
-    reason += f"σ = {sigma:.3g} m of {needed.position_sigma:.3g} m" if np.isfinite(sigma) else "is blind"
+    reason += f"; the nearest has μ = {quantity(mu, 'm²/s⁷')} ({significant(needed.mu)} required) and "
+    allowed = quantity(needed.position_sigma, "m")
+    reason += f"σ = {quantity(sigma, 'm')} ({allowed} required)" if np.isfinite(sigma) else "is blind"
     excess = trial.figures.excess
     if trial.figures.worst_excess > 0 and not free:  # where no vehicle is chosen, no limit applies
         reason += (
-            f", and is too much for {preset.vehicle.name} ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
+            f", and breaks a limit of {preset.vehicle.name} ({WORDS[max(excess, key=lambda name: excess[name])][0]})"
         )
     return reason

@@ -51,8 +51,8 @@ class Piece(Input, frozen=True, kw_only=True):
         super().__post_init__()
         require_within("duration", self.duration, MIN_DURATION, MAX_DURATION, "s")
         for axis in ("x", "y", "z", "yaw"):
-            for value in getattr(self, axis):
-                require_within(axis, value, -MAX_COEFFICIENT, MAX_COEFFICIENT)
+            largest = max(getattr(self, axis), key=abs)
+            require_within(axis, largest, -MAX_COEFFICIENT, MAX_COEFFICIENT)
 
 
 class Polynomials(PiecewiseFamily, frozen=True, kw_only=True, tag="polynomials", tag_field="kind", cache_hash=True):
@@ -143,14 +143,9 @@ def cut(path: Polynomials, begin: float, duration: float) -> Polynomials:
     order = np.array([math.factorial(j) for j in range(DEGREE + 1)])
     middle = (knots[1:] + knots[:-1]) / 2  # where there is no doubt which piece is meant
     tables = np.stack([path(middle, j) for j in range(DEGREE + 1)], axis=1) / order[:, None]  # (m, 8, 3)
-    pieces = []
-    for table, half in zip(tables, np.diff(knots) / 2, strict=True):
-        shifted = [np.polynomial.Polynomial(axis)(np.polynomial.Polynomial([-half, 1.0])) for axis in table.T]
-        x, y, z = (
-            cast(Coefficients, tuple(np.pad(one.coef, (0, DEGREE + 1 - len(one.coef))).tolist())) for one in shifted
-        )
-        pieces.append(Piece(duration=float(2 * half), x=x, y=y, z=z))
-    return Polynomials(pieces=tuple(pieces))
+    half = np.diff(knots) / 2
+    developed = _developed(tables, half)
+    return Polynomials(pieces=tuple(_piece(2 * h, table) for h, table in zip(half, developed, strict=True)))
 
 
 def loop(path: Polynomials, first: int, count: int) -> Polynomials:
@@ -170,6 +165,17 @@ def from_minimum_snap(curve: MinimumSnap) -> Polynomials:
         standing[0] = parts.tables[0][0, 0]
         pieces.insert(0, _piece(late, standing))
     return Polynomials(pieces=tuple(pieces), ends="repeat" if parts.repeats else "hold")
+
+
+def _developed(tables: Float[Array, "m 8 3"], later: Float[Array, "m"]) -> Float[Array, "m 8 3"]:
+    """The coefficients of p(t − later) from those of p(t), by Horner's rule."""
+    made = np.zeros_like(tables)
+    for j in range(DEGREE, -1, -1):
+        higher = -later[:, None, None] * made
+        higher[:, 1:] += made[:, :-1]
+        made = higher
+        made[:, 0] += tables[:, j]
+    return made
 
 
 def _mixed_piece(piece: Piece, matrix: Array, shift: Array) -> Piece:

@@ -86,3 +86,29 @@ def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_cur
     time.sleep(0.5)
     wide.page.locator('[data-curve="position-1"]').click()
     until(lambda: _hidden(wide) == 0, "the curve to come back")
+
+
+def _shown(visitor: Visitor, curve: str) -> list[list[float | None]]:
+    """All columns of the plot that has this curve; none while the page has no such plot."""
+    return visitor.chart_data(curve) if any(curve in labels for labels in visitor.chart_labels()) else []
+
+
+def test_plots_follow_when_their_tab_is_opened_and_not_before(visitor: Visitor):
+    innovation, error = "(y − ŷ)/σ", "σ by P"
+    visitor.tab("Signals")
+    until(lambda: len((_shown(visitor, innovation) or [[]])[0]) > 2, "the signals of the first picture")
+    signals = _shown(visitor, innovation)
+    visitor.tab("Errors")
+    visitor.tab("Gains")
+    for fold in (False, True):
+        errors = _shown(visitor, error)
+        if fold:
+            visitor.page.get_by_label("Collapse panel area").first.click()
+            time.sleep(0.5)
+        visitor.nudge("range weight q (1/(m⁴ s))", "ArrowLeft", times=2)
+        if fold:
+            visitor.page.get_by_label("Expand column").first.click()
+        until(lambda errors=errors: _shown(visitor, error) not in ([], errors), "the errors of another picture")
+        assert _shown(visitor, innovation) in ([], signals)
+    visitor.tab("Signals")
+    until(lambda: _shown(visitor, innovation) not in ([], signals), "the signals of the picture on the page")

@@ -156,11 +156,10 @@ def test_a_foreign_page_cannot_open_the_websocket(server: Server, browser: Brows
     tab.close()
 
 
-def test_a_narrow_window_gets_one_column_of_plots_whatever_its_pixel_density(server: Server, browser: Browser):
-    for density in (COARSE, 2):  # of 2, the window has 1800 pixels of the screen
-        tab = Visitor(browser, server.url, width=1100, height=600, density=density)
-        until(lambda tab=tab: 0 < len(tab.chart_labels()) <= 4, f"one column of plots at density {density}")
-        tab.close()
+def test_a_narrow_window_gets_one_column_of_plots_on_a_dense_screen(server: Server, browser: Browser):
+    tab = Visitor(browser, server.url, width=1100, height=600, density=2)  # 2200 pixels of the screen
+    until(lambda: 0 < len(tab.chart_labels()) <= 4, "one column of plots")
+    tab.close()
 
 
 def test_a_slider_shows_in_the_plots_at_once(visitor: Visitor):

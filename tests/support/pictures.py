@@ -13,8 +13,8 @@ from rangenav import preset
 
 @lru_cache(maxsize=16)
 def picture(name: str) -> Picture:
-    """The picture of a shipped preset."""
-    return compute(Settings(preset=preset.load(name)))
+    """The picture of a shipped preset, as the page shows it when no hand moves."""
+    return compute(Settings(preset=preset.load(name))).at_rest
 
 
 def astronomic(name: str) -> Picture:

@@ -38,7 +38,7 @@ class Judged:
     false_refusal: str
     """Why it was refused, although the scan has no window that misses; empty if it was not."""
     disagreement: bool
-    """Whether analysis and certificate differ in their verdict."""
+    """Whether analysis and certificate differ in their verdict, or in whether the required μ is reached."""
 
 
 def judged(kind: str, seed: int, *, count: int) -> Judged:
@@ -66,7 +66,7 @@ def judged(kind: str, seed: int, *, count: int) -> Judged:
         false_observable=analysed.verdict.word == "observable"
         and (too_far or sigma > verdict.sphere(analysed.farthest)),
         false_refusal=_refused(issued, sigma, mu, preset, analysed.farthest),
-        disagreement=analysed.verdict.word != issued.verdict,
+        disagreement=analysed.verdict.summary != certificate.verdict_of(issued).summary,
     )
 
 

@@ -151,10 +151,11 @@ class ComparePanel:
         if shown.pinned is None:
             _assign(self._differences, text.nothing_pinned())
         else:
-            choices = differences.chosen(shown.pinned, picture)
+            pinned = shown.pinned.judged_on(len(picture.analysis.windows.start))
+            choices = differences.chosen(pinned, picture)
             _assign(
                 self._differences,
-                text.differences(shown.pinned, picture, choices, differences.figures(shown.pinned, picture)),
+                text.differences(pinned, picture, choices, differences.figures(pinned, picture)),
             )
         run = comparison.inputs_of(picture) if self.enabled else None
         refusals = [self.baseline_results.refusal(name, run) for name in NAMES if name in self.enabled] if run else []
@@ -175,7 +176,7 @@ class ComparePanel:
 
     def pin(self) -> None:
         """Pin the run on the page as A."""
-        self.pinned, self._changed = self._picture, True
+        self.pinned, self._changed = None if self._picture is None else self._picture.at_rest, True
 
     def pin_next(self, settings: Settings | None) -> None:
         """Pin the run of these settings as A, with the next picture; None unpins A."""
@@ -207,7 +208,7 @@ class ComparePanel:
         if self._to_pin is not None:
             restored, self._to_pin = self._to_pin, None
             with suppress(ValueError):  # computed by another version
-                self.pinned = compute.compute(restored)
+                self.pinned = compute.compute(restored).at_rest
 
     def _unpin(self) -> None:
         self.pinned, self._changed = None, True

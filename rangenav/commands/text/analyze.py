@@ -20,14 +20,19 @@ UNPROVEN = {
 """What is said of a required μ that the bound of μ neither proves nor disproves, by `Verdict.excitation`."""
 
 
-def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
-    """What one range can tell of a preset's motion; `name` is what the person typed."""
+def report(preset: Preset, analysis: Analysis, *, name: str, window: float | None = None) -> Report:
+    """What one range can tell of a preset's motion; `name` and `window` (s) are what the person typed.
+
+    Only `explain` has a window, too: the other commands would speak of the preset's own.
+    """
     sign, answer = headline(preset, analysis)
     typed = layout.argument(name)
     lacking = analysis.verdict.sign in ("✗", "!")
     following = (f"repair {typed} -o repaired.toml",) if lacking else (f"simulate {typed}", f"certify {typed}")
     if not analysis.verdict.judged:
         following = (f"simulate {typed}", "log RECORD.csv")
+    explain = f"explain {typed}"
+    following = (explain, *following) if window is None else (f"{explain} --window {window:g}",)
     return Report(
         subject=layout.subject(name),
         sign=sign,
@@ -41,7 +46,7 @@ def report(preset: Preset, analysis: Analysis, *, name: str) -> Report:
             *group("would help", unjudged_help(preset)),
             *group("spectrum", spectrum_bar(analysis.gramian.tolist(), analysis.floor)),
             *group("nonlinear", spectrum_bar(analysis.nonlinear.tolist(), analysis.nonlinear_floor)),
-            *layout.next_commands(f"explain {typed}", *following),
+            *layout.next_commands(*following),
         ),
     )
 

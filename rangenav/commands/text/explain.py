@@ -12,11 +12,15 @@ ROTATING = ("turned axes", "axes that do not rotate")
 """How the library's sentence names the axes of the gyro-integrated frame, and how this report names them."""
 
 
-def report(preset: Preset, analysis: Analysis, explanation: Json, *, name: str) -> Report:
-    """Why a preset's motion is observable or not; `explanation` is the command's JSON object."""
+def report(preset: Preset, analysis: Analysis, explanation: Json, *, name: str, window: float | None = None) -> Report:
+    """Why a preset's motion is observable or not; `explanation` is the command's JSON object.
+
+    name, window (s): as the person typed them.
+    """
     sign, answer = headline(preset, analysis)
     typed = layout.argument(name)
-    twin = (f"explain {typed} --save twin.toml",) if explanation["twin"]["kind"] else ()
+    same = "" if window is None else f" --window {window:g}"
+    twin = (f"explain {typed}{same} --save twin.toml",) if explanation["twin"]["kind"] else ()
     return Report(
         subject=layout.subject(name),
         sign=sign,
@@ -29,7 +33,7 @@ def report(preset: Preset, analysis: Analysis, explanation: Json, *, name: str) 
             *group("evil twin", explanation["twin"]["words"]),
             *group("as printed", layout.three_digits(explanation["printed"]["words"])),
             *group("frozen in time", explanation["frozen"]["words"].replace(*ROTATING)),
-            *layout.next_commands(f"analyze {typed}", *twin),
+            *layout.next_commands(f"analyze {typed}{same}", *twin),
         ),
     )
 

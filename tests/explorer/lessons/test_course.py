@@ -82,6 +82,14 @@ def test_a_prediction_has_an_answer_and_a_task_has_answers_that_the_check_accept
 
 
 @lesson
+def test_what_is_shown_as_plain_text_has_no_markdown_and_no_equation(lesson: Lesson):
+    asked, answers = lesson.header.prediction, lesson.header.answers
+    choices = [choice for one in answers for choice in one.choices]
+    for plain in (asked.question, asked.because, *asked.choices, *lesson.header.hints, *choices):
+        assert not set(plain) & set("$*`\\#"), plain
+
+
+@lesson
 def test_the_plots_of_a_lesson_exist_and_its_start_is_a_shipped_preset(lesson: Lesson):
     assert set(lesson.header.plots) <= set(TITLES)
     assert lesson.header.plots

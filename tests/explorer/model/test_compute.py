@@ -109,6 +109,19 @@ RECOMPUTED = [
 ]
 
 
+@pytest.fixture(autouse=True)
+def moving():
+    """No picture of another test is at rest: its windows would be kept."""
+    stages.AT_REST.clear()
+
+
+def test_a_gain_keeps_the_windows_of_a_picture_at_rest_and_a_path_does_not():
+    resting = compute(BASE).at_rest
+    riccati = replace(SLOW.gains.riccati, q=2 * SLOW.gains.riccati.q)
+    assert compute(changed("gains.riccati", riccati)).analysis is resting.analysis
+    assert len(compute(changed("world.anchor", (1.0, 2.0, 3.0))).analysis.windows.start) == stages.MOVING_WINDOWS
+
+
 def forget():
     """Empty every cache, as in a new process."""
     for module in (stages, analysis, motion, record):

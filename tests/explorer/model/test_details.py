@@ -16,6 +16,8 @@ from explorer.charts import details as drawings
 from explorer.charts.cursor_values import window_at
 from explorer.charts.plot_tabs import OUTDATED
 from explorer.model import details
+from explorer.model.compute import compute
+from explorer.model.settings import Settings
 from explorer.panels.world.twin import TwinPanel
 from explorer.scene.bounds import scene_bounds
 from explorer.scene.excitation import LONGEST, THINNEST, ExcitationEllipsoid, weakest_label
@@ -24,6 +26,7 @@ from explorer.scene.twin import TwinGhost
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Form
 from rangenav import preset, twin
+from rangenav.analysis import sampled
 from rangenav.inputs import Vec3
 from rangenav.signals import Multisine, Tone
 from rangenav.twin import Twin
@@ -380,3 +383,16 @@ def test_an_unchanged_ellipsoid_sends_nothing(page: Page) -> None:
     page.messages.clear()
     shown.draw(example, details.excitation_at(example.preset, 2.001), bounds)
     assert page.messages == []
+
+
+def test_a_picture_at_rest_has_the_windows_of_the_library_and_one_that_moves_has_a_third_of_them():
+    moving = compute(Settings(preset=replace(preset.load("lissajous"), duration=19.5)))  # of no other test
+    resting, reference = moving.at_rest, sampled(moving.preset)
+    assert resting is moving.at_rest is resting.at_rest
+    assert 3 * len(moving.analysis.windows.start) <= len(reference.windows.start) + 2
+    assert resting.analysis is reference
+    assert (moving.analysis.rank, moving.analysis.verdict.word) == (reference.rank, reference.verdict.word)
+    assert moving.analysis.mu == pytest.approx(reference.mu, rel=0.05)  # starts 0.1 s apart, of a period of seconds
+    assert len(moving.printed_excitation) == len(moving.analysis.windows.start)
+    assert len(resting.printed_excitation) == len(reference.windows.start)
+    assert (resting.estimate, resting.motion) == (moving.estimate, moving.motion)

@@ -365,3 +365,12 @@ def test_the_spectrum_bar_has_one_sign_for_each_eigenvalue_and_states_its_floor(
     assert drawn == "·▁▄█"
     assert " ".join(floor) == "(floor 1e-12; 1 of 4 below it (·))"
     assert spectrum_bar([0.0, 0.0], 1e-12) == ("all 2 eigenvalues lie below the floor 1e-12",)
+
+
+def test_what_may_be_typed_next_keeps_the_window_that_was_typed(run):
+    for command, other in (("analyze", "explain"), ("explain", "analyze")):
+        code, out, _ = run(command, "soft", "--window", "1.2")
+        assert code == 0
+        following = out.split("next  ")[1]
+        assert f"rangenav {other} soft --window 1.2" in following
+        assert "repair" not in following  # it would speak of the preset's own window

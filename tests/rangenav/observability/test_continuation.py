@@ -1,6 +1,7 @@
 """A rank that is low because of rounding is no deficit: 60 digits, or a longer window of the same piece, tell."""
 
 import json
+import math
 
 import pytest
 from msgspec.structs import replace
@@ -10,7 +11,7 @@ from rangenav import preset as presets
 from rangenav.observability import functions
 from rangenav.observability.worst_rank import worst_rank
 from rangenav.preset import Requirement
-from rangenav.signals import Multisine
+from rangenav.signals import Multisine, Waypoint, Waypoints
 from tests.support import precise_rank
 from tests.support.precise_rank import tones
 
@@ -85,3 +86,19 @@ def test_shipped_blind_motions_stay_blind(name: str):
     worst = worst_rank(p.path, p.world, p.duration, p.requirement.window)
     assert worst.rank < 13
     assert not worst.rounded
+
+
+def test_a_deficit_on_a_window_of_several_pieces_is_blind_but_not_proven():
+    """In a plane it is true; of what a computer adds up over knots it cannot be told from rounding."""
+    points = tuple(Waypoint(time=float(k), value=(math.sin(k), math.cos(2.3 * k), 0.0)) for k in range(11))
+    planar = replace(
+        SOFT, path=Waypoints(points=points), duration=10.0, requirement=replace(SHORT.requirement, window=4)
+    )
+    stated = certificate.certify(presets.dumps(planar).encode(), source="preset")
+    check = {one.name: one for one in stated.checks}
+    assert (stated.verdict, stated.rank.rank) == ("blind", 11)
+    assert not check["rank"].proven
+    assert not check["accuracy"].proven
+    assert "(proven)" not in check["rank"].words
+    whole = worst_rank(preset.load("minimum-snap").path, SOFT.world, 24.0, 6.0)  # in one piece
+    assert whole.resolved

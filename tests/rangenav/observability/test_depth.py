@@ -60,7 +60,8 @@ def test_the_weakest_axis_is_named_and_where_nothing_is_excited_it_is_said():
     assert ellipsoid.ellipsoid(one, 0.0, 6.0).summary == "nothing is excited but y: the path has no snap there"
     weak = ellipsoid.ellipsoid(preset.load("wiggle").path, 0.0, 6.0)
     ratio = math.sqrt(weak.eigenvalues[2] / weak.eigenvalues[0])
-    assert weak.summary == f"weakest along x: μ = {weak.eigenvalues[0]:.3g} m²/s⁷, shaken {ratio:.3g} times less than z"
+    less = f"the snap along it is {ratio:.3g} times smaller than along z (rms)"
+    assert weak.summary == f"weakest along x: μ = {weak.eigenvalues[0]:.3g} m²/s⁷; {less}"
 
 
 # How long must I fly?
@@ -296,12 +297,12 @@ def test_the_frozen_test_misleads_in_both_directions_and_says_so():
     assert (said.body, said.turned) == (11, 5)
     assert said.time == pytest.approx(3.0, abs=0.003)
     assert said.summary.startswith(
-        "Frozen at 3 s: rank 11 of 13 in body axes, 5 in turned axes, so it calls unobservable"
+        "Frozen at 3 s: rank 11 of 13 in body axes, 5 in turned axes, so the frozen test calls the motion unobservable"
     )
     hover = record.simulated(record.truth_inputs(HOVER)).motion
     said = frozen.frozen(hover, 3.0, windowed=5)
     assert said.body == 11
-    assert "more than the 5 of the window from here" in said.summary
+    assert "The window from there has rank 5" in said.summary
     assert "They need not agree" in frozen.frozen(slow, 3.0, windowed=11).summary
 
 

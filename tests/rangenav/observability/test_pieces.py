@@ -254,7 +254,7 @@ def test_two_thousand_waypoints_in_twenty_seconds_are_refused_before_any_work():
 def test_two_thousand_waypoints_in_a_minute_are_analysed():
     soft = preset.load("soft")
     analysed = analysis.analyse(
-        replace(soft, path=many(2000, 60.0), duration=60.0, requirement=replace(soft.requirement, window=6.0))
+        replace(soft, path=many(2000, 60.0), duration=60.0, requirement=replace(soft.requirement, window=2.0))
     )
     assert analysed.rank == 13
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from rangenav import analysis, preset
 from rangenav.motion_analysis import WINDOWS, path_samples
@@ -43,11 +44,13 @@ def test_spectra_are_computed_when_they_are_read_and_once(monkeypatch: pytest.Mo
     monkeypatch.setattr(spectrum, "of_remainders", counting)
     p = preset.load("lissajous")
     tilted = rotated(p.path, np.linalg.qr(np.random.default_rng(5).standard_normal((3, 3)))[0], about=(0.0, 0.0, 0.0))
-    windows = analysis.analysis(tilted, p.world, p.duration, p.requirement, 0.1, 50.0).windows
-    assert counted == [1]
-    assert windows.gramian.shape == windows.scaled.shape == (WINDOWS, 13)
-    assert (windows.gramian[:, -1] > windows.floor).all()
-    assert counted == [1, WINDOWS]
+    for count in (WINDOWS, 34):
+        counted.clear()
+        windows = analysis.sampled(replace(p, path=tilted), count).windows
+        assert counted == [1]
+        assert windows.gramian.shape == windows.scaled.shape == (count, 13)
+        assert (windows.gramian[:, -1] > windows.floor).all()
+        assert counted == [1, count]
 
 
 @pytest.mark.parametrize("moment", ["start", "end"])

@@ -10,6 +10,7 @@ from rangenav.observability.excitation_bound import excitation_bounds
 from rangenav.observability.excitation_core import core_bounds
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, worst_excitation
 from rangenav.signals import Formula, MinimumSnap, Multisine, Tone, Waypoint
+from tests.support import random_motions
 from tests.support.motion_examples import turned
 
 WINDOW, DURATION = 4.0, 12.0
@@ -85,3 +86,17 @@ def test_every_t_is_claimed_of_a_period_and_the_flight_of_what_does_not_repeat()
     other = Multisine(tones=(*loop.tones, Tone(axis="z", amplitude=1.0, frequency=math.e)))
     assert worst_excitation(loop, 4.0, 20.0, 1.0).starts == EVERY
     assert worst_excitation(other, 4.0, 20.0, 1e-3).starts == FLIGHT
+
+
+def test_bounds_that_are_all_error_are_no_reason_to_call_the_excitation_nothing():
+    """A formula that pauses, whose snap has a bound of 1e5 times its size: windows that are evaluated have its μ."""
+    pausing = random_motions.random_preset("formula", 22)
+    window, end = pausing.requirement.window, pausing.duration - pausing.requirement.window
+    bounds = excitation_bounds(pausing.path, window, end)
+    assert bounds.least <= bounds.floor
+    assert bounds.floor > pausing.requirement.mu
+    found = worst_excitation(pausing.path, window, pausing.duration, pausing.requirement.mu)
+    every = excitation.eigenvalues(pausing.path, np.linspace(0.0, end, 501), window)[:, 0]
+    assert found.bounds is None
+    assert "have an error of" in str(found.reason)
+    assert found.floor < found.mu == pytest.approx(every.min(), rel=0.02)
