@@ -159,7 +159,7 @@ class Session:
             show_side_by_side=lambda: self.charts.show_side_by_side(),
             download_preset=self._download_preset,
             send=self._send,
-            go_to=lambda label: self._commands.go_to_control(label),
+            go_to=lambda label, holds: self._commands.go_to_control(label, holds),
             notify=self._notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)

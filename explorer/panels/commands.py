@@ -56,10 +56,12 @@ class Commands:
     def _go(self, label: str, steps: list[Step], target: str) -> None:
         self._form.command(label, partial(keys.go_to, self._client, steps, target), step=False)
 
-    def go_to_control(self, name: str) -> None:
-        """Bring the first control of a name that is on the page into sight, or say that there is none now."""
+    def go_to_control(self, name: str, holds: Callable[[list[Step]], bool] = lambda _: True) -> None:
+        """Bring the first control of a name that is on the page into sight, or say that there is none now.
+
+        `holds`: whether the tabs and folders around a control are those that are meant."""
         places = (place_of(control.handle) for control in self._controls() if control.name == name)
-        place = next((steps for steps in places if steps is not None), None)
+        place = next((steps for steps in places if steps is not None and holds(steps)), None)
         if place is None:
             self._notify(f"“{name}” is not shown", "It belongs to a choice that is not made at present.")
         else:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from explorer.storage.bundle import Send
+from explorer.web.elements import Step
 from explorer.widgets.form import Action
 
 
@@ -18,7 +19,7 @@ class SessionActions:
     download_preset: Action
     send: Send
     """Downloads a file: its name and its content."""
-    go_to: Callable[[str], None]
-    """Brings a control into sight, by its label."""
+    go_to: Callable[[str, Callable[[list[Step]], bool]], None]
+    """Brings a control into sight: its label, and whether the tabs and folders around it are those that are meant."""
     notify: Callable[[str, str], None]
     """Shows a title and a sentence for a few seconds."""

@@ -22,6 +22,7 @@ from explorer.model.compute import Picture
 from explorer.model.learning import PREDICTION, Learning
 from explorer.model.settings import Settings
 from explorer.panels.learn import markup
+from explorer.web.elements import Step as Around
 from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 from rangenav.number_format import quantity
@@ -40,8 +41,8 @@ class LearnActions:
     pinned: Callable[[], Settings | None]
     exported: Callable[[], tuple[str, bytes] | None]
     """The name of the format and the content of the file that was exported last."""
-    go_to: Callable[[str], None]
-    """Brings a control into sight, by its label."""
+    go_to: Callable[[str, Callable[[list[Around]], bool]], None]
+    """Brings a control into sight: its label, and whether the tabs and folders around it are those that are meant."""
 
 
 class LearnPanel:
@@ -252,7 +253,8 @@ class LearnPanel:
     def _go_to(self, k: int) -> None:
         lesson = self.lesson
         if lesson is not None and k <= len(lesson.header.controls):
-            self._session.go_to(lesson.header.controls[k - 1].rpartition(" / ")[2])
+            place = lesson.header.places[k - 1]
+            self._session.go_to(place.label, lambda steps: place.holds(steps, place.label))
 
     def _demonstrate(self) -> None:
         lesson = self.lesson

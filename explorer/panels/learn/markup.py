@@ -101,9 +101,7 @@ def _prediction(lesson: Lesson, page: Screen, shown: Shown) -> str:
 def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
     """What to do, how far it is done, where the controls are, and help."""
     passed = lesson.name in shown.learning.passed
-    controls = "".join(
-        button(f"control-{k}", label.rpartition(" / ")[2]) for k, label in enumerate(lesson.header.controls, start=1)
-    )
+    controls = "".join(button(f"control-{k}", place.label) for k, place in enumerate(lesson.header.places, start=1))
     hints = "".join(f"<li>{html.escape(hint)}</li>" for hint in lesson.header.hints[: shown.learning.hints])
     more = shown.learning.hints < len(lesson.header.hints)
     help_row = [button("hint", HINT_NAMES[shown.learning.hints])] if more else []

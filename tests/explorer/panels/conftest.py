@@ -52,7 +52,7 @@ def dock(client: viser.ClientHandle) -> Dock:
         show_side_by_side=_nothing,
         download_preset=_nothing,
         send=_nothing_sent,
-        go_to=lambda _label: None,
+        go_to=lambda _label, _holds: None,
         notify=_nothing_shown,
     )
     catalog, jobs = Catalog(SHIPPED, Library(), Certifier()), Jobs(_nothing)
