@@ -16,7 +16,8 @@ SIDE_BY_SIDE = f"""() => {{
     const boxes = [...document.querySelectorAll('{AREAS}')].map(area => area.getBoundingClientRect());
     const axes = {CHARTS}.slice(-2).map(chart => [chart.scales.y.min, chart.scales.y.max].join());
     const [left, right] = boxes;
-    return boxes.length === 2 && Math.abs(left.top - right.top) < 1 && left.right < right.left && Math.abs(left.width - right.width) < 1
+    const alike = (one, other) => Math.abs(one - other) < 1;
+    return boxes.length === 2 && alike(left.top, right.top) && alike(left.width, right.width) && left.right < right.left
         && right.bottom < innerHeight && axes[0] === axes[1] && axes[0].endsWith(',1000');
 }}"""
 """Two plots of the same size at the same height, both in sight and on the same axes."""
