@@ -24,6 +24,7 @@ from explorer.display import Display
 from explorer.interaction import Interaction
 from explorer.model import compute, palette
 from explorer.model.compute import Picture
+from explorer.model.glossary import COMPARE
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
@@ -154,6 +155,7 @@ class Session:
             download_preset=self._download_preset,
             send=self._send,
             notify=self._notify,
+            go_to=lambda label: commands.go_to_control(label),
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
         timeline = TimelinePanel(self.form, self._playback)
@@ -162,11 +164,14 @@ class Session:
         self.charts = Charts(client, first_size, wake=self._wake.set)
         with self.dock.tabs.add_tab("Export"):
             exports = ExportActions(
-                plan_plot=self.charts.file_writer, settings=self._named_settings, download=self._send
+                plan_plot=self.charts.file_writer,
+                settings=self._named_settings,
+                download=self._send,
+                go_to=actions.go_to,
             )
             exporting = ExportPanel(self.form, TITLES, exports)
             self.dock.belonging.append(exporting)
-            self._scene_file = SceneFilePanel(
+            SceneFilePanel(
                 self.form,
                 client,
                 self._playback,
@@ -174,13 +179,17 @@ class Session:
                 download=self._send,
             )
         self.form.command("Show all curves", self.charts.show_all_curves)
-        scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
+        scene = Scene(client, self._wake.set)
+        handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
-        self._actions |= {"learn": lambda: self._open(LESSON)}
+        self._actions |= {
+            "learn": lambda: self._open(LESSON),
+            "go-tune": lambda: actions.go_to(COMPARE["tries"].caption),
+        }
         with client.atomic():
             commands = Commands(client, self.form, self._notify)
             commands.add_plots(GROUP_TITLES)
@@ -217,11 +226,10 @@ class Session:
         self._open_preset_of_address()
         for name in self._door.take_events():
             if name in self._actions:
-                self.form.do(self._actions[name])
+                self.form.do(self._actions[name], away=True)
         applied = self._apply_changes()
         self.form.refresh()
         self.dock.draw_progress()
-        self._scene_file.progress.draw()
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()

@@ -28,7 +28,7 @@ class Commands:
         for tab in TABS:
             self._go(f"{tab} tab", [("tab", tab)], "")
         for name in hints:
-            form.command(f"Control: {name}", partial(self._go_to_control, name), step=False)
+            form.command(f"Control: {name}", partial(self.go_to_control, name), step=False)
         form.command("Help: keys", partial(notify, "Keys", KEYS), step=False)
 
     def add_plots(self, groups: Mapping[str, Mapping[str, str]]) -> None:
@@ -51,7 +51,7 @@ class Commands:
     def _go(self, label: str, steps: list[Step], target: str) -> None:
         self._form.command(label, partial(keys.go_to, self._client, steps, target), step=False)
 
-    def _go_to_control(self, name: str) -> None:
+    def go_to_control(self, name: str) -> None:
         """Bring the first control of a name that is on the page into sight, or say that there is none now."""
         places = (place_of(control.handle) for control in self._controls() if control.name == name)
         place = next((steps for steps in places if steps is not None), None)

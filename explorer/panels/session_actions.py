@@ -18,5 +18,7 @@ class SessionActions:
     download_preset: Action
     send: Send
     """Downloads a file: its name and its content."""
+    go_to: Callable[[str], None]
+    """Brings the control with a label into sight."""
     notify: Callable[[str, str], None]
     """Shows a title and a sentence for a few seconds."""

@@ -17,18 +17,21 @@ DOORS = (
         "why a hover is lost and a wave is found, in four steps",
         'data-rn-event="learn" data-rn-flag="welcomed steps"',
     ),
-    ("Tune", "an observer: its gains, on this motion", 'data-rn-flag="welcomed" data-rn-tab="Gains"'),
+    ("Tune", "an observer: its gains, on this motion", 'data-rn-event="go-tune" data-rn-flag="welcomed"'),
     ("Design", "a motion to fly, and take it as a file", 'data-rn-flag="welcomed" data-rn-tab="Presets"'),
     ("Look around", "drag the scene, press play", 'data-rn-flag="welcomed"'),
 )
 """Name, what is behind it, and what the button does."""
 DOOR = '<button type="button" class="rn-door-button" {}><b>{}</b><span>{}</span></button>'
 STEPS = (
-    "This vehicle hovers. Press <b>▶ play</b>: the range never changes, and the estimate (orange) does not arrive.",
-    "Press <b>▾ why</b> above: 5 of 13 quantities are determined. The evil twin flies elsewhere with the same ranges.",
+    "This vehicle hovers and turns on the spot, which does not help. Press <b>▶ play</b>: the range never changes, and "
+    "the estimate (orange) does not arrive.",
+    "Press <b>▾ why</b> above: 5 of 13 quantities are determined. The evil twin (drag it) is elsewhere and "
+    "has the same ranges.",
     "In <b>Motion</b>, add a tone along x, one along y and one along z. Equal frequencies stay on a line: make the "
     "three frequencies differ. Or press <b>make it observable</b> above.",
-    "Press play again: the estimate arrives, and the verdict is green once the predicted error is as wanted.",
+    "Press play again: the estimate arrives. The verdict is green once the predicted error is as wanted; if it is not, "
+    "make a tone larger.",
 )
 CLOSE = '<button type="button" class="rn-button" data-rn-flag="{}" aria-label="Close">{}</button>'
 
@@ -38,7 +41,8 @@ def add_welcome(gui: viser.GuiApi) -> None:
     gui.add_html(f'<div class="rn-card rn-welcome" role="dialog" aria-label="Welcome">{welcome()}</div>')
     steps = "".join(f"<li>{step}</li>" for step in STEPS)
     head = f'<div class="rn-card-head"><b>First steps</b>{CLOSE.format("steps", "✕")}</div>'
-    gui.add_html(f'<div class="rn-card rn-steps" role="dialog" aria-label="First steps">{head}<ol>{steps}</ol></div>')
+    list_of_steps = f"<details open><summary>the four steps</summary><ol>{steps}</ol></details>"
+    gui.add_html(f'<div class="rn-card rn-steps" role="dialog" aria-label="First steps">{head}{list_of_steps}</div>')
 
 
 def welcome() -> str:
