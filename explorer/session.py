@@ -25,6 +25,7 @@ from explorer.interaction import Interaction
 from explorer.lessons.lesson import Lesson
 from explorer.model import compute, palette
 from explorer.model.compute import Picture
+from explorer.model.glossary import COMPARE
 from explorer.model.history import History
 from explorer.model.playback import Playback
 from explorer.model.settings import Settings, effective
@@ -159,7 +160,8 @@ class Session:
             show_side_by_side=lambda: self.charts.show_side_by_side(),
             download_preset=self._download_preset,
             send=self._send,
-            go_to=lambda label, holds: self._commands.go_to_control(label, holds),
+            go_to=lambda label: self._commands.go_to_control(label),
+            go_to_place=lambda label, holds: self._commands.go_to_control(label, holds),
             notify=self._notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
@@ -169,18 +171,21 @@ class Session:
         self.charts = Charts(client, first_size, wake=self._wake.set)
         with self.dock.tabs.add_tab("Export"):
             exports = ExportActions(
-                plan_plot=self.charts.file_writer, settings=self._named_settings, download=self._send
+                plan_plot=self.charts.file_writer,
+                settings=self._named_settings,
+                download=self._send,
+                go_to=actions.go_to,
             )
             exporting = ExportPanel(self.form, TITLES, exports)
             self.dock.belonging.append(exporting)
-            self._scene_file = SceneFilePanel(
+            SceneFilePanel(
                 self.form,
                 client,
                 self._playback,
                 stem=lambda: self._named_settings()[0].removesuffix(".toml"),
                 download=self._send,
             )
-            self._handout = HandoutPanel(
+            HandoutPanel(
                 self.form,
                 settings=self._named_settings,
                 lesson=lambda: self.dock.learn.lesson,
@@ -188,14 +193,19 @@ class Session:
                 download=self._send,
             )
         self.form.command("Show all curves", self.charts.show_all_curves)
-        scene, handles = Scene(client, self._wake.set), DragHandles(client.scene, self._wake.set)
+        scene = Scene(client, self._wake.set)
+        handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
         self._address = Address(client, self.dock, self.catalog, self._notify, lesson=self.shared.lesson)
-        self._actions |= {"learn": lambda: self.dock.learn.open_number(FIRST_LESSON), "link": self._address.copy_link}
+        self._actions |= {
+            "learn": lambda: self.dock.learn.open_number(FIRST_LESSON),
+            "link": self._address.copy_link,
+            "go-tune": lambda: actions.go_to(COMPARE["tries"].caption),
+        }
         self.form.command("Copy a link to this page", self._address.copy_link, step=False)
         with client.atomic():
             self._commands = commands = Commands(client, self.form, self._notify)
@@ -234,12 +244,10 @@ class Session:
         self._address.follow(self._door.window)
         for name in self._door.take_events():
             if name in self._actions:
-                self.form.do(self._actions[name])
+                self.form.do(self._actions[name], away=True)
         applied = self._apply_changes()
         self.form.refresh()
         self.dock.draw_progress()
-        self._scene_file.progress.draw()
-        self._handout.progress.draw()
         self.dock.presets.refresh()
         if not applied:
             self._display.draw_handles()

@@ -26,7 +26,7 @@ SOFT = preset.load("soft")
 def of_page(p: Preset) -> str:
     """The word at the head of the page's verdict block."""
     gui = MagicMock()
-    VerdictPanel(gui, {}, {}).draw(compute(Settings(origin="", preset=p)).proven())
+    VerdictPanel(gui, {}).draw(compute(Settings(origin="", preset=p)).proven())
     html = gui.add_html.return_value.content
     (word,) = (word for word in ("observable", "weak", "blind", "not judged") if f" {word}</b>" in html)
     return word
@@ -109,7 +109,7 @@ def test_page_certificate_and_json_say_the_same_of_an_excitation_that_is_not_met
     said = answer("analyze", tmp_path / "missed.toml")
     assert (said["verdict"], said["verdict_words"], said["verdict_sign"]) == ("observable", library.summary, "!")
     gui = MagicMock()
-    VerdictPanel(gui, {}, {}).draw(compute(Settings(origin="", preset=MISSED)).proven())
+    VerdictPanel(gui, {}).draw(compute(Settings(origin="", preset=MISSED)).proven())
     shown = gui.add_html.return_value.content
     assert "but the excitation μ is " in shown
     assert "● observable" not in shown

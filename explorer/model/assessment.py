@@ -13,12 +13,13 @@ from typing import Literal
 import numpy as np
 
 from explorer.model.compute import Picture
+from explorer.model.slower import MOST_THRUST
 from rangenav import continuity, sensors
 from rangenav import verdict as verdicts
 from rangenav.model import STATES
 from rangenav.number_format import quantity, significant
 from rangenav.record import SETTLED_POSITION, SETTLED_SHARE
-from rangenav.vehicle import CATALOGUE, FREE, THRUST_MARGIN
+from rangenav.vehicle import FREE
 
 Level = Literal["good", "unjudged", "mind", "bad"]
 LEVELS: tuple[Level, ...] = ("good", "unjudged", "mind", "bad")
@@ -31,10 +32,9 @@ QUESTIONS: dict[Question, str] = {
     "flight": "can it be flown",
     "model": "is the model right",
 }
-Cure = Literal["repair", "tune", "slow down", "model", "vehicle"]
-"""What helps: another motion, other gains, a slower path, the observer's model as derived, another vehicle."""
-MOST_THRUST = max(one.thrust_to_weight or 0.0 for one in CATALOGUE) / (1 + THRUST_MARGIN)
-"""Times the weight: what the strongest vehicle of the catalogue may use."""
+Cure = Literal["repair", "tune", "slow down", "model", "effects", "vehicle"]
+"""What helps: another motion, other gains, a slower path, the observer's model as derived, sensors without the effects
+that the observer does not model, another vehicle."""
 LAST = "last tenth of the run"
 """What SETTLED_SHARE is called."""
 SIGMAS = 3.0
@@ -109,7 +109,7 @@ def accuracy(picture: Picture) -> Answer:
         summary = f"the ranges of one window do not determine the position{at_this}, {wanted}"
         undetermined: Level = "mind" if analysis.below_rounding else "bad"
         return Answer(question="accuracy", level=undetermined, summary=summary, cure="repair", term="window accuracy")
-    summary = f"±{quantity(predicted, 'm')} from one window of {needed.window:g} s, {wanted}"
+    summary = f"±{quantity(predicted, 'm')} from one window of {significant(needed.window, 4)} s, {wanted}"
     reached = picture.summary.steady_position
     remembers = math.isfinite(reached) and reached * REMEMBERS < predicted and not picture.summary.diverged
     remark = (
@@ -145,7 +145,12 @@ def arrival(picture: Picture) -> Answer:
     if blind:
         text = f"{error} off at the end; this error depends on the initial guess"
         return Answer(
-            question="arrival", level="mind", summary=text, remarks=(fit,), cure="repair", term="steady error"
+            question="arrival",
+            level="bad" if summary.diverged else "mind",
+            summary=text,
+            remarks=(fit,),
+            cure="repair",
+            term="steady error",
         )
     wrong = tuple(_not_arrived(picture))
     if wrong:
@@ -183,6 +188,7 @@ def flight(picture: Picture) -> Answer:
     """Whether the vehicle can fly the motion; without a vehicle, whether any of the catalogue has the thrust."""
     p = picture.preset
     thrust = f"thrust {significant(picture.limits.thrust_to_weight)} times the weight"
+    slower: Cure | None = None if picture.slower == 0 else "slow down"
     jump = continuity.discontinuity(p.path, p.duration)
     if jump is not None:
         return Answer(question="flight", level="bad", summary="by no vehicle", remarks=(jump,), term="jump")
@@ -194,7 +200,7 @@ def flight(picture: Picture) -> Answer:
             level="mind",
             summary=summary,
             remarks=broken[1:],
-            cure="slow down",
+            cure=slower or "vehicle",
             term="vehicle limits",
         )
     if p.vehicle != FREE:
@@ -203,8 +209,8 @@ def flight(picture: Picture) -> Answer:
         )
     if picture.limits.thrust_to_weight > MOST_THRUST:
         summary = f"by no vehicle of the list: {thrust}, at most {significant(MOST_THRUST)}"
-        return Answer(question="flight", level="mind", summary=summary, cure="slow down", term="thrust")
-    return Answer(question="flight", level="good", summary=f"no limits chosen: {thrust}", term="thrust")
+        return Answer(question="flight", level="mind", summary=summary, cure=slower, term="thrust")
+    return Answer(question="flight", level="good", summary=f"no limits chosen: {thrust}", cure="vehicle", term="thrust")
 
 
 def model(picture: Picture) -> Answer:
@@ -219,7 +225,8 @@ def model(picture: Picture) -> Answer:
         )
         if misprinted and unmodelled:
             summary += f"; {wrong[0]} is in use"
-        return Answer(question="model", level="mind", summary=summary, remarks=remarks, cure="model", term="model")
+        cure: Cure = "model" if misprinted else "effects"
+        return Answer(question="model", level="mind", summary=summary, remarks=remarks, cure=cure, term="model")
     if verdicts.caveats(p.world.gravity, p.sensors.sigma.range):
         return Answer(
             question="model", level="mind", summary="it holds of no real flight", remarks=remarks, term="model"

@@ -20,7 +20,7 @@ import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
 
-from explorer.model import convergence, details
+from explorer.model import convergence, details, slower
 from explorer.model.convergence import Convergence
 from explorer.model.details import Details
 from explorer.model.settings import Printed, Settings, effective
@@ -33,7 +33,7 @@ from rangenav.motion import Limits, Motion
 from rangenav.motion_analysis import WINDOWS
 from rangenav.observability import excitation, reduced
 from rangenav.preset import Preset
-from rangenav.progress import Cancelled, never, stopping
+from rangenav.progress import Cancelled, CancelledError, never, stopping
 from rangenav.proof import arguments
 from rangenav.record import Outcome, Summary, TruthInputs, truth_inputs
 from rangenav.sensors import Measurements, Sensors
@@ -74,6 +74,8 @@ class Picture:
     """s, slowest first; under the printed switch twice as long."""
     reduced_min: float
     """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
+    slower: float | None = None
+    """How many times slower the motion keeps every limit; 0 if at no speed that was tried; None until `proven`."""
 
     @cached_property
     def phi(self) -> Float[Array, "n 3"]:
@@ -118,10 +120,14 @@ class Picture:
         return convergence.convergence(self.preset)
 
     def proven(self, cancelled: Cancelled = never) -> "Picture":
-        """The same picture with the worst of all windows. It takes a tenth of a second to some seconds, for which the
-        page has a job. Raises CancelledError soon after `cancelled` says that another picture is shown."""
+        """The same picture with the worst of all windows, and the speed that keeps the limits. It takes a tenth of a
+        second to some seconds, for which the page has a job. Raises CancelledError soon after `cancelled` says that
+        another picture is shown."""
+        if cancelled():
+            raise CancelledError
         with stopping(cancelled):
-            return replace(self, analysis=analyse(self.preset))
+            kept = slower.keeps_limits(self.motion, self.preset)
+            return replace(self, analysis=analyse(self.preset), slower=1.0 if kept else slower.factor(self.settings))
 
 
 def compute(settings: Settings) -> Picture:

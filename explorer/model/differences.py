@@ -14,7 +14,7 @@ from rangenav.preset import Preset
 
 NOTABLE = 0.005
 """Relative: a smaller change of a figure is not listed."""
-MAX_CHOICES = 6
+MAX_CHOICES = 24
 NOT_REACHED = "not reached"
 MIN_FACTOR = 10.0
 """A change by this factor or more is written as a factor, a smaller one in percent."""
@@ -75,7 +75,7 @@ def chosen(a: Picture, b: Picture) -> list[str]:
 
 
 def choices(a: Preset, b: Preset) -> list[str]:
-    """The settings that differ, by their labels on the page: at most six, then the number of the others."""
+    """The settings that differ, by their labels on the page: the first of them, then the number of the others."""
     differing = list(_choices(msgspec.to_builtins(a), msgspec.to_builtins(b), ""))
     more = len(differing) - MAX_CHOICES
     return differing if more <= 0 else [*differing[:MAX_CHOICES], f"and {more} more"]

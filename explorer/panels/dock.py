@@ -7,9 +7,11 @@ from dataclasses import replace
 import msgspec
 
 from explorer.lessons import course
+from explorer.model import slower
 from explorer.model.assessment import Cure
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
+from explorer.model.glossary import MOTION
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, is_another
@@ -43,6 +45,7 @@ from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Belonging
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
+from rangenav.sensors import MODELLED
 from rangenav.signals import Signal
 
 WIDTH = 380
@@ -68,21 +71,20 @@ class Dock:
         """The picture that each closed tab is to show when it is opened."""
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
-        self._jobs, self._undo = jobs, UndoPanel(form, history, self, session_actions.notify)
+        self._undo = UndoPanel(form, history, self, session_actions.notify)
         cures: dict[Cure, Action] = {
             "repair": lambda: self.repair.start(),
             "tune": lambda: self.tuning.start(),
+            "slow down": self._slow_down,
             "model": lambda: self.printed.write(Printed()),
+            "effects": self._switch_effects_off,
+            "vehicle": lambda: session_actions.go_to(MOTION["vehicle"].caption),
         }
+        self._notify = session_actions.notify
         self._again = session_actions.restart_preset
         add_legend(gui)
         add_welcome(gui)
-        answers: dict[str, Action] = {
-            "stop": jobs.cancel,
-            "accept": lambda: self.repair.accept(),
-            "discard": lambda: self.repair.discard(),
-        }
-        self.verdict = VerdictPanel(gui, cures, answers)
+        self.verdict = VerdictPanel(gui, cures)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Learn"):
             self.learn = LearnPanel(
@@ -93,7 +95,7 @@ class Dock:
                     pin=lambda settings: self.compare.pin_next(settings),
                     pinned=lambda: self.compare.pinned_settings,
                     exported=lambda: self.bundle.exported,
-                    go_to=session_actions.go_to,
+                    go_to=session_actions.go_to_place,
                 ),
             )
         with tabs.add_tab("Motion"):
@@ -117,7 +119,7 @@ class Dock:
             count = len(form.sections)
             self.guess = GuessPanel(form)
             self._guess = Kept(self.guess, frozenset(form.sections[count:]))
-            self.tuning = TuningPanel(form, self, jobs)
+            self.tuning = TuningPanel(form, self, jobs, pin=lambda: self.compare.pin())
             self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
             uploads = Uploads(gui, form.do)
@@ -130,7 +132,7 @@ class Dock:
                 target=lambda preset: self.bundle.target(preset),
                 choose=lambda format_name: self.bundle.choose(format_name),
             )
-            self.bundle = BundlePanel(form, catalog, self, jobs, session_actions.send)
+            self.bundle = BundlePanel(form, catalog, self, jobs, session_actions.send, repair=self.repair.start)
             take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
             imports = ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
             flights = FlightPanel(form, jobs)
@@ -270,6 +272,7 @@ class Dock:
         self.basin.draw(picture)
         self.printed.draw(picture)
         self.presets.draw(picture)
+        self.repair.draw(picture)
         self.bundle.draw(picture)
         self.learn.draw(picture)
 
@@ -289,13 +292,23 @@ class Dock:
     @property
     def actions(self) -> dict[str, Action]:
         """What the buttons do that lie outside the tabs, by the names that they send."""
-        return self.verdict.actions | self._undo.actions | self.learn.actions | {"again": self._again}
+        own: dict[str, Action] = {"again": self._again, "stop": self.form.stop_progress}
+        return (
+            self.verdict.actions
+            | self.repair.actions
+            | self.tuning.actions
+            | self._undo.actions
+            | self.learn.actions
+            | own
+        )
 
     def draw_progress(self) -> None:
-        """Show the progress of the running job below the verdict and beside its button, and what a search has found."""
-        self.verdict.draw_progress(self._jobs.running, self.repair.outcome, found=self.repair.found)
-        self.repair.progress.draw()
-        self.bundle.progress.draw()
+        """Show the progress and the outcome of a search beside its button; below the verdict, if the verdict or the
+        palette began it."""
+        job = self.form.draw_progress()
+        searches = [one for one in (self.repair, self.tuning) if one.progress.away and one.outcome]
+        outcome, answers = (searches[0].outcome, searches[0].answers) if searches else ("", ())
+        self.verdict.draw_progress(job, outcome, answers)
 
     @property
     def changed(self) -> bool:
@@ -343,6 +356,22 @@ class Dock:
     def relabel_axes(self) -> None:
         """Reverse y and z of all axes: z up instead of down, or down instead of up."""
         self.write(relabelled(self.read()))
+
+    def _slow_down(self) -> None:
+        """Fly the motion as much slower as its vehicle's limits need."""
+        settings = self.read()
+        k = slower.factor(settings)
+        if k:
+            self.write(slower.slowed(settings, k))
+        else:
+            self._notify("Slower does not help", "No speed that was tried keeps every limit: choose another vehicle.")
+
+    def _switch_effects_off(self) -> None:
+        """Switch off what the sensors do and the observer does not model."""
+        settings = self.read()
+        sensing = msgspec.structs.replace(settings.preset.sensors, unmodelled=MODELLED)
+        preset = msgspec.structs.replace(settings.preset, sensors=sensing)
+        self.write(msgspec.structs.replace(settings, preset=preset))
 
     def _say_not_shown(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")

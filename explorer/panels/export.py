@@ -11,6 +11,7 @@ from typing import Literal
 from explorer.model.settings import PRINTED_LABELS, Settings
 from explorer.storage import preset_file
 from explorer.widgets.form import Action, Form
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 
 PlotFormat = Literal["csv", "svg", "png", "pdf"]
@@ -20,6 +21,9 @@ FILE_HINT = (
     "CSV: every sample to the last digit, with units and “log axis” in its first line; empty where there is no value "
     "or only rounding noise, inf where a window is blind. SVG, PNG and PDF: the plot as it is on the page."
 )
+FLY = "ramps (s)"
+"""The label of a control beside the formats of motions."""
+FLY_HINT = "Goes to the Presets tab, “Download with certificate”: the motion for a vehicle, with its certificate."
 LINES_HINT = "The Python code computes what is on the page from the preset file; both belong in one folder."
 NOT_IN_LINES = ("reduced_row", "attitude_rate")
 """Switches “as printed” that change only a number next to their control, and no run or plot."""
@@ -42,6 +46,8 @@ class ExportActions:
     """The name of the preset's file, and the settings."""
     download: Callable[[str, bytes], None]
     """Downloads a file."""
+    go_to: Callable[[str], None]
+    """Brings the control with a label into sight."""
 
 
 class ExportPanel:
@@ -60,6 +66,9 @@ class ExportPanel:
                 {label: partial(self._write_plot, plot_format) for label, plot_format in plot_formats.items()},
                 hint=FILE_HINT,
             )
+            self._progress = ProgressPanel(form, self._jobs)
+        with Section(form, "The motion as a file to fly"):
+            form.button("Show the certified files", partial(actions.go_to, FLY), hint=FLY_HINT, quiet=True)
         with Section(form, "The same in Python"):
             form.buttons("", {"Download Python": self._lines, "Download preset": self._preset}, hint=LINES_HINT)
             self._lines_block = form.gui.add_html("")
@@ -82,7 +91,7 @@ class ExportPanel:
             write = self._actions.plan_plot(plot, plot_format)
         stem = PurePath(self._actions.settings()[0]).stem
         download = partial(self._actions.download, f"{stem}-{plot}.{plot_format}")
-        self._jobs.start(
+        self._progress.start(
             f"{plot}.{plot_format}", lambda _progress, _cancelled: write(), download, self._plots.complaint.say
         )
 

@@ -57,7 +57,7 @@ class HandoutPanel:
                 form.gui.add_dropdown(label, options, hint=SLIDER_HINT) for label in ("first slider", "second slider")
             ]
             form.button("Save as one HTML file", self._start, hint=HINT)
-            self.progress = ProgressPanel(form, self._jobs, (NAME,))
+            self._progress = ProgressPanel(form, self._jobs)
         form.command("Handout: save the page as one HTML file", self._start)
 
     def _start(self) -> None:
@@ -71,4 +71,4 @@ class HandoutPanel:
                 return self._write(settings, sliders, lesson, stem, progress, cancelled)
 
             name = f"{stem if lesson is None else lesson.name}.html"
-            self._jobs.start(NAME, work, partial(self._download, name), self._section.complaint.say)
+            self._progress.start(NAME, work, partial(self._download, name), self._section.complaint.say)

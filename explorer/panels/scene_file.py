@@ -62,8 +62,9 @@ class SceneFilePanel:
             form.button("Scene as PNG", self._picture, hint=PICTURE_HINT)
             self._seconds = Number(section, "length of the animation (s)", hint=SECONDS_HINT)
             self._seconds.show(SECONDS)
+            section.check(self._length)
             form.button("Animation as GIF", self._animation, hint=ANIMATION_HINT)
-            self.progress = ProgressPanel(form, self._jobs, (PICTURE, ANIMATION))
+            self._progress = ProgressPanel(form, self._jobs)
         form.command("Scene as PNG", self._picture)
         form.command("Animation of the scene (GIF)", self._animation)
 
@@ -74,14 +75,12 @@ class SceneFilePanel:
         def work(progress: Progress, cancelled: Cancelled) -> bytes:
             return png(self._rendered(size, "png"))
 
-        self._jobs.start(PICTURE, work, partial(self._download, name), self._section.complaint.say)
+        self._progress.start(PICTURE, work, partial(self._download, name), self._section.complaint.say)
 
     def _animation(self) -> None:
         self._require_idle()
         with self._section.catching():
-            seconds = self._seconds.read()
-            within = math.isfinite(seconds) and MIN_SECONDS <= seconds <= MAX_SECONDS
-            require(within, f"length of the animation must be {MIN_SECONDS:g} to {MAX_SECONDS:g} s, got {seconds:g} s")
+            seconds = self._length()
         name, size = f"{self._stem()}-scene.gif", self._size(ANIMATION_WIDTH)
         began = self._playback.time
         times = moments(began, seconds, self._playback.duration)
@@ -99,7 +98,14 @@ class SceneFilePanel:
                 self._form.do(partial(self._playback.seek, began), step=False)
             return gif(frames)
 
-        self._jobs.start(ANIMATION, work, partial(self._download, name), self._section.complaint.say)
+        self._progress.start(ANIMATION, work, partial(self._download, name), self._section.complaint.say)
+
+    def _length(self) -> float:
+        """s, of the animation. Raises ValueError with the reason."""
+        seconds = self._seconds.read()
+        within = math.isfinite(seconds) and MIN_SECONDS <= seconds <= MAX_SECONDS
+        require(within, f"length of the animation must be {MIN_SECONDS:g} to {MAX_SECONDS:g} s, got {seconds:g} s")
+        return seconds
 
     def _require_idle(self) -> None:
         with self._section.catching():

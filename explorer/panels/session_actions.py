@@ -19,7 +19,9 @@ class SessionActions:
     download_preset: Action
     send: Send
     """Downloads a file: its name and its content."""
-    go_to: Callable[[str, Callable[[list[Step]], bool]], None]
-    """Brings a control into sight: its label, and whether the tabs and folders around it are those that are meant."""
+    go_to: Callable[[str], None]
+    """Brings the control with a label into sight."""
+    go_to_place: Callable[[str, Callable[[list[Step]], bool]], None]
+    """The same of a label that several controls have: whether the tabs and folders around one are those meant."""
     notify: Callable[[str, str], None]
     """Shows a title and a sentence for a few seconds."""

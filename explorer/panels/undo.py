@@ -16,6 +16,7 @@ TOOLS = (
     ("", 'data-rn-event="reset"', "Puts every control back to the preset", "Reset all controls", "reset"),
     ("rn-switch", 'data-rn-flag="theme"', "Dark or light; at first as the system is", "Dark or light", "◐"),
     ("rn-switch", 'data-rn-flag="type"', "Big type, for a projector", "Big type", "A"),
+    ("", 'data-rn-flag="sheet"', "More room for the controls, or for the scene", "Taller controls", "⌃"),
     ("", 'data-rn-flag="welcomed"', "What this page is, and what the picture shows", "Help", "?"),
 )
 """Class, what it does, hint, name and face of each button."""

@@ -5,6 +5,7 @@ page's own HTML: the session hands the names that they send to `act`.
 """
 
 import html
+from collections.abc import Sequence
 
 import viser
 
@@ -13,8 +14,10 @@ from explorer.model.assessment import Answer, Cure, Level
 from explorer.model.compute import Picture
 from explorer.model.jobs import Job
 from explorer.panels import figures
+from explorer.widgets.answer import AnswerButton
 from explorer.widgets.complaint import Complaint
 from explorer.widgets.form import Action
+from explorer.widgets.progress import STOP_HINT
 
 SIGNS: dict[Level, tuple[str, palette.Color]] = {
     "good": ("●", palette.GOOD),
@@ -28,26 +31,24 @@ CURES: dict[Cure, tuple[str, str]] = {
     "tune": ("tune the observer", "Looks for gains with which the estimate settles sooner and errs less."),
     "slow down": ("fly it slower", "Flies the same path slower, so that it keeps the limits of the vehicle."),
     "model": ("use the derived model", "Switches off the paper's misprinted model."),
+    "effects": ("switch them off", "Switches off the biases, outliers and drop-outs that the observer does not model."),
     "vehicle": ("choose a vehicle", "Opens the list of vehicles."),
 }
 """Label and hint of the button that cures what is wrong."""
-ANSWERS: dict[str, tuple[str, str]] = {
-    "stop": ("Stop", "Ends the work at once; what was there before stays."),
-    "accept": ("Accept the motion", "Puts B on the page and pins the motion before as A. Ctrl+Z takes it back."),
-    "discard": ("Discard", "What is on the page stays as it is."),
-}
-"""Label and hint of the buttons beside the progress and the outcome of a search."""
 UNFOLD = '<button type="button" class="rn-button rn-unfold" data-rn-flag="unfolded" aria-label="All answers"></button>'
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="{}" title="{}">{}</button>'
 DIMMED = f"color:{palette.SECONDARY_TEXT}"
 
 
+STOP = AnswerButton(event="stop", label="Stop", hint=STOP_HINT)
+
+
 class VerdictPanel:
     """The line, below it what is running or why nothing was shown, and the answers."""
 
-    def __init__(self, gui: viser.GuiApi, cures: dict[Cure, Action], answers: dict[str, Action]) -> None:
-        """`cures` are the actions that are offered; `answers` are those to a running job and to its outcome."""
-        self._cures, self._answers = cures, answers
+    def __init__(self, gui: viser.GuiApi, cures: dict[Cure, Action]) -> None:
+        """`cures` are the actions that are offered."""
+        self._cures = cures
         self._block = gui.add_html("")
         self._progress = gui.add_html("", visible=False)
         self._buttons = gui.add_html("", visible=False)
@@ -57,28 +58,28 @@ class VerdictPanel:
     @property
     def actions(self) -> dict[str, Action]:
         """What the buttons do, by the name that they send."""
-        return {_event(cure): action for cure, action in self._cures.items()} | self._answers
+        return {_event(cure): action for cure, action in self._cures.items()}
 
     def progress(self, fraction: float, stage: str) -> None:
         """Show the progress of compilation; at 1 it is hidden."""
         name = f"Compiling the observers (once per machine): {stage}"
-        self._show_progress(_progress_bar(name, fraction) if fraction < 1 else "")
+        self._show_progress(_progress_bar(name, fraction) if fraction < 1 else "", ())
 
-    def draw_progress(self, job: Job | None, outcome: str, *, found: bool) -> None:
-        """Show the progress of the running job, or the outcome of the last search and, if it has `found` a motion, a
-        button to accept it."""
+    def draw_progress(self, job: Job | None, outcome: str, answers: Sequence[AnswerButton]) -> None:
+        """Show the progress of work that was begun here or by the palette, or the outcome of the last search with the
+        answers to it."""
         if job is not None:
-            self._show_progress(_progress_bar(f"Working: {job.name}", job.fraction), "stop")
+            self._show_progress(_progress_bar(f"Working: {job.name}", job.fraction), (STOP,))
         elif outcome:
-            answers = ("accept", "discard") if found else ("discard",)
-            self._show_progress(f'<div class="rn-progress" role="status">{html.escape(outcome)}</div>', *answers)
+            text = f'<div class="rn-progress rn-outcome" role="status">{html.escape(outcome)}</div>'
+            self._show_progress(text, answers)
         else:
-            self._show_progress("")
+            self._show_progress("", ())
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict on a picture; ≈ marks what is that of sampled windows, and not yet of all."""
         given = assessment.answers(picture)
-        rows = f'<div class="rn-rows">{_rows(picture, given)}</div>'
+        rows = f'<div class="rn-rows">{self._rows(picture, given)}</div>'
         content = f'<div class="rn-verdict">{self._line(picture, given)}{rows}</div>'
         if content != self._block.content:
             self._block.content = content
@@ -87,36 +88,46 @@ class VerdictPanel:
         sign, color = SIGNS[assessment.level(given)]
         deciding = assessment.decisive(given)
         head = f'<b style="color:{color}">{sign} {figures.about(picture)}{picture.analysis.verdict.word}</b>'
-        cure = _button(deciding.cure) if deciding.cure in self._cures else ""
+        cure = self._button(picture, deciding.cure)
         summary = html.escape(deciding.summary)
         text = f'<span class="rn-deciding" title="{summary}">{summary}{figures.chips(picture)}</span>'
         return f'<div class="rn-line" role="status">{head}{text}{cure}{UNFOLD}</div>'
 
-    def _show_progress(self, content: str, *answers: str) -> None:
+    def _button(self, picture: Picture, cure: Cure | None) -> str:
+        """The button of a cure as HTML; empty where there is none."""
+        if cure not in self._cures:
+            return ""
+        assert cure is not None
+        label, hint = CURES[cure]
+        if cure == "slow down" and picture.slower:
+            label = f"fly it {picture.slower:g}× slower"
+        return BUTTON.format("rn-main", _event(cure), html.escape(hint), label)
+
+    def _rows(self, picture: Picture, given: tuple[Answer, ...]) -> str:
+        """The answers, each cure once, and folded below them all figures."""
+        lines, offered = [], set[Cure | None]()
+        for answer in given:
+            sign, color = SIGNS[answer.level]
+            hint = html.escape(glossary.hint(answer.term)) if answer.term in glossary.TERMS else ""
+            mark = f'<b style="color:{color}">{sign}</b>'
+            question = f'<span title="{hint}">{mark} {assessment.QUESTIONS[answer.question]}</span>'
+            text = "<br>".join(html.escape(part) for part in (answer.summary, *answer.remarks))
+            button = "" if answer.cure in offered else self._button(picture, answer.cure)
+            offered.add(answer.cure)
+            lines.append(f"<tr><td>{question}</td><td>{text} {button}</td></tr>")
+        subject = f'<div style="{DIMMED}">{html.escape(subject_of(picture))}</div>'
+        folded = f"<details><summary>all figures</summary>{figures.table(picture)}</details>"
+        return f"{subject}<table>{''.join(lines)}</table>{folded}"
+
+    def _show_progress(self, content: str, answers: Sequence[AnswerButton]) -> None:
         """Show a strip below the line. Its buttons are an element of their own, which stays while the bar moves: a
         button that is replaced under the mouse cannot be pressed."""
-        buttons = f'<div class="rn-answers">{"".join(_answer(name) for name in answers)}</div>' if answers else ""
+        buttons = f'<div class="rn-answers">{"".join(_answer(one) for one in answers)}</div>' if answers else ""
         for handle, text in ((self._progress, content), (self._buttons, buttons)):
             if text != (handle.content if handle.visible else ""):
                 handle.visible = bool(text)
                 if text:
                     handle.content = text
-
-
-def _rows(picture: Picture, given: tuple[Answer, ...]) -> str:
-    """The answers, and folded below them all figures."""
-    lines = []
-    for answer in given:
-        sign, color = SIGNS[answer.level]
-        hint = html.escape(glossary.hint(answer.term)) if answer.term in glossary.TERMS else ""
-        question = (
-            f'<span title="{hint}"><b style="color:{color}">{sign}</b> {assessment.QUESTIONS[answer.question]}</span>'
-        )
-        text = "<br>".join(html.escape(part) for part in (answer.summary, *answer.remarks))
-        lines.append(f"<tr><td>{question}</td><td>{text}</td></tr>")
-    subject = f'<div style="{DIMMED}">{html.escape(subject_of(picture))}</div>'
-    folded = f"<details><summary>all figures</summary>{figures.table(picture)}</details>"
-    return f"{subject}<table>{''.join(lines)}</table>{folded}"
 
 
 def subject_of(picture: Picture) -> str:
@@ -128,15 +139,8 @@ def _event(cure: Cure) -> str:
     return f"cure-{cure.replace(' ', '-')}"
 
 
-def _button(cure: Cure | None) -> str:
-    assert cure is not None
-    label, hint = CURES[cure]
-    return BUTTON.format("rn-main", _event(cure), html.escape(hint), label)
-
-
-def _answer(name: str) -> str:
-    label, hint = ANSWERS[name]
-    return BUTTON.format("rn-main" if name == "accept" else "", name, html.escape(hint), label)
+def _answer(one: AnswerButton) -> str:
+    return BUTTON.format("rn-main" if one.main else "", one.event, html.escape(one.hint), html.escape(one.label))
 
 
 def _progress_bar(name: str, fraction: float) -> str:

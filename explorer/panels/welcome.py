@@ -17,7 +17,7 @@ DOORS = (
         "why a hover is lost: the first lesson, six minutes",
         'data-rn-event="learn" data-rn-flag="welcomed" data-rn-tab="Learn"',
     ),
-    ("Tune", "an observer: its gains, on this motion", 'data-rn-flag="welcomed" data-rn-tab="Gains"'),
+    ("Tune", "an observer: its gains, on this motion", 'data-rn-event="go-tune" data-rn-flag="welcomed"'),
     ("Design", "a motion to fly, and take it as a file", 'data-rn-flag="welcomed" data-rn-tab="Presets"'),
     ("Look around", "drag the scene, press play", 'data-rn-flag="welcomed"'),
 )

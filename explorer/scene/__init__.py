@@ -44,7 +44,8 @@ class Scene:
         self._drawn: tuple[Picture, Comparison] | None = None
         self._details: Details | None = None
         self._arranged_at = 0.0
-        self._labels = labels = Labels(scene, client.camera)
+        self.labels = labels = Labels(scene, client.camera)
+        """All labels, also those of the drag handles."""
         self._view = View(client.camera, wake)
         self._world = WorldNodes(scene, labels)
         self._path = scene.add_line_segments(
@@ -73,7 +74,7 @@ class Scene:
         self._path.thickness = BIG_PATH_THICKNESS if big else PATH_THICKNESS
         self._excitation.enabled = "excitation" not in hidden
         self._blind.enabled, self._twin.enabled = "blind" not in hidden, "twin" not in hidden
-        self._labels.appear(shown="labels" not in hidden, big=big, height=height)
+        self.labels.appear(shown="labels" not in hidden, big=big, height=height)
         if self._drawn is not None and self._bounds is not None:
             picture, _ = self._drawn
             self._world.fit(picture.preset.world, self._bounds)
@@ -152,4 +153,4 @@ class Scene:
 
     def _arrange(self) -> None:
         self._arranged_at = clock.monotonic()
-        self._labels.arrange()
+        self.labels.arrange()

@@ -22,8 +22,9 @@ from rangenav.number_format import quantity, subscript
 
 SIZE = 0.25
 """Radius of the globe, in radii of the view."""
-OFFSET = 0.75
-"""Distance from the middle of the view, in radii of the view: the globe with its sticks is then still in view."""
+OFFSETS = (0.75, 0.9, 1.05)
+"""Distances from the middle of the view, in radii of the view: the globe with its sticks is then still in view, for the
+last one beside the path in a picture that is wider than high."""
 ANGLES = [sign * k * math.pi / 8 for k in range(9) for sign in (1, -1)]
 """rad from straight up in the view: the directions that are tried for the globe, those nearest to up first."""
 CLEARANCE = 1.3
@@ -136,14 +137,14 @@ class Globe:
 def globe_centre(path: Float[Array, "n 3"], anchor: Float[Array, "3"], bounds: SceneBounds) -> Float[Array, "3"]:
     """The globe's centre (m), for the camera as it is first set.
 
-    The directions from the middle of the view are tried in order, those above the path first. The first one that is
-    clear of path and anchor is taken, or else the one with the largest distance from them.
+    The directions from the middle of the view are tried in order, those above the path first, at each of the distances.
+    The first place that is clear of path and anchor is taken, or else the one with the largest distance from them.
     """
     towards = view_direction(bounds.up)
     upwards = bounds.up - (bounds.up @ towards) * towards
     screen = np.stack([np.cross(upwards, towards), upwards]) / np.linalg.norm(upwards)
     projected = (np.vstack([path, anchor]) - bounds.view_centre) @ screen.T / bounds.view_radius
-    spots = [OFFSET * np.array([math.sin(angle), math.cos(angle)]) for angle in ANGLES]
+    spots = [away * np.array([math.sin(angle), math.cos(angle)]) for away in OFFSETS for angle in ANGLES]
     gaps = [float(np.linalg.norm(projected - spot, axis=1).min()) for spot in spots]
     best = next((k for k, gap in enumerate(gaps) if gap > CLEARANCE * SIZE), int(np.argmax(gaps)))
     return bounds.view_centre + bounds.view_radius * spots[best] @ screen

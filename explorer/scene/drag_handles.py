@@ -15,12 +15,16 @@ import time
 from collections.abc import Callable, Coroutine
 from typing import Any
 
+import numpy as np
+from jaxtyping import Float
+from numpy import ndarray as Array
 from viser import SceneApi, SceneClickEvent, SceneNodeDragEvent, SceneNodePointerEvent, TransformControlsEvent
 
 from explorer.model import palette
 from explorer.scene import handle_position
 from explorer.scene.bounds import INVISIBLE_SIZE, SceneBounds
 from explorer.scene.handle_position import Drag, HandleKind, HandleMove
+from explorer.scene.labels import Labels
 from rangenav.inputs import Vec3
 
 MAX_WAYPOINTS = 60
@@ -30,6 +34,8 @@ STEPS_PER_RADIUS = 1000
 """Positions are rounded to the power of ten below the scene's radius over this: finer than a pixel, and readable."""
 WAYPOINT_SHARE, ANCHOR_SHARE, GIZMO_SHARE = 0.18, 0.34, 1.8
 """Radii of the handles and length of the gizmo's arrows, in units of the scene. The anchor's encloses the beacon."""
+LABEL_RANK = 100
+"""Of the first waypoint's number: all other labels of the scene are more important."""
 SAME_CLICK = 0.3
 """s within which a click on a handle and one on the scene are the same click: viser reports both, in either order."""
 LAST_LABEL = f"{MAX_WAYPOINTS} (drag the first {MAX_WAYPOINTS}, the others by numbers)"
@@ -40,7 +46,7 @@ Callback = Coroutine[Any, Any, None]
 class _Handle:
     """A sphere to be dragged. The sphere of a waypoint has the number of the waypoint as its label."""
 
-    def __init__(self, scene: SceneApi, kind: HandleKind, index: int) -> None:
+    def __init__(self, scene: SceneApi, labels: Labels, kind: HandleKind, index: int) -> None:
         self.kind: HandleKind = kind
         self.index, self.position = index, (0.0, 0.0, 0.0)
         self.drag: Drag | None = None
@@ -58,7 +64,12 @@ class _Handle:
             visible=False,
         )
         if not anchor:  # the anchor has a label of its own
-            self.label = scene.add_label(f"{name}/label", f"{index + 1}", anchor="bottom-left", font_screen_scale=0.9)
+            self.label = labels.add(
+                f"{name}/label", self._place, rank=LABEL_RANK + index, text=f"{index + 1}", side="bottom-left"
+            )
+
+    def _place(self) -> Float[Array, "3"] | None:
+        return np.array(self.position) if self.node.visible else None
 
     def move_to(self, position: Vec3) -> None:
         if position != self.position:
@@ -68,9 +79,10 @@ class _Handle:
 class DragHandles:
     """All drag handles of one visitor."""
 
-    def __init__(self, scene: SceneApi, wake: Callable[[], None]) -> None:
-        """`wake` is called from viser's loop when there is a move to take; it may set an event and nothing else."""
-        self._scene, self._wake, self._lock = scene, wake, threading.Lock()
+    def __init__(self, scene: SceneApi, labels: Labels, wake: Callable[[], None]) -> None:
+        """`labels` are those of the whole scene. `wake` is called from viser's loop when there is a move to take; it
+        may set an event and nothing else."""
+        self._scene, self._labels, self._wake, self._lock = scene, labels, wake, threading.Lock()
         self._anchor = self._add("anchor", 0)
         self._waypoints: list[_Handle] = []
         self._shown = 0
@@ -98,6 +110,7 @@ class DragHandles:
         """Show the handles at the anchor and the waypoints of the settings (m). A handle that is being dragged stays at
         the pointer."""
         self._step = 10.0 ** math.floor(math.log10(bounds.radius / STEPS_PER_RADIUS))
+        before = [handle.position for handle in self._waypoints[: self._shown]]
         self._show_waypoints(len(waypoints))
         for handle, position in zip(self._drawn(), (anchor, *waypoints), strict=False):
             handle.node.scale = (ANCHOR_SHARE if handle.kind == "anchor" else WAYPOINT_SHARE) * bounds.unit
@@ -106,6 +119,8 @@ class DragHandles:
             handle.node.visible = True
         self._gizmo.scale = GIZMO_SHARE * bounds.unit
         self._draw_gizmo()
+        if before != [handle.position for handle in self._waypoints[: self._shown]]:
+            self._labels.arrange()
 
     def take_moves(self) -> list[HandleMove]:
         """The moves since the last call, at most one for each handle: to its latest position, where the scene shows it
@@ -127,7 +142,7 @@ class DragHandles:
         return [self._anchor, *self._waypoints[: self._shown]]
 
     def _add(self, kind: HandleKind, index: int) -> _Handle:
-        handle = _Handle(self._scene, kind, index)
+        handle = _Handle(self._scene, self._labels, kind, index)
         handle.node.on_drag(self._drag_callback(handle))
         handle.node.on_click(self._click_callback(handle))
         return handle
@@ -140,7 +155,7 @@ class DragHandles:
         for handle in self._waypoints[shown:]:
             handle.node.visible, handle.drag = False, None
         if len(self._waypoints) == MAX_WAYPOINTS:
-            self._waypoints[-1].label.text = LAST_LABEL if count > MAX_WAYPOINTS else f"{MAX_WAYPOINTS}"
+            self._waypoints[-1].label.write(LAST_LABEL if count > MAX_WAYPOINTS else f"{MAX_WAYPOINTS}")
         self._shown = shown
 
     def _take_move(self, handle: _Handle) -> HandleMove | None:

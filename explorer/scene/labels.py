@@ -27,7 +27,7 @@ SIDES: tuple[Side, ...] = (
 )  # fmt: skip
 SCALE, BIG_SCALE = 0.95, 1.6
 """viser's scale of the text, and with big type: 12 px times this."""
-LINE, CHARACTER, PADDING = 15.0, 6.6, 3.0
+LINE, CHARACTER, PADDING = 15.0, 6.6, 5.0
 """px at scale 1: height of a line, mean width of a character, and the margin around the text. viser reports none."""
 SHIFTS: dict[str, float] = {"left": 0.5, "center": 0.0, "right": -0.5}
 LIFTS: dict[str, float] = {"bottom": -0.5, "center": 0.0, "top": 0.5}

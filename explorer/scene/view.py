@@ -36,6 +36,8 @@ FAR, FAR_DISTANCES = 1000.0, 60.0
 MAX_RETRIES = 3
 MIN_VISIBLE_SHARE = 0.5
 """Share of a path that must be visible for the path to be in view."""
+WHOLE = 0.97
+"""Share of a path that must be visible as long as the visitor has not moved the camera."""
 POSE_TOLERANCE = 0.02
 """Share of the distance within which a camera is where it was sent."""
 MIN_RESHAPE = 0.05
@@ -80,7 +82,7 @@ class View:
         before = self._framed
         if before is not None:
             moving = clock.time() - self._camera.update_timestamp < IDLE_TIME
-            if moving or (same_framing(before, bounds) and not left):
+            if moving or (same_framing(before, bounds) and not left and not self._runs_out(path)):
                 return
         self._framed = bounds
         self._look(bounds)
@@ -128,11 +130,15 @@ class View:
     def _reshaped(self) -> bool:
         return abs(width_by_height(self._camera) / self._narrowest - 1) > MIN_RESHAPE
 
-    def _in_view(self, path: Float[Array, "n 3"]) -> bool:
+    def _runs_out(self, path: Float[Array, "n 3"]) -> bool:
+        """Whether a path leaves the picture of a camera that the visitor has not moved."""
+        return self._sent is not None and self._at(self._sent) and not self._in_view(path, WHOLE)
+
+    def _in_view(self, path: Float[Array, "n 3"], least: float = MIN_VISIBLE_SHARE) -> bool:
         camera = self._camera
         shape = camera.image_width / max(camera.image_height, 1)
         share = visible_share(path, np.asarray(camera.position), np.asarray(camera.wxyz), camera.fov, shape)
-        return share >= MIN_VISIBLE_SHARE
+        return share >= least
 
 
 def width_by_height(camera: CameraHandle) -> float:

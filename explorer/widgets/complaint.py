@@ -11,6 +11,7 @@ from explorer.model.glossary import in_labels
 
 ALERT = f"color:{palette.ERROR};font-weight:600;font-size:0.85em;line-height:1.4;padding:0.2em 0.8em 0.6em"
 ALERT += ";overflow-wrap:anywhere"
+EDGE = f'div:has(> p > label[for="{{}}"]) + div input{{{{border-color:{palette.ERROR} !important}}}}'
 COLUMN = re.compile(r"\(column (\d+)\)$")
 EXCERPT = 48
 """Characters of a long text shown around the column of a complaint."""
@@ -27,15 +28,17 @@ class Complaint:
         """The HTML that is shown; empty while there is nothing to complain about."""
         return self._line.content if self._line.visible else ""
 
-    def say(self, sentence: str, *, text: str = "", more: Sequence[str] = ()) -> None:
+    def say(self, sentence: str, *, text: str = "", more: Sequence[str] = (), boxes: Sequence[str] = ()) -> None:
         """Show a sentence, marked by a sign as well as a colour, and `more` sentences below it, one line each.
 
-        With a `text`, show an excerpt of it that points at the column which the sentence names.
+        With a `text`, show an excerpt of it that points at the column which the sentence names. `boxes` are the ids of
+        the text boxes that get a red edge meanwhile.
         """
         sentence, more = in_labels(sentence), [in_labels(line) for line in more]
         lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
         alert = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
-        shown = f'<div role="alert" style="{ALERT}">{alert}</div>'
+        edges = "".join(EDGE.format(box) for box in boxes)
+        shown = f'<div role="alert" style="{ALERT}">{alert}</div>{f"<style>{edges}</style>" if edges else ""}'
         if shown != self._line.content:
             self._line.content = shown
         self._line.visible = True

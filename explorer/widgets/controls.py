@@ -6,7 +6,6 @@ ValueError; the limits of a slider check nothing. Where the value differs from t
 marked with •, and the control can be reset.
 """
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
@@ -16,7 +15,6 @@ import viser
 from explorer.widgets import typed_number
 from explorer.widgets.form import Wake
 from explorer.widgets.section import Section
-from rangenav.inputs import Vec3
 
 CHANGED = " •"
 T = TypeVar("T")
@@ -32,6 +30,11 @@ class Control(ABC, Generic[T]):
         self._last_value = self._value()
         self._watch(handle)
         section.add(self)
+
+    @property
+    def boxes(self) -> tuple[viser.GuiTextHandle, ...]:
+        """The text boxes into which the value is typed."""
+        return ()
 
     @abstractmethod
     def read(self) -> T:
@@ -103,6 +106,11 @@ class Number(Control[float]):
         self._exact, self._shown = 0.0, "0"
         super().__init__(section, label, self._box)
 
+    @property
+    def boxes(self) -> tuple[viser.GuiTextHandle, ...]:
+        """The box."""
+        return (self._box,)
+
     def read(self) -> float:
         """The value in the box, which is not checked. Raises ValueError if the box holds no number."""
         if self._box.value == self._shown:
@@ -118,36 +126,6 @@ class Number(Control[float]):
         if self._value() != value:
             self._box.value = typed_number.text(value)
         self._exact, self._shown = value, self._box.value
-
-
-class Vector(Control[Vec3]):
-    """Three boxes. The value may be shown in another unit: value · scale."""
-
-    def __init__(self, section: Section, label: str, *, step: float, hint: str, scale: float = 1.0) -> None:
-        self._label, self._scale, self._digits = label, scale, max(0, -math.floor(math.log10(step)))
-        self._box = section.gui.add_vector3(label, (0.0, 0.0, 0.0), step=step, hint=hint)
-        self._exact: Vec3 = (0.0, 0.0, 0.0)
-        self._shown: tuple[float, ...] = self._exact
-        super().__init__(section, label, self._box)
-
-    def read(self) -> Vec3:
-        """The three values. Raises ValueError if the browser did not send three numbers."""
-        value = tuple(self._box.value)
-        if len(value) != 3:
-            raise ValueError(f"{self._label} must have three components, got {len(value)}")
-        if not all(isinstance(entry, float) for entry in value):
-            raise ValueError(f"{self._label} must have three components that are numbers")
-        if value == self._shown:
-            return self._exact
-        return value[0] / self._scale, value[1] / self._scale, value[2] / self._scale
-
-    def show(self, value: Vec3) -> None:
-        """Show a value; in another unit it is rounded."""
-        self._section.touch()
-        self._exact = self._shown = value
-        if self._scale != 1.0:
-            self._shown = tuple(round(entry * self._scale, self._digits) for entry in value)
-        self._box.value = (self._shown[0], self._shown[1], self._shown[2])
 
 
 class Choice(Control[T]):

@@ -88,6 +88,16 @@ class DialControl(Control[float]):
         return value
 
     @property
+    def handles(self) -> tuple[viser.GuiSliderHandle[float], viser.GuiTextHandle]:
+        """The slider and the box."""
+        return self._slider, self._box
+
+    @property
+    def boxes(self) -> tuple[viser.GuiTextHandle, ...]:
+        """The box."""
+        return (self._box,)
+
+    @property
     def text(self) -> str:
         """What the box holds."""
         return self._box.value
@@ -179,12 +189,14 @@ class Dial(DialControl):
         hint: str,
         scale: float = 1.0,
         allowed: tuple[float, float] | None = None,
+        ends: bool = True,
     ) -> None:
         """`allowed` are the least and the largest number in the unit that is shown, for a value in another unit: the
-        model would name the limits in its own."""
+        model would name the limits in its own. `ends`: whether the ends are written below the slider, which viser can
+        do only once."""
         self._allowed = allowed
         self._scale, self._digits = scale, max(0, -math.floor(math.log10(step)))
-        marks = tuple((end, significant(end, DIGITS)) for end in limits)
+        marks = tuple((end, significant(end, DIGITS)) for end in limits) if ends else ()
         super().__init__(section, label, limits, step, limits[0] / scale, hint=hint, marks=marks)
 
     def read(self) -> float:
@@ -198,6 +210,11 @@ class Dial(DialControl):
         """Widen the slider until it reaches a value (in its own unit), which it does not show."""
         if not self._slider.min <= value * self._scale <= self._slider.max:
             _widen(self._slider, round(value * self._scale, self._digits))
+
+    def span(self, high: float) -> None:
+        """Another right end of the slider (in the unit that is shown), not below the number that it shows."""
+        if high != self._slider.max:
+            self._slider.max = high
 
     def _number_at(self, position: float) -> float:
         return position

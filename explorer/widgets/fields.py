@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import Any, Generic, TypeVar
 
-from explorer.widgets.controls import Control, Number, Vector
+from explorer.widgets.controls import Control, Number
 from explorer.widgets.dials import Dial
 from explorer.widgets.section import Section
+from explorer.widgets.vector import Vector
 from rangenav import fields
 from rangenav.fields import SIGNAL_UNIT, NumberField
 from rangenav.inputs import Input, Vec3
@@ -50,7 +51,7 @@ def _control(section: Section, field: str, kind: Any, entry: NumberField, signal
     label = f"{entry.label} ({unit})" if unit else entry.label
     scale = PERCENT if entry.percent else 1.0
     if kind == Vec3:
-        return Vector(section, label, step=entry.step, hint=hint, scale=scale)
+        return Vector(section, label, hint=hint, scale=scale)
     if kind is not float:
         raise TypeError(f"{field}: only a number or a vector has a control made from its entry, not {kind}")
     if entry.dial is not None:

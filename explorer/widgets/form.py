@@ -13,7 +13,7 @@ import viser
 from viser._messages import HotkeyKey, KeyModifier
 
 from explorer.model import palette
-from explorer.model.jobs import Jobs
+from explorer.model.jobs import Job, Jobs
 from explorer.widgets.complaint import Complaint, InvalidInputError
 
 Wake = Callable[[], None]
@@ -23,16 +23,6 @@ Action = Callable[[], None]
 MAX_ACTIONS = 64
 """Actions queued while the session is busy; beyond that the oldest are dropped."""
 QUIET = palette.rgb(palette.QUIET_BUTTON)
-BOX = ".mantine-NumberInput-root"
-AXES_STYLE = (
-    f"<style>{BOX}{{position:relative}}"
-    f'{BOX}:nth-child(1):nth-last-child(3)::before{{content:"x"}}'
-    f'{BOX} + {BOX}:nth-child(2):nth-last-child(2)::before{{content:"y"}}'
-    f'{BOX} + {BOX}:nth-child(3):last-child::before{{content:"z"}}'
-    f"{BOX}::before{{position:absolute;left:0.45em;top:50%;transform:translateY(-50%);z-index:2;"
-    "font-size:max(0.75em, var(--rn-least, 0px));opacity:0.7;pointer-events:none}</style>"
-)
-"""The letters of the axes in the three boxes of a vector."""
 
 
 def _nothing() -> None:
@@ -44,6 +34,8 @@ class Resettable(Protocol):
 
     name: str
 
+    @property
+    def boxes(self) -> tuple[viser.GuiTextHandle, ...]: ...
     def mark(self) -> bool: ...
     def reset(self) -> None: ...
     def moved(self) -> bool: ...
@@ -64,14 +56,28 @@ class FormSection(Protocol):
     def reset_all(self) -> None: ...
 
 
+class Progress(Protocol):
+    """The part that the form uses of the progress of a panel's work: see `explorer.widgets.progress`."""
+
+    away: bool
+
+    @property
+    def running(self) -> Job | None: ...
+    def draw(self) -> None: ...
+    def stop(self) -> None: ...
+
+
 class Form:
     """All sections of one visitor's docks, the queued actions, and the queues of jobs."""
 
     def __init__(self, gui: viser.GuiApi, wake: Wake) -> None:
         self.gui, self.wake = gui, wake
-        gui.add_html(AXES_STYLE)
         self.sections: list[FormSection] = []
-        self._actions: deque[tuple[Action, bool]] = deque(maxlen=MAX_ACTIONS)
+        self.progress: list[Progress] = []
+        """The progress of the work of each panel."""
+        self.away = False
+        """Whether the action that runs comes from a button that is not in its panel, or from the palette."""
+        self._actions: deque[tuple[Action, bool, bool]] = deque(maxlen=MAX_ACTIONS)
         self._last: Resettable | None = None
         self._touched: deque[FormSection] = deque()
         self._all_touched = True
@@ -112,9 +118,10 @@ class Form:
         sections = frozenset(self._touched.popleft() for _ in range(len(self._touched)))
         return None if everything else sections
 
-    def do(self, action: Action, *, step: bool = True) -> None:
-        """Queue an action for the session's loop; called from viser's threads. With `step` it can be undone."""
-        self._actions.append((action, step))
+    def do(self, action: Action, *, step: bool = True, away: bool = False) -> None:
+        """Queue an action for the session's loop; called from viser's threads. With `step` it can be undone; `away` is
+        one whose button is not in the panel that acts."""
+        self._actions.append((action, step, away))
         self.wake()
 
     def run_actions(self, before: Action = _nothing) -> bool:
@@ -124,7 +131,7 @@ class Form:
         """
         count, stepped = len(self._actions), False
         for _ in range(count):
-            action, step = self._actions.popleft()
+            action, step, self.away = self._actions.popleft()
             self.touch()
             stepped = stepped or step
             with suppress(InvalidInputError):
@@ -132,8 +139,21 @@ class Form:
             with suppress(InvalidInputError):
                 action()
             self.touch()
+        self.away = False
         self.actions_run += count
         return stepped
+
+    def draw_progress(self) -> Job | None:
+        """Show the progress of all panels' work. Returns the job that was begun by a button elsewhere, if one runs."""
+        for panel in self.progress:
+            panel.draw()
+        return next((panel.running for panel in self.progress if panel.away and panel.running is not None), None)
+
+    def stop_progress(self) -> None:
+        """Stop the work that was begun by a button elsewhere."""
+        for panel in self.progress:
+            if panel.away:
+                panel.stop()
 
     def refresh(self) -> None:
         """Update the marks and the reset rows of all sections."""
@@ -166,10 +186,14 @@ class Form:
         for section in tuple(self.sections):
             section.reset_all()
 
-    def button(self, label: str, action: Action, *, hint: str, quiet: bool = False) -> viser.GuiButtonHandle:
-        """A button whose action the session's loop runs; a `quiet` one is grey, for an action that is rarely wanted."""
+    def button(
+        self, label: str, action: Action, *, hint: str, quiet: bool = False, away: bool = False
+    ) -> viser.GuiButtonHandle:
+        """A button whose action the session's loop runs; a `quiet` one is grey, for an action that is rarely wanted.
+
+        `away`: whether another panel acts."""
         button = self.gui.add_button(label, hint=hint, color=QUIET if quiet else None)
-        button.on_click(lambda _: self.do(action))
+        button.on_click(lambda _: self.do(action, away=away))
         return button
 
     def command(
@@ -182,7 +206,8 @@ class Form:
         step: bool = True,
     ) -> None:
         """A command of the Ctrl+K palette, with an optional hotkey. With `step` it can be undone."""
-        self.gui.add_command(label, hotkey=key, modifier=modifier).on_trigger(lambda _: self.do(action, step=step))
+        command = self.gui.add_command(label, hotkey=key, modifier=modifier)
+        command.on_trigger(lambda _: self.do(action, step=step, away=True))
 
     @property
     def waiting(self) -> bool:

@@ -1,31 +1,52 @@
 """The running job of a panel: its name, its progress and a button to stop it, beside the button that started it."""
 
 import html
+from collections.abc import Callable
 
-from explorer.model.jobs import Jobs
+from explorer.model.jobs import Job, Jobs, T, Work
 from explorer.widgets.form import Form
+
+STOP_HINT = "Ends the work at once; what was there before stays."
 
 
 class ProgressPanel:
-    """A line, a bar and a button."""
+    """A line, a bar and a button, below the button whose work `start` begins. The form draws them."""
 
-    def __init__(self, form: Form, jobs: Jobs, names: tuple[str, ...]) -> None:
-        """`names`: beginnings of the names of the jobs that are shown."""
-        self._jobs, self._names, self._shown = jobs, names, False
-        self._line = form.gui.add_markdown("", visible=False)
+    def __init__(self, form: Form, jobs: Jobs) -> None:
+        self._form, self._jobs, self._shown = form, jobs, False
+        self._job: Job | None = None
+        self.away = False
+        """Whether the work was begun by a button elsewhere, such as one of the verdict, or by the palette."""
+        self.line = form.gui.add_markdown("", visible=False)
         self._bar = form.gui.add_progress_bar(0.0, visible=False, animated=True)
-        self._button = form.button("Stop", jobs.cancel, hint="Ends the work at once; what was there before stays.")
-        self._button.visible = False
+        self.button = form.button("Stop", self.stop, hint=STOP_HINT)
+        self.button.visible = False
+        form.progress.append(self)
+
+    def start(self, name: str, work: Work[T], done: Callable[[T], None], failed: Callable[[str], None]) -> Job:
+        """Start a job of this panel, as `Jobs.start` does."""
+        self.away = self._form.away
+        self._job = self._jobs.start(name, work, done, failed)
+        return self._job
+
+    def stop(self) -> None:
+        """End the job of this panel, if it is still running."""
+        self._jobs.drop(self._job)
+
+    @property
+    def running(self) -> Job | None:
+        """The job of this panel; None if there is none, or once its result was delivered."""
+        job = self._jobs.running
+        return job if job is self._job else None
 
     def draw(self) -> None:
         """Show the progress of the running job."""
-        running = self._jobs.running
-        job = running if running is not None and running.name.startswith(self._names) else None
+        job = self.running
         if (job is not None) != self._shown:
             self._shown = job is not None
-            self._line.visible = self._bar.visible = self._button.visible = self._shown
+            self.line.visible = self._bar.visible = self.button.visible = self._shown
         if job is not None:
             self._bar.value = 100 * job.fraction
-            line = f"Working: **{html.escape(job.name)}**, {100 * job.fraction:.0f} %"
-            if line != self._line.content:
-                self._line.content = line
+            line = f"Working: {html.escape(job.name)}, {100 * job.fraction:.0f} %"
+            if line != self.line.content:
+                self.line.content = line

@@ -1,10 +1,12 @@
 """A section of the form: a folder of controls, below them a complaint and a row of buttons that reset the controls."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any
 
+from explorer.model.glossary import in_labels
+from explorer.web.elements import element_id
 from explorer.widgets.complaint import Complaint, InvalidInputError
 from explorer.widgets.form import Form, Resettable
 
@@ -25,6 +27,7 @@ class Section:
         self.form, self.gui, self.wake = form, form.gui, form.wake
         self._folder = self.gui.add_folder(label, expand_by_default=expanded, order=order)
         self._controls: list[Resettable] = []
+        self._check: Callable[[], object] | None = None
         self._touched = True
         with self._folder:
             self.complaint = Complaint(self.gui, order=COMPLAINTS)
@@ -60,6 +63,12 @@ class Section:
         """The controls, in the order in which they were created."""
         return tuple(self._controls)
 
+    def boxes_named(self, reason: BaseException | None) -> list[str]:
+        """The ids of the text boxes of the control that a reason begins with."""
+        sentence = in_labels(str(reason))
+        named = [one for one in self._controls if sentence.startswith(one.name.partition(" (")[0])]
+        return [element_id(box) for one in named for box in one.boxes]
+
     @property
     def visible(self) -> bool:
         """Whether the section is on the page."""
@@ -80,6 +89,11 @@ class Section:
         self.form.sections.remove(self)
         self._folder.remove()
         self.form.forget(self._controls)
+
+    def check(self, read: Callable[[], object]) -> None:
+        """Have what the controls hold checked as soon as one is moved, where nothing but a button reads them. `read`
+        raises ValueError with the reason, which is shown here."""
+        self._check = read
 
     @contextmanager
     def checking(self, text: str = "") -> Iterator[None]:
@@ -119,6 +133,9 @@ class Section:
         if not self._touched:
             return None
         self._touched = False  # before reading, so that no change is lost
+        if self._check is not None:
+            with suppress(InvalidInputError), self.catching():
+                self._check()
         changed = [control for control in self._controls if control.mark()]
         offered = tuple(control.name for control in changed) + (("all",) if len(changed) > 1 else ())
         if offered != self._offered:
@@ -155,7 +172,10 @@ def complaining(*sections: Section) -> Iterator[None]:
         if refusal.complaint in complaints:
             for complaint in complaints[: complaints.index(refusal.complaint)]:
                 complaint.clear()
-            refusal.complaint.say(str(refusal.__cause__), text=refusal.text)
+            section = sections[complaints.index(refusal.complaint)]
+            refusal.complaint.say(
+                str(refusal.__cause__), text=refusal.text, boxes=section.boxes_named(refusal.__cause__)
+            )
         raise
     for complaint in complaints:
         complaint.clear()

@@ -28,6 +28,7 @@ from rangenav.repair.outcome import (
     CannotRepairError,
     Refused,
     Repair,
+    WayOut,
     certificate_of,
     changed_preset,
     failure_reason,
@@ -99,7 +100,7 @@ def repair(
         if solution is not None:
             return _confirmed(preset, by, *solution, budget)
     reason = failure_reason(preset, by, budget, nearest_trials, refused)
-    raise CannotRepairError(f"{reason}; {ways_out.ways_out(preset, by, before.excitation.at)}")
+    raise ways_out.ways_out(preset, by, reason, before.excitation.at)
 
 
 def improve(
@@ -122,7 +123,7 @@ def improve(
     current = figures(preset)
     if not np.isfinite(current.sigma):
         raise CannotRepairError(
-            f"{by}: the motion is blind, so there is no predicted error to improve: repair it first"
+            f"{by}: the motion is blind, so there is no predicted error to improve: repair it first", ways=("repair",)
         )
     budget = _budget(preset, evaluations, progress, cancelled)
     limit = MOST_EFFORT[by] if most_effort is None else most_effort
@@ -175,6 +176,7 @@ def _limited(preset: Preset, by: ChangeKind, budget: Budget) -> Iterator[Preset]
 def _refuse_hopeless(preset: Preset, by: ChangeKind, before: Certificate) -> None:
     """Raise CannotRepairError where no change of this kind can help: scaling adds no snap along a new direction."""
     refused = path_changes.refusal(by, preset)
+    ways: tuple[WayOut, ...] = () if by == "tones" else ("tones",)
     along = blindness.name(np.asarray(before.excitation.direction))
     if refused is None and by in ("amplitude", "timescale") and before.excitation.found is None:
         change = "larger or smaller" if by == "amplitude" else "faster or slower"
@@ -184,10 +186,12 @@ def _refuse_hopeless(preset: Preset, by: ChangeKind, before: Certificate) -> Non
         )
     if refused is None and by not in SLOWING and preset.vehicle != FREE and before.vehicle.broken:
         broken = before.vehicle.broken[0]
-        way_out = "move the anchor" if broken.startswith(WORDS["anchor_distance_min"][0]) else "fly it slower first"
+        near = broken.startswith(WORDS["anchor_distance_min"][0])
+        way_out = "move the anchor" if near else "fly it slower first"
+        ways = ("anchor",) if near else ("slower",)
         refused = f"the path is too much for {preset.vehicle.name} already: {broken}; {way_out}"
     if refused is not None:
-        raise CannotRepairError(f"{by}: {refused}")
+        raise CannotRepairError(f"{by}: {refused}", ways=ways)
 
 
 def _refuse_unjudged(preset: Preset, by: ChangeKind, before: Certificate) -> None:

@@ -1,7 +1,7 @@
 """The result of a repair: the changed preset with its certificate, or the reason why there is none."""
 
 import math
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -19,6 +19,9 @@ from rangenav.repair.search import NOWHERE, Budget, Trial
 from rangenav.results import result
 from rangenav.vehicle import CRAZYFLIE, FREE, WORDS
 
+WayOut = Literal["window", "anchor", "slower", "tones", "repair"]
+"""What may help where no change was found: a longer window, another place of the anchor, a slower flight first, added
+tones, or a repair before an improvement."""
 STAND_IN = CRAZYFLIE
 """If a preset's vehicle has no limits, a repair keeps the limits of this one where it can."""
 
@@ -33,6 +36,11 @@ class Refused:
 
 class CannotRepairError(ValueError):
     """This kind of change does not meet the requirement; the sentence says why."""
+
+    def __init__(self, sentence: str, *, ways: tuple[WayOut, ...] = (), window: float | None = None) -> None:
+        """ways: what the sentence advises. window: the longer window (s) with which tones were certified."""
+        super().__init__(sentence)
+        self.ways, self.window = ways, window
 
 
 @result

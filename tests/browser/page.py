@@ -247,8 +247,8 @@ class Visitor:
         return (own if own.count() else self.beside(label)).locator("input:not([type=hidden])")
 
     def type_number(self, label: str, text: str, box: int = 0) -> None:
-        """Type into the number box beside a label."""
-        field = self.box(label).nth(box)
+        """Type into the number box beside a label; of a vector, into the box of an axis: 0, 1 or 2."""
+        field = self.box(f"{label}: {'xyz'[box]}" if box else label).first
         field.click()
         field.fill(text)
         time.sleep(INPUT_PAUSE)

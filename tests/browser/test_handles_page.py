@@ -12,6 +12,7 @@ from playwright.sync_api import Browser
 
 from explorer.scene.bounds import SceneBounds
 from explorer.scene.drag_handles import GIZMO_SHARE, DragHandles
+from explorer.scene.labels import Labels
 from explorer.web import identity, security
 from explorer.web.identity import Slots
 from rangenav.inputs import Vec3
@@ -42,7 +43,7 @@ class Room:
         client.scene.set_up_direction(UP)
         client.camera.position, client.camera.look_at = (1.0, 6.0, -3.0), (0.0, 0.0, 0.0)
         self._wake, self._places = threading.Event(), dict(PLACES)
-        self.handles = DragHandles(client.scene, self._wake.set)
+        self.handles = DragHandles(client.scene, Labels(client.scene, client.camera), self._wake.set)
         client.gui.add_command("Put the gizmo away", hotkey="escape").on_trigger(lambda _: self.handles.deselect())
         self._draw()
         client.gui.add_markdown(READY_WORD)

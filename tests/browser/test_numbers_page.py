@@ -63,3 +63,18 @@ def test_the_palette_finds_tabs_presets_plots_exports_controls_and_help_and_goes
     visitor.page.keyboard.press("Enter")
     focus = "() => document.activeElement.getAttribute('aria-label')"
     until(lambda: visitor.page.evaluate(focus) == "process noise V(p)", "the focus")
+
+
+def test_of_a_number_that_is_typed_letter_by_letter_no_part_is_shown(visitor: Visitor):
+    visitor.tab("Gains")
+    curve = "σ by P"
+    before = visitor.chart_data(curve)
+    visitor.box(WEIGHT).first.click()
+    visitor.page.keyboard.press("Control+a")
+    visitor.page.keyboard.type("1e99", delay=60)
+    visitor.wait_for_text("range weight q must lie between")
+    assert visitor.chart_data(curve) == before  # and not that of q = 1
+    visitor.page.keyboard.press("Control+a")
+    visitor.page.keyboard.type("5e3", delay=60)
+    visitor.page.keyboard.press("Enter")
+    visitor.wait_for_no_text("range weight q must lie between")

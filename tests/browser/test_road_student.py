@@ -53,10 +53,10 @@ def test_from_a_blind_hover_to_an_estimate_that_arrives_in_twelve_actions(visito
     place = visitor.page.get_by_role("button", name="+ x").first.bounding_box()
     for axis in ("x", "y", "z"):
         student.press(f"+ {axis}")
-        visitor.wait_for_text(f"{axis}: 0.5 m")
+        visitor.wait_for_text(f"{axis}: 0.6 m")
     assert visitor.page.get_by_role("button", name="+ x").first.bounding_box() == place  # it stays under the mouse
     text = visitor.text()
-    assert all(heading in text for heading in ("x: 0.5 m · sin(4 t)", "y: 0.5 m · sin(6 t)", "z: 0.5 m · sin(3 t)"))
+    assert all(heading in text for heading in ("x: 0.6 m · sin(4 t)", "y: 0.6 m · sin(6 t)", "z: 0.6 m · sin(3 t)"))
     visitor.wait_for_text("all 13 quantities determined")
     visitor.wait_for_text("wanted ±0.5 m")
     student.tab("World")

@@ -17,6 +17,8 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
+from explorer.widgets.vector import AXES, box_label
+
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": (1.0, 0.0, 0.0, 0.0),
@@ -104,7 +106,11 @@ class Wire:
         self._socket.send(msgspec.msgpack.encode(message))
 
     def set(self, label: str, value: Any) -> None:
-        """Set a control as the page would; a number is typed into a box for numbers."""
+        """Set a control as the page would; numbers are typed into the boxes for numbers."""
+        if isinstance(value, list | tuple):
+            for axis, entry in zip(AXES, value, strict=True):
+                self.set(box_label(label, axis), str(entry))
+            return
         uuid = self.find(label)
         if isinstance(self.elements[uuid].get("value"), str) and isinstance(value, int | float):
             value = str(value)
@@ -173,15 +179,23 @@ class Wire:
             self.send({"type": "TransformControlsDragEndMessage", **owned})
 
     def find(self, label: str) -> str:
-        """The id of the control with this label; the box of a slider has the slider's label and “: number”."""
-        for uuid, properties in list(self.elements.items()):
-            if (properties.get("label") or "").removesuffix(CHANGED) == label:
-                return uuid
-        raise LookupError(f"no control {label!r}")
+        """The id of the control with this label, of one that is shown if there are several; the box of a slider has
+        the slider's label and “: number”."""
+        named = [
+            (not properties.get("visible", True), k, uuid)
+            for k, (uuid, properties) in enumerate(list(self.elements.items()))
+            if (properties.get("label") or "").removesuffix(CHANGED) == label
+        ]
+        if not named:
+            raise LookupError(f"no control {label!r}")
+        return min(named)[-1]
 
     def value(self, label: str) -> Any:
-        """What the control shows."""
-        return self.elements[self.find(label)]["value"]
+        """What the control shows; of a vector, the texts of its three boxes."""
+        shown = self.elements[self.find(label)]["value"]
+        if not any(p.get("label") == box_label(label, AXES[1]) for p in list(self.elements.values())):
+            return shown
+        return shown, *(self.value(box_label(label, axis)) for axis in AXES[1:])
 
     def text(self) -> str:
         """All text of the page that is shown, as HTML or markdown."""

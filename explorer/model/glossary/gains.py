@@ -65,12 +65,13 @@ PAPER_GAINS = {
         unit="s⁴/m²",
         meaning="The weight of the estimated gravity in the attitude filter; it multiplies |g|² ≈ 96.",
         place="paper, eq. 9",
-        advice="1 is stiff at low rates.",
+        advice="A weight of 1 makes the filter stiff at a low IMU rate.",
         fields=("gains.attitude.rho2",),
     ),
     "schedule": Term(
         label="scheduled k1",
-        meaning="k1 is high while measured and expected directions differ, then low; outside the theorem.",
+        meaning="k1 is high while measured and expected directions differ, and low afterwards; the paper's theorem "
+        "does not cover it.",
         fields=("gains.attitude.schedule",),
     ),
     "steady": Term(
@@ -81,7 +82,7 @@ PAPER_GAINS = {
     ),
     "halfway": Term(
         label="misalignment at half way",
-        meaning="The misalignment, 0 to 2, at which k1 is halfway between its ends, in equal ratios.",
+        meaning="The misalignment, 0 to 2, at which k1 is the geometric mean of its highest and its lowest value.",
         fields=("gains.attitude.schedule.halfway",),
     ),
     "memory": Term(
@@ -111,11 +112,11 @@ PHYSICAL_GAINS = {
     ),
     "position_factor": Term(
         label="position drift factor",
-        meaning="V(p) as a multiple of what the gyro's noise alone makes of it; 1 adds nothing.",
+        meaning="V(p) divided by the V(p) that the gyro's noise alone causes; at 1 there is nothing else.",
     ),
     "velocity_factor": Term(
         label="velocity drift factor",
-        meaning="V(v) as a multiple of what gyro and accelerometer noise make of it; 1 adds nothing.",
+        meaning="V(v) divided by the V(v) that the noise of gyro and accelerometer causes; at 1 there is nothing else.",
     ),
     "position_box": Term(
         label="initial position error ±",
@@ -137,7 +138,7 @@ PHYSICAL_GAINS = {
     ),
     "xi_factor": Term(
         label="initial ξ factor",
-        meaning="P₀(ξ) as a multiple of the mean variance of ξ₁…ξ₄ in the three boxes; 1 adds nothing.",
+        meaning="P₀(ξ) divided by the mean variance that ξ₁…ξ₄ have for the three initial errors ± above.",
     ),
     "attitude_time": Term(
         label="slowest time constant T",
@@ -145,8 +146,8 @@ PHYSICAL_GAINS = {
         meaning="How long the slowest part of a small attitude error takes to fall to a third; it decides k1.",
     ),
     "gravity_weight": Term(
-        label="trust in gravity",
-        meaning="What the direction of gravity counts against that of the magnetic field; it decides ρ2.",
+        label="gravity over magnetometer weight",
+        meaning="How much the direction of gravity counts, as a multiple of the magnetic direction; it decides ρ2.",
         formula="ρ2|g|²/(ρ1|m|²)",
     ),
 }
@@ -165,7 +166,7 @@ START = {
         fields=("guess.attitude_angle",),
     ),
     "initial axis": Term(
-        label="axis of that error",
+        label="axis of the attitude error",
         meaning="The axis of the initial attitude error in inertial axes, of any length but zero.",
         fields=("guess.attitude_axis",),
     ),

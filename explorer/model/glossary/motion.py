@@ -94,7 +94,7 @@ MOTION = {
         meaning="Turns the twin's path about the anchor, as dragging it does; its range stays the true one.",
     ),
     "twin axis": Term(
-        label="axis of that turn",
+        label="axis of the twin's turn",
         meaning="The axis of the twin's turn in inertial axes, of any length but zero.",
     ),
 }

@@ -72,7 +72,7 @@ SENSING = {
     ),
     "seed": Term(
         label="noise seed",
-        meaning="The same seed gives the same noise to the last bit, another one another run; a whole number from 0.",
+        meaning="The same seed gives the same noise to the last bit, another seed another run; a whole number from 0.",
         fields=("seed",),
     ),
     "unmodelled": Term(

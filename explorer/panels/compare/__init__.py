@@ -22,6 +22,7 @@ from explorer.model.view import View
 from explorer.panels.compare import text
 from explorer.widgets.controls import Number, Switch
 from explorer.widgets.form import Action, Form
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import ensemble
 from rangenav.comparison import Candidate
@@ -99,9 +100,11 @@ class ComparePanel:
             self._count = Number(section, COMPARE["runs"].caption, hint=COMPARE["runs"].hint)
             self._count.write(SEEDS, None)
             form.button("Run the noise seeds", self._run_seeds, hint=SEEDS_HINT)
+            self._progress = ProgressPanel(form, self._jobs)
             self._clear_button = form.button("Remove the band", self._clear_seeds, hint="Takes it off the plots.")
             self._clear_button.visible = False
             self._seeds_line = form.gui.add_html("")
+        section.check(self._seed_count)
 
     def _build_baselines(self, form: Form) -> None:
         section = Section(form, "Other estimators on this record")
@@ -215,15 +218,11 @@ class ComparePanel:
 
     def _run_seeds(self) -> None:
         with self._seeds_section.catching():
-            count = self._count.read()
-            require(
-                math.isfinite(count) and 1 <= count <= MAX_SEEDS and count == int(count),
-                f"runs must be a whole number between 1 and {MAX_SEEDS}, got {count:g}",
-            )
+            seed_count = self._seed_count()
         picture = self._picture
         if picture is None:
             return
-        run, seed_count = comparison.inputs_of(picture), int(count)
+        run = comparison.inputs_of(picture)
 
         def work(progress: Callable[[float], None], cancelled: Callable[[], bool]) -> Ensemble:
             return ensemble.seeds(
@@ -237,8 +236,15 @@ class ComparePanel:
             self._running_seeds = None
             self._seeds_section.complaint.say(sentence)
 
-        self._jobs.start(f"{seed_count} seeds", work, done, failed)
+        self._progress.start(f"{seed_count} seeds", work, done, failed)
         self._running_seeds, self._message, self._changed = (run, self._jobs.running), "", True
+
+    def _seed_count(self) -> int:
+        """Raises ValueError with the reason."""
+        count = self._count.read()
+        whole = math.isfinite(count) and 1 <= count <= MAX_SEEDS and count == int(count)
+        require(whole, f"runs must be a whole number between 1 and {MAX_SEEDS}, got {count:g}")
+        return int(count)
 
     def _stop_seeds(self) -> None:
         """Stop the seeds, because the settings have changed."""

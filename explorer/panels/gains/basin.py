@@ -23,6 +23,7 @@ from explorer.widgets.controls import Number
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import ensemble
 from rangenav.ensemble import Basin
@@ -74,10 +75,12 @@ class BasinPanel:
             self._angle.write(ANGLE, None)
             self._axes.write(AXES, None)
             form.button(COMPUTE_LABEL, self._compute, hint=COMPUTE_HINT)
+            self._progress = ProgressPanel(form, jobs)
             self._result = form.gui.add_html("", visible=False)
             self._slowest = form.button("Start from the slowest", self._start_from_slowest, hint=SLOWEST_HINT)
             self._hide = form.button(HIDE_LABEL, self._toggle, hint=HIDE_HINT)
         self._slowest.visible = self._hide.visible = False
+        section.check(self._options)
         form.command("Basin of attraction", self._compute)
 
     @property
@@ -114,10 +117,7 @@ class BasinPanel:
 
     def _compute(self) -> None:
         with self._section.catching():
-            angle, axes = self._angle.read(), self._axes.read()
-            whole = math.isfinite(axes) and axes == int(axes) and 1 <= axes <= MAX_AXES
-            require(whole, f"number of axes must be a whole number between 1 and {MAX_AXES}, got {axes:g}")
-            chosen, count = effective(self._page.read()), int(axes)
+            chosen, (angle, count) = effective(self._page.read()), self._options()
         setup = basin.setup_of(chosen)
 
         def work(progress: Progress, cancelled: Cancelled) -> Basin:
@@ -130,8 +130,15 @@ class BasinPanel:
             self._running = None
             self._section.complaint.say(sentence)
 
-        self._jobs.start(f"{count} starts at {significant(math.degrees(angle), 4)}°", work, done, failed)
+        self._progress.start(f"{count} starts at {significant(math.degrees(angle), 4)}°", work, done, failed)
         self._running, self._message = (setup, self._jobs.running), ""
+
+    def _options(self) -> tuple[float, int]:
+        """Angle (rad) and number of axes. Raises ValueError with the reason."""
+        angle, axes = self._angle.read(), self._axes.read()
+        whole = math.isfinite(axes) and axes == int(axes) and 1 <= axes <= MAX_AXES
+        require(whole, f"number of axes must be a whole number between 1 and {MAX_AXES}, got {axes:g}")
+        return angle, int(axes)
 
     def forget_preset(self) -> None:
         """Forget the globe without a word: it belongs to a run that is not on the page any more."""

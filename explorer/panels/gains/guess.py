@@ -6,10 +6,11 @@ from typing import Literal
 from explorer.model.compute import Picture
 from explorer.model.glossary import START
 from explorer.panels.gains.equilibria import EquilibriaSection
-from explorer.widgets.controls import Choice, Vector
+from explorer.widgets.controls import Choice
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
+from explorer.widgets.vector import Vector
 from rangenav.gains import Guess
 from rangenav.inputs import Vec3
 
@@ -36,13 +37,13 @@ class GuessPanel:
             self._angle = Dial(
                 section, angle.caption, HALF_TURNS, step=0.1, hint=angle.hint, scale=degrees, allowed=HALF_TURNS
             )
-            self._axis = Vector(section, axis.caption, step=0.01, hint=axis.hint)
+            self._axis = Vector(section, axis.caption, hint=axis.hint)
             self._equilibria = EquilibriaSection(form, self._set_attitude_error)
         self._offsets = section = Section(form, "Offsets from the truth", expanded=False)
         with section:
             terms = [START[f"{name} offset"] for name in ("position", "velocity", "gravity")]
             self._position, self._velocity, self._gravity = (
-                Vector(section, term.caption, step=0.1, hint=term.hint) for term in terms
+                Vector(section, term.caption, hint=term.hint) for term in terms
             )
 
     def refresh(self) -> None:

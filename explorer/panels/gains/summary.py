@@ -37,7 +37,7 @@ STIFFNESS_WARNING = f'<div style="color:{palette.WARNING};font-weight:600;margin
 DIAL_NAMES: dict[GainUnits, dict[str, str]] = {
     "paper": {"rho": "ρ"},
     "physical": {
-        "lower k1 or rho2": "raise the slowest time constant T or lower the trust in gravity",
+        "lower k1 or rho2": "raise the slowest time constant T or lower the gravity over magnetometer weight",
         "lower k1 or rho1": "raise the slowest time constant T",
     },
 }

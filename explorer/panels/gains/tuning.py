@@ -12,19 +12,22 @@ import viser
 
 from explorer.model.compute import Picture
 from explorer.model.glossary import COMPARE
-from explorer.model.jobs import Job, Jobs
+from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.panels.gains import tradeoff_plot
 from explorer.panels.gains import tuning_text as text
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
 from explorer.panels.presets import Page
-from explorer.widgets.controls import Number
-from explorer.widgets.form import Form
+from explorer.widgets.answer import AnswerButton
+from explorer.widgets.controls import Number, when_moved
+from explorer.widgets.dials import Dial
+from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import tradeoff, tune
 from rangenav.gains import Gains
-from rangenav.inputs import require
+from rangenav.inputs import require, require_within
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
 from rangenav.tradeoff import Measure, Point
@@ -32,7 +35,7 @@ from rangenav.tune import Tuned
 
 MAX_RUNS, RUNS = 32, 8
 MAX_EVALUATIONS, EVALUATIONS = 2000, 300
-STEADINESS = 0.5
+STEADINESS, WEIGHTS = 0.5, (0.0, 1.0)
 SEARCH_SHARE = 0.95
 """Share of the work that is the search; the rest scores the gains on held-out seeds."""
 CURVES: dict[str, tuple[Measure, Measure]] = {
@@ -45,23 +48,28 @@ TUNE_HINT = "Searches the gains from those on the page. The page stays usable; n
 CURVE_HINT = (
     "Whose trade-off curve to walk along: gains that none of those tried beats both in settling and in exactness."
 )
+PLACE = "place on the curve"
 PLACE_HINT = "Left: settles soonest. Right: most exact afterwards."
-USE_HINT = "Puts the picked gains on the page, and says what they change; Ctrl+Z takes them back."
-DISCARD_HINT = "Forgets what was found; what is on the page stays as it is."
+USE_HINT = "Puts the picked gains on the page, and pins the run before as A; Ctrl+Z takes them back."
+DISCARD_HINT = "Forgets what the search has found; the gains on the page stay as they are."
+USE = AnswerButton(event="use-gains", label="Use these gains", hint=USE_HINT, main=True)
+DISCARD = AnswerButton(event="discard-gains", label="Discard", hint=DISCARD_HINT)
 HtmlHandle = viser.GuiHtmlHandle
 
 
 class TuningPanel:
     """Options of the search, a button, and its result: figures, the tradeoff curve, and a slider to pick from it."""
 
-    def __init__(self, form: Form, page: Page, jobs: Jobs) -> None:
-        self._page, self._jobs = page, jobs
+    def __init__(self, form: Form, page: Page, jobs: Jobs, pin: Action) -> None:
+        """`pin` pins the run on the page as A."""
+        self._page, self._pin = page, pin
         self._picture: Picture | None = None
         self.result: tuple[Preset, Tuned] | None = None
         self.picked: Point | None = None
         self.choices: tuple[Point, ...] = ()
         self._held_out_jobs = form.new_jobs()
-        self._search: Job | None = None
+        self.outcome = ""
+        """What the last search has found; empty once that was used or discarded."""
         self._held_out_points: dict[Gains, Point] = {}
         """The scores on held-out seeds, of the best gains and of those that were picked."""
         self._runs_used, self._summary_text = 0, ""
@@ -69,26 +77,25 @@ class TuningPanel:
         """The picture before the gains were used, and these gains."""
         self._section = section = Section(form, "Auto-tune", expanded=False)
         with section:
-            marks = ((0.0, "soon"), (1.0, "exact"))
-            self._steadiness = form.gui.add_slider(
-                WEIGHT.caption, 0.0, 1.0, 0.05, STEADINESS, hint=WEIGHT.hint, marks=marks
-            )
+            self._steadiness = Dial(section, WEIGHT.caption, WEIGHTS, step=0.05, hint=WEIGHT.hint)
+            self._steadiness.write(STEADINESS, None)
             self._runs = Number(section, RUNS_TERM.caption, hint=RUNS_TERM.hint)
             self._evaluations = Number(section, TRIES.caption, hint=TRIES.hint)
             self._runs.write(RUNS, None)
             self._evaluations.write(EVALUATIONS, None)
             form.button("Tune the gains", self.start, hint=TUNE_HINT)
+            self.progress = ProgressPanel(form, jobs)
             self._summary_block, self._plots_block = form.gui.add_html(""), form.gui.add_html("")
             self._curve = form.gui.add_dropdown("curve to pick from", tuple(CURVES), hint=CURVE_HINT)
-            self._place = form.gui.add_slider("place on the curve", 1.0, 2.0, 1.0, 1.0, hint=PLACE_HINT)
+            self._place = Dial(section, PLACE, (1.0, 2.0), step=1.0, hint=PLACE_HINT, ends=False)
             self._picked_block = form.gui.add_html("")
             self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
             self._used_block = form.gui.add_html("", visible=False)
-            self._discard = form.button("Discard", self._forget_result, hint=DISCARD_HINT)
-        self._curve.on_update(
-            lambda event: form.do(self._choose_curve, step=False) if event.client_id is not None else None
-        )
-        self._place.on_update(lambda event: form.do(self._pick, step=False) if event.client_id is not None else None)
+            self._discard = form.button("Discard the search", self._forget_result, hint=DISCARD_HINT)
+        section.check(self._options)
+        when_moved(self._curve, lambda: form.do(self._choose_curve, step=False))
+        for handle in self._place.handles:
+            when_moved(handle, lambda: form.do(self._pick, step=False))
         self._forget_result()
         form.command("Auto-tune", self.start)
 
@@ -100,10 +107,7 @@ class TuningPanel:
     def start(self) -> None:
         """Look for better gains."""
         with self._section.catching():
-            preset, steadiness = effective(self._page.read()), self._steadiness.value
-            runs = _whole(RUNS_TERM.label, self._runs.read(), MAX_RUNS)
-            evaluations = _whole(TRIES.label, self._evaluations.read(), MAX_EVALUATIONS)
-            require(0 <= steadiness <= 1, f"{WEIGHT.label} must lie between 0 and 1, got {steadiness}")
+            preset, (steadiness, runs, evaluations) = effective(self._page.read()), self._options()
 
         def work(progress: Progress, cancelled: Cancelled) -> Tuned:
             return tune.tune(
@@ -118,12 +122,20 @@ class TuningPanel:
         def done(tuned: Tuned) -> None:
             self._show(preset, tuned, runs)
 
-        self._search = self._jobs.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
+        self.outcome = ""
+        self.progress.start(f"auto-tune, {evaluations} gains", work, done, self._section.complaint.say)
+
+    def _options(self) -> tuple[float, int, int]:
+        """Weight, runs and tries. Raises ValueError with the reason."""
+        steadiness = self._steadiness.read()
+        require_within(WEIGHT.label, steadiness, *WEIGHTS)
+        runs = _whole(RUNS_TERM.label, self._runs.read(), MAX_RUNS)
+        return steadiness, runs, _whole(TRIES.label, self._evaluations.read(), MAX_EVALUATIONS)
 
     def _show(self, preset: Preset, tuned: Tuned, runs: int) -> None:
         self.result, self.picked, self._runs_used = (preset, tuned), tuned.after, runs
         self._held_out_points = {one.gains: one for one in (tuned.held_out_before, tuned.held_out_after)}
-        self._summary_text = text.summary(tuned, runs)
+        self._summary_text, self.outcome = text.summary(tuned, runs), text.outcome(tuned, runs)
         self._curve.value = next(iter(CURVES))
         self._offer_choices()
         self._show_result(True)
@@ -141,9 +153,9 @@ class TuningPanel:
         by_objective = sorted(tuned.points, key=lambda point: point.objective(tuned.steadiness))
         self.choices = tradeoff.front(tuple(by_objective), *CURVES[curve])
         best = min(range(len(self.choices)), key=lambda k: self.choices[k].objective(tuned.steadiness))
-        self._place.value = 1.0
-        self._place.max = float(max(len(self.choices), 2))
-        self._place.value = float(best + 1)
+        self._place.show(1.0)
+        self._place.span(float(max(len(self.choices), 2)))
+        self._place.show(float(best + 1))
 
     def _choose_curve(self) -> None:
         """Show another curve. The browser may have sent one that is not offered."""
@@ -154,7 +166,7 @@ class TuningPanel:
 
     def _pick(self) -> None:
         with self._section.catching():
-            position = _whole("place on the curve", self._place.value, len(self.choices))
+            position = _whole(PLACE, self._place.read(), len(self.choices))
         self.picked = self.choices[position - 1]
         self._score_held_out(self.picked)
         self._update_text()
@@ -204,9 +216,23 @@ class TuningPanel:
             plots = "".join(tradeoff_plot.plot(axes, tuned.points, marked) for axes in (POSITION, ATTITUDE))
             _assign(self._plots_block, NOTE.format(plots + tradeoff_plot.legend()))
 
+    @property
+    def actions(self) -> dict[str, Action]:
+        """What the buttons below the verdict do, by the names that they send."""
+        return {USE.event: self._use_picked, DISCARD.event: self._forget_result}
+
+    @property
+    def answers(self) -> tuple[AnswerButton, ...]:
+        """The buttons below the verdict."""
+        better = self.result is not None and self.result[1].after is not self.result[1].before
+        return (USE, DISCARD) if better else (DISCARD,)
+
     def _use_picked(self) -> None:
+        self.outcome = ""
         if self.picked is not None:
             settings = self._page.read()
+            if settings.preset.gains != self.picked.gains:
+                self._pin()
             preset = msgspec.structs.replace(settings.preset, gains=self.picked.gains)
             self._page.write(msgspec.structs.replace(settings, preset=preset))
             if self._picture is not None and self._picture.settings == settings:
@@ -214,12 +240,13 @@ class TuningPanel:
 
     def forget_preset(self) -> None:
         """Stop the search, and forget what it has found: it belongs to a run that is not on the page any more."""
-        self._jobs.drop(self._search)
+        self.progress.stop()
         self._forget_result()
 
     def _forget_result(self) -> None:
         self._held_out_jobs.cancel()
         self.result = self.picked = self._used = None
+        self.outcome = ""
         self._used_block.visible = False
         self.choices = ()
         self._show_result(False)
@@ -227,7 +254,8 @@ class TuningPanel:
     def _show_result(self, visible: bool) -> None:
         for part in (self._summary_block, self._plots_block, self._picked_block, self._curve, self._use, self._discard):
             part.visible = visible
-        self._place.visible = visible and len(self.choices) > 1
+        for handle in self._place.handles:
+            handle.visible = visible and len(self.choices) > 1
 
 
 def _whole(name: str, value: float, most: int) -> int:

@@ -53,6 +53,19 @@ def summary(tuned: Tuned, runs: int) -> str:
     return _verdict_text(tuned, runs, held_after - held_before) + _table(table_rows) + _random_starts(tuned)
 
 
+def outcome(tuned: Tuned, runs: int) -> str:
+    """What the search has found, in one sentence: of the runs with other noise, which it has not tried."""
+    if tuned.after is tuned.before:
+        return f"auto-tune: none of the {len(tuned.points) - 1} other gains tried did better than those on the page"
+    pairs = [(figure.name, figure.of(tuned.held_out_before), figure.of(tuned.held_out_after)) for figure in FIGURES]
+    told = (f"{name} {significant(before)} → {significant(after)}" for name, before, after in pairs)
+    return f"auto-tune, {'mean of ' if runs > 1 else ''}{_runs(runs)} with other noise: {', '.join(told)}"
+
+
+def _runs(count: int) -> str:
+    return f"{count} runs" if count > 1 else "one run"
+
+
 def _verdict_text(tuned: Tuned, runs: int, held_out_change: float) -> str:
     tried = len(tuned.points)
     if tuned.after is tuned.before:
@@ -105,11 +118,11 @@ def used(before: Picture, after: Picture, point: Point, tuned: Tuned, runs: int)
         (figure.name, *(significant(figure.of(one)) for one in points), *(view[k] for view in views))
         for k, figure in enumerate(FIGURES[: len(views[0])])
     ]
-    mean = f"the mean of {runs} runs" if runs > 1 else "one run"
+    mean = f"the mean of {_runs(runs)}" if runs > 1 else _runs(runs)
     return (
         f"<b>In use.</b>{_table(rows, ('the runs searched', 'the run in view'))}<div>The search improves {mean} with "
         f"other noise and starts; the run in view has noise seed {after.preset.seed} and its own start, so single "
-        "figures of it may become worse.</div>"
+        "figures of it may become worse. The run before is pinned as A: see the Compare tab.</div>"
     )
 
 

@@ -11,10 +11,11 @@ from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS, description
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
-from explorer.widgets.controls import Number, Vector
+from explorer.widgets.controls import Number
 from explorer.widgets.dials import Dial, InverseDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
+from explorer.widgets.vector import Vector
 from rangenav.inputs import Vec3, require_within
 from rangenav.number_format import significant
 from rangenav.preset import MAX_DURATION, MIN_DURATION
@@ -188,7 +189,7 @@ class _AngularVelocity:
             self._start_section = start = Section(form, "Initial attitude R(0)", expanded=True)
             with start:
                 term = MOTION["initial attitude"]
-                self._rotation = Vector(start, term.caption, step=0.1, hint=term.hint, scale=math.degrees(1.0))
+                self._rotation = Vector(start, term.caption, hint=term.hint, scale=math.degrees(1.0))
 
     def refresh(self, duration: float) -> None:
         self.signal_editor.refresh(duration)

@@ -14,9 +14,10 @@ from explorer.model.settings import Drafts
 from explorer.panels.motion.families import PATH_LABELS, ROWS
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.signal import SignalEditor
-from explorer.widgets.controls import Choice, Number, Switch, Vector
+from explorer.widgets.controls import Choice, Number, Switch
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
+from explorer.widgets.vector import Vector
 from rangenav import signals, so3
 from rangenav.inputs import Vec3, require
 from rangenav.signals import Family, Multisine, Signal, Sum, Tone
@@ -126,9 +127,13 @@ class _SumOffset:
     def __init__(self, form: Form) -> None:
         self.section = section = Section(form, "Offset and drift of the sum", expanded=False)
         with section:
-            self._offset = Vector(section, "offset of the sum (m)", step=0.01, hint="m, inertial axes: added to both.")
+            self._offset = Vector(
+                section, "offset of the sum (m)", hint="Added to the sum of both motions, in inertial axes."
+            )
             self._drift = Vector(
-                section, "drift of the sum (m/s)", step=0.01, hint="m/s, inertial axes; it excites nothing."
+                section,
+                "drift of the sum (m/s)",
+                hint="A constant velocity added to the sum, in inertial axes. It excites nothing.",
             )
 
     def read(self, path: Sum) -> Sum:
@@ -158,11 +163,17 @@ class PathTransforms:
         self._section = section = Section(form, "Whole path: scale, turn, mirror, centre", expanded=False)
         with section:
             hint = "All these keep the anchor where it is and change the path about it; Ctrl+Z takes a press back."
-            self._factor = Number(section, "size factor", hint=f"Times as large, seen from the anchor. {hint}")
-            self._axis = Choice(
-                section, "axis or normal", AXES, hint="To turn about, through the anchor; or a mirror's normal."
+            self._factor = Number(
+                section,
+                "size factor",
+                hint=f"How many times larger “scale” makes the path, seen from the anchor. {hint}",
             )
-            self._angle = Number(section, "angle of the turn (°)", hint="To turn by, right-handed about the axis.")
+            self._axis = Choice(
+                section, "axis or normal", AXES, hint="The axis of “turn”, through the anchor; the normal of “mirror”."
+            )
+            self._angle = Number(
+                section, "angle of the turn (°)", hint="By how much “turn” turns the path, right-handed about the axis."
+            )
             actions = {
                 "scale": lambda: self._change(self._scaled),
                 "turn": lambda: self._change(self._turned),

@@ -14,14 +14,15 @@ from explorer.storage.bundle import Bundle, Refused, Send, motion_in, pack
 from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
 from explorer.widgets.controls import Number, Switch
-from explorer.widgets.form import Form
+from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
 from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.certificate.cures import Cure
-from rangenav.formats import ExportOptions, Format
+from rangenav.formats import ExportOptions, Format, hover_ramps
+from rangenav.inputs import require_within
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
 from rangenav.repair import ExportTarget
@@ -33,6 +34,7 @@ UNCERTIFIED_HINT = (
     "A file that misses the requirement is refused, with what is missing and what would cure it. "
     "Switched on, it is written with “uncertified” in its name."
 )
+RAMP_LABEL = "ramps"
 RAMP_HINT = (
     "From hover into the path, and back to hover, in a reference or a polynomial file. Longer ramps ask less of the "
     "vehicle; the certificate covers what lies between them."
@@ -40,7 +42,12 @@ RAMP_HINT = (
 EXPORT_HINT = "Certifies the written bytes, then downloads the zip."
 CURE_HINT = "Makes this change on the page, and exports again. Ctrl+Z takes it back."
 EXPORTING = "export"
-LOOK = "no small change cures that: “Make it observable”, under Repair, looks for a larger one"
+LOOK = "no small change cures that; a larger one may"
+LOOK_HINT = "Looks for a change of the motion that meets the requirement, and shows it below the verdict."
+
+
+def _nothing() -> None:
+    """Look for nothing: where there is no repair."""
 
 
 def choices() -> tuple[Format, ...]:
@@ -51,8 +58,12 @@ def choices() -> tuple[Format, ...]:
 class BundlePanel:
     """A switch for each format, the ramps, one for files that miss the requirement, a button, and what was refused."""
 
-    def __init__(self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send) -> None:
-        self._form, self._catalog, self._page, self._jobs, self._send = form, catalog, page, jobs, send
+    def __init__(
+        self, form: Form, catalog: Catalog, page: Page, jobs: Jobs, send: Send, *, repair: Action = _nothing
+    ) -> None:
+        """`repair` looks for a change that makes the motion observable."""
+        self._form, self._catalog, self._page, self._send = form, catalog, page, send
+        self._repair = repair
         self._section = section = Section(form, "Download with certificate", expanded=False)
         self.exported: tuple[str, bytes] | None = None
         """The format and the content of the motion that was exported last."""
@@ -64,12 +75,13 @@ class BundlePanel:
             self.formats = {
                 row.name: Switch(section, row.label, hint=FORMAT_HINT.format(row.hint)) for row in choices()
             }
-            self._ramp = Number(section, "ramps (s)", hint=RAMP_HINT)
+            self._ramp = Number(section, f"{RAMP_LABEL} (s)", hint=RAMP_HINT)
             self._ramp.show(formats.RAMP)
             self._even_uncertified = Switch(section, "even if uncertified", hint=UNCERTIFIED_HINT)
             form.button("Export as a zip", self._export, hint=EXPORT_HINT)
-            self.progress = ProgressPanel(form, jobs, (EXPORTING,))
+            self._progress = ProgressPanel(form, jobs)
             self._result_line = form.gui.add_html("", visible=False)
+        section.check(self._ramp_length)
         form.command("Export as a zip", self._export)
 
     def draw(self, picture: Picture) -> None:
@@ -89,7 +101,7 @@ class BundlePanel:
             motions = ["polynomial"]
         if not motions:
             return None
-        return ExportTarget(format_name=motions[0], options=ExportOptions(ramp=self._ramp.read()))
+        return ExportTarget(format_name=motions[0], options=ExportOptions(ramp=self._ramp_length()))
 
     def choose(self, format_name: str) -> None:
         """Switch a format on."""
@@ -103,9 +115,16 @@ class BundlePanel:
         for switch in self.formats.values():
             switch.show(False)
 
+    def _ramp_length(self) -> float:
+        """s. Raises ValueError for a length that no file takes."""
+        length = self._ramp.read()
+        require_within(RAMP_LABEL, length, hover_ramps.SHORTEST, hover_ramps.LONGEST, "s")
+        return length
+
     def _export(self) -> None:
+        self._result_line.visible = False
         with self._section.answering():
-            self._start(ExportOptions(ramp=self._ramp.read()))
+            self._start(ExportOptions(ramp=self._ramp_length()))
 
     def _start(self, options: ExportOptions) -> None:
         settings, even_uncertified = self._page.read(), self._even_uncertified.read()
@@ -126,7 +145,7 @@ class BundlePanel:
                 cancelled=cancelled,
             )
 
-        self._jobs.start(EXPORTING, work, partial(self._done, shown, names), self._refuse)
+        self._progress.start(EXPORTING, work, partial(self._done, shown, names), self._refuse)
 
     def _refuse(self, reason: str) -> None:
         """Show a line for each failure, until something else is on the page."""
@@ -158,6 +177,7 @@ class BundlePanel:
                 self._form.button(_label(cure), partial(self._cure, shown, cure), hint=CURE_HINT)
             if not refused.cures:
                 self._form.gui.add_html(NOTE.format(bullets((LOOK,))))
+                self._form.button("Make it observable", self._repair, hint=LOOK_HINT, away=True)
 
     def _cure(self, shown: Preset, cure: Cure) -> None:
         with self._section.answering():

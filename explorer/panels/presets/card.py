@@ -31,6 +31,7 @@ EXPECTED_TEXTS = {
     "weak": "▲ expected weak",
     "unobservable": "✕ expected unobservable",
 }
+OF_THE_FILE = "This card is about the preset as it was opened. The verdict over the scene is about what you see now."
 DIMMED = f"color:{palette.CAPTION_TEXT}"
 LINE = f'<polyline points="{{}}" fill="none" stroke="{palette.THUMBNAIL_LINE}" stroke-width="1.5"'
 LINE += ' stroke-linejoin="round"/>'
@@ -48,10 +49,11 @@ def card(preset: Preset, certificate_or_reason: CertificateOrReason | None, *, c
     """The summary as HTML. None in place of a certificate means that it is being computed."""
     title = html.escape(preset.title) + (" • changed, not saved" if changed else "")
     parts = [f'<div style="font-weight:600">{title}</div>']
+    if changed:
+        parts.append(f"<div>{OF_THE_FILE}</div>")
     parts += [_badge(preset, certificate_or_reason), f"<div>{html.escape(preset.story)}</div>" if preset.story else ""]
-    parts.append(
-        f'<div style="{DIMMED}"><b>{EXPECTED_TEXTS[preset.expect]}</b>{_figures(preset, certificate_or_reason)}</div>'
-    )
+    expected = "" if preset.source is not None else f"<b>{EXPECTED_TEXTS[preset.expect]}</b>"  # a file expects nothing
+    parts.append(f'<div style="{DIMMED}">{expected}{_figures(preset, certificate_or_reason)}</div>')
     pictures = f'<div style="display:flex;gap:0.8em;padding:0.3em 0">{drawings(preset)}</div>'
     return f'<div style="{STYLE}">{pictures}{"".join(parts)}</div>'
 

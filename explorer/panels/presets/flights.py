@@ -9,10 +9,12 @@ from explorer.model import palette
 from explorer.model.glossary import VERDICT
 from explorer.model.jobs import Jobs
 from explorer.storage.flight_report import ORIGIN, FlightOptions, FlightReport, WorldSource, judge, world_evidence
-from explorer.widgets.controls import Choice, Number, Switch, Vector, when_moved
+from explorer.widgets.controls import Choice, Number, Switch, when_moved
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets, table
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
+from explorer.widgets.vector import Vector
 from rangenav.flight_summary import ObserverSummary, more_ranges
 from rangenav.formats import Flight, ImportResult
 from rangenav.formats.import_result import gravity
@@ -36,13 +38,13 @@ BLIND_FROM = "blind where they begin at "
 """Before the times at which the blind windows of a record begin."""
 HEAD = '<div style="color:{};font-weight:700;font-size:1.15em">{}</div>'
 ANCHOR_HINT = "Where the anchor of the ranges stands: no log can tell, unless its file says so."
-PLACE_HINT = "m, in the inertial frame of the record."
+PLACE_HINT = "Where the anchor stands, in the inertial frame of the record."
 WORLD_HINT = "At rest the accelerometer reads gravity and the magnetometer the field; that has to be confirmed."
 SYNTHETIC_HINT = (
     "For a record with a true position and no ranges: makes some, with the noise below. The result names them."
 )
-SIGMA_HINT = "σ of the ranges (m)."
-WINDOW_HINT = "δ (s): each window of this length is judged by itself."
+SIGMA_HINT = "The standard deviation of each range of the flight."
+WINDOW_HINT = "Each window of this length is judged by itself."
 PART_HINT = (
     "The part of the record that is judged, by its own stamps: at rest, before and after a flight, nothing is excited, "
     "and an observer that has nothing to go by drifts away. Gravity, field and noise are taken from the whole."
@@ -57,15 +59,21 @@ class FlightPanel:
     """Hidden until a flight has been read."""
 
     def __init__(self, form: Form, jobs: Jobs) -> None:
-        self._jobs, self._flight, self._source = jobs, None, ""
+        self._flight, self._source = None, ""
         self._section = section = Section(form, "Recorded flight")
         with section:
             self._evidence = form.gui.add_html("")
             self._anchor_source = Choice(section, "anchor from", ANCHOR_SOURCES, hint=ANCHOR_HINT)
-            self._anchor = Vector(section, "flight's anchor (m)", step=0.01, hint=PLACE_HINT)
+            self._anchor = Vector(section, "flight's anchor (m)", hint=PLACE_HINT)
             self._world = Choice(section, "gravity and field from", WORLD_SOURCES, hint=WORLD_HINT)
-            self._gravity = Vector(section, "flight's gravity (m/s²)", step=0.01, hint="Inertial.")
-            self._magnetic = Vector(section, "flight's magnetic direction", step=0.01, hint="Its direction, inertial.")
+            self._gravity = Vector(
+                section, "flight's gravity (m/s²)", hint="Gravity in the inertial frame of the record."
+            )
+            self._magnetic = Vector(
+                section,
+                "flight's magnetic direction",
+                hint="The direction of the magnetic field there, in the inertial frame of the record.",
+            )
             self._synthetic = Switch(section, "synthetic ranges", hint=SYNTHETIC_HINT)
             self._sigma = Number(section, "flight's range noise σ (m)", hint=SIGMA_HINT)
             self._begin = Number(section, "begin at (s)", hint=PART_HINT)
@@ -73,6 +81,7 @@ class FlightPanel:
             self._window = Number(section, "flight's window δ (s)", hint=WINDOW_HINT)
             self._weak = Number(section, VERDICT["wanted error"].caption, hint=WEAK_HINT)
             form.button("Was it informative?", self._judge, hint=JUDGE_HINT)
+            self._progress = ProgressPanel(form, jobs)
             self._report_block = form.gui.add_html("", visible=False)
         for choice in (self._anchor_source, self._world):
             when_moved(choice.handle, lambda: form.do(self._show_boxes, step=False))
@@ -115,8 +124,9 @@ class FlightPanel:
         """Show the boxes of what is given by hand, and hide those whose values are not used."""
         with self._section.catching():
             given = self._world.read() == "given"
-            self._anchor.handle.visible = self._anchor_source.read() == "given"
-        self._gravity.handle.visible = self._magnetic.handle.visible = given
+            self._anchor.reveal(visible=self._anchor_source.read() == "given")
+        self._gravity.reveal(visible=given)
+        self._magnetic.reveal(visible=given)
 
     def _judge(self) -> None:
         flight = self._flight
@@ -138,7 +148,7 @@ class FlightPanel:
             )
         self._report_block.visible = False
         show, complain = partial(self._show, self._source), self._section.complaint.say
-        self._jobs.start(f"judging {self._source}", lambda *_: judge(flight, options), show, complain)
+        self._progress.start(f"judging {self._source}", lambda *_: judge(flight, options), show, complain)
 
     def _show(self, source: str, flight_report: FlightReport) -> None:
         self._report_block.content = NOTE.format(report(source, flight_report))

@@ -19,6 +19,7 @@ from explorer.widgets.controls import Choice
 from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE, bullets, folded
 from explorer.widgets.page import Page
+from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import formats
 from rangenav.formats import ImportResult, Question
@@ -63,7 +64,7 @@ class ImportPanel:
     ) -> None:
         """`judge` is called with a recorded flight, and judges it; `close` before a file is read, and hides the last
         flight."""
-        self._form, self._catalog, self._page, self._jobs = form, catalog, page, jobs
+        self._form, self._catalog, self._page = form, catalog, page
         self._judge, self._close = judge, close
         self._section = section = Section(form, "Import a path or a recorded flight", expanded=False)
         self._file: ImportFile | None = None
@@ -75,6 +76,7 @@ class ImportPanel:
         with section:
             self._vehicle = Choice(section, "to be flown by", VEHICLES, hint=VEHICLE_HINT)
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
+            self._progress = ProgressPanel(form, jobs)
             self._status = form.gui.add_html("", visible=False)
             self._format = Choice(section, "format", choices(), hint=FORMAT_HINT)
             form.button(
@@ -114,7 +116,7 @@ class ImportPanel:
         self._message.visible = False
         self._show_status(f"{self._file.name}: being read …")
         file, answers = self._file, dict(self._answers)
-        self._jobs.start(
+        self._progress.start(
             f"reading {file.name}",
             lambda progress, cancelled: import_process.read(file, format_name, answers, None, cancelled=cancelled),
             self._take_interpretation,

@@ -5,12 +5,16 @@ figures of both. Once the change is accepted, both are in every plot and in 3-D.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 
 from explorer.model.changes import with_changes
-from explorer.model.jobs import Job, Jobs
+from explorer.model.compute import Picture
+from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
+from explorer.model.ways_out import WayOut, ways_out
 from explorer.panels.presets.card import drawings
+from explorer.widgets.answer import AnswerButton
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Action, Form
 from explorer.widgets.html import NOTE, bullets, table
@@ -22,13 +26,13 @@ from rangenav.certificate.figures import Figures
 from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
-from rangenav.repair import ChangeKind, ExportTarget, Repair
+from rangenav.repair import CannotRepairError, ChangeKind, ExportTarget, Repair
 
 CHANGE_LABELS: dict[ChangeKind, str] = {
     "tones": "adding tones",
-    "amplitude": "its size",
-    "frequency": "its frequencies",
-    "timescale": "its speed",
+    "amplitude": "changing its size",
+    "frequency": "changing its frequencies",
+    "timescale": "changing its speed",
     "waypoints": "moving waypoints",
 }
 REPAIRING, IMPROVING = "making it observable", "improving the motion"
@@ -47,6 +51,10 @@ UNCHANGED = "on the page now, as it was: there was nothing to change about the m
 SIDE_BY_SIDE = "display:flex;gap:0.8em;align-items:center;padding:0.3em 0"
 DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
 DISCARD_HINT = "Forgets the change; what is on the page stays as it is."
+WAY_HINT = "Makes this change on the page, and looks again. Ctrl+Z takes it back."
+MOST_WAYS = 3
+ACCEPT = AnswerButton(event="accept", label="Accept the motion", hint=ACCEPT_HINT, main=True)
+DISCARD = AnswerButton(event="discard", label="Discard", hint=DISCARD_HINT)
 
 
 def _no_target(preset: Preset) -> ExportTarget | None:
@@ -72,19 +80,22 @@ class RepairPanel:
     ) -> None:
         """`pin` pins the run on the page as A. `target` says what a changed motion is to be exported as, and `choose`
         chooses that format for the export."""
-        self._page, self._jobs, self._pin = page, jobs, pin
+        self._form, self._page, self._pin = form, page, pin
         self._target, self._choose = target, choose
         self._section = section = Section(form, "Repair", expanded=False)
         self._result: Repair | None = None
         self.outcome = ""
         """What the last search has found, or why it has found nothing; empty once that was accepted or discarded."""
         self._searched_target: ExportTarget | None = None
-        self._search: Job | None = None
+        self._ways: tuple[WayOut, ...] = ()
+        self._ways_section: Section | None = None
+        self._refused: Preset | None = None
+        """What the ways out are for."""
         with section:
-            self._kind = Choice(section, "by changing", CHANGE_LABELS, hint=KIND_HINT)
+            self._kind = Choice(section, "repair by", CHANGE_LABELS, hint=KIND_HINT)
             form.button("Make it observable", self.start, hint=REPAIR_HINT)
             form.button("Improve it", self._improve, hint=IMPROVE_HINT, quiet=True)
-            self.progress = ProgressPanel(form, jobs, (REPAIRING, IMPROVING))
+            self.progress = ProgressPanel(form, jobs)
             self._description = form.gui.add_html("", visible=False)
             self.accept_button = form.button("Accept the motion", self.accept, hint=ACCEPT_HINT)
             self._discard_button = form.button("Discard the motion", self.discard, hint=DISCARD_HINT, quiet=True)
@@ -100,23 +111,72 @@ class RepairPanel:
 
     def _start(self, *, improve: bool) -> None:
         with self._section.answering():
-            shown, by = effective(self._page.read()), self._kind.read()
+            settings, by = self._page.read(), self._kind.read()
+            shown = effective(settings)
             target = self._searched_target = None if improve else self._target(shown)
         self._forget_result()
 
-        def work(progress: Progress, cancelled: Cancelled) -> Repair:
-            if improve:
-                return repair.improve(shown, by=by, progress=progress, cancelled=cancelled)
-            return repair.repair(shown, by=by, target=target, progress=progress, cancelled=cancelled)
+        def work(progress: Progress, cancelled: Cancelled) -> Repair | Refused:
+            try:
+                if improve:
+                    return repair.improve(shown, by=by, progress=progress, cancelled=cancelled)
+                return repair.repair(shown, by=by, target=target, progress=progress, cancelled=cancelled)
+            except CannotRepairError as refused:
+                return Refused(reason=str(refused), ways=ways_out(settings, by, refused))
 
-        self._search = self._jobs.start(
-            f"{IMPROVING if improve else REPAIRING} by {CHANGE_LABELS[by]}", work, self.show, partial(self._refuse, by)
-        )
+        def done(found: Repair | Refused) -> None:
+            if isinstance(found, Refused):
+                self._refuse(by, found.reason)
+                self._offer(shown, found.ways)
+            else:
+                self.show(found)
+
+        name = f"{IMPROVING if improve else REPAIRING} by {CHANGE_LABELS[by]}"
+        self.progress.start(name, work, done, partial(self._refuse, by))
 
     def _refuse(self, by: ChangeKind, reason: str) -> None:
         """Show why there is no such change, with the label of its kind in the menu."""
         self.outcome = reason.replace(f"{by}: ", f"{CHANGE_LABELS[by]}: ", 1)
         self._section.answer(self.outcome)
+
+    def _offer(self, refused: Preset, ways: tuple[WayOut, ...]) -> None:
+        """Offer ways out as buttons, until something else is on the page."""
+        self._refused, self._ways = refused, ways[:MOST_WAYS]
+        if self._ways:
+            with self._section:
+                self._ways_section = section = Section(self._form, "What may help")
+            with section:
+                for k, way in enumerate(self._ways):
+                    self._form.button(upper_first(way.label), partial(self._take, k), hint=WAY_HINT)
+
+    def _take(self, k: int) -> None:
+        """Make the change of a way out on the page, and look again. Its button may have gone since it was pressed."""
+        if k < len(self._ways):
+            way = self._ways[k]
+            self._page.write(way.settings)
+            self._kind.show(way.by)
+            self.start()
+
+    def draw(self, picture: Picture) -> None:
+        """Take the ways out from the page when they are those of something else."""
+        if self._refused is not None and effective(picture.settings) != self._refused:
+            self._forget_ways()
+            self.outcome = ""
+
+    @property
+    def actions(self) -> dict[str, Action]:
+        """What the buttons below the verdict do, by the names that they send."""
+        ways: dict[str, Action] = {f"way-{k}": partial(self._take, k) for k in range(MOST_WAYS)}
+        return {"accept": self.accept, "discard": self.discard} | ways
+
+    @property
+    def answers(self) -> tuple[AnswerButton, ...]:
+        """The buttons below the verdict."""
+        ways = tuple(
+            AnswerButton(event=f"way-{k}", label=way.label, hint=WAY_HINT, main=k == 0)
+            for k, way in enumerate(self._ways)
+        )
+        return (*((ACCEPT,) if self.found else ways), DISCARD)
 
     @property
     def found(self) -> bool:
@@ -124,7 +184,10 @@ class RepairPanel:
         return self._result is not None
 
     def show(self, result: Repair) -> None:
-        self._result, self.outcome = result, f"B: {result.description}"
+        after, wanted = result.figures_after, quantity(result.after.requirement.position_sigma, "m")
+        state = "certified" if result.certificate.certified else "not certified"
+        self.outcome = f"B: {result.description}; predicted error ±{_sigma(after)}, wanted ±{wanted}; {state}"
+        self._result = result
         pictures = "".join(
             DRAWINGS.format(*side) for side in (("A", drawings(result.before)), ("B", drawings(result.after)))
         )
@@ -157,12 +220,32 @@ class RepairPanel:
 
     def forget_preset(self) -> None:
         """Stop the search, and forget what it has found: it belongs to a motion that is not on the page any more."""
-        self._jobs.drop(self._search)
+        self.progress.stop()
         self._forget_result()
+
+    def _forget_ways(self) -> None:
+        self._refused, self._ways = None, ()
+        if self._ways_section is not None:
+            self._ways_section.remove()
+            self._ways_section = None
 
     def _forget_result(self) -> None:
         self._result, self.outcome = None, ""
+        self._forget_ways()
         self._description.visible = self.accept_button.visible = self._discard_button.visible = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refused:
+    """Why there is no change, and what may help."""
+
+    reason: str
+    ways: tuple[WayOut, ...]
+
+
+def upper_first(label: str) -> str:
+    """A label that begins with a capital, as those of buttons do."""
+    return f"{label[0].upper()}{label[1:]}"
 
 
 def repair_text(result: Repair) -> tuple[str, ...]:

@@ -3,9 +3,9 @@
 import math
 
 from explorer.model.glossary import MOTION
-from explorer.widgets.controls import Vector
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section, complaining
+from explorer.widgets.vector import Vector
 from rangenav.inputs import Vec3, require
 from rangenav.motion import World
 
@@ -23,15 +23,15 @@ class WorldPanel:
     def __init__(self, form: Form, relabel: Action) -> None:
         self._anchor_section = anchor = Section(form, "Anchor")
         with anchor:
-            self._anchor = Vector(anchor, MOTION["anchor"].caption, step=0.05, hint=MOTION["anchor"].hint)
+            self._anchor = Vector(anchor, MOTION["anchor"].caption, hint=MOTION["anchor"].hint)
         self.section = axes = Section(form, "Gravity and axes")
         with axes:
             self._line = form.gui.add_markdown("")
-            self._gravity = Vector(axes, MOTION["gravity"].caption, step=0.01, hint=MOTION["gravity"].hint)
+            self._gravity = Vector(axes, MOTION["gravity"].caption, hint=MOTION["gravity"].hint)
             self._relabel = form.button("Relabel the axes: z up ↔ z down", relabel, hint=RELABEL_HINT)
         self._magnetic_section = magnetic = Section(form, "Magnetic direction")
         with magnetic:
-            self._magnetic = Vector(magnetic, MOTION["magnetic"].caption, step=0.01, hint=MOTION["magnetic"].hint)
+            self._magnetic = Vector(magnetic, MOTION["magnetic"].caption, hint=MOTION["magnetic"].hint)
         self._unit_magnetic: Vec3 = (0.0, 0.0, 0.0)
 
     def refresh(self) -> None:

@@ -9,10 +9,10 @@ import math
 import numpy as np
 
 from explorer.model.glossary import MOTION
-from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
+from explorer.widgets.vector import Vector
 from rangenav import twin
 from rangenav.inputs import Vec3, refuse_nonfinite, require
 from rangenav.twin import Refusal, Twin
@@ -32,8 +32,12 @@ class TwinPanel:
         with section:
             angle, axis, degrees = MOTION["twin turn"], MOTION["twin axis"], math.degrees(1.0)
             self.angle = Dial(section, angle.caption, (-180.0, 180.0), step=0.1, hint=angle.hint, scale=degrees)
-            self.axis = Vector(section, axis.caption, step=0.01, hint=axis.hint)
-            form.button("The usual twin", self.use_default, hint="A right angle, where that leads far enough.")
+            self.axis = Vector(section, axis.caption, hint=axis.hint)
+            form.button(
+                "The usual twin",
+                self.use_default,
+                hint="Turns the twin by 90°, where that leads far enough from the truth.",
+            )
         section.show(False)
 
     def refresh(self) -> None:

@@ -1,9 +1,11 @@
 """What the page says of a picture: the level is that of the worst of five answers, and is never good by omission."""
 
+import dataclasses
+
 import msgspec
 import pytest
 
-from explorer.model import assessment
+from explorer.model import assessment, slower
 from explorer.model.compute import compute
 from explorer.model.glossary import TERMS
 from explorer.model.settings import Printed, Settings
@@ -59,6 +61,34 @@ def test_nothing_is_good_while_a_model_or_a_limit_or_an_error_is_wrong(settings,
     assert given[question].level in ("mind", "bad")
     assert named in given[question].summary
     assert assessment.level(tuple(given.values())) in ("mind", "bad")
+
+
+def test_a_broken_limit_is_cured_by_the_least_slowing_that_keeps_it_or_by_another_vehicle():
+    limit = 0.8 * float(compute(SETTINGS).limits.speed)
+    settings = with_preset(vehicle=Vehicle(name="calm", speed=limit))
+    untried = compute(settings)
+    assert assessment.flight(untried).cure == "slow down"
+    tried = untried.proven()
+    assert tried.slower is not None
+    assert tried.slower == 1.35  # speed falls as 1/k: 1.2 leaves 0.83 of it, 1.35 leaves 0.74
+    assert assessment.flight(compute(slower.slowed(settings, tried.slower))).level == "good"
+    still = with_preset(vehicle=Vehicle(name="tethered", anchor_distance_min=100.0))  # no speed changes a distance
+    assert assessment.flight(compute(still).proven()).cure == "vehicle"
+
+
+@pytest.mark.parametrize(
+    ("settings", "cure"),
+    [(with_effects(accel_bias=(0.1, 0.0, 0.0)), "effects"), (replace(SETTINGS, printed=Printed(model=True)), "model")],
+)
+def test_a_model_that_is_wrong_is_cured_where_it_is_wrong(settings, cure):
+    assert answers(settings)["model"].cure == cure
+
+
+def test_an_error_as_small_as_wanted_has_arrived_even_if_nobody_asked_for_less():
+    loose = with_preset(requirement=replace(SETTINGS.preset.requirement, position_sigma=2.0))
+    picture = compute(loose)
+    rough = dataclasses.replace(picture.summary, settle_position_s=None, steady_position=0.45)
+    assert assessment.arrival(dataclasses.replace(picture, summary=rough)).level == "good"
 
 
 def test_an_estimate_better_than_one_window_is_explained_and_the_explanation_has_both_numbers():

@@ -242,7 +242,7 @@ def test_it_can_be_stopped_and_is_stopped_when_the_settings_change(editing: Edit
     monkeypatch.setattr("rangenav.ensemble.basin", endless)
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°, 25 %")
-    editing.tab.press_own("stop")
+    editing.tab.press("Stop")
     editing.tab.wait_for(lambda: len(stops) == 1 and editing.session.jobs.running is None, "the job to end")
     editing.press(panel.COMPUTE_LABEL)
     editing.tab.wait_for_text("300 starts at 179°, 25 %")

@@ -31,6 +31,10 @@ def _nothing_shown(title: str, sentence: str) -> None:
     """For a notification that no test reads."""
 
 
+def _nowhere(label: str) -> None:
+    """For a control that no test is led to."""
+
+
 @pytest.fixture(scope="module")
 def client() -> Iterator[viser.ClientHandle]:
     """A connected client of a server of the module's own."""
@@ -52,8 +56,9 @@ def dock(client: viser.ClientHandle) -> Dock:
         show_side_by_side=_nothing,
         download_preset=_nothing,
         send=_nothing_sent,
-        go_to=lambda _label, _holds: None,
+        go_to_place=lambda _label, _holds: None,
         notify=_nothing_shown,
+        go_to=_nowhere,
     )
     catalog, jobs = Catalog(SHIPPED, Library(), Certifier()), Jobs(_nothing)
     return Dock(Form(client.gui, _nothing), catalog, "paper-slow", actions, jobs, History())

@@ -13,6 +13,7 @@ from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import Number
 from explorer.widgets.dials import Dial, InverseDial, LogDial
 from explorer.widgets.section import Section
+from explorer.widgets.vector import Vector
 from tests.support.page_settings import SHIPPED
 from tests.support.refreshed import refreshed
 
@@ -123,3 +124,26 @@ def test_a_value_out_of_range_is_refused_with_its_label_and_its_range_and_what_w
     complaint = dock.gains.paper_dials.noise.complaint.content
     assert "range weight q must lie between 0.001 and 100000, got 1e12" in complaint
     assert weight.text == "1e12"
+
+
+@pytest.mark.parametrize(("typed", "value"), [("5e3", 5000.0), ("5 000", 5000.0), ("−0.2", -0.2), ("1.50", 1.5)])
+def test_each_box_of_a_vector_takes_a_number_as_a_person_types_it_and_keeps_it(
+    section: Section, typed: str, value: float
+):
+    vector = Vector(section, "v (m)", hint="")
+    vector.show((1.0, 1 / 3, 3.0))
+    vector.type("x", typed)
+    assert vector.read() == (value, 1 / 3, 3.0)  # what was not typed stays exact
+    vector.show((value, 1 / 3, 4.0))
+    assert vector.texts == (typed, "0.3333", "4")
+
+
+def test_a_box_of_a_vector_that_holds_no_number_is_named_by_its_axis(section: Section):
+    vector = Vector(section, "v (m)", hint="", scale=2.0)
+    vector.show((1.0, 2.0, 3.0))
+    assert vector.texts == ("2", "4", "6")
+    vector.type("y", "2 m")
+    with pytest.raises(ValueError, match=r"v \(m\), y: “2 m” is no number"):
+        vector.read()
+    vector.type("y", "8")
+    assert vector.read() == (1.0, 4.0, 3.0)

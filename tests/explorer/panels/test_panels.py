@@ -22,7 +22,6 @@ from explorer.panels.presets.repair import RepairPanel
 from explorer.panels.sensors import CUSTOM, SensorChoice, SensorsPanel
 from explorer.storage import preset_file
 from explorer.widgets.complaint import Complaint, InvalidInputError
-from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial, LogDial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section
@@ -185,15 +184,6 @@ def test_a_control_that_nobody_has_written_or_moved_has_not_been_moved(client: v
     assert form._last is dial
 
 
-@pytest.mark.parametrize("sent", [(), (1.0, 2.0), (1.0,) * 4, ("a", "b", "c"), (None, 1.0, 2.0)])
-def test_a_vector_that_is_none_is_refused(section: Section, sent: tuple[Any, ...]):
-    """viser casts a sent vector to the types of its last entries; after an empty vector it casts nothing."""
-    vector = Vector(section, "v", step=0.1, hint="", scale=2.0)
-    vector._box._impl.value = sent  # type: ignore[attr-defined]
-    with pytest.raises(ValueError, match="v must have three components"):
-        vector.read()
-
-
 def test_a_log_dial_holds_zero_at_its_left_end(section: Section):
     dial = LogDial(section, "σ", (1e-3, 10.0), hint="", zero_at_left=True)
     assert dial.read() == 0.0
@@ -290,7 +280,7 @@ def test_each_printed_switch_tells_what_it_does(switch: str, off: str, on: str):
 
 def _verdict_shown(picture: compute.Picture) -> str:
     gui = MagicMock()
-    verdict.VerdictPanel(gui, {}, {}).draw(picture)
+    verdict.VerdictPanel(gui, {}).draw(picture)
     return gui.add_html.return_value.content
 
 

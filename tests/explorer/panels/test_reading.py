@@ -41,7 +41,7 @@ INVALID: dict[str, tuple[str, Any]] = {
     "a duration that is too short": ("flight duration (s)", 0.0),
     "a magnetic direction along gravity": ("magnetic direction m", (0.0, 0.0, 1.0)),
     "a frequency beyond what the IMU can sample": ("frequency ω (rad/s)", 1e4),
-    "an axis without a length": ("axis of that error", (0.0, 0.0, 0.0)),
+    "an axis without a length": ("axis of the attitude error", (0.0, 0.0, 0.0)),
 }
 
 

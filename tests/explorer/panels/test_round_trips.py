@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from explorer.model.settings import Settings
 from explorer.panels.dock import Dock
 from explorer.widgets.complaint import InvalidInputError
-from explorer.widgets.controls import Choice, Number, Switch, Text, Vector
+from explorer.widgets.controls import Choice, Number, Switch, Text
 from explorer.widgets.dials import Dial, DialControl, InverseDial, LogDial
+from explorer.widgets.vector import AXES, Vector
 from rangenav import axes
 from rangenav.signals import Flown, Multisine
 from rangenav.vehicle import CATALOGUE
@@ -91,7 +92,7 @@ VALUES: dict[type, st.SearchStrategy[Any]] = {
     LogDial: st.one_of(st.floats(-6, 5), TYPED),
     InverseDial: st.one_of(st.floats(-1, 1), TYPED),
     Number: TYPED,
-    Vector: st.tuples(*[st.floats(-2, 2)] * 3),
+    Vector: st.tuples(*[st.one_of(st.floats(-2, 2).map(str), TYPED)] * 3),
     Switch: st.booleans(),
     Text: st.sampled_from(("sin(t)", "2*cos(3*t)", "t t", "", "0 0 0 0\n9 1 0 2\n20 0 0 1", "0 0 0 0\n0 1 1 1")),
 }
@@ -110,6 +111,9 @@ def _do(dock: Dock, which: int, values: tuple[Any, ...]) -> None:
         value = control.handle.options[value % len(control.handle.options)]
     if isinstance(control, DialControl) and isinstance(value, str):
         control.type(value)
+    elif isinstance(control, Vector):
+        for axis, text in zip(AXES, value, strict=True):
+            control.type(axis, text)
     else:
         control.handle.value = value
 

@@ -1,5 +1,6 @@
 """Drag handles: they are at the positions of the settings or of the pointer, and accept only valid positions."""
 
+import itertools
 import math
 import time
 from collections.abc import Iterator
@@ -10,10 +11,11 @@ import numpy as np
 import pytest
 import viser
 
-from explorer.scene import drag_handles
+from explorer.scene import drag_handles, labels
 from explorer.scene.bounds import SceneBounds
 from explorer.scene.drag_handles import DragHandles
 from explorer.scene.handle_position import HandleMove
+from explorer.scene.labels import Item, Labels
 from explorer.web import security
 from rangenav.inputs import Vec3
 from tests.support import wire
@@ -82,7 +84,9 @@ def tab(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> Iterator[
     client = server.get_clients()[max(server.get_clients())]
     security.accept_values_only(client)
     woken: list[None] = []
-    tab = Tab(visitor, DragHandles(client.scene, lambda: woken.append(None)), woken)
+    tab = Tab(
+        visitor, DragHandles(client.scene, Labels(client.scene, client.camera), lambda: woken.append(None)), woken
+    )
 
     async def answer(_: object) -> None:
         tab.answered.append(None)
@@ -101,6 +105,19 @@ def test_handles_stand_where_the_settings_say(tab: Tab):
     assert tab.wire.nodes[f"{SECOND}/label"]["text"] == "2"
     assert not tab.handles.dragging
     assert tab.handles.take_moves() == []
+
+
+def test_the_numbers_of_waypoints_that_are_seen_at_one_place_never_lie_on_each_other(tab: Tab):
+    ahead = (3.0, 3.0, 9.0)  # of the camera that the visitor reports
+    tab.handles.draw(ANCHOR, (ahead,) * 12, bounds_of(2.0))
+    names = [f"/handles/waypoint{k + 1}/label" for k in range(12)]
+    tab.wire.wait_for(lambda: names[-1] in tab.wire.nodes, "the last label")
+    tab.take()
+    shown = [tab.wire.nodes[name] for name in names if tab.wire.nodes[name].get("visible", True)]
+    assert 1 <= len(shown) < 12
+    boxes = [labels.box_of(Item(one["text"], 0.0, 0.0, one["anchor"]), one["anchor"]) for one in shown]
+    assert not any(one.meets(other) for one, other in itertools.combinations(boxes, 2))
+    tab.handles.draw(ANCHOR, POSITIONS[:2], bounds_of(2.0))
 
 
 def test_a_drag_is_taken_once_at_its_latest_place_and_the_handle_is_there_at_once(tab: Tab):

@@ -4,10 +4,11 @@ import msgspec
 
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.widgets.complaint import InvalidInputError
-from explorer.widgets.controls import Text, Vector
+from explorer.widgets.controls import Text
 from explorer.widgets.dials import DIGITS
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
+from explorer.widgets.vector import Vector
 from rangenav.number_format import significant
 from rangenav.signals import AXES, Flown, Formula
 from rangenav.signals.expressions import MAX_LENGTH
@@ -29,10 +30,10 @@ class FormulaEditor:
             self.texts = {axis: Text(section, f"{axis}(t) =", hint=hint, longest=MAX_TEXT) for axis in AXES}
         self._offset_section = offset_section = Section(form, "Offset and drift", expanded=False)
         with offset_section:
-            hint = f"{slot.unit}: added to the formulas. It moves a path against the anchor; the excitation stays."
-            self._offset = Vector(offset_section, f"offset ({slot.unit})", step=0.01, hint=hint)
-            hint = f"{slot.unit}/s: a constant rate added to the formulas; it excites nothing."
-            self._drift = Vector(offset_section, f"drift ({slot.unit}/s)", step=0.01, hint=hint)
+            hint = "Added to the formulas. A path is then elsewhere, seen from the anchor, with the same excitation."
+            self._offset = Vector(offset_section, f"offset ({slot.unit})", hint=hint)
+            hint = "A constant rate added to the formulas. It has no snap, so it excites nothing."
+            self._drift = Vector(offset_section, f"drift ({slot.unit}/s)", hint=hint)
             self._line = form.gui.add_markdown("", visible=False)
             self._forget_button = form.button(
                 "Forget turning and scaling", self._forget_map, hint="The formulas count as typed again."

@@ -6,9 +6,10 @@ import msgspec
 
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.families.table import Table
-from explorer.widgets.controls import Choice, Number, Text, Vector
+from explorer.widgets.controls import Choice, Number, Text
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
+from explorer.widgets.vector import Vector
 from rangenav.inputs import Vec3, require
 from rangenav.signals import MinimumSnap, Waypoint, Waypoints, waypoints
 from rangenav.signals.waypoints import MAX_POINTS
@@ -41,7 +42,7 @@ class PointsEditor(Generic[F]):
         with section:
             hint = "Whether the curve ends at its last point, at rest or in motion, or closes smoothly and repeats."
             self._ends = Choice(section, "ends of the curve", ENDS, hint=hint)
-            hint = "s from the first point until it is reached again; used by a closed curve."
+            hint = "How long a closed curve takes until it is back at its first point."
             self._period = Number(section, "period (s)", hint=hint)
             hint = f"One point per line: t x y z, in s and {slot.unit}; times must increase. Paste a whole path here."
             self._text = Text(section, "points, a line t x y z each", hint=hint, longest=MAX_TEXT, lines=True)
@@ -49,10 +50,10 @@ class PointsEditor(Generic[F]):
         with self._point_section as section:
             hint = "The point that the boxes below move; dragging one in the scene chooses it."
             self._chosen = Choice(section, "chosen point", {0: "1"}, hint=hint)
-            hint = "s: after the point before and before the next."
+            hint = "When the curve is at this point: later than at the point before, earlier than at the next."
             self._time = Number(section, "time of the point (s)", hint=hint)
-            hint = f"{slot.unit}: where the curve is at that time."
-            self._value = Vector(section, f"position of the point ({slot.unit})", step=0.001, hint=hint)
+            hint = "Where the curve is at that time."
+            self._value = Vector(section, f"position of the point ({slot.unit})", hint=hint)
             hint = "A point between this one and the next, where the curve passes already; or none where this one is."
             actions = {"+ after it": self._insert, "− delete it": self._delete}
             form.buttons("", actions, hint=hint)

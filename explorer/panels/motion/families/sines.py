@@ -7,16 +7,16 @@ import msgspec
 
 from explorer.model.glossary import MOTION
 from explorer.panels.motion.families.editor import SignalSlot
-from explorer.widgets.controls import Vector
 from explorer.widgets.dials import Dial
 from explorer.widgets.form import Form
 from explorer.widgets.section import Section, complaining
+from explorer.widgets.vector import Vector
 from rangenav.inputs import Vec3
 from rangenav.number_format import MINUS, significant, vector
 from rangenav.signals import Multisine, Tone
 from rangenav.signals.multisine import LETTERS, Axis
 
-NEW_AMPLITUDE = 0.5
+NEW_AMPLITUDE = 0.6
 NEW_FREQUENCIES = (4.0, 6.0, 3.0, 5.0, 2.0, 7.0, 3.5, 4.5, 5.5, 8.0)
 """rad/s; a new tone has the first that no other tone has: tones of one frequency make an ellipse, which is blind."""
 OFFSET_AND_DRIFT = "Offset and drift"
@@ -136,10 +136,10 @@ class _OffsetAndDrift:
         self._unit = slot.unit
         self.section = section = Section(form, OFFSET_AND_DRIFT, expanded=False)
         with section:
-            hint = f"{slot.unit}: added to the tones. It moves a path against the anchor; the excitation stays."
-            self._offset = Vector(section, f"offset ({slot.unit})", step=0.01, hint=hint)
-            hint = f"{slot.unit}/s: a constant rate added to the tones. It has no snap, so it excites nothing."
-            self._drift = Vector(section, f"drift ({slot.unit}/s)", step=0.01, hint=hint)
+            hint = "Added to the tones. A path is then elsewhere, seen from the anchor, with the same excitation."
+            self._offset = Vector(section, f"offset ({slot.unit})", hint=hint)
+            hint = "A constant rate added to the tones. It has no snap, so it excites nothing."
+            self._drift = Vector(section, f"drift ({slot.unit}/s)", hint=hint)
 
     def read(self, signal: Multisine) -> Multisine:
         with self.section.checking():

@@ -108,7 +108,7 @@ def test_seeds_can_be_stopped_and_are_stopped_when_the_settings_change(
     monkeypatch.setattr("rangenav.ensemble.seeds", endless)
     tab.press("Run the noise seeds")
     tab.wait_for_text("20 seeds, 25 %")
-    tab.press_own("stop")
+    tab.press("Stop")
     tab.wait_for(lambda: len(stops) == 1 and session.jobs.running is None, "the job to end")
     tab.wait_for(lambda: "20 seeds, 25 %" not in tab.text(), "its progress to be gone")
     tab.press("Run the noise seeds")

@@ -123,7 +123,7 @@ def test_another_path_leaves_the_gains_and_changes_the_physical_values(page: Edi
         ("initial position error ± (m)", 2.0, "initial ξ factor with the boxes asks for initial variance P₀(ξ) = "),
         ("initial ξ factor", -math.inf, "initial ξ factor must be a finite number"),
         ("slowest time constant T (s)", -6.0, "slowest time constant T asks for k1 = "),
-        ("trust in gravity", 6.0, "which must lie between"),
+        ("gravity over magnetometer weight", 6.0, "which must lie between"),
         ("show gains as", "in Latin", "show gains as must be one of"),
         ("misalignment at half way", 0.7, ""),
     ],
@@ -168,8 +168,10 @@ def test_stiffness_is_warned_of_while_it_lasts(page: Editing):
     page.tab.wait_for_text(STIFF)
     page.tab.wait_for_text("lower k1 or ρ2, or sample faster")
     page.set("show gains as", PHYSICAL_UNITS)
-    page.tab.wait_for_text("raise the slowest time constant T or lower the trust in gravity, or sample faster")
-    page.set("trust in gravity", 0.0)
+    page.tab.wait_for_text(
+        "raise the slowest time constant T or lower the gravity over magnetometer weight, or sample faster"
+    )
+    page.set("gravity over magnetometer weight", 0.0)
     page.tab.wait_for(lambda: STIFF not in page.tab.text(), "no warning")
 
 

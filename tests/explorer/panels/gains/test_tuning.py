@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
+from explorer.model.settings import Settings
 from explorer.panels.gains import tradeoff_plot, tuning_text
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
 from explorer.panels.gains.tuning import TuningPanel
@@ -46,6 +47,10 @@ def tune_gains(editing: Editing, seeds: float = SEEDS, tried: float = TRIED) -> 
 
 def panel(editing: Editing) -> TuningPanel:
     return editing.session.dock.tuning
+
+
+def panel_pinned(editing: Editing) -> Settings | None:
+    return editing.session.dock.compare.pinned_settings
 
 
 def gains(editing: Editing) -> Gains:
@@ -91,6 +96,7 @@ def test_used_gains_say_what_they_do_on_the_runs_searched_and_on_the_run_in_view
     runs = (before.summary.steady_position, after.summary.steady_position)
     assert row.startswith("".join(f"{figure:.3g}" for figure in (*figures, *runs)))
     assert "may become worse" in shown_text
+    assert panel_pinned(tuned) == before.settings  # A is the run before
     tuned.command("Undo")
     tuned.tab.wait_for(lambda: "In use." not in visible_text(tuned), "the sentence to go")
 
@@ -203,10 +209,20 @@ def test_a_search_is_stopped_and_the_page_goes_on_with_the_gains_it_had(
     assert gains(editing) != before
     editing.tab.wait_for_text(f"auto-tune, {TRIED} gains, 48 %")
     assert HEARD == []
-    editing.tab.press_own("stop")
+    editing.tab.press("Stop")
     editing.tab.wait_for(lambda: HEARD == [True] and editing.session.jobs.running is None, "the job to end")
     assert panel(editing).result is None
     assert "Picked" not in editing.tab.text()
+
+
+def test_a_search_begun_by_the_palette_is_shown_and_stopped_below_the_verdict(
+    editing: Editing, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("rangenav.tune.tune", endless)
+    editing.command("Auto-tune")
+    editing.tab.wait_for(lambda: 'class="rn-progress"' in editing.tab.text(), "the progress below the verdict")
+    editing.tab.press_own("stop")
+    editing.tab.wait_for(lambda: editing.session.jobs.running is None, "the job to end")
 
 
 def test_a_result_stays_when_another_search_is_stopped(tuned: Editing, monkeypatch: pytest.MonkeyPatch):
@@ -214,7 +230,7 @@ def test_a_result_stays_when_another_search_is_stopped(tuned: Editing, monkeypat
     monkeypatch.setattr("rangenav.tune.tune", endless)
     tuned.press("Tune the gains")
     tuned.tab.wait_for_text("48 %")
-    tuned.tab.press_own("stop")
+    tuned.tab.press("Stop")
     tuned.tab.wait_for(lambda: tuned.session.jobs.running is None, "the job to end")
     assert panel(tuned).result is before
     assert "Picked (found)" in tuned.tab.text()
@@ -237,11 +253,11 @@ def test_nonsense_in_a_box_gets_a_sentence(editing: Editing, label: str, value: 
     assert editing.session.jobs.running is None
 
 
-@pytest.mark.parametrize("value", [math.nan, -1, 7.5])
-def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float):
+@pytest.mark.parametrize(("value", "rule"), [(math.nan, "must be a finite number"), (-1, "must lie between 0 and 1")])
+def test_a_nonsense_weight_gets_a_sentence(editing: Editing, value: float, rule: str):
     editing.set("soon ⟷ exact w", value)
     editing.press("Tune the gains")
-    editing.tab.wait_for_text("soon ⟷ exact w must lie between 0 and 1")
+    editing.tab.wait_for_text(f"soon ⟷ exact w {rule}")
     assert editing.session.jobs.running is None
 
 

@@ -235,6 +235,6 @@ def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_
 
 def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):
     page.set("preset", f"{SHIPPED['hover'].title} (hover)")
-    page.set("by changing", "its size")
+    page.set("repair by", "changing its size")
     page.press("Make it observable")
     page.tab.wait_for(lambda: any("stays straight at any size" in text for text in page.refusals()), "the reason")
