@@ -1,4 +1,4 @@
-"""Fill the generated parts of the pages: the table of formats, the table of checks and the glossary.
+"""Fill the generated parts of the pages: tables of formats, of checks, of the lessons' answers, and the glossary.
 
     python docs/generate.py
 A part stands between `<!-- NAME: begin -->` and `<!-- NAME: end -->` and is replaced as a whole; a test sees that it is
@@ -8,6 +8,8 @@ up to date. Nothing outside the marks is touched.
 from collections.abc import Callable
 from pathlib import Path
 
+from explorer.lessons import teaching
+from explorer.lessons.course import OURS, lessons_in
 from explorer.model import glossary
 from rangenav import formats, record_checks
 
@@ -29,9 +31,15 @@ def tables_of_terms() -> str:
     return glossary.markdown()
 
 
+def table_of_lessons() -> str:
+    """One row for each lesson: what it asks, and the answer."""
+    return teaching.markdown(lessons_in(OURS).lessons)
+
+
 PARTS: dict[str, dict[str, Callable[[], str]]] = {
     "formats.md": {"table of formats": table_of_formats},
     "glossary.md": {"glossary": tables_of_terms},
+    "teaching.md": {"lessons": table_of_lessons},
     "how-to/judge-my-flight.md": {"table of checks": table_of_checks},
 }
 """Page → name of the part → what makes it."""

@@ -94,6 +94,7 @@ class Dock:
                 LearnActions(
                     pin=lambda settings: self.compare.pin_next(settings),
                     pinned=lambda: self.compare.pinned_settings,
+                    download=session_actions.send,
                     exported=lambda: self.bundle.exported,
                     go_to=session_actions.go_to_place,
                 ),

@@ -10,8 +10,8 @@ from explorer.widgets.page import Page
 
 BUTTON = '<button type="button" class="rn-button {}" {} title="{}" aria-label="{}">{}</button>'
 TOOLS = (
-    ("", 'data-rn-event="undo"', "Undo (Ctrl+Z, outside a text box)", "Undo", "↶ undo"),
-    ("", 'data-rn-event="redo"', "Redo (Ctrl+Shift+Z)", "Redo", "↷ redo"),
+    ("", 'data-rn-event="undo"', "Undo (Ctrl+Z, outside a text box)", "Undo", "↶"),
+    ("", 'data-rn-event="redo"', "Redo (Ctrl+Shift+Z)", "Redo", "↷"),
     ("", 'data-rn-event="link"', "Copies a link that opens what you see now", "Copy a link", "link"),
     ("", 'data-rn-event="reset"', "Puts every control back to the preset", "Reset all controls", "reset"),
     ("rn-switch", 'data-rn-flag="theme"', "Dark or light; at first as the system is", "Dark or light", "◐"),

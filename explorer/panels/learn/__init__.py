@@ -12,7 +12,7 @@ from functools import partial
 
 import msgspec
 
-from explorer.lessons import demonstration, screens
+from explorer.lessons import demonstration, screens, teaching
 from explorer.lessons.course import Course
 from explorer.lessons.demonstration import Step
 from explorer.lessons.lesson import Lesson
@@ -39,6 +39,8 @@ class LearnActions:
     pin: Callable[[Settings | None], None]
     """Pins a run A by its settings, or unpins it."""
     pinned: Callable[[], Settings | None]
+    download: Callable[[str, bytes], None]
+    """Downloads a file: its name and its content."""
     exported: Callable[[], tuple[str, bytes] | None]
     """The name of the format and the content of the file that was exported last."""
     go_to: Callable[[str, Callable[[list[Around]], bool]], None]
@@ -73,6 +75,7 @@ class LearnPanel:
             "hint": self._hint,
             "show": self._demonstrate,
             "again": self._again,
+            "worksheet": self._worksheet,
         }
         for lesson in self._course.lessons:
             named[f"open-{lesson.name}"] = partial(self.open, lesson)
@@ -204,6 +207,9 @@ class LearnPanel:
     def _again(self) -> None:
         if self.lesson is not None:
             self._put(self.lesson.start)
+
+    def _worksheet(self) -> None:
+        self._session.download("worksheet.html", teaching.worksheet(self._course.lessons))
 
     def _hint(self) -> None:
         self.learning = msgspec.structs.replace(self.learning, hints=self.learning.hints + 1)

@@ -8,12 +8,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from explorer.lessons import text
+from explorer.lessons import teaching, text
 from explorer.lessons.course import Course
 from explorer.lessons.lesson import Answer, Goal, Lesson
 from explorer.lessons.screens import Screen, screens
 from explorer.lessons.state import Outcome
 from explorer.model.learning import PREDICTION, Learning
+from explorer.widgets.html import table
 from rangenav.number_format import quantity
 
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="{}" {}>{}</button>'
@@ -47,8 +48,12 @@ def course_list(course: Course, learning: Learning) -> str:
     rows = "".join(_row(lesson, learning) for lesson in course.lessons)
     broken = "".join(f'<p class="rn-lesson-broken">{html.escape(reason)}</p>' for reason in course.complaints)
     done = sum(lesson.name in learning.passed for lesson in course.lessons)
+    teacher = (
+        f"<details><summary>For the teacher</summary><p>{button('worksheet', 'Worksheet')} two pages to print</p>"
+        f"{table(teaching.COLUMNS, teaching.guide(course.lessons))}</details>"
+    )
     head = f"<p>{INTRODUCTION}</p><p><b>{done} of {len(course.lessons)}</b> lessons passed.</p>"
-    return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}</div>'
+    return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}{teacher}</div>'
 
 
 def screen(lesson: Lesson, shown: Shown) -> str:

@@ -1,0 +1,80 @@
+"""For the teacher: what each lesson shows, the answers, the wrong predictions to expect, and a worksheet to print.
+
+All of it is made from the lessons, so that a lesson that is added or changed is in it.
+"""
+
+import html
+from collections.abc import Sequence
+
+from explorer.lessons import text
+from explorer.lessons.lesson import Lesson
+from explorer.lessons.state import State
+from rangenav.number_format import quantity
+
+CLASS = (1, 2, 5, 4, 6, 8, 10, 12)
+"""The numbers of the lessons of a class of 90 minutes, in their order."""
+COLUMNS = ("lesson", "min", "prediction asked for", "what comes, and why", "other predictions", "task")
+STYLE = """
+@page { size: A4; margin: 14mm; }
+body { font: 10.5pt/1.35 system-ui, sans-serif; max-width: 190mm; margin: 0 auto; color: #000; background: #fff; }
+h1 { font-size: 15pt; margin: 0 0 2mm; }
+.lesson { break-inside: avoid; border-top: 1px solid #000; padding: 1.5mm 0; }
+h2 { font-size: 11pt; margin: 0; }
+p { margin: .8mm 0; }
+.choices span { margin-right: 6mm; white-space: nowrap; }
+.line { display: inline-block; border-bottom: 1px solid #555; min-width: 45mm; }
+"""
+
+
+def guide(lessons: Sequence[Lesson]) -> list[tuple[str, ...]]:
+    """A row for each lesson, in plain text, under COLUMNS."""
+    return [_row(lesson) for lesson in lessons]
+
+
+def markdown(lessons: Sequence[Lesson]) -> str:
+    """The rows as a table of a page of the documentation."""
+    lines = [COLUMNS, ("---",) * len(COLUMNS), *guide(lessons)]
+    return "\n".join(f"| {' | '.join(cell.replace('|', '∣') for cell in line)} |" for line in lines)
+
+
+def worksheet(lessons: Sequence[Lesson]) -> bytes:
+    """Two pages to print: each question with its choices to tick, and lines for what came and why."""
+    blocks = "".join(_exercise(lesson) for lesson in lessons)
+    head = '<h1>What can one range tell?</h1><p>Name: <span class="line"></span> Date: <span class="line"></span></p>'
+    return (
+        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Worksheet</title><style>{STYLE}</style>'
+        f"</head><body>{head}{blocks}</body></html>"
+    ).encode()
+
+
+def _row(lesson: Lesson) -> tuple[str, ...]:
+    asked, goal, states = lesson.header.prediction, lesson.header.goal, lesson.states(lesson.start)
+    others = [choice for k, choice in enumerate(asked.choices, start=1) if k != asked.right]
+    bound = "at least" if goal.at_least else "at most"
+    return (
+        f"{lesson.number} {lesson.header.title}",
+        f"{lesson.header.minutes:g}",
+        text.filled(asked.question, states),
+        f"{_came(lesson, states)}. {text.filled(asked.because, states)}",
+        "; ".join(others) or "any other number",
+        f"{goal.label} {bound} {quantity(goal.value, goal.unit)}",
+    )
+
+
+def _came(lesson: Lesson, states: dict[str, State | None]) -> str:
+    asked = lesson.header.prediction
+    return asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", states)
+
+
+def _exercise(lesson: Lesson) -> str:
+    asked, goal, states = lesson.header.prediction, lesson.header.goal, lesson.states(lesson.start)
+    ticks = "".join(f"<span>☐ {html.escape(choice)}</span>" for choice in asked.choices)
+    predicted = ticks or f'I predict <span class="line"></span> {html.escape(asked.unit)}'
+    unit = f" ({goal.unit})" if goal.unit else ""
+    return (
+        f'<div class="lesson"><h2>{lesson.number} · {html.escape(lesson.header.title)}</h2>'
+        f"<p>{html.escape(text.filled(asked.question, states))}</p>"
+        f'<p class="choices">{predicted}</p>'
+        f'<p>It came: <span class="line"></span> Why: <span class="line" style="min-width:95mm"></span></p>'
+        f'<p>{html.escape(goal.label)}{html.escape(unit)}: I reached <span class="line"></span></p></div>'
+    )
