@@ -58,6 +58,8 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     soft = preset.load("soft")
     odd = replace(soft.sensors, noise=replace(soft.sensors.noise, range=0.0), unmodelled=Effects(gyro_bias=(0.1, 0, 0)))
     preset.save(replace(soft, sensors=odd), folder / "odd.toml")
+    for window in (0.5, 1.2):
+        preset.save(preset.with_window(soft, window, source="soft"), folder / f"rounded {window}.toml")
     formats.export(soft, "log", folder / "flight.csv")
     rows = [row.split(",") for row in (folder / "flight.csv").read_text().splitlines() if not row.startswith("#")]
     kept = [k for k, name in enumerate(rows[0]) if name[:2] not in ("p_", "q_") and not name.startswith("range")]
@@ -69,7 +71,13 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 RUNS: dict[tuple[str, ...], tuple[tuple[object, ...], ...]] = {
     ("presets",): (("presets",),),
-    ("analyze",): (("analyze", "paper-slow"), ("analyze", "circle"), ("analyze", "odd.toml")),
+    ("analyze",): (
+        ("analyze", "paper-slow"),
+        ("analyze", "circle"),
+        ("analyze", "odd.toml"),
+        ("analyze", "rounded 0.5.toml"),
+        ("analyze", "rounded 1.2.toml"),
+    ),
     ("explain",): (("explain", "soft"), ("explain", "circle")),
     ("simulate",): (
         ("simulate", "short.toml", "--runs", 2),
@@ -77,7 +85,13 @@ RUNS: dict[tuple[str, ...], tuple[tuple[object, ...], ...]] = {
         ("simulate", "trefoil"),
         ("simulate", "odd.toml"),
     ),
-    ("certify",): (("certify", "soft"), ("certify", "circle"), ("certify", "odd.toml")),
+    ("certify",): (
+        ("certify", "soft"),
+        ("certify", "circle"),
+        ("certify", "odd.toml"),
+        ("certify", "rounded 0.5.toml"),
+        ("certify", "rounded 1.2.toml"),
+    ),
     ("verify",): (("verify", "soft", "short.toml"),),
     ("export", "import", "repair"): (
         ("export", "soft", "--to", "reference", "-o", "soft.csv"),

@@ -50,7 +50,7 @@ def test_a_window_is_drawn_across_a_plot_and_a_click_goes_to_a_moment(wide: Visi
 
 
 def test_hovering_tells_time_and_values_in_every_plot_and_an_entry_hides_its_curve(wide: Visitor):
-    seen = compute(Settings(preset=preset.load("paper-slow")))
+    seen = compute(Settings(preset=preset.load("paper-slow"))).at_rest
     area = wide.page.locator('[data-plot="position"]').locator("xpath=following::div[@class='u-over'][1]")
     box = area.bounding_box()
     assert box is not None

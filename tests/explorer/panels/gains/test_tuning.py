@@ -4,6 +4,7 @@ import itertools
 import math
 import re
 import time
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
@@ -14,12 +15,13 @@ from explorer.model.settings import Settings
 from explorer.panels.gains import tradeoff_plot, tuning_text
 from explorer.panels.gains.tradeoff_plot import ATTITUDE, POSITION, MarkedPoints
 from explorer.panels.gains.tuning import TuningPanel
+from explorer.server import SessionServer
 from rangenav import preset, tradeoff, tune
 from rangenav.attitude import AttitudeGains
 from rangenav.gains import Gains
 from rangenav.tradeoff import Point
 from rangenav.tune import Tuned
-from tests.support.waiting_visitor import Editing, save_as
+from tests.support.waiting_visitor import Editing, arrived, save_as
 
 pytestmark = pytest.mark.slow
 
@@ -36,6 +38,17 @@ def tuned(editing: Editing) -> Editing:
     editing.tab.wait_for_text("Picked (found)")
     editing.settle()
     return editing
+
+
+@pytest.fixture(scope="module")
+def searched(sessions: tuple[int, SessionServer]) -> Iterator[Editing]:
+    """A visitor who has tuned the gains, for tests that use none of them."""
+    visitor = arrived(sessions)
+    tune_gains(visitor)
+    visitor.tab.wait_for_text("Picked (found)")
+    visitor.settle()
+    yield visitor
+    visitor.tab.close()
 
 
 def tune_gains(editing: Editing, seeds: float = SEEDS, tried: float = TRIED) -> None:
@@ -107,12 +120,12 @@ def visible_text(editing: Editing) -> str:
     return " ".join(str(p.get("content", "")) for p in shown)
 
 
-def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(tuned: Editing):
-    p, result = tuned.settings.preset, panel(tuned).result
+def test_the_figures_on_the_page_are_those_that_scoring_the_gains_again_gives(searched: Editing):
+    p, result = searched.settings.preset, panel(searched).result
     assert result is not None
     training = tradeoff.runs(p, p.seed + tune.TRAINING_OFFSET, SEEDS)
     held_out = tradeoff.runs(p, p.seed, SEEDS)
-    shown_text = page_text(tuned)
+    shown_text = page_text(searched)
     for chosen, runs in itertools.product((result[1].before.gains, result[1].after.gains), (training, held_out)):
         again = tradeoff.score(chosen, runs, preset=p, cancelled=lambda: False)
         for figure in (again.settle_position, again.settle_attitude, again.steady_position):
@@ -131,20 +144,20 @@ def test_every_place_on_the_curve_can_be_picked_and_used(tuned: Editing):
     assert gains(tuned) == walk[0].gains  # each use is a step of its own
 
 
-def test_picking_is_no_step_of_the_history_and_leaves_the_settings(tuned: Editing):
-    depth, before = tuned.session.history.depth, tuned.settings
-    pick(tuned, 1)
-    tuned.run(lambda: tuned.tab.set("curve to pick from", "attitude"))
-    assert tuned.session.history.depth == depth
-    assert tuned.settings == before
+def test_picking_is_no_step_of_the_history_and_leaves_the_settings(searched: Editing):
+    depth, before = searched.session.history.depth, searched.settings
+    pick(searched, 1)
+    searched.run(lambda: searched.tab.set("curve to pick from", "attitude"))
+    assert searched.session.history.depth == depth
+    assert searched.settings == before
 
 
 @pytest.mark.parametrize(
     ("curve", "settle", "steady"), [(c, *m) for c, m in [("position", POSITION[1:3]), ("attitude", ATTITUDE[1:3])]]
 )
-def test_along_a_curve_what_settles_later_is_more_exact(tuned: Editing, curve: str, settle: str, steady: str):
-    tuned.run(lambda: tuned.tab.set("curve to pick from", curve))
-    walk, result = panel(tuned).choices, panel(tuned).result
+def test_along_a_curve_what_settles_later_is_more_exact(searched: Editing, curve: str, settle: str, steady: str):
+    searched.run(lambda: searched.tab.set("curve to pick from", curve))
+    walk, result = panel(searched).choices, panel(searched).result
     assert result is not None
     times, errors = ([getattr(point, name) for point in walk] for name in (settle, steady))
     assert times == sorted(times)
