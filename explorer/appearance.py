@@ -54,7 +54,7 @@ class Appearance:
             self._controls_width = width
             self._client.gui.main_panel.set_width(width)
         height = max(window.height - AROUND_SCENE * (1.4 if big else 1.0), 100.0)
-        self._scene.appear(hidden=layers.hidden(window.switched), big=big, height=height)
+        self._scene.appear(hidden=layers.hidden(window.switched), big=big, dark=self._dark, height=height)
         if self._charts.resize(plot_size(window.width, window.height, big=big, dark=self._dark)):
             self._display.redraw()
 

@@ -178,6 +178,7 @@ class Session:
             )
             exporting = ExportPanel(self.form, TITLES, exports)
             self.dock.belonging.append(exporting)
+            self.dock.following.append(exporting.draw)
             SceneFilePanel(
                 self.form,
                 client,

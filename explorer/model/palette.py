@@ -48,6 +48,8 @@ TRANSLUCENT, FILL = "B0", "38"
 """Opacities (hexadecimal, 0 to FF), put behind a colour: curves that show through, and what is tinted below a curve."""
 
 # The 3-D picture
+SCENE_GRID: dict[bool, tuple[Color, Color]] = {False: ("#C8C8C8", "#8C8C8C"), True: ("#3C3C3C", "#6A6A6A")}
+"""The lines of the ground, and each tenth of them, by whether the page is dark."""
 ANCHOR, RANGE_SPHERE, WAYPOINT = SLATE, SKY, BLUE
 GRAVITY, GRAVITY_ESTIMATE = GREEN, LIGHT_GREEN
 MAGNETIC, MAGNETIC_ESTIMATE = PURPLE, LIGHT_PURPLE

@@ -7,7 +7,6 @@ from dataclasses import replace
 import msgspec
 
 from explorer.lessons import course
-from explorer.model import slower
 from explorer.model.assessment import Cure
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
@@ -15,7 +14,7 @@ from explorer.model.glossary import MOTION
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, is_another
-from explorer.panels import motion, sensors
+from explorer.panels import cures, motion, sensors
 from explorer.panels.compare import ComparePanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.gains.basin import BasinPanel
@@ -45,7 +44,6 @@ from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Belonging
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
-from rangenav.sensors import MODELLED
 from rangenav.signals import Signal
 
 WIDTH = 380
@@ -72,19 +70,18 @@ class Dock:
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         self._undo = UndoPanel(form, history, self, session_actions.notify)
-        cures: dict[Cure, Action] = {
+        cure: dict[Cure, Action] = {
             "repair": lambda: self.repair.start(),
             "tune": lambda: self.tuning.start(),
-            "slow down": self._slow_down,
+            "slow down": lambda: cures.slow_down(self, session_actions.notify),
             "model": lambda: self.printed.write(Printed()),
-            "effects": self._switch_effects_off,
+            "effects": lambda: cures.switch_effects_off(self),
             "vehicle": lambda: session_actions.go_to(MOTION["vehicle"].caption),
         }
-        self._notify = session_actions.notify
         self._again = session_actions.restart_preset
         add_legend(gui)
         add_welcome(gui)
-        self.verdict = VerdictPanel(gui, cures)
+        self.verdict = VerdictPanel(gui, cure)
         self.tabs = tabs = gui.add_tab_group()
         with tabs.add_tab("Learn"):
             self.learn = LearnPanel(
@@ -150,6 +147,8 @@ class Dock:
             self.presets, self.repair, self.bundle, imports, self.tuning, self.basin, self.compare
         ]  # fmt: skip
         """The panels that drop what belongs to a preset as soon as another one is on the page."""
+        self.following: list[Callable[[Picture], None]] = []
+        """What else drops what is not of the picture on the page: panels that the session builds."""
         self._settings = catalog.open(name)
         self.write(self._settings)
 
@@ -276,6 +275,8 @@ class Dock:
         self.repair.draw(picture)
         self.bundle.draw(picture)
         self.learn.draw(picture)
+        for draw in self.following:
+            draw(picture)
 
     def see(self, tabs: frozenset[str] | None) -> None:
         """Draw what follows from a picture in these tabs alone from now on; None for all tabs. A tab that is opened is
@@ -357,22 +358,6 @@ class Dock:
     def relabel_axes(self) -> None:
         """Reverse y and z of all axes: z up instead of down, or down instead of up."""
         self.write(relabelled(self.read()))
-
-    def _slow_down(self) -> None:
-        """Fly the motion as much slower as its vehicle's limits need."""
-        settings = self.read()
-        k = slower.factor(settings)
-        if k:
-            self.write(slower.slowed(settings, k))
-        else:
-            self._notify("Slower does not help", "No speed that was tried keeps every limit: choose another vehicle.")
-
-    def _switch_effects_off(self) -> None:
-        """Switch off what the sensors do and the observer does not model."""
-        settings = self.read()
-        sensing = msgspec.structs.replace(settings.preset.sensors, unmodelled=MODELLED)
-        preset = msgspec.structs.replace(settings.preset, sensors=sensing)
-        self.write(msgspec.structs.replace(settings, preset=preset))
 
     def _say_not_shown(self, reason: BaseException | None) -> None:
         self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")

@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import PurePath
 from typing import Literal
 
+from explorer.model.compute import Picture
 from explorer.model.settings import PRINTED_LABELS, Settings
 from explorer.storage import preset_file
 from explorer.widgets.form import Action, Form
@@ -56,6 +57,8 @@ class ExportPanel:
     def __init__(self, form: Form, titles: dict[str, str], actions: ExportActions) -> None:
         """`titles` of the plots by their names."""
         self._actions, self._jobs = actions, form.new_jobs()
+        self._written: Settings | None = None
+        """The settings of the lines that are shown."""
         self._plot_names = {title: name for name, title in titles.items()}
         self._plots = Section(form, "A plot as a file")
         with self._plots:
@@ -103,11 +106,17 @@ class ExportPanel:
         code = f'<pre style="overflow-x:auto;user-select:all">{html.escape(lines)}</pre>'
         text = f"Run them beside <b>{html.escape(file)}</b>, the preset file.{note}"
         self._lines_block.content = f'<div style="{STYLE}">{code}{text}</div>'
+        self._written = settings
         self._actions.download(f"{PurePath(file).stem}.py", lines.encode())
+
+    def draw(self, picture: Picture) -> None:
+        """Drop the lines when they compute what is not on the page any more."""
+        if self._written is not None and picture.settings != self._written:
+            self.forget_preset()
 
     def forget_preset(self) -> None:
         """Drop the lines: they compute a preset that is not on the page any more."""
-        self._lines_block.content = ""
+        self._lines_block.content, self._written = "", None
 
     def _preset(self) -> None:
         file, settings = self._actions.settings()

@@ -63,11 +63,11 @@ class Scene:
         """Where the visitor has dragged the evil twin since the last call (m, inertial frame); None if nowhere."""
         return self._twin.take_drag()
 
-    def appear(self, *, hidden: frozenset[str], big: bool, height: float) -> None:
+    def appear(self, *, hidden: frozenset[str], big: bool, dark: bool, height: float) -> None:
         """Switch layers off and on (names of `explorer.model.layers`), with big labels and thick lines, or the usual
-        ones. height: of the picture, CSS px."""
+        ones, on a dark page or a light one. height: of the picture, CSS px."""
         vectors = "vectors" not in hidden
-        self._world.appear(vectors=vectors, sphere="sphere" not in hidden)
+        self._world.appear(vectors=vectors, sphere="sphere" not in hidden, dark=dark)
         self._estimate.appear(vectors=vectors, ellipsoid="uncertainty" not in hidden)
         self._tail.appear(enabled="tail" not in hidden, big=big)
         self._path.visible = "path" not in hidden

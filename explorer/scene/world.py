@@ -70,8 +70,9 @@ class WorldNodes:
         self._magnetic = Arrow(scene, labels, "/compass/magnetic", "m", palette.MAGNETIC, rank=21, origin=origin)
         self._anchor_position, self._label_height = np.zeros(3), np.zeros(3)
 
-    def appear(self, *, vectors: bool, sphere: bool) -> None:
-        """Switch the layers on or off."""
+    def appear(self, *, vectors: bool, sphere: bool, dark: bool) -> None:
+        """Switch the layers on or off; the ground stays faint on a dark page as on a light one."""
+        self._grid.cell_color, self._grid.section_color = (palette.rgb(one) for one in palette.SCENE_GRID[dark])
         self._gravity.enabled = self._magnetic.enabled = vectors
         self._sphere.visible = sphere
         self._fitted.forget()

@@ -134,11 +134,10 @@ def test_the_switch_of_big_type_has_two_ways(projected: Visitor):
 
 def test_a_plot_opens_large_with_its_title_and_can_be_saved(visitor: Visitor):
     visitor.press("Large view: Position error")
-    visitor.page.wait_for_function("() => document.querySelector('.rn-large')")
-    large = visitor.page.locator(".mantine-Modal-content .uplot").bounding_box()
-    assert large is not None
-    assert large["width"] > 1000
-    assert large["height"] > 400
+    visitor.page.wait_for_function(
+        "() => { const plot = document.querySelector('.mantine-Modal-content .uplot');"
+        " return plot && plot.clientWidth > 1000 && plot.clientHeight > 400 }"
+    )
     with visitor.page.expect_download() as coming:
         visitor.page.get_by_role("button", name="PDF", exact=True).click()
     assert coming.value.suggested_filename == "paper-slow-position.pdf"

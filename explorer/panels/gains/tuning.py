@@ -193,7 +193,10 @@ class TuningPanel:
         """Update the text about the result and about the picked gains."""
         if self.result is not None and self.picked is not None:
             preset, tuned = self.result
-            _assign(self._summary_block, NOTE.format(self._summary_text + text.differs(preset, self._picture)))
+            differs = text.differs(preset, self._picture)
+            _assign(self._summary_block, NOTE.format(self._summary_text + differs))
+            if differs:
+                self.outcome = ""
             held_out = self._held_out_points.get(self.picked.gains)
             self._update_used(tuned)
             _assign(self._picked_block, NOTE.format(text.picked(self.picked, held_out, tuned, self._picture)))

@@ -89,8 +89,10 @@ class PresetsPanel:
 
     def draw(self, picture: Picture) -> None:
         """Say whether what is on the page is what the preset says."""
-        settings = picture.settings
+        settings, before = picture.settings, self._changed
         self._changed = settings.time_scale != 1.0 or settings.preset != self._catalog.presets[settings.origin]
+        if self._changed and not before:
+            self._library.forget_preset()  # what was saved is not on the page any more
         self._draw_card()
 
     def forget_preset(self) -> None:

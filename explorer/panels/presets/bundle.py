@@ -69,6 +69,8 @@ class BundlePanel:
         """The format and the content of the motion that was exported last."""
         self._cures_section: Section | None = None
         self._cured: Preset | None = None
+        self._packed: Preset | None = None
+        """What the zip that is named holds."""
         """What the cures on the page are for."""
         with section:
             form.buttons("formats", {"all": self._all, "none": self._none}, hint=ALL_HINT)
@@ -85,9 +87,12 @@ class BundlePanel:
         form.command("Export as a zip", self._export)
 
     def draw(self, picture: Picture) -> None:
-        """Take the cures from the page when they are those of something else."""
-        if self._cured is not None and effective(picture.settings) != self._cured:
+        """Take the cures and the name of the zip from the page when they are those of something else."""
+        shown = effective(picture.settings)
+        if self._cured is not None and shown != self._cured:
             self._forget_cures()
+        if self._packed is not None and shown != self._packed:
+            self._packed, self._result_line.visible = None, False
 
     def forget_preset(self) -> None:
         """Drop the name of the zip and the cures: they belong to a preset that is not on the page any more."""
@@ -159,7 +164,7 @@ class BundlePanel:
             self._send(bundle.name, bundle.content)
             sentences = (f"{bundle.name}, {len(bundle.content)} bytes", *bundle.notes)
             self._result_line.content = NOTE.format(bullets(sentences))
-            self._result_line.visible = True
+            self._result_line.visible, self._packed = True, shown
         elif bundle.refused:
             self._refuse(bundle.refused[0].reason)
         if bundle.refused:

@@ -60,6 +60,8 @@ class FlightPanel:
 
     def __init__(self, form: Form, jobs: Jobs) -> None:
         self._flight, self._source = None, ""
+        self._judged: FlightOptions | None = None
+        """The options of the report that is shown."""
         self._section = section = Section(form, "Recorded flight")
         with section:
             self._evidence = form.gui.add_html("")
@@ -83,6 +85,7 @@ class FlightPanel:
             form.button("Was it informative?", self._judge, hint=JUDGE_HINT)
             self._progress = ProgressPanel(form, jobs)
             self._report_block = form.gui.add_html("", visible=False)
+        section.check(self._follow)
         for choice in (self._anchor_source, self._world):
             when_moved(choice.handle, lambda: form.do(self._show_boxes, step=False))
         section.show(False)
@@ -134,21 +137,30 @@ class FlightPanel:
             return
         with self._section.catching():
             require(self._anchor_source.read() != "" or self._synthetic.read(), WHERE)
-            options = FlightOptions(
-                anchor=self._anchor.read() if self._anchor_source.read() == "given" else None,
-                source=self._world.read(),
-                gravity=self._gravity.read(),
-                magnetic=self._magnetic.read(),
-                ranges="synthetic" if self._synthetic.read() else "measured",
-                range_sigma=self._sigma.read(),
-                begin=self._begin.read(),
-                end=self._end.read(),
-                window=self._window.read(),
-                position_sigma=self._weak.read(),
-            )
+            options = self._judged = self._options()
         self._report_block.visible = False
         show, complain = partial(self._show, self._source), self._section.complaint.say
         self._progress.start(f"judging {self._source}", lambda *_: judge(flight, options), show, complain)
+
+    def _options(self) -> FlightOptions:
+        """What is chosen. Raises ValueError with the reason."""
+        return FlightOptions(
+            anchor=self._anchor.read() if self._anchor_source.read() == "given" else None,
+            source=self._world.read(),
+            gravity=self._gravity.read(),
+            magnetic=self._magnetic.read(),
+            ranges="synthetic" if self._synthetic.read() else "measured",
+            range_sigma=self._sigma.read(),
+            begin=self._begin.read(),
+            end=self._end.read(),
+            window=self._window.read(),
+            position_sigma=self._weak.read(),
+        )
+
+    def _follow(self) -> None:
+        """Take from the page a report on other options. Raises ValueError with what is wrong about those chosen."""
+        if self._flight is not None and self._options() != self._judged:
+            self._report_block.visible = False
 
     def _show(self, source: str, flight_report: FlightReport) -> None:
         self._report_block.content = NOTE.format(report(source, flight_report))

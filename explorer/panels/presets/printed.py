@@ -45,6 +45,8 @@ class PrintedPanel:
             }
             form.gui.add_markdown(EQUILIBRIA_NOTE)
 
+        form.command(FALSE_CERTIFICATE, self._show_false_certificate)
+
     def read(self) -> Printed:
         """The switches that are on."""
         return Printed(**{name: misprint.switch.read() for name, misprint in self._switches.items()})

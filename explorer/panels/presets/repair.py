@@ -13,20 +13,19 @@ from explorer.model.compute import Picture
 from explorer.model.jobs import Jobs
 from explorer.model.settings import effective
 from explorer.model.ways_out import WayOut, ways_out
-from explorer.panels.presets.card import drawings
+from explorer.panels.presets import repair_text
 from explorer.widgets.answer import AnswerButton
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Action, Form
-from explorer.widgets.html import NOTE, bullets, table
+from explorer.widgets.html import NOTE, bullets
 from explorer.widgets.page import Page
 from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav import repair
-from rangenav.certificate.figures import Figures
-from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, Progress
 from rangenav.repair import CannotRepairError, ChangeKind, ExportTarget, Repair
+from rangenav.signals import Signal
 
 CHANGE_LABELS: dict[ChangeKind, str] = {
     "tones": "adding tones",
@@ -37,8 +36,6 @@ CHANGE_LABELS: dict[ChangeKind, str] = {
 }
 REPAIRING, IMPROVING = "making it observable", "improving the motion"
 """Beginnings of the names of the jobs."""
-ROUNDING = 1e-12
-"""m²/s⁷: a smaller μ is rounding error."""
 KIND_HINT = "What may be changed about the motion. The vehicle's limits are kept."
 REPAIR_HINT = "Looks for a small change that meets the required μ, rank 13 and σ; certified before it is shown."
 IMPROVE_HINT = "Looks for a change that lowers the predicted σ of a motion that is observable already."
@@ -48,8 +45,6 @@ ACCEPTED = (
     "3-D (Compare tab: Unpin); Ctrl+Z takes the change back"
 )
 UNCHANGED = "on the page now, as it was: there was nothing to change about the motion"
-SIDE_BY_SIDE = "display:flex;gap:0.8em;align-items:center;padding:0.3em 0"
-DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
 DISCARD_HINT = "Forgets the change; what is on the page stays as it is."
 WAY_HINT = "Makes this change on the page, and looks again. Ctrl+Z takes it back."
 MOST_WAYS = 3
@@ -89,6 +84,8 @@ class RepairPanel:
         self._searched_target: ExportTarget | None = None
         self._ways: tuple[WayOut, ...] = ()
         self._ways_section: Section | None = None
+        self._accepted: Signal | None = None
+        """The path of the change that was accepted last, as long as it is on the page."""
         self._refused: Preset | None = None
         """What the ways out are for."""
         with section:
@@ -158,10 +155,16 @@ class RepairPanel:
             self.start()
 
     def draw(self, picture: Picture) -> None:
-        """Take the ways out from the page when they are those of something else."""
-        if self._refused is not None and effective(picture.settings) != self._refused:
+        """Take from the page what belongs to another motion: the ways out of a refusal, a change of that motion, and
+        that a change was accepted."""
+        shown = effective(picture.settings)
+        if self._refused is not None and shown != self._refused:
             self._forget_ways()
             self.outcome = ""
+        if self._result is not None and shown.path != self._result.before.path:
+            self._forget_result()
+        if self._accepted is not None and shown.path != self._accepted:
+            self._accepted, self._description.visible = None, False
 
     @property
     def actions(self) -> dict[str, Action]:
@@ -184,14 +187,9 @@ class RepairPanel:
         return self._result is not None
 
     def show(self, result: Repair) -> None:
-        after, wanted = result.figures_after, quantity(result.after.requirement.position_sigma, "m")
-        state = "certified" if result.certificate.certified else "not certified"
-        self.outcome = f"B: {result.description}; predicted error ±{_sigma(after)}, wanted ±{wanted}; {state}"
-        self._result = result
-        pictures = "".join(
-            DRAWINGS.format(*side) for side in (("A", drawings(result.before)), ("B", drawings(result.after)))
-        )
-        self._description.content = NOTE.format(bullets(repair_text(result)) + pictures + figures(result))
+        """Show a change, to be accepted or discarded."""
+        self._result, self.outcome = result, repair_text.outcome(result)
+        self._description.content = repair_text.found(result)
         self._description.visible = self.accept_button.visible = self._discard_button.visible = True
 
     def accept(self) -> None:
@@ -212,7 +210,7 @@ class RepairPanel:
         self._description.content = NOTE.format(
             bullets((ACCEPTED if result.after.path != result.before.path else UNCHANGED,))
         )
-        self._description.visible = True
+        self._description.visible, self._accepted = True, effective(accepted_settings).path
 
     def discard(self) -> None:
         """Forget the change, or why there is none."""
@@ -246,37 +244,3 @@ class Refused:
 def upper_first(label: str) -> str:
     """A label that begins with a capital, as those of buttons do."""
     return f"{label[0].upper()}{label[1:]}"
-
-
-def repair_text(result: Repair) -> tuple[str, ...]:
-    """Sentences: the change, and the verdict of the certificate of its result."""
-    certificate = result.certificate
-    certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
-    broken = certificate.vehicle.broken
-    vehicle_text = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
-    return result.description, f"after {result.evaluations} motions tried: {certificate_text}; {vehicle_text}"
-
-
-def figures(result: Repair) -> str:
-    """A table of μ and σ before and after the change."""
-    before, after = result.figures_before, result.figures_after
-    return table(
-        ("", "before (A)", "after (B)"),
-        (
-            ("μ (m²/s⁷)", _mu(before), _mu(after)),
-            ("predicted σ", _sigma(before), _sigma(after)),
-            (
-                "required",
-                "",
-                f"μ ≥ {significant(result.after.requirement.mu)}, σ ≤ {result.after.requirement.position_sigma:g} m",
-            ),
-        ),
-    )
-
-
-def _mu(figure: Figures) -> str:
-    return significant(figure.mu) if figure.mu > ROUNDING else "nothing"
-
-
-def _sigma(figure: Figures) -> str:
-    return quantity(figure.sigma, "m", otherwise="blind")

@@ -265,6 +265,9 @@ def test_a_visitor_sees_and_gets_the_lines_and_their_file(tab: Wire):
     assert (name, lines.decode()) == ("paper-slow.py", python_lines(settings, "paper-slow.toml"))
     assert "flight = record.run(p)" in tab.text()
     assert _download(tab, "", "Download preset") == ("paper-slow.toml", preset_file.document(settings))
+    for q in ("700", "5000"):  # the lines go with what they compute
+        tab.set("range weight q (1/(m⁴ s)): number", q)
+        tab.wait_for(lambda: "flight = record.run(p)" not in tab.text(), "the lines to go")
 
 
 def test_a_plot_that_is_none_is_refused_beside_the_buttons(tab: Wire):

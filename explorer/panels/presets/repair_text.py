@@ -1,0 +1,61 @@
+"""What a repair has found, as text: the change, its certificate, and figures and drawings before and after it."""
+
+from explorer.panels.presets.card import drawings
+from explorer.widgets.html import NOTE, bullets, table
+from rangenav.certificate.figures import Figures
+from rangenav.number_format import quantity, significant
+from rangenav.repair import Repair
+
+ROUNDING = 1e-12
+"""m²/s⁷: a smaller μ is rounding error."""
+SIDE_BY_SIDE = "display:flex;gap:0.8em;align-items:center;padding:0.3em 0"
+DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
+
+
+def found(result: Repair) -> str:
+    """The change as HTML: sentences, both paths, and a table."""
+    sides = (("A", drawings(result.before)), ("B", drawings(result.after)))
+    return NOTE.format(
+        bullets(repair_text(result)) + "".join(DRAWINGS.format(*side) for side in sides) + figures(result)
+    )
+
+
+def outcome(result: Repair) -> str:
+    """The change in one sentence, with what it is predicted to reach."""
+    wanted = quantity(result.after.requirement.position_sigma, "m")
+    state = "certified" if result.certificate.certified else "not certified"
+    return f"B: {result.description}; predicted error ±{_sigma(result.figures_after)}, wanted ±{wanted}; {state}"
+
+
+def repair_text(result: Repair) -> tuple[str, ...]:
+    """Sentences: the change, and the verdict of the certificate of its result."""
+    certificate = result.certificate
+    certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
+    broken = certificate.vehicle.broken
+    vehicle_text = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
+    return result.description, f"after {result.evaluations} motions tried: {certificate_text}; {vehicle_text}"
+
+
+def figures(result: Repair) -> str:
+    """A table of μ and σ before and after the change."""
+    before, after = result.figures_before, result.figures_after
+    return table(
+        ("", "before (A)", "after (B)"),
+        (
+            ("μ (m²/s⁷)", _mu(before), _mu(after)),
+            ("predicted σ", _sigma(before), _sigma(after)),
+            (
+                "required",
+                "",
+                f"μ ≥ {significant(result.after.requirement.mu)}, σ ≤ {result.after.requirement.position_sigma:g} m",
+            ),
+        ),
+    )
+
+
+def _mu(figure: Figures) -> str:
+    return significant(figure.mu) if figure.mu > ROUNDING else "nothing"
+
+
+def _sigma(figure: Figures) -> str:
+    return quantity(figure.sigma, "m", otherwise="blind")
