@@ -210,7 +210,13 @@ def flight(picture: Picture) -> Answer:
     if picture.limits.thrust_to_weight > MOST_THRUST:
         summary = f"by no vehicle of the list: {thrust}, at most {significant(MOST_THRUST)}"
         return Answer(question="flight", level="mind", summary=summary, cure=slower, term="thrust")
-    return Answer(question="flight", level="good", summary=f"no limits chosen: {thrust}", cure="vehicle", term="thrust")
+    return Answer(
+        question="flight",
+        level="good",
+        summary=f"no vehicle chosen; it takes a {thrust}",
+        cure="vehicle",
+        term="thrust",
+    )
 
 
 def model(picture: Picture) -> Answer:

@@ -360,4 +360,4 @@ class Dock:
         self.write(relabelled(self.read()))
 
     def _say_not_shown(self, reason: BaseException | None) -> None:
-        self.verdict.complaint.say(f"Not shown: {reason}. What you see is the last picture that could be made.")
+        self.verdict.complaint.say(f"Not shown: {reason}. What you see belongs to the last values that could be used.")

@@ -151,7 +151,7 @@ COMPARE = {
     ),
     "tuning runs": Term(
         label="runs per try",
-        meaning="On how many noise seeds each set of gains is tried, 1 to 32; as many others judge it afterwards.",
+        meaning="On how many noise seeds each set of gains is tried, 1 to 32; the result is judged on as many others.",
     ),
     "tries": Term(
         label="sets of gains to try",

@@ -40,7 +40,8 @@ def differences(a: Picture, b: Picture, choices: list[str], figures: list[str]) 
         return BLOCK.format(head + "<br>" + GREY.format("Nothing is chosen otherwise yet."))
     consequences = _list(figures) if figures else GREY.format("No figure changed by more than half a percent.")
     return BLOCK.format(
-        f"{head}<div style='margin-top:.4em'>chosen otherwise:</div>{_list(choices)}what came of it:{consequences}"
+        f"{head}<div style='margin-top:.4em'>settings that differ:</div>{_list(choices)}"
+        f"figures that differ:{consequences}"
     )
 
 

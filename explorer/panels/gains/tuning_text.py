@@ -36,8 +36,8 @@ class Figure(NamedTuple):
 FIGURES = (
     Figure("position settles (s)", lambda point: point.settle_position),
     Figure("attitude settles (s)", lambda point: point.settle_attitude),
-    Figure("position error then (m)", lambda point: point.steady_position),
-    Figure("attitude error then (°)", lambda point: math.degrees(point.steady_attitude)),
+    Figure("steady position error (m)", lambda point: point.steady_position),
+    Figure("steady attitude error (°)", lambda point: math.degrees(point.steady_attitude)),
     Figure("runs that settle (%)", lambda point: 100 * point.settled),
 )
 
@@ -71,7 +71,7 @@ def _verdict_text(tuned: Tuned, runs: int, held_out_change: float) -> str:
     if tuned.after is tuned.before:
         return f"<b>None of the {tried - 1} other gains tried did better</b> than those it began with."
     seeds = f"{runs} seeds" if runs > 1 else "one seed"
-    text = f"<b>The best of {tried} gains</b>, by w = {tuned.steadiness:g} on {seeds}; “held out” are as many others."
+    text = f"<b>The best of {tried} sets of gains</b> at w = {tuned.steadiness:g}, on {seeds}; “held out” on others."
     if held_out_change > 0:
         text += (
             "<div>⚠ <b>Worse on held-out seeds</b>: these gains suit the noise they were found on. "

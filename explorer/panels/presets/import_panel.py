@@ -28,7 +28,7 @@ from rangenav.preset import Preset
 from rangenav.vehicle import CATALOGUE, FREE
 
 VEHICLES = {one: "No limits" if one == FREE else one.name for one in CATALOGUE}
-VEHICLE_HINT = "The vehicle whose limits an imported path is held against; the World tab has it, too."
+VEHICLE_HINT = "The vehicle whose limits the imported path is compared with. It can be changed later, in the World tab."
 MOVED = "other values: anchor in the World tab, δ and duration in the Motion tab"
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
 FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."

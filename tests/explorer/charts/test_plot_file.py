@@ -218,7 +218,7 @@ def test_the_lines_of_python_compute_what_the_page_shows(settings: Settings, tmp
     assert (mu, verdict) == (judged.mu, judged.verdict.word)
     if rest:
         # The same sums, but in a process where numpy may add in another order: 14 digits of the greatest.
-        np.testing.assert_allclose(rest[0], example.printed_excitation, rtol=0, atol=1e-14 * np.max(rest[0]))
+        np.testing.assert_allclose(rest[0], example.at_rest.printed_excitation, rtol=0, atol=1e-14 * np.max(rest[0]))
 
 
 def test_the_printed_switches_change_what_the_lines_compute():

@@ -104,7 +104,7 @@ def test_used_gains_say_what_they_do_on_the_runs_searched_and_on_the_run_in_view
     assert after is not None
     shown_text = page_text(tuned)
     shown_text = shown_text[shown_text.index("In use.") :]
-    row = shown_text[shown_text.index("position error then (m)") :].removeprefix("position error then (m)")
+    row = shown_text[shown_text.index("steady position error (m)") :].removeprefix("steady position error (m)")
     figures = (result[1].before.steady_position, result[1].after.steady_position)
     runs = (before.summary.steady_position, after.summary.steady_position)
     assert row.startswith("".join(f"{figure:.3g}" for figure in (*figures, *runs)))
