@@ -57,6 +57,13 @@ FEW_FRAMES = f"""(() => {{
     window.cancelAnimationFrame = clearTimeout;
 }})()"""
 """A software renderer would draw the scene over and over as fast as it can, and take the processor from the server."""
+ONE_SAMPLE = """(() => {
+    const get = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, options) {
+        return get.call(this, kind, {...options, antialias: false});
+    };
+})()"""
+"""A page with coarse pixels takes one sample of each and not four."""
 WRITTEN = "document.body.innerText + ((document.querySelector('.rn-rows') || {}).textContent || '')"
 BLUR = "() => document.activeElement.blur()"
 """What was clicked, such as a dropdown or a tab, keeps the focus, and with it the keys."""
@@ -152,6 +159,8 @@ class Visitor:
         size, scale = ViewportSize(width=width, height=height), density
         context = beside.page.context if beside else browser.new_context(viewport=size, device_scale_factor=scale)
         context.add_init_script(FEW_FRAMES)
+        if density < 1:
+            context.add_init_script(ONE_SAMPLE)
         if welcomed:
             context.add_init_script(WELCOMED)
         self.page: Page = context.new_page()
@@ -409,7 +418,7 @@ def until(holds: Callable[[], object], what: str, patience: float = PATIENCE) ->
         time.sleep(PERIOD)
 
 
-def until_still(read: Callable[[], Read], seconds: float = 0.5) -> Read:
+def until_still(read: Callable[[], Read], seconds: float = 1.0) -> Read:
     """What is read, once it is the same after some seconds."""
     seen = read()
     while True:
