@@ -20,7 +20,7 @@ LIBRARY = (
 PAGE = (
     ("start", ("__main__", "server"), "#e8e8e8"),
     ("handout", ("handout",), "#e8e8e8"),
-    ("one browser tab", ("session", "display", "interaction", "shared", "appearance"), "#e8e8e8"),
+    ("one browser tab", ("session", "shared"), "#e8e8e8"),
     ("controls", ("panels",), "#fde7d3"),
     ("3-D view and plots", ("scene", "charts"), "#fde7d3"),
     ("parts of controls", ("widgets",), "#fdf3c8"),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from explorer.charts import Charts, PlotSize, markup, plot_list, plots, pointer
 from explorer.charts.pointer import Pointer
-from explorer.interaction import BRUSH_STEP, drawn_window
+from explorer.session.interaction import BRUSH_STEP, drawn_window
 from rangenav import preset
 from rangenav.number_format import significant
 from tests.support.pictures import picture

@@ -6,11 +6,11 @@ from dataclasses import replace
 import viser
 
 from explorer.charts import Charts, plot_size
-from explorer.display import Display
 from explorer.model import layers
 from explorer.panels import dock
 from explorer.panels.dock import Dock
 from explorer.scene import Scene
+from explorer.session.display import Display
 from explorer.web.door import Window
 
 WIDE = 1200

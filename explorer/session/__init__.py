@@ -17,11 +17,8 @@ from functools import partial
 
 import viser
 
-from explorer.appearance import Appearance, set_theme
 from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
-from explorer.display import Display
 from explorer.handout import handout
-from explorer.interaction import Interaction
 from explorer.lessons.lesson import Lesson
 from explorer.model import compute, palette
 from explorer.model.compute import Picture
@@ -40,6 +37,9 @@ from explorer.panels.session_actions import SessionActions
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles
+from explorer.session.appearance import Appearance, set_theme
+from explorer.session.display import Display
+from explorer.session.interaction import Interaction
 from explorer.shared import Shared
 from explorer.storage import preset_file
 from explorer.storage.autosave import Autosave
