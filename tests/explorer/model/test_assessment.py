@@ -94,7 +94,7 @@ def test_an_error_as_small_as_wanted_has_arrived_even_if_nobody_asked_for_less()
 def test_an_estimate_better_than_one_window_is_explained_and_the_explanation_has_both_numbers():
     given = answers(with_preset(requirement=replace(SETTINGS.preset.requirement, position_sigma=0.5)))["accuracy"]
     assert given.level == "mind"
-    assert "±1.7" in given.summary
+    assert "±1.81" in given.summary
     assert "0.118 m off" in given.remarks[0]
 
 
