@@ -16,9 +16,9 @@ NOT_SHOWN = "Not shown"
 SPEED = "speed (slower ⟷ faster)"
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def standing(sessions: tuple[int, SessionServer]) -> Iterator[Wire]:
-    """One tab for all mistakes: each of them is corrected."""
+    """A tab of its own for each mistake: what corrects one may be drawn after the next is made."""
     tab = Wire(sessions[0])
     tab.wait_for_text("13 of 13")
     yield tab
