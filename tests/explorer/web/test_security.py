@@ -139,7 +139,7 @@ def test_a_control_takes_values_and_nothing_else(server: viser.ViserServer, capl
         visitor.send({"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"removed": True}})
         visitor.send({"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"update_cb": []}})
         for nonsense in ("fast", None, [1.0, 2.0], {"a": 1}):
-            visitor.set("gain", nonsense)
+            visitor.send({"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"value": nonsense}})
         visitor.wait_for(lambda: len(visitor.notifications) == 6, "a notification for each")
         caplog.clear()
     assert slider.value == 0.7

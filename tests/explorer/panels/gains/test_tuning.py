@@ -178,7 +178,7 @@ def test_along_a_curve_what_settles_later_is_more_exact(searched: Editing, curve
 
 def test_discarding_takes_the_result_off_and_leaves_the_gains(tuned: Editing):
     before = tuned.settings
-    tuned.press("Discard")
+    tuned.press("Discard the search")
     tuned.tab.wait_for(lambda: "Picked" not in tuned.tab.text(), "the result to go")
     tuned.press("Use these gains")  # what no honest page could send
     assert tuned.settings == before
