@@ -92,7 +92,7 @@ class TuningPanel:
             self._use = form.button("Use these gains", self._use_picked, hint=USE_HINT)
             self._used_block = form.gui.add_html("", visible=False)
             self._discard = form.button("Discard the search", self._forget_result, hint=DISCARD_HINT)
-        section.check(self._options)
+        section.check(self._checked)
         when_moved(self._curve, lambda: form.do(self._choose_curve, step=False))
         for handle in self._place.handles:
             when_moved(handle, lambda: form.do(self._pick, step=False))
@@ -132,6 +132,22 @@ class TuningPanel:
         runs = _whole(RUNS_TERM.label, self._runs.read(), MAX_RUNS)
         return steadiness, runs, _whole(TRIES.label, self._evaluations.read(), MAX_EVALUATIONS)
 
+    def _checked(self) -> None:
+        """Check the options, and what is picked of a result. Raises ValueError with the reason."""
+        self._options()
+        if self.choices:
+            self._checked_curve()
+            self._position()
+
+    def _checked_curve(self) -> str:
+        """The curve that is shown. The browser may have sent one that is not offered: ValueError."""
+        require(self._curve.value in CURVES, f"curve to pick from must be one of: {', '.join(CURVES)}")
+        return self._curve.value
+
+    def _position(self) -> int:
+        """The number of the point that is picked, from 1. Raises ValueError for one that the curve does not have."""
+        return _whole(PLACE, self._place.read(), len(self.choices))
+
     def _show(self, preset: Preset, tuned: Tuned, runs: int) -> None:
         self.result, self.picked, self._runs_used = (preset, tuned), tuned.after, runs
         self._held_out_points = {one.gains: one for one in (tuned.held_out_before, tuned.held_out_after)}
@@ -158,15 +174,15 @@ class TuningPanel:
         self._place.show(float(best + 1))
 
     def _choose_curve(self) -> None:
-        """Show another curve. The browser may have sent one that is not offered."""
+        """Show another curve."""
         with self._section.catching():
-            require(self._curve.value in CURVES, f"curve to pick from must be one of: {', '.join(CURVES)}")
+            self._checked_curve()
         self._offer_choices()
         self._pick()
 
     def _pick(self) -> None:
         with self._section.catching():
-            position = _whole(PLACE, self._place.read(), len(self.choices))
+            position = self._position()
         self.picked = self.choices[position - 1]
         self._score_held_out(self.picked)
         self._update_text()
