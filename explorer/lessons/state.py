@@ -23,8 +23,9 @@ import msgspec
 
 from explorer.model.settings import Drafts, Printed, Settings, effective
 from rangenav import formats, preset, toml_limits
-from rangenav.inputs import Vec3, shortened
+from rangenav.inputs import Vec3, require, shortened
 from rangenav.preset import Preset
+from rangenav.vehicle import BY_NAME
 
 CACHED = 8
 """Exported files, each of which takes a tenth of a second to make."""
@@ -63,6 +64,8 @@ class StateFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
 
     preset: str
     set: dict[str, Any] = {}
+    vehicle: str = ""
+    """A vehicle of the catalogue in place of the preset's, by its typed name: free, crazyflie-2.1."""
     time_scale: float = 1.0
     printed: Printed = Printed()
     twin_turn: Vec3 | None = None
@@ -100,6 +103,9 @@ def _settings(file: StateFile) -> Settings:
     chosen = preset.load(file.preset)
     if file.set:
         chosen = msgspec.convert(_merged(msgspec.to_builtins(chosen), file.set), Preset)
+    if file.vehicle:
+        require(file.vehicle in BY_NAME, f"vehicle must be one of {', '.join(BY_NAME)}, got {file.vehicle!r}")
+        chosen = msgspec.structs.replace(chosen, vehicle=BY_NAME[file.vehicle])
     return Settings(
         origin=file.preset,
         preset=chosen,

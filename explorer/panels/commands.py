@@ -6,6 +6,7 @@ from typing import Any
 
 import viser
 
+from explorer.lessons.lesson import Place
 from explorer.web import keys
 from explorer.web.elements import Step, place_of
 from explorer.widgets.form import Form
@@ -56,13 +57,18 @@ class Commands:
     def _go(self, label: str, steps: list[Step], target: str) -> None:
         self._form.command(label, partial(keys.go_to, self._client, steps, target), step=False)
 
-    def go_to_control(self, name: str, holds: Callable[[list[Step]], bool] = lambda _: True) -> None:
-        """Bring the first control of a name that is on the page into sight, or say that there is none now.
-
-        `holds`: whether the tabs and folders around a control are those that are meant."""
+    def go_to_control(self, name: str) -> None:
+        """Bring the first control of a name that is on the page into sight, or say that there is none now."""
         places = (place_of(control.handle) for control in self._controls() if control.name == name)
-        place = next((steps for steps in places if steps is not None and holds(steps)), None)
+        place = next((steps for steps in places if steps is not None), None)
         if place is None:
             self._notify(f"“{name}” is not shown", "It belongs to a choice that is not made at present.")
         else:
             keys.go_to(self._client, place, name)
+
+    def go_to_place(self, wanted: Place) -> None:
+        """Bring the control that a lesson names into sight: one of its label in its folders, or its tab at least, where
+        the label is that of a row of buttons or of a control that is not shown now."""
+        places = (place_of(control.handle) for control in self._controls() if control.name == wanted.label)
+        fitting = (steps for steps in places if steps is not None and wanted.holds(steps, wanted.label))
+        keys.go_to(self._client, next(fitting, [("tab", wanted.tab)]), wanted.label)

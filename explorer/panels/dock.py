@@ -83,6 +83,7 @@ class Dock:
         add_welcome(gui)
         self.verdict = VerdictPanel(gui, cure)
         self.tabs = tabs = gui.add_tab_group()
+        strip = gui.add_html("")
         with tabs.add_tab("Learn"):
             self.learn = LearnPanel(
                 form,
@@ -93,8 +94,10 @@ class Dock:
                     pinned=lambda: self.compare.pinned_settings,
                     download=session_actions.send,
                     exported=lambda: self.bundle.exported,
+                    rewind=session_actions.rewind,
                     go_to=session_actions.go_to_place,
                 ),
+                strip,
             )
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from explorer.lessons.lesson import Place
 from explorer.storage.bundle import Send
-from explorer.web.elements import Step
 from explorer.widgets.form import Action
 
 
@@ -21,7 +21,9 @@ class SessionActions:
     """Downloads a file: its name and its content."""
     go_to: Callable[[str], None]
     """Brings the control with a label into sight."""
-    go_to_place: Callable[[str, Callable[[list[Step]], bool]], None]
-    """The same of a label that several controls have: whether the tabs and folders around one are those meant."""
+    go_to_place: Callable[[Place], None]
+    """The same of a label that several controls have."""
+    rewind: Action
+    """Goes to the beginning of the flight."""
     notify: Callable[[str, str], None]
     """Shows a title and a sentence for a few seconds."""

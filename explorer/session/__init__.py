@@ -161,7 +161,8 @@ class Session:
             download_preset=self._download_preset,
             send=self._send,
             go_to=lambda label: self._commands.go_to_control(label),
-            go_to_place=lambda label, holds: self._commands.go_to_control(label, holds),
+            go_to_place=lambda place: self._commands.go_to_place(place),
+            rewind=lambda: self._playback.seek(0.0),
             notify=self._notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)

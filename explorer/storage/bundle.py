@@ -24,7 +24,7 @@ from rangenav.progress import Cancelled, CancelledError, Progress
 OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
 NOTHING_CHOSEN = "no format is chosen: choose at least one above; “Download this preset” gives the preset alone"
 MARK = ".uncertified"
-VERIFY = "Verify any file or folder where it is unpacked: rangenav verify NAME"
+VERIFY = "Verify each file, where it is unpacked, by its own name: rangenav verify FILE"
 STAMP = (2020, 1, 1, 0, 0, 0)
 """The time of every file inside, always the same, so that equal inputs make equal zips."""
 CURES_FROM = 0.6

@@ -90,16 +90,21 @@
       if (body && body.getBoundingClientRect().height < 2) { head.click(); await pause(300); }
     }
   };
-  const found = wanted => {
-    const labels = [...document.querySelectorAll('label[for]')].filter(one => one.getBoundingClientRect().height > 0);
+  const inside = heading => {
+    const head = heading && [...document.querySelectorAll('.mantine-Paper-root')].find(one => own(one) === heading);
+    return (head && head.nextElementSibling) || document;
+  };
+  const found = (wanted, heading) => {
+    const labels = [...inside(heading).querySelectorAll('label[for]')].filter(one => one.getBoundingClientRect().height > 0);
     const label = labels.find(one => name(one) === wanted);
     return label ? row(label) : document.querySelector(`[data-plot="${wanted}"]`);
   };
   const go = async (steps, wanted) => {
     for (const step of steps) await show(step);
     if (!wanted) return;
-    for (let tries = 0; tries < 30 && !found(wanted); tries++) await pause(100);
-    const place = found(wanted);
+    const [kind, heading] = steps.length ? steps[steps.length - 1] : ['', ''], around = kind === 'folder' ? heading : '';
+    for (let tries = 0; tries < 30 && !found(wanted, around); tries++) await pause(100);
+    const place = found(wanted, around) || found(wanted);
     if (!place) return;
     place.scrollIntoView({block: 'center'});
     place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: 0.6}, {background: '#56B4E900'}], 1800);

@@ -185,10 +185,11 @@ class Visitor:
         self.wait_until_drawn()
 
     def begin_anew(self) -> None:
-        """The first preset as it is shipped, at its start, whatever an earlier test has left; nothing on a new page."""
+        """The first preset as it is shipped, at its start, whatever an earlier test has left; a new page only opens the tab."""
         self.complaints.clear()
         if self._new:
             self._new = False
+            self.tab("Motion")
             return
         self.tab("Presets")
         self.choose("preset", OTHER)

@@ -65,6 +65,7 @@ def test_the_work_is_there_after_the_server_was_restarted(browser: Browser, tmp_
     with served() as first:
         port = first.port
         tab = Visitor(browser, first.url, density=COARSE)
+        tab.tab("Motion")
         tab.choose("path made of", "waypoints")
         until(lambda: "/handles/waypoint3" in tab.node_names(), "handles")
         tab.type_number("flight duration (s)", "17")

@@ -30,6 +30,8 @@ def test_firefox_draws_the_page_and_answers_a_control(server: Server, tmp_path: 
         assert nodes > 10
         assert isinstance(plots, int)
         assert plots >= 4
+        window.run("page.rnPage.act('tab', 'Motion')")
+        window.wait_for_text("flight duration (s)")
         window.run(TYPE, "flight duration (s)", "2")
         window.wait_for_text("must be shorter than the duration")
         assert window.screenshot().startswith(b"\x89PNG")

@@ -11,18 +11,18 @@ from dataclasses import dataclass
 from functools import partial
 
 import msgspec
+import viser
 
 from explorer.lessons import demonstration, screens, teaching
 from explorer.lessons.course import Course
 from explorer.lessons.demonstration import Step
-from explorer.lessons.lesson import Lesson
+from explorer.lessons.lesson import Lesson, Place
 from explorer.lessons.state import Outcome, State
 from explorer.model import learning as progress
 from explorer.model.compute import Picture
 from explorer.model.learning import PREDICTION, Learning
 from explorer.model.settings import Settings
 from explorer.panels.learn import markup
-from explorer.web.elements import Step as Around
 from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 from rangenav.number_format import quantity
@@ -39,18 +39,23 @@ class LearnActions:
     pin: Callable[[Settings | None], None]
     """Pins a run A by its settings, or unpins it."""
     pinned: Callable[[], Settings | None]
+    rewind: Action
+    """Goes to the beginning of the flight."""
     download: Callable[[str, bytes], None]
     """Downloads a file: its name and its content."""
     exported: Callable[[], tuple[str, bytes] | None]
     """The name of the format and the content of the file that was exported last."""
-    go_to: Callable[[str, Callable[[list[Around]], bool]], None]
-    """Brings a control into sight: its label, and whether the tabs and folders around it are those that are meant."""
+    go_to: Callable[[Place], None]
+    """Brings a control into sight."""
 
 
 class LearnPanel:
     """The list of lessons, or one screen of a lesson."""
 
-    def __init__(self, form: Form, course: Course, page: Page, actions: LearnActions) -> None:
+    def __init__(
+        self, form: Form, course: Course, page: Page, actions: LearnActions, strip: viser.GuiHtmlHandle
+    ) -> None:
+        """`strip` lies over the scene: it shows how far a task is done while its controls are on another tab."""
         self._form, self._course, self._page, self._session = form, course, page, actions
         self._checks = form.new_jobs()
         self.learning = Learning()
@@ -59,6 +64,7 @@ class LearnPanel:
         self._show: tuple[Step, ...] = ()
         self._step_at, self._step_text = math.inf, ""
         self._block = form.gui.add_html("")
+        self._strip = strip
         self._number = form.gui.add_text("your prediction", "", visible=False)
         self._commit = form.button("Commit", self._predict_number, hint="A committed prediction stays.")
         self._commit.visible = False
@@ -104,6 +110,7 @@ class LearnPanel:
     def open(self, lesson: Lesson) -> None:
         """Show a lesson from its beginning, on its first state."""
         self.learning = progress.opened(self.learning, lesson.name, self._page.read())
+        self._session.rewind()
         self._put(lesson.start)
 
     def open_number(self, number: int) -> None:
@@ -142,6 +149,7 @@ class LearnPanel:
 
     def draw_details(self, picture: Picture) -> None:
         """Nothing has changed for a moment: check what the page shows."""
+        self._picture = picture
         lesson = self.lesson
         if lesson is None:
             return
@@ -259,8 +267,7 @@ class LearnPanel:
     def _go_to(self, k: int) -> None:
         lesson = self.lesson
         if lesson is not None and k <= len(lesson.header.controls):
-            place = lesson.header.places[k - 1]
-            self._session.go_to(place.label, lambda steps: place.holds(steps, place.label))
+            self._session.go_to(lesson.header.places[k - 1])
 
     def _demonstrate(self) -> None:
         lesson = self.lesson
@@ -295,9 +302,14 @@ class LearnPanel:
             )
             content = markup.screen(lesson, shown)
         asks_number = lesson is not None and self._asks_number(lesson)
+        if asks_number and not self._number.visible:
+            self._number.value = ""  # what was typed in another lesson is no answer here
         for handle in (self._number, self._commit):
             if handle.visible != asks_number:
                 handle.visible = asks_number
+        strip = "" if lesson is None or self._kind not in ("task", "outcome") else markup.strip(lesson, self._outcome)
+        if strip != self._strip.content:
+            self._strip.content = strip
         if content != self._block.content:
             self._block.content = content
 

@@ -70,14 +70,16 @@ def screen(lesson: Lesson, shown: Shown) -> str:
     bar = f'<progress max="{len(pages)}" value="{k + 1}" aria-label="screen {k + 1} of {len(pages)}"></progress>'
     waits = page.kind == "prediction" and PREDICTION not in _answers(lesson, shown.learning)
     last = k == len(pages) - 1
+    done = page.kind != "task" or (shown.outcome is not None and shown.outcome.passed)
     onward = (
-        button("next", "Next ›", "rn-main", disabled=waits)
+        button("next", "Next ›" if done else "Skip ›", "rn-main" if done else "", disabled=waits)
         if not last
         else button("following", "Next lesson ›", "rn-main")
     )
     back = button("back", "‹ Back", disabled=k == 0)
     foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {len(pages)}</span>{onward}</div>'
-    return f'<div class="rn-lesson">{head}{bar}<h4>{html.escape(page.heading)}</h4>{body}{foot}</div>'
+    before = "" if PREDICTION in _answers(lesson, shown.learning) else " rn-before"
+    return f'<div class="rn-lesson{before}">{head}{bar}<h4>{html.escape(page.heading)}</h4>{body}{foot}</div>'
 
 
 def _row(lesson: Lesson, learning: Learning) -> str:
@@ -145,12 +147,23 @@ def _question(k: int, asked: Answer, lesson: Lesson, learning: Learning) -> str:
     return f'<p>{html.escape(asked.question)}</p><p class="rn-lesson-buttons">{choices}</p>'
 
 
+def strip(lesson: Lesson, outcome: Outcome | None) -> str:
+    """One line over the scene: the task's metric and its goal, for whoever moves a control on another tab."""
+    goal = lesson.header.goal
+    metric = math.nan if outcome is None else outcome.metric
+    now = "…" if outcome is None else quantity(metric if math.isfinite(metric) else None, goal.unit)
+    wanted = f"wanted {'at least' if goal.at_least else 'at most'} {quantity(goal.value, goal.unit)}"
+    sign = "✓ " if outcome is not None and outcome.passed else ""
+    text = f"{sign}Lesson {lesson.number} · {html.escape(goal.label)}: <b>{now}</b>, {wanted}"
+    return f'<div class="rn-task" role="status" title="{html.escape(outcome.hint) if outcome else ""}">{text}</div>'
+
+
 def _meter(goal: Goal, outcome: Outcome | None, *, passed: bool) -> str:
     """A bar from nothing to the goal, and the number with its unit."""
     if outcome is None:
         return '<p role="status">The check is being computed …</p>'
     bound = "at least" if goal.at_least else "at most"
-    share = 1.0 if outcome.passed else min(reached(goal, outcome.metric), 0.99)
+    share = 1.0 if outcome.passed else min(reached(goal, outcome.metric), NOT_YET)
     sign = "✓" if outcome.passed else "…"
     now = quantity(outcome.metric if math.isfinite(outcome.metric) else None, goal.unit)
     earlier = "" if outcome.passed or not passed else " You have passed this lesson before."
@@ -175,8 +188,9 @@ def reached(goal: Goal, metric: float) -> float:
     return min(max(ratio, 0.0), 1.0)
 
 
-DECADES = 6.0
-"""So many decades from the goal the bar of a logarithmic metric is empty."""
+DECADES, NOT_YET = 3.0, 0.9
+"""So many decades from the goal the bar of a logarithmic metric is empty; and what it shows at most while something
+else is missing."""
 
 
 def _answers(lesson: Lesson, learning: Learning) -> Mapping[str, str]:

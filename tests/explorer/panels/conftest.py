@@ -56,7 +56,8 @@ def dock(client: viser.ClientHandle) -> Dock:
         show_side_by_side=_nothing,
         download_preset=_nothing,
         send=_nothing_sent,
-        go_to_place=lambda _label, _holds: None,
+        go_to_place=lambda _place: None,
+        rewind=_nothing,
         notify=_nothing_shown,
         go_to=_nowhere,
     )
