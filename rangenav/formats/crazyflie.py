@@ -1,14 +1,18 @@
 """How a Crazyflie flies a looped export: three trajectories from one upload, the middle one again and again."""
 
+import math
+
 from rangenav.formats.hover_ramps import LOW, HoverRamps, Place
 from rangenav.inputs import Vec3
 
+ROUNDING = 1e-9
 PIECE = 132
 """Bytes of a piece (cflib's Poly4D) in the Crazyflie's trajectory memory."""
 
 
-def looping(course: HoverRamps, first: int, count: int) -> str:
-    """Which pieces are the loop (`first` from 0), and how they are flown, as one sentence."""
+def looping(course: HoverRamps, first: int, count: int, window: float) -> str:
+    """Which pieces are the loop (`first` from 0), and how they are flown, as one sentence; window (s): the one that the
+    motion is judged by."""
     begin, end = course.steady
     if first == 0:
         pieces = f"all {count} pieces are one loop of {end - begin:.6g} s, which begins and ends at rest"
@@ -17,7 +21,9 @@ def looping(course: HoverRamps, first: int, count: int) -> str:
             f"pieces 1 to {first} are the ramp in ({course.ramp:g} s), {first + 1} to {first + count} are one loop "
             f"({end - begin:.6g} s), the last {first} are the ramp out"
         )
-    return f"{pieces}: start the loop again as often as it is to be flown"
+    loops = max(1, math.ceil(window / (end - begin) - ROUNDING))
+    least = f"at least {loops} times, because one window of {window:.4g} s lasts as long" if loops > 1 else "as often"
+    return f"{pieces}: fly the loop {least}{'' if loops > 1 else ' as you like'}"
 
 
 def script(file: str, course_ramp: float, period: float, first: int, count: int, place: Place) -> str:
@@ -41,6 +47,7 @@ import time
 from cflib.crazyflie.mem import MemoryElement, Poly4D
 
 FIRST = {_numbers(place.first)}  # the first point of the path
+LAST = {_numbers(place.last)}  # where the ramp out ends, and the Crazyflie hovers
 LOWEST = {place.lowest:.4g}  # the lowest z of the path
 ANCHOR = {_numbers(place.anchor)}
 FLOOR = {LOW}  # an absolute flight must stay above it

@@ -46,7 +46,9 @@ class Place:
     """Where a written motion lies, in the axes of its file, z up; all in m."""
 
     first: Vec3
-    """Its first point, which is also the last one of a loop."""
+    """Its first point."""
+    last: Vec3
+    """Its last point, where the vehicle hovers in the end."""
     lowest: float
     highest: float
     anchor: Vec3
@@ -56,9 +58,9 @@ class Place:
         """One sentence for whoever flies it: the ranges fit no other place of the anchor."""
         low = "; that is not above a floor at z = 0: fly it from a hover high enough" if self.lowest < LOW else ""
         return (
-            f"in the file's axes (z up) the path begins at {vector(self.first)} m and lies at z from "
-            f"{significant(self.lowest)} to {significant(self.highest)} m{low}; the anchor must stand at "
-            f"{vector(self.anchor)} m of the same axes"
+            f"in the file's axes (z up) the path begins at {vector(self.first)} m, ends at {vector(self.last)} m and "
+            f"lies at z from {significant(self.lowest)} to {significant(self.highest)} m{low}; the anchor must stand "
+            f"at {vector(self.anchor)} m of the same axes"
         )
 
 
@@ -85,9 +87,11 @@ class HoverRamps:
     def place(self, anchor: Vec3) -> Place:
         """Where the motion and an anchor (m) lie, from PLACES samples; path and anchor have z up."""
         points = self(np.linspace(0.0, self.end, PLACES)).round(MICROMETRE) + 0.0
-        x, y, z = points[0].tolist()
+        (x, y, z), (u, v, w) = points[0].tolist(), points[-1].tolist()
         heights = points[:, 2]
-        return Place(first=(x, y, z), lowest=float(heights.min()), highest=float(heights.max()), anchor=anchor)
+        return Place(
+            first=(x, y, z), last=(u, v, w), lowest=float(heights.min()), highest=float(heights.max()), anchor=anchor
+        )
 
     def __call__(self, t: Float[Array, "n"], order: int = 0) -> Float[Array, "n 3"]:
         """The derivative of the given order (0 to 4) at times t (s)."""

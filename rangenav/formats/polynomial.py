@@ -137,7 +137,7 @@ def _write(preset: Preset, turned: Preset, layout: Layout, path: Path) -> Output
     notes.append(place.summary)
     if layout.loop:
         first, count = layout.middle
-        notes.append(crazyflie.looping(layout.course, first, count))
+        notes.append(crazyflie.looping(layout.course, first, count, preset.requirement.window))
         figures |= {"loop_first": first, "loop_pieces": count}
     elif course.duration < length:
         notes.append(f"the first {course.duration:.4g} s of {length:.4g} s: {MAX_SEGMENTS} pieces hold no more")

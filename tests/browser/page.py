@@ -185,7 +185,7 @@ class Visitor:
         self.wait_until_drawn()
 
     def begin_anew(self) -> None:
-        """The first preset as it is shipped, at its start, whatever an earlier test has left; a new page only opens the tab."""
+        """The first preset as it is shipped, at its start, whatever an earlier test has left; on a new page the tab."""
         self.complaints.clear()
         if self._new:
             self._new = False
