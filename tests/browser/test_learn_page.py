@@ -42,7 +42,7 @@ def test_a_lesson_is_walked_from_its_question_to_passed_and_a_reload_keeps_the_p
         press(page, "Next")
     visitor.wait_for_text("turn it farther")
     page.locator(".rn-lesson button", has_text="turn of the twin").click()  # brings the control into sight
-    page.get_by_text("axis of that turn").wait_for(state="visible")
+    page.get_by_text("The usual twin").wait_for(state="visible")
     visitor.type_number("turn of the twin (°)", "40")
     visitor.tab("Learn")
     visitor.wait_for_text("and has the same range")
