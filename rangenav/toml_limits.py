@@ -6,8 +6,11 @@ stops at the error.
 """
 
 import re
+from typing import TypeVar
 
-from rangenav.inputs import require
+import msgspec
+
+from rangenav.inputs import require, shortened
 
 MAX_BYTES = 1_000_000
 """Bytes of a text; characters, of a text that is decoded already."""
@@ -31,6 +34,20 @@ TOKEN = re.compile(
 )
 """A string, a comment, one sign, or all that stands between signs. A string that is not closed ends with its line, or
 with the text if it may hold lines. An alternative that begins also ends, so the text is read once."""
+
+
+T = TypeVar("T")
+
+
+def decode(text: str, kind: type[T]) -> T:
+    """The value in a TOML text. Raises ValueError with one sentence; where a limit is exceeded, nothing is parsed."""
+    try:
+        refuse_large(text)
+        return msgspec.toml.decode(text, type=kind)
+    except (msgspec.DecodeError, ValueError) as error:  # ValueError: an integer of thousands of digits
+        raise ValueError(shortened(str(error))) from None
+    except RecursionError:
+        raise ValueError("nested too deeply") from None
 
 
 def refuse_large(text: str) -> None:

@@ -62,8 +62,7 @@ def _text(content: str) -> tuple[Header, dict[SectionName, tuple[str, ...]]]:
     require(match is not None, "lesson.md: must begin with front matter in TOML between two lines +++")
     assert match is not None
     try:
-        toml_limits.refuse_large(match[1])
-        header = msgspec.toml.decode(match[1], type=Header)
+        header = toml_limits.decode(match[1], Header)
         sections = _sections(match[2])
         _refuse_unknown_figures(header, sections)
     except (msgspec.DecodeError, ValueError) as error:

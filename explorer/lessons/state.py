@@ -81,8 +81,7 @@ def read(path: Path) -> State:
     """The state in a file. Raises ValueError with one sentence that begins with the file's name."""
     try:
         text = path.read_text(encoding="utf-8")
-        toml_limits.refuse_large(text)
-        return _state(msgspec.toml.decode(text, type=StateFile))
+        return _state(toml_limits.decode(text, StateFile))
     except OSError as error:
         raise ValueError(f"{path.name}: cannot be read: {error.strerror}") from None
     except (msgspec.DecodeError, UnicodeDecodeError, ValueError) as error:

@@ -5,6 +5,7 @@ All of it is made from the lessons, so that a lesson that is added or changed is
 
 import html
 from collections.abc import Sequence
+from pathlib import Path
 
 from explorer.lessons import text
 from explorer.lessons.lesson import Lesson
@@ -14,16 +15,7 @@ from rangenav.number_format import quantity
 CLASS = (1, 2, 5, 4, 6, 8, 10, 12)
 """The numbers of the lessons of a class of 90 minutes, in their order."""
 COLUMNS = ("lesson", "min", "prediction asked for", "what comes, and why", "other predictions", "task")
-STYLE = """
-@page { size: A4; margin: 14mm; }
-body { font: 10.5pt/1.35 system-ui, sans-serif; max-width: 190mm; margin: 0 auto; color: #000; background: #fff; }
-h1 { font-size: 15pt; margin: 0 0 2mm; }
-.lesson { break-inside: avoid; border-top: 1px solid #000; padding: 1.5mm 0; }
-h2 { font-size: 11pt; margin: 0; }
-p { margin: .8mm 0; }
-.choices span { margin-right: 6mm; white-space: nowrap; }
-.line { display: inline-block; border-bottom: 1px solid #555; min-width: 45mm; }
-"""
+STYLE = Path(__file__).with_name("worksheet.css")
 
 
 def guide(lessons: Sequence[Lesson]) -> list[tuple[str, ...]]:
@@ -42,7 +34,7 @@ def worksheet(lessons: Sequence[Lesson]) -> bytes:
     blocks = "".join(_exercise(lesson) for lesson in lessons)
     head = '<h1>What can one range tell?</h1><p>Name: <span class="line"></span> Date: <span class="line"></span></p>'
     return (
-        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Worksheet</title><style>{STYLE}</style>'
+        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Worksheet</title><style>{STYLE.read_text(encoding="utf-8")}</style>'
         f"</head><body>{head}{blocks}</body></html>"
     ).encode()
 

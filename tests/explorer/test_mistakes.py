@@ -86,3 +86,4 @@ def test_nonsense_gets_a_sentence_and_the_last_picture_stays(standing: Wire, lab
     assert drawn(standing) == before
     standing.set(label, good)
     standing.wait_for(lambda: NOT_SHOWN not in standing.text(), "the complaint to go")
+    standing.wait_for(lambda: drawn(standing) == before, "the picture of the value from before")

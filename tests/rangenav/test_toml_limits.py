@@ -92,4 +92,4 @@ def test_a_preset_that_states_no_size_is_bounded_as_well(tmp_path):
 def test_toml_is_parsed_in_one_place_behind_the_limits():
     sources = [file for folder in ("rangenav", "explorer") for file in (SOURCE / folder).rglob("*.py")]
     parsing = [file.name for file in sources if {"toml.decode", "tomllib"} & set(WORD.findall(file.read_text()))]
-    assert parsing == ["preset.py"]
+    assert parsing == ["toml_limits.py"]

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from explorer.model.settings import Settings
 from explorer.server import SessionServer
 from explorer.session import Session
+from explorer.widgets.vector import AXES, box_label
 from tests.support.wire import Storage, Wire
 
 
@@ -27,7 +28,12 @@ class Editing:
         return picture.settings
 
     def set(self, label: str, value: object) -> None:
-        """Set a control, and wait until the session has taken it over."""
+        """Set a control, and wait until the session has taken it over; of a vector one box after the other, because
+        the news of three boxes may overtake each other."""
+        if isinstance(value, list | tuple):
+            for axis, entry in zip(AXES, value, strict=True):
+                self.set(box_label(label, axis), str(entry))
+            return
         self.tab.set(label, value)
         self.settle()
 

@@ -28,6 +28,7 @@ from explorer.widgets.page import Page
 from rangenav.number_format import quantity
 
 EXPORT = "Now export it: on the tab Presets, below “Download with certificate”, the button “Export as a zip”."
+NUMBER_HINT = "A number, such as 0.5. It is committed by the button below, and stays."
 STEP_PERIOD = 1.5
 """s between two steps of "show me": long enough to see what a step has changed."""
 
@@ -65,7 +66,7 @@ class LearnPanel:
         self._step_at, self._step_text = math.inf, ""
         self._block = form.gui.add_html("")
         self._strip = strip
-        self._number = form.gui.add_text("your prediction", "", visible=False)
+        self._number = form.gui.add_text("your prediction", "", visible=False, hint=NUMBER_HINT)
         self._commit = form.button("Commit", self._predict_number, hint="A committed prediction stays.")
         self._commit.visible = False
         self._draw()

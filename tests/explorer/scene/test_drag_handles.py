@@ -113,8 +113,13 @@ def test_the_numbers_of_waypoints_that_are_seen_at_one_place_never_lie_on_each_o
     names = [f"/handles/waypoint{k + 1}/label" for k in range(12)]
     tab.wire.wait_for(lambda: names[-1] in tab.wire.nodes, "the last label")
     tab.take()
-    shown = [tab.wire.nodes[name] for name in names if tab.wire.nodes[name].get("visible", True)]
-    assert 1 <= len(shown) < 12
+
+    def seen() -> list:
+        return [tab.wire.nodes[name] for name in names if tab.wire.nodes[name].get("visible", True)]
+
+    tab.wire.wait_for(lambda: len(seen()) < 12, "some of the labels to go")
+    shown = seen()
+    assert shown
     boxes = [labels.box_of(Item(one["text"], 0.0, 0.0, one["anchor"]), one["anchor"]) for one in shown]
     assert not any(one.meets(other) for one, other in itertools.combinations(boxes, 2))
     tab.handles.draw(ANCHOR, POSITIONS[:2], bounds_of(2.0))
