@@ -190,7 +190,7 @@ def _drag(port: int) -> tuple[np.ndarray, float]:
     time.sleep(2)
     home = tuple(tab.nodes[handle]["position"])
     box, sent, drawn = tab.find("position of the point (m)"), [], []
-    tab.on_plot = lambda uuid: drawn.append((uuid, time.perf_counter(), tab.elements[box]["value"][0]))
+    tab.on_plot = lambda uuid: drawn.append((uuid, time.perf_counter(), float(tab.elements[box]["value"])))
     tab.drag_message(handle, "start", home, home)
     began, place = time.perf_counter(), home
     for k in range(DRAGS):

@@ -33,8 +33,9 @@ def worksheet(lessons: Sequence[Lesson]) -> bytes:
     """Two pages to print: each question with its choices to tick, and lines for what came and why."""
     blocks = "".join(_exercise(lesson) for lesson in lessons)
     head = '<h1>What can one range tell?</h1><p>Name: <span class="line"></span> Date: <span class="line"></span></p>'
+    style = STYLE.read_text(encoding="utf-8")
     return (
-        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Worksheet</title><style>{STYLE.read_text(encoding="utf-8")}</style>'
+        f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Worksheet</title><style>{style}</style>'
         f"</head><body>{head}{blocks}</body></html>"
     ).encode()
 
