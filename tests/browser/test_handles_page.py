@@ -113,7 +113,7 @@ def test_the_gizmo_of_the_handle_clicked_moves_it_along_one_axis_exactly(tab: Vi
     until(lambda: tab.node_position(node)[axis] > before[axis] + 0.1, "the handle to move")
     moved = np.subtract(tab.node_position(node), before)
     assert [k for k in range(3) if moved[k] != 0] == [axis]
-    assert tab.camera_position() == camera
+    assert tab.camera_position() == pytest.approx(camera, rel=1e-5)  # it comes to rest by and by
 
 
 def test_escape_or_a_click_elsewhere_puts_the_gizmo_away(tab: Visitor):

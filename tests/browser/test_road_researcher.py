@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 from playwright.sync_api import Locator
 
-from tests.browser.page import PATIENCE, Visitor
+from tests.browser.page import PATIENCE, Visitor, until
 
 MOST_ACTIONS = 15
 WEIGHT = "range weight q (1/(m⁴ s))"
@@ -80,7 +80,7 @@ def test_a_reload_keeps_the_tabs_and_the_pinned_run_and_the_open_preset_can_be_c
     visitor = narrow_page
     visitor.reload()
     visitor.wait_for_node("/pinned_trail")
-    assert selected_tabs(visitor) == ["Convergence", "Export"]
+    until(lambda: selected_tabs(visitor) == ["Convergence", "Export"], "the tabs from before")
     visitor.tab("Presets")
     visitor.wait_for_text("• changed, not saved")
     visitor.choose("preset", "(lissajous)")

@@ -70,7 +70,7 @@ def standing(sessions: tuple[int, SessionServer]) -> Iterator[Wire]:
         ("initial estimate x̂(0)", "", "initial estimate x̂(0) must be one of"),
         ("initial attitude error (°)", 900.0, "initial attitude error (°) must lie between -180 and 180, got 900"),
         ("axis of the attitude error", [0.0, 0.0, 0.0], "axis of the attitude error must not be the zero vector"),
-        ("axis of the attitude error", [1.0, "", 0.0], "axis of the attitude error, y: the box is empty"),
+        ("axis of the attitude error", [0.0, "", 0.0], "axis of the attitude error, y: the box is empty"),
         ("position offset (m)", [math.nan, 0.0, 0.0], "position offset (m), x: “nan” is no number"),
         ("position offset (m)", [1e30, 0.0, 0.0], "position offset must not be longer than"),
         ("drift (m/s)", [0.0, 0.0, "1e999"], "drift (m/s), z: “1e999” is larger than any number"),
