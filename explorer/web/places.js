@@ -47,11 +47,12 @@
     const list = at.closest('[role=tab]') && at.closest('[role=tablist]');
     if (!list) return;
     done.add(list);
-    setTimeout(() => {
+    const note = () => {
       const tabs = [...list.querySelectorAll('[role=tab]')], others = tabs.map(text);
       kept.tabs = [...kept.tabs.filter(name => !others.includes(name)), ...tabs.filter(isSelected).map(text)];
       keep();
-    }, 50);
+    };
+    [50, 300, 1000, 3000].forEach(later => setTimeout(note, later));  // a busy browser selects the tab later
   };
   document.addEventListener('keyup', key => key.target.closest && chosen(key.target), true);
   document.addEventListener('click', click => {

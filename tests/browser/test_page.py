@@ -97,6 +97,7 @@ def test_letters_in_a_box_are_no_number_and_change_nothing(visitor: Visitor):
 
 def test_two_tabs_do_not_disturb_each_other(server: Server, browser: Browser, visitor: Visitor):
     other = Visitor(browser, server.url, density=COARSE)
+    until(lambda: len(other.chart_data(ERROR_CURVE)[0]) > 3, "the plots of the other tab")
     before = other.chart_data(ERROR_CURVE)
     visitor.tab("Presets")
     visitor.choose("preset", "(hover)")
