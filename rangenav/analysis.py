@@ -96,6 +96,11 @@ class Analysis:
     verdict: Verdict
 
     @property
+    def resolved_mu(self) -> float:
+        """μ (m²/s⁷), and 0 where it is rounding."""
+        return self.mu if self.mu >= self.mu_floor else 0.0
+
+    @property
     def below_rounding(self) -> bool:
         """Whether rank or position are undetermined because of rounding alone, as far as is known."""
         return self.rounded or self.ranges_rounded
@@ -205,9 +210,7 @@ def analysis(
             excitation=excitation_reached(float(lifted.least[0]), None, requirement.mu),
             rounded=lifted.rounded,
             restriction=restriction(path, source, duration),
-            ranges=None
-            if cause is None
-            else for_these_ranges(cause, last - first + 1, at, window, rate=range_rate, period=path.period),
+            ranges=for_these_ranges(cause, last - first + 1, at, window, rate=range_rate, period=path.period),
             farthest=farthest,
         ),
     )
@@ -266,9 +269,7 @@ def _proven(
             excitation=excitation_reached(excited.mu, excited.lower, requirement.mu),
             rounded=rank.rounded,
             restriction=restriction(path, source, duration),
-            ranges=None
-            if proof.undetermined is None
-            else for_these_ranges(
+            ranges=for_these_ranges(
                 proof.undetermined, held.ranges, held.at, window, rate=range_rate, period=path.period
             ),
             farthest=few.farthest,

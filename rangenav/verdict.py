@@ -162,12 +162,14 @@ def says_nothing(position_sigma: float, farthest: float) -> str:
 
 
 def for_these_ranges(
-    cause: Cause, count: int, start: float, window: float, *, rate: float, period: float | None
-) -> Undetermined:
+    cause: Cause | None, count: int, start: float, window: float, *, rate: float, period: float | None
+) -> Undetermined | None:
     """Why `count` ranges in a window (s) from `start` (s) do not determine the position along a path of full rank.
 
-    rate: of the ranges, Hz. period: of the path, s.
+    rate: of the ranges, Hz. period: of the path, s. None where there is no cause: they determine it.
     """
+    if cause is None:
+        return None
     where = f"the {window:g} s from t = {start:.4g} s"
     if cause == "too few":
         return Undetermined(f"{where} hold {count} of them, and {STATES} are needed")

@@ -15,7 +15,6 @@ from explorer.charts.plot_list import GROUPS
 from explorer.charts.plots import Plot
 from explorer.model import assessment
 from explorer.model.compute import Picture
-from explorer.panels.verdict import SIGNS, subject_of
 from rangenav import so3
 
 MOMENTS, BUCKETS, DIGITS = 241, 100, 4
@@ -77,14 +76,15 @@ def variant(picture: Picture, shown: Sequence[Plot], base: Picture | None = None
 
 def _verdict(picture: Picture) -> dict[str, Any]:
     given = assessment.answers(picture)
-    sign, color = SIGNS[assessment.level(given)]
+    sign, color = assessment.SIGNS[assessment.level(given)]
+    answers = [(assessment.SIGNS[one.level][0], assessment.QUESTIONS[one.question], one) for one in given]
     return {
         "sign": sign,
         "color": color,
         "word": picture.analysis.verdict.word,
         "summary": assessment.decisive(given).summary,
-        "subject": subject_of(picture),
-        "answers": [[SIGNS[a.level][0], assessment.QUESTIONS[a.question], a.summary, *a.remarks] for a in given],
+        "subject": assessment.subject_of(picture),
+        "answers": [[mark, question, one.summary, *one.remarks] for mark, question, one in answers],
     }
 
 

@@ -129,10 +129,9 @@ def _prediction(lesson: Lesson, states: text.States) -> str:
 def _outcome(lesson: Lesson, states: text.States) -> str:
     """What came, beside what was predicted."""
     asked = lesson.header.prediction
-    came = asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", states)
-    because = html.escape(text.filled(asked.because, states))
-    came = f'You predicted: <b id="predicted"></b>. It came: <b>{html.escape(came)}</b>. {because}'
-    return _section("", f"<p>{came}</p>", hidden=True)
+    came, because = (html.escape(part) for part in (text.came(asked, states), text.filled(asked.because, states)))
+    sentence = f'You predicted: <b id="predicted"></b>. It came: <b>{came}</b>. {because}'
+    return _section("", f"<p>{sentence}</p>", hidden=True)
 
 
 def _data_url(content: bytes, kind: str) -> str:

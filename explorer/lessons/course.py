@@ -2,6 +2,7 @@
 
 import os
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from explorer.lessons import reading
@@ -27,7 +28,12 @@ class Course:
 def course(more: Path | None = None) -> Course:
     """Our lessons, then those in the folder `more`, or else in the one that RANGENAV_LESSONS names."""
     named = os.environ.get(FOLDERS_VARIABLE, "")
-    folder = more or (Path(named) if named else None)
+    return _course(more or (Path(named) if named else None))
+
+
+@lru_cache(maxsize=4)
+def _course(folder: Path | None) -> Course:
+    """Read once for all visitors: a lesson that is changed meanwhile is seen after the program has begun anew."""
     ours = lessons_in(OURS)
     if folder is None:
         return ours

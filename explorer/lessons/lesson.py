@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 from explorer.lessons import state as states
 from explorer.lessons.state import Outcome, State
 from rangenav.inputs import Input, require
+from rangenav.number_format import quantity
 
 MAX_TITLE = 60
 MAX_CASES = 9
@@ -66,6 +67,11 @@ class Goal(Input, frozen=True, kw_only=True):
     """False: the metric must not exceed the value."""
     log: bool = False
     """Whether the bar counts decades."""
+
+    @property
+    def wanted(self) -> str:
+        """The goal as text: at least 100 m²/s⁷."""
+        return f"{'at least' if self.at_least else 'at most'} {quantity(self.value, self.unit)}"
 
 
 class Header(Input, frozen=True, kw_only=True):

@@ -64,8 +64,7 @@ def twin(state: State) -> Twin | None:
 
 def mu(preset: Preset) -> float:
     """The least excitation over the windows (m²/s⁷); 0 where it is rounding."""
-    found = analysis.sampled(preset)
-    return found.mu if found.mu >= found.mu_floor else 0.0
+    return analysis.sampled(preset).resolved_mu
 
 
 def mu_printed(preset: Preset) -> float:

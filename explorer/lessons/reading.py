@@ -21,8 +21,6 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-import msgspec
-
 from explorer.lessons import state, text
 from explorer.lessons.lesson import SECTIONS, Header, Lesson, SectionName
 from explorer.lessons.state import Outcome, State
@@ -65,8 +63,8 @@ def _text(content: str) -> tuple[Header, dict[SectionName, tuple[str, ...]]]:
         header = toml_limits.decode(match[1], Header)
         sections = _sections(match[2])
         _refuse_unknown_figures(header, sections)
-    except (msgspec.DecodeError, ValueError) as error:
-        raise ValueError(f"lesson.md: {shortened(str(error))}") from None
+    except ValueError as error:
+        raise ValueError(f"lesson.md: {error}") from None
     return header, sections
 
 

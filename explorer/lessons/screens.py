@@ -39,6 +39,8 @@ def screens(lesson: Lesson) -> tuple[Screen, ...]:
     return tuple(pages)
 
 
-def task_of(lesson: Lesson) -> int:
-    """The number of the screen with the task."""
-    return next(k for k, screen in enumerate(screens(lesson)) if screen.kind == "task")
+def shown(lesson: Lesson, number: int) -> tuple[Screen, int, int]:
+    """The screen of a number, its number, and how many there are; beyond the last one it is the last."""
+    pages = screens(lesson)
+    k = min(number, len(pages) - 1)
+    return pages[k], k, len(pages)

@@ -84,7 +84,7 @@ def read(path: Path) -> State:
         return _state(toml_limits.decode(text, StateFile))
     except OSError as error:
         raise ValueError(f"{path.name}: cannot be read: {error.strerror}") from None
-    except (msgspec.DecodeError, UnicodeDecodeError, ValueError) as error:
+    except ValueError as error:  # msgspec's and that of a text that is not UTF-8 are ones
         raise ValueError(f"{path.parent.name}/{path.name}: {shortened(str(error))}") from None
 
 

@@ -9,8 +9,6 @@ from pathlib import Path
 
 from explorer.lessons import text
 from explorer.lessons.lesson import Lesson
-from explorer.lessons.state import State
-from rangenav.number_format import quantity
 
 CLASS = (1, 2, 5, 4, 6, 8, 10, 12)
 """The numbers of the lessons of a class of 90 minutes, in their order."""
@@ -43,20 +41,14 @@ def worksheet(lessons: Sequence[Lesson]) -> bytes:
 def _row(lesson: Lesson) -> tuple[str, ...]:
     asked, goal, states = lesson.header.prediction, lesson.header.goal, lesson.states(lesson.start)
     others = [choice for k, choice in enumerate(asked.choices, start=1) if k != asked.right]
-    bound = "at least" if goal.at_least else "at most"
     return (
         f"{lesson.number} {lesson.header.title}",
         f"{lesson.header.minutes:g}",
         text.filled(asked.question, states),
-        f"{_came(lesson, states)}. {text.filled(asked.because, states)}",
+        f"{text.came(asked, states)}. {text.filled(asked.because, states)}",
         "; ".join(others) or "any other number",
-        f"{goal.label} {bound} {quantity(goal.value, goal.unit)}",
+        f"{goal.label} {goal.wanted}",
     )
-
-
-def _came(lesson: Lesson, states: dict[str, State | None]) -> str:
-    asked = lesson.header.prediction
-    return asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", states)
 
 
 def _exercise(lesson: Lesson) -> str:

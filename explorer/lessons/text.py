@@ -14,7 +14,7 @@ from markdown_it.token import Token
 from mdit_py_plugins.dollarmath import dollarmath_plugin
 
 from explorer.lessons import figures
-from explorer.lessons.lesson import FIGURE
+from explorer.lessons.lesson import FIGURE, Prediction
 from explorer.lessons.state import State
 from rangenav.inputs import require, shortened
 
@@ -42,6 +42,13 @@ def filled(text: str, states: States) -> str:
         pieces += [text[end : match.start()], _figure(match[1] or "", match[2], states)]
         end = match.end()
     return "".join([*pieces, text[end:]])
+
+
+def came(prediction: Prediction, states: States) -> str:
+    """What came, in the words of the prediction: the right choice, or the number."""
+    if prediction.choices:
+        return prediction.choices[prediction.right - 1]
+    return filled(f"{{{prediction.figure}}}", states)
 
 
 def refuse(markdown: str, states: Collection[str]) -> None:

@@ -12,6 +12,7 @@ from typing import Literal
 
 import numpy as np
 
+from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.model.slower import MOST_THRUST
 from rangenav import continuity, sensors
@@ -24,6 +25,13 @@ from rangenav.vehicle import FREE
 Level = Literal["good", "unjudged", "mind", "bad"]
 LEVELS: tuple[Level, ...] = ("good", "unjudged", "mind", "bad")
 """The better one first."""
+SIGNS: dict[Level, tuple[str, palette.Color]] = {
+    "good": ("●", palette.GOOD),
+    "unjudged": ("○", palette.NEUTRAL),
+    "mind": ("▲", palette.WARNING),
+    "bad": ("✕", palette.ERROR),
+}
+"""Shape and colour (Okabe–Ito hues, dark enough to read on white, and light enough on black) of a level."""
 Question = Literal["seen", "accuracy", "arrival", "flight", "model"]
 QUESTIONS: dict[Question, str] = {
     "seen": "what can be seen",
@@ -94,7 +102,7 @@ def seen(picture: Picture) -> Answer:
         reason = analysis.verdict.reason
         return Answer(question="seen", level="bad", summary=f"blind {reason}", cure="repair", term="verdict")
     if analysis.verdict.excitation != "met":
-        excited = quantity(analysis.mu if analysis.mu >= analysis.mu_floor else 0.0, "m²/s⁷")
+        excited = quantity(analysis.resolved_mu, "m²/s⁷")
         summary = f"all {STATES} quantities determined, but the excitation μ is {excited}, wanted {needed.mu:g}"
         return Answer(question="seen", level="mind", summary=summary, cure="repair", term="excitation")
     return Answer(question="seen", level="good", summary=f"all {STATES} quantities determined", term="rank")
@@ -240,3 +248,8 @@ def model(picture: Picture) -> Answer:
     return Answer(
         question="model", level="good", summary="yes, the observer models every sensor", remarks=remarks, term="model"
     )
+
+
+def subject_of(picture: Picture) -> str:
+    """What the verdict is on: the motion that the page shows, and no recorded flight."""
+    return f"The motion “{picture.preset.title or picture.settings.origin}”, as on the page."

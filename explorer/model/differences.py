@@ -30,7 +30,7 @@ class Figure(NamedTuple):
 
 FIGURES = (
     Figure("quantities determined", "of 13", lambda p: p.analysis.rank),
-    Figure("excitation μ", "m²/s⁷", lambda p: p.analysis.mu if p.analysis.mu >= p.analysis.mu_floor else 0.0),
+    Figure("excitation μ", "m²/s⁷", lambda p: p.analysis.resolved_mu),
     Figure("best error from one window, linear model", "m", lambda p: p.analysis.lifted_end.position),
     Figure("best error from one window, true model", "m", lambda p: p.analysis.nonlinear_end.position),
     Figure("steady position error", "m", lambda p: p.summary.steady_position),

@@ -55,7 +55,7 @@ def _condition(run: Picture) -> str:
         least, greatest = float(run.printed_excitation.min()), float(run.printed_excitation.max())
         mu = least if least > ROUNDING * greatest else 0.0
     else:
-        mu = run.analysis.mu if run.analysis.mu >= run.analysis.mu_floor else 0.0
+        mu = run.analysis.resolved_mu
     needed = run.preset.requirement.mu
     form = "printed" if printed else "derived"
     return f"{'✓ holds' if mu >= needed else '✕ fails'}: {form} μ {significant(mu)} of {significant(needed)} m²/s⁷"

@@ -20,7 +20,7 @@ from explorer.panels.gains import GainsPanel
 from explorer.panels.gains.basin import BasinPanel
 from explorer.panels.gains.guess import GuessPanel
 from explorer.panels.gains.tuning import TuningPanel
-from explorer.panels.kept import Kept
+from explorer.panels.kept import kept
 from explorer.panels.learn import LearnActions, LearnPanel
 from explorer.panels.legend import add_legend
 from explorer.panels.presets import PresetsPanel
@@ -102,24 +102,16 @@ class Dock:
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
         with tabs.add_tab("World"):
-            count = len(form.sections)
-            self.world = WorldPanel(form, self.relabel_axes)
-            self._world = Kept(self.world, frozenset(form.sections[count:]))
+            self.world, self._world = kept(form, lambda: WorldPanel(form, self.relabel_axes))
             self.twin = TwinPanel(form)
-            count = len(form.sections)
-            self.vehicle = VehiclePanel(form)
-            self._vehicle = Kept(self.vehicle, frozenset(form.sections[count:]))
+            self.vehicle, self._vehicle = kept(form, lambda: VehiclePanel(form))
         with tabs.add_tab("Sensors"):
-            count = len(form.sections)
-            self.sensors = sensors.SensorsPanel(form)
-            self._sensors = Kept(self.sensors, frozenset(form.sections[count:]))
+            self.sensors, self._sensors = kept(form, lambda: sensors.SensorsPanel(form))
         with tabs.add_tab("Gains"):
             others = len(form.sections)
             self.gains = GainsPanel(form)
             self._of_gains = frozenset(form.sections[others:])
-            count = len(form.sections)
-            self.guess = GuessPanel(form)
-            self._guess = Kept(self.guess, frozenset(form.sections[count:]))
+            self.guess, self._guess = kept(form, lambda: GuessPanel(form))
             self.tuning = TuningPanel(form, self, jobs, pin=lambda: self.compare.pin())
             self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
@@ -180,10 +172,10 @@ class Dock:
         touched = self.form.take_touched()
         if self._others is None or touched is None or not touched <= self._of_gains:
             self._others = None  # until all of them are valid
-            kept = self._sensors, self._world, self._vehicle, self._guess
-            for panel in kept:
+            untouched = self._sensors, self._world, self._vehicle, self._guess
+            for panel in untouched:
                 panel.touch(touched)
-            for panel in (self.motion, *kept, self.twin):
+            for panel in (self.motion, *untouched, self.twin):
                 panel.refresh()
             self._others = self._without_gains()
         self.gains.refresh(self._others)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import partial
 
+from explorer.handout import handout
 from explorer.lessons.lesson import Lesson
 from explorer.model import field_path
 from explorer.model.settings import Settings
@@ -11,8 +12,6 @@ from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav.progress import Cancelled, Progress
 
-Write = Callable[[Settings, tuple[str, ...], Lesson | None, str, Progress, Cancelled], bytes]
-"""Makes the file: settings, sliders, lesson, name of the preset in it."""
 NONE = "none"
 PATHS = (
     "gains.attitude.k1",
@@ -43,11 +42,10 @@ class HandoutPanel:
         *,
         settings: Callable[[], tuple[str, Settings]],
         lesson: Callable[[], Lesson | None],
-        write: Write,
         download: Callable[[str, bytes], None],
     ) -> None:
         """`settings`: the name of the preset's file, and the settings; `download` downloads a file."""
-        self._settings, self._lesson, self._write, self._download = settings, lesson, write, download
+        self._settings, self._lesson, self._download = settings, lesson, download
         self._jobs = form.new_jobs()
         self._paths = {field_path.label(path): path for path in PATHS}
         self._section = section = Section(form, "A handout for people without this program", expanded=False)
@@ -68,7 +66,7 @@ class HandoutPanel:
             sliders = tuple(self._paths[label] for label in chosen)
 
             def work(progress: Progress, cancelled: Cancelled) -> bytes:
-                return self._write(settings, sliders, lesson, stem, progress, cancelled)
+                return handout(settings, sliders, lesson=lesson, name=stem, progress=progress, cancelled=cancelled)
 
             name = f"{stem if lesson is None else lesson.name}.html"
             self._progress.start(NAME, work, partial(self._download, name), self._section.complaint.say)

@@ -1,8 +1,9 @@
 """A panel's value, kept until one of its controls is touched: the drag of a waypoint reads no dial of a sensor."""
 
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Callable
+from typing import Any, Generic, Protocol, TypeVar
 
-from explorer.widgets.form import FormSection
+from explorer.widgets.form import Form, FormSection
 
 V_co = TypeVar("V_co", covariant=True)
 V = TypeVar("V")
@@ -13,6 +14,9 @@ class Readable(Protocol[V_co]):
 
     def refresh(self) -> None: ...
     def read(self) -> V_co: ...
+
+
+P = TypeVar("P", bound=Readable[Any])
 
 
 class Kept(Generic[V]):
@@ -40,3 +44,10 @@ class Kept(Generic[V]):
         """What the panel holds; `refresh` comes before."""
         assert self._value is not None, "refresh comes before value"
         return self._value[0]
+
+
+def kept(form: Form, build: Callable[[], P]) -> tuple[P, Kept[Any]]:
+    """A panel that is built now, and its value; its sections are those that the form gets meanwhile."""
+    before = len(form.sections)
+    panel = build()
+    return panel, Kept(panel, frozenset(form.sections[before:]))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import viser
 
 from explorer.model import assessment, glossary, palette
-from explorer.model.assessment import Answer, Cure, Level
+from explorer.model.assessment import Answer, Cure
 from explorer.model.compute import Picture
 from explorer.model.jobs import Job
 from explorer.panels import figures
@@ -19,13 +19,6 @@ from explorer.widgets.complaint import Complaint
 from explorer.widgets.form import Action
 from explorer.widgets.progress import STOP_HINT
 
-SIGNS: dict[Level, tuple[str, palette.Color]] = {
-    "good": ("●", palette.GOOD),
-    "unjudged": ("○", palette.NEUTRAL),
-    "mind": ("▲", palette.WARNING),
-    "bad": ("✕", palette.ERROR),
-}
-"""Shape and colour (Okabe–Ito hues, dark enough to read on white, and light enough on black) of a level."""
 CURES: dict[Cure, tuple[str, str]] = {
     "repair": ("make it observable", "Looks for a small change of the motion that meets the requirement."),
     "tune": ("tune the observer", "Looks for gains with which the estimate settles sooner and errs less."),
@@ -85,7 +78,7 @@ class VerdictPanel:
             self._block.content = content
 
     def _line(self, picture: Picture, given: tuple[Answer, ...]) -> str:
-        sign, color = SIGNS[assessment.level(given)]
+        sign, color = assessment.SIGNS[assessment.level(given)]
         deciding = assessment.decisive(given)
         head = f'<b style="color:{color}">{sign} {figures.about(picture)}{picture.analysis.verdict.word}</b>'
         cure = self._button(picture, deciding.cure)
@@ -107,7 +100,7 @@ class VerdictPanel:
         """The answers, each cure once, and folded below them all figures."""
         lines, offered = [], set[Cure | None]()
         for answer in given:
-            sign, color = SIGNS[answer.level]
+            sign, color = assessment.SIGNS[answer.level]
             hint = html.escape(glossary.hint(answer.term)) if answer.term in glossary.TERMS else ""
             mark = f'<b style="color:{color}">{sign}</b>'
             question = f'<span title="{hint}">{mark} {assessment.QUESTIONS[answer.question]}</span>'
@@ -115,7 +108,7 @@ class VerdictPanel:
             button = "" if answer.cure in offered else self._button(picture, answer.cure)
             offered.add(answer.cure)
             lines.append(f"<tr><td>{question}</td><td>{text} {button}</td></tr>")
-        subject = f'<div style="{DIMMED}">{html.escape(subject_of(picture))}</div>'
+        subject = f'<div style="{DIMMED}">{html.escape(assessment.subject_of(picture))}</div>'
         folded = f"<details><summary>all figures</summary>{figures.table(picture)}</details>"
         return f"{subject}<table>{''.join(lines)}</table>{folded}"
 
@@ -128,11 +121,6 @@ class VerdictPanel:
                 handle.visible = bool(text)
                 if text:
                     handle.content = text
-
-
-def subject_of(picture: Picture) -> str:
-    """What the verdict is on: the motion that the page shows, and no recorded flight."""
-    return f"The motion “{picture.preset.title or picture.settings.origin}”, as on the page."
 
 
 def _event(cure: Cure) -> str:

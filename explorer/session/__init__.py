@@ -18,8 +18,6 @@ from functools import partial
 import viser
 
 from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
-from explorer.handout import handout
-from explorer.lessons.lesson import Lesson
 from explorer.model import compute, palette
 from explorer.model.compute import Picture
 from explorer.model.glossary import COMPARE
@@ -51,7 +49,6 @@ from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Form
-from rangenav.progress import Cancelled, Progress
 
 PROGRESS_PERIOD = 0.1
 """s between two updates of the progress of the compilation."""
@@ -191,7 +188,6 @@ class Session:
                 self.form,
                 settings=self._named_settings,
                 lesson=lambda: self.dock.learn.lesson,
-                write=_handout,
                 download=self._send,
             )
         self.form.command("Show all curves", self.charts.show_all_curves)
@@ -329,14 +325,3 @@ class Session:
             self._playback.playing = False
             text = "Something went wrong on the server; what you see may be out of date. The log has the details."
             self._client.add_notification("⚠ Internal error", text, color=palette.NOTIFY_ERROR, auto_close_seconds=10)
-
-
-def _handout(
-    settings: Settings,
-    sliders: tuple[str, ...],
-    lesson: Lesson | None,
-    name: str,
-    progress: Progress,
-    cancelled: Cancelled,
-) -> bytes:
-    return handout(settings, sliders, lesson=lesson, name=name, progress=progress, cancelled=cancelled)

@@ -17,6 +17,11 @@ def folded(summary: str, sentences: Iterable[str]) -> str:
     return f"<details><summary>{html.escape(summary)}</summary>{bullets(sentences)}</details>"
 
 
+def upper_first(label: str) -> str:
+    """A label that begins with a capital, as those of buttons do."""
+    return f"{label[0].upper()}{label[1:]}"
+
+
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table with a row of column names."""
     lines = [_row("th", head) if head else "", *(_row("td", row) for row in rows)]

@@ -7,6 +7,7 @@ a relation among as many successive ranges as its order holds among all ranges: 
 ranges of a longer window determine the position, no such relation exists, and rounding remains.
 """
 
+import math
 from typing import Literal
 
 from rangenav.model import STATES
@@ -63,4 +64,4 @@ def _determined(path: Signal, world: World, start: float, window: float, *, rate
         of = accuracy.predict(path, world, start, window, sigma=noise, rate=rate, kind="lifted", at="end")
     except ValueError:
         return True
-    return of.position == of.position
+    return not math.isnan(of.position)

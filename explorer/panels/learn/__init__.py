@@ -15,7 +15,6 @@ import viser
 
 from explorer.lessons import demonstration, screens, teaching
 from explorer.lessons.course import Course
-from explorer.lessons.demonstration import Step
 from explorer.lessons.lesson import Lesson, Place
 from explorer.lessons.state import Outcome, State
 from explorer.model import learning as progress
@@ -23,14 +22,15 @@ from explorer.model.compute import Picture
 from explorer.model.learning import PREDICTION, Learning
 from explorer.model.settings import Settings
 from explorer.panels.learn import markup
+from explorer.panels.learn.show import Show
+from explorer.widgets import typed_number
 from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 from rangenav.number_format import quantity
 
 EXPORT = "Now export it: on the tab Presets, below “Download with certificate”, the button “Export as a zip”."
+COMMIT_HINT = "A committed prediction stays."
 NUMBER_HINT = "A number, such as 0.5. It is committed by the button below, and stays."
-STEP_PERIOD = 1.5
-"""s between two steps of "show me": long enough to see what a step has changed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,16 +58,18 @@ class LearnPanel:
     ) -> None:
         """`strip` lies over the scene: it shows how far a task is done while its controls are on another tab."""
         self._form, self._course, self._page, self._session = form, course, page, actions
-        self._checks = form.new_jobs()
+        self._checks, self._teacher = form.new_jobs(), form.new_jobs()
+        self._guide: list[tuple[str, ...]] = []
         self.learning = Learning()
         self._picture: Picture | None = None
         self._outcome: Outcome | None = None
-        self._show: tuple[Step, ...] = ()
-        self._step_at, self._step_text = math.inf, ""
+        self._show, self._said = Show(), ""
         self._block = form.gui.add_html("")
         self._strip = strip
         self._number = form.gui.add_text("your prediction", "", visible=False, hint=NUMBER_HINT)
-        self._commit = form.button("Commit", self._predict_number, hint="A committed prediction stays.")
+        self._commit = form.button(
+            "Commit", lambda: self.predict(self._number.value), hint="A committed prediction stays."
+        )
         self._commit.visible = False
         self._draw()
 
@@ -82,6 +84,7 @@ class LearnPanel:
             "hint": self._hint,
             "show": self._demonstrate,
             "again": self._again,
+            "answers": self._answers,
             "worksheet": self._worksheet,
         }
         for lesson in self._course.lessons:
@@ -127,18 +130,16 @@ class LearnPanel:
 
     def wait(self, now: float) -> float | None:
         """How long (s) until the next step of "show me"; None if it does not play."""
-        return None if self._step_at == math.inf else max(0.0, self._step_at - now)
+        return self._show.wait(now)
 
     def play_if_due(self, now: float) -> None:
         """Do the next step of "show me" when it is due."""
-        if now < self._step_at or not self._show:
+        step, lesson = self._show.take(now), self.lesson
+        if step is None or lesson is None:
             return
-        step, *rest = self._show
-        self._show, self._step_at = tuple(rest), now + STEP_PERIOD if rest else math.inf
         self._form.do(partial(self._page.write, step.settings))
-        lesson = self.lesson
-        end = f" {self._end_of_show(lesson)}" if lesson is not None and not rest else ""
-        self._step_text = f"Shown: {step.label}.{end}"
+        end = f" {self._end_of_show(lesson)}" if self._show.ended else ""
+        self._said = f"Shown: {step.label}.{end}"
         self._draw()
 
     def draw(self, picture: Picture) -> None:
@@ -190,9 +191,8 @@ class LearnPanel:
         lesson = self.lesson
         if lesson is None or (by > 0 and self._waits_for_prediction(lesson)):
             return
-        last = len(screens.screens(lesson)) - 1
-        to = min(max(self.learning.screen + by, 0), last)
-        self.learning = msgspec.structs.replace(self.learning, screen=to)
+        _, k, count = screens.shown(lesson, self.learning.screen)
+        self.learning = msgspec.structs.replace(self.learning, screen=min(max(k + by, 0), count - 1))
         self._draw()
 
     def _leave(self) -> None:
@@ -217,8 +217,22 @@ class LearnPanel:
         if self.lesson is not None:
             self._put(self.lesson.start)
 
+    def _answers(self) -> None:
+        """Show the guide for the teacher. Its figures are those of all lessons, which take a second the first time."""
+
+        def show(guide: list[tuple[str, ...]]) -> None:
+            self._guide = guide
+            self._draw()
+
+        self._teacher.start("the answers", lambda *_: teaching.guide(self._course.lessons), show, self._say)
+
     def _worksheet(self) -> None:
-        self._session.download("worksheet.html", teaching.worksheet(self._course.lessons))
+        done = partial(self._session.download, "worksheet.html")
+        self._teacher.start("the worksheet", lambda *_: teaching.worksheet(self._course.lessons), done, self._say)
+
+    def _say(self, sentence: str) -> None:
+        self._said = sentence
+        self._draw()
 
     def _hint(self) -> None:
         self.learning = msgspec.structs.replace(self.learning, hints=self.learning.hints + 1)
@@ -230,19 +244,18 @@ class LearnPanel:
             return
         self._commit_prediction(lesson.header.prediction.choices[k - 1])
 
-    def _predict_number(self) -> None:
-        lesson, typed = self.lesson, self._number.value.strip().replace(",", ".")
-        if lesson is None or not typed:
+    def predict(self, text: str) -> None:
+        """Commit a number as a person types it; what is no number gets a sentence."""
+        lesson = self.lesson
+        if lesson is None:
             return
         try:
-            value = float(typed)
-        except ValueError:
-            value = math.nan
-        if math.isfinite(value):
-            self._commit_prediction(quantity(value, lesson.header.prediction.unit))
-        else:
-            self._step_text = f"“{typed[:20]}” is no number: type one, such as 0.5."
-            self._draw()
+            value = typed_number.parse(text)
+        except ValueError as error:
+            self._say(f"⚠ Your prediction: {error}")
+            return
+        self._said = ""
+        self._commit_prediction(quantity(value, lesson.header.prediction.unit))
 
     def _commit_prediction(self, answer: str) -> None:
         """A prediction is committed once."""
@@ -273,9 +286,8 @@ class LearnPanel:
     def _demonstrate(self) -> None:
         lesson = self.lesson
         if lesson is not None:
-            self._show = demonstration.steps(self._page.read(), lesson.solved.settings)
-            self._step_at = time.monotonic() if self._show else math.inf
-            self._step_text = "" if self._show else self._end_of_show(lesson)
+            self._show.begin(demonstration.steps(self._page.read(), lesson.solved.settings), time.monotonic())
+            self._said = self._end_of_show(lesson) if self._show.ended else ""
             self._draw()
 
     def _end_of_show(self, lesson: Lesson) -> str:
@@ -287,19 +299,20 @@ class LearnPanel:
         return EXPORT if lesson.solved.exported is not None else "That is a solution."
 
     def _stop_show(self) -> None:
-        self._show, self._step_at, self._step_text = (), math.inf, ""
+        self._show.end()
+        self._said = ""
 
     def _draw(self) -> None:
         """Show the list, or the open screen."""
         lesson = self.lesson
         if lesson is None:
-            content = markup.course_list(self._course, self.learning)
+            content = markup.course_list(self._course, self.learning, self._guide)
         else:
             shown = markup.Shown(
                 learning=self.learning,
                 states=self._states(lesson),
                 outcome=self._outcome,
-                demonstration=self._step_text,
+                said=self._said,
             )
             content = markup.screen(lesson, shown)
         asks_number = lesson is not None and self._asks_number(lesson)
@@ -320,8 +333,7 @@ class LearnPanel:
         lesson = self.lesson
         if lesson is None:
             return None
-        pages = screens.screens(lesson)
-        return pages[min(self.learning.screen, len(pages) - 1)].kind
+        return screens.shown(lesson, self.learning.screen)[0].kind
 
     def _waits_for_prediction(self, lesson: Lesson) -> bool:
         answers = progress.answers_of(self.learning, lesson.name)

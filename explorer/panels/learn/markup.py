@@ -5,15 +5,15 @@ The buttons are the page's own: what they send is the name of an action, `lesson
 
 import html
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from explorer.lessons import teaching, text
+from explorer.lessons import screens, teaching, text
 from explorer.lessons.course import Course
 from explorer.lessons.lesson import Answer, Goal, Lesson
-from explorer.lessons.screens import Screen, screens
+from explorer.lessons.screens import Screen
 from explorer.lessons.state import Outcome
-from explorer.model.learning import PREDICTION, Learning
+from explorer.model.learning import PREDICTION, Learning, answers_of
 from explorer.widgets.html import table
 from rangenav.number_format import quantity
 
@@ -22,6 +22,9 @@ INTRODUCTION = (
     "Each lesson asks a question, has you predict the answer, and lets you try. What is on the page now is kept, and "
     "comes back when you leave the lesson."
 )
+DECADES, NOT_YET = 3.0, 0.9
+"""So many decades from the goal the bar of a logarithmic metric is empty; and what it shows at most while something
+else is missing."""
 HINT_NAMES = ("a hint", "another hint", "the last hint")
 
 
@@ -33,8 +36,8 @@ class Shown:
     states: text.States
     outcome: Outcome | None = None
     """The check of what is on the page; None until it has been computed."""
-    demonstration: str = ""
-    """What "show me" is doing."""
+    said: str = ""
+    """What "show me" is doing, or why a prediction was not taken."""
 
 
 def button(name: str, label: str, kind: str = "", *, pressed: bool | None = None, disabled: bool = False) -> str:
@@ -43,14 +46,14 @@ def button(name: str, label: str, kind: str = "", *, pressed: bool | None = None
     return BUTTON.format(kind, f"lesson-{name}", "disabled" if disabled else attributes, html.escape(label))
 
 
-def course_list(course: Course, learning: Learning) -> str:
-    """All lessons, each with its minutes and whether it was passed."""
+def course_list(course: Course, learning: Learning, guide: Sequence[Sequence[str]]) -> str:
+    """All lessons, each with its minutes and whether it was passed; and the guide for the teacher, once it is there."""
     rows = "".join(_row(lesson, learning) for lesson in course.lessons)
     broken = "".join(f'<p class="rn-lesson-broken">{html.escape(reason)}</p>' for reason in course.complaints)
     done = sum(lesson.name in learning.passed for lesson in course.lessons)
     teacher = (
-        f"<details><summary>For the teacher</summary><p>{button('worksheet', 'Worksheet')} two pages to print</p>"
-        f"{table(teaching.COLUMNS, teaching.guide(course.lessons))}</details>"
+        f'<p class="rn-lesson-buttons">For the teacher: {button("answers", "Answers")}'
+        f"{button('worksheet', 'Worksheet to print')}</p>{table(teaching.COLUMNS, guide) if guide else ''}"
     )
     head = f"<p>{INTRODUCTION}</p><p><b>{done} of {len(course.lessons)}</b> lessons passed.</p>"
     return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}{teacher}</div>'
@@ -58,8 +61,7 @@ def course_list(course: Course, learning: Learning) -> str:
 
 def screen(lesson: Lesson, shown: Shown) -> str:
     """One screen of a lesson, with what leads on and back."""
-    pages, k = screens(lesson), min(shown.learning.screen, len(screens(lesson)) - 1)
-    page = pages[k]
+    page, k, count = screens.shown(lesson, shown.learning.screen)
     body = {"text": _text, "prediction": _prediction, "task": _task, "outcome": _outcome}[page.kind](
         lesson, page, shown
     )
@@ -67,9 +69,9 @@ def screen(lesson: Lesson, shown: Shown) -> str:
         f'<div class="rn-lesson-head"><span>{lesson.number} · <b>{html.escape(lesson.header.title)}</b></span>'
         f"{button('leave', 'leave')}</div>"
     )
-    bar = f'<progress max="{len(pages)}" value="{k + 1}" aria-label="screen {k + 1} of {len(pages)}"></progress>'
-    waits = page.kind == "prediction" and PREDICTION not in _answers(lesson, shown.learning)
-    last = k == len(pages) - 1
+    bar = f'<progress max="{count}" value="{k + 1}" aria-label="screen {k + 1} of {count}"></progress>'
+    waits = page.kind == "prediction" and PREDICTION not in answers_of(shown.learning, lesson.name)
+    last = k == count - 1
     done = page.kind != "task" or (shown.outcome is not None and shown.outcome.passed)
     onward = (
         button("next", "Next ›" if done else "Skip ›", "rn-main" if done else "", disabled=waits)
@@ -77,13 +79,13 @@ def screen(lesson: Lesson, shown: Shown) -> str:
         else button("following", "Next lesson ›", "rn-main")
     )
     back = button("back", "‹ Back", disabled=k == 0)
-    foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {len(pages)}</span>{onward}</div>'
-    before = "" if PREDICTION in _answers(lesson, shown.learning) else " rn-before"
+    foot = f'<div class="rn-lesson-foot">{back}<span>{k + 1} / {count}</span>{onward}</div>'
+    before = "" if PREDICTION in answers_of(shown.learning, lesson.name) else " rn-before"
     return f'<div class="rn-lesson{before}">{head}{bar}<h4>{html.escape(page.heading)}</h4>{body}{foot}</div>'
 
 
 def _row(lesson: Lesson, learning: Learning) -> str:
-    mark = "✓" if lesson.name in learning.passed else "•" if _answers(lesson, learning) else ""
+    mark = "✓" if lesson.name in learning.passed else "•" if answers_of(learning, lesson.name) else ""
     label = f"{lesson.number} · {lesson.header.title}"
     return (
         f'<li><span class="rn-lesson-mark" title="{"passed" if mark == "✓" else ""}">{mark}</span>'
@@ -97,12 +99,17 @@ def _text(lesson: Lesson, page: Screen, shown: Shown) -> str:
 
 def _prediction(lesson: Lesson, page: Screen, shown: Shown) -> str:
     """The question, and its choices; a number is typed into a box below. A committed prediction stays."""
-    asked, given = lesson.header.prediction, _answers(lesson, shown.learning).get(PREDICTION)
+    asked, given = lesson.header.prediction, answers_of(shown.learning, lesson.name).get(PREDICTION)
     body = f"<p>{html.escape(text.filled(asked.question, shown.states))}</p>"
     if given is not None:
         return f"{body}<p>You predicted: <b>{html.escape(given)}</b>. What came is shown after the task.</p>"
     choices = "".join(f"<li>{button(f'predict-{k}', choice)}</li>" for k, choice in enumerate(asked.choices, start=1))
-    return body + (f'<ul class="rn-lesson-choices">{choices}</ul>' if choices else "<p>Type a number below.</p>")
+    asks = f'<ul class="rn-lesson-choices">{choices}</ul>' if choices else "<p>Type a number below.</p>"
+    return f"{body}{asks}{_status(shown.said)}"
+
+
+def _status(said: str) -> str:
+    return f'<p role="status">{html.escape(said)}</p>' if said else ""
 
 
 def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
@@ -113,7 +120,7 @@ def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
     more = shown.learning.hints < len(lesson.header.hints)
     help_row = [button("hint", HINT_NAMES[shown.learning.hints])] if more else []
     help_row += [button("show", "show me"), button("again", "start again")]
-    cases = "".join(button(f"case-{k}", name) for k, name in enumerate(_cases(lesson), start=1))
+    cases = "".join(button(f"case-{k}", name) for k, name in enumerate(lesson.header.cases, start=1))
     questions = "".join(
         _question(k, asked, lesson, shown.learning) for k, asked in enumerate(lesson.header.answers, start=1)
     )
@@ -125,22 +132,21 @@ def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
         f'<p class="rn-lesson-buttons">The controls: {controls}</p>' if controls else "",
         f"<ul>{hints}</ul>" if hints else "",
         f'<p class="rn-lesson-buttons">Stuck? {"".join(help_row)}</p>',
-        f'<p role="status">{html.escape(shown.demonstration)}</p>' if shown.demonstration else "",
+        _status(shown.said),
     ]
     return "".join(parts)
 
 
 def _outcome(lesson: Lesson, page: Screen, shown: Shown) -> str:
     """What came, beside what was predicted."""
-    asked, given = lesson.header.prediction, _answers(lesson, shown.learning).get(PREDICTION, "nothing")
-    came = asked.choices[asked.right - 1] if asked.choices else text.filled(f"{{{asked.figure}}}", shown.states)
-    rows = (("You predicted", given), ("It came", came), ("Because", text.filled(asked.because, shown.states)))
-    table = "".join(f"<tr><td>{name}</td><td>{html.escape(value)}</td></tr>" for name, value in rows)
-    return f"<table>{table}</table>{_text(lesson, page, shown)}"
+    asked, given = lesson.header.prediction, answers_of(shown.learning, lesson.name).get(PREDICTION, "nothing")
+    because = text.filled(asked.because, shown.states)
+    rows = (("You predicted", given), ("It came", text.came(asked, shown.states)), ("Because", because))
+    return f"{table((), rows)}{_text(lesson, page, shown)}"
 
 
 def _question(k: int, asked: Answer, lesson: Lesson, learning: Learning) -> str:
-    given = _answers(lesson, learning).get(asked.name)
+    given = answers_of(learning, lesson.name).get(asked.name)
     choices = "".join(
         button(f"answer-{k}-{j}", choice, pressed=choice == given) for j, choice in enumerate(asked.choices, start=1)
     )
@@ -150,11 +156,9 @@ def _question(k: int, asked: Answer, lesson: Lesson, learning: Learning) -> str:
 def strip(lesson: Lesson, outcome: Outcome | None) -> str:
     """One line over the scene: the task's metric and its goal, for whoever moves a control on another tab."""
     goal = lesson.header.goal
-    metric = math.nan if outcome is None else outcome.metric
-    now = "…" if outcome is None else quantity(metric if math.isfinite(metric) else None, goal.unit)
-    wanted = f"wanted {'at least' if goal.at_least else 'at most'} {quantity(goal.value, goal.unit)}"
+    now = "…" if outcome is None else quantity(outcome.metric, goal.unit)
     sign = "✓ " if outcome is not None and outcome.passed else ""
-    text = f"{sign}Lesson {lesson.number} · {html.escape(goal.label)}: <b>{now}</b>, {wanted}"
+    text = f"{sign}Lesson {lesson.number} · {html.escape(goal.label)}: <b>{now}</b>, wanted {goal.wanted}"
     return f'<div class="rn-task" role="status" title="{html.escape(outcome.hint) if outcome else ""}">{text}</div>'
 
 
@@ -162,14 +166,12 @@ def _meter(goal: Goal, outcome: Outcome | None, *, passed: bool) -> str:
     """A bar from nothing to the goal, and the number with its unit."""
     if outcome is None:
         return '<p role="status">The check is being computed …</p>'
-    bound = "at least" if goal.at_least else "at most"
     share = 1.0 if outcome.passed else min(reached(goal, outcome.metric), NOT_YET)
     sign = "✓" if outcome.passed else "…"
-    now = quantity(outcome.metric if math.isfinite(outcome.metric) else None, goal.unit)
+    now = quantity(outcome.metric, goal.unit)
     earlier = "" if outcome.passed or not passed else " You have passed this lesson before."
     return (
-        f'<p class="rn-lesson-goal">{html.escape(goal.label)}: <b>{now}</b>, wanted {bound} '
-        f"{quantity(goal.value, goal.unit)}</p>"
+        f'<p class="rn-lesson-goal">{html.escape(goal.label)}: <b>{now}</b>, wanted {goal.wanted}</p>'
         f'<progress class="rn-lesson-bar" max="1" value="{share:.3f}" aria-label="how near the goal is"></progress>'
         f'<p role="status">{sign} {html.escape(outcome.hint)}{earlier}</p>'
     )
@@ -186,16 +188,3 @@ def reached(goal: Goal, metric: float) -> float:
         return min(max(1 + decades / DECADES, 0.0), 1.0)
     ratio = metric / goal.value if goal.at_least else goal.value / metric if metric > 0 else 1.0
     return min(max(ratio, 0.0), 1.0)
-
-
-DECADES, NOT_YET = 3.0, 0.9
-"""So many decades from the goal the bar of a logarithmic metric is empty; and what it shows at most while something
-else is missing."""
-
-
-def _answers(lesson: Lesson, learning: Learning) -> Mapping[str, str]:
-    return {a.question: a.answer for a in learning.answers if a.lesson == lesson.name}
-
-
-def _cases(lesson: Lesson) -> tuple[str, ...]:
-    return lesson.header.cases

@@ -15,7 +15,7 @@ from explorer.storage.catalog import Catalog
 from explorer.storage.preset_file import file_name
 from explorer.widgets.controls import Number, Switch
 from explorer.widgets.form import Action, Form
-from explorer.widgets.html import NOTE, bullets
+from explorer.widgets.html import NOTE, bullets, upper_first
 from explorer.widgets.page import Page
 from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
@@ -202,4 +202,4 @@ class BundlePanel:
 
 def _label(cure: Cure) -> str:
     """The cure as the label of a button."""
-    return f"{cure.text[0].upper()}{cure.text[1:]}"
+    return upper_first(cure.text)

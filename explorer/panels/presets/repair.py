@@ -17,7 +17,7 @@ from explorer.panels.presets import repair_text
 from explorer.widgets.answer import AnswerButton
 from explorer.widgets.controls import Choice
 from explorer.widgets.form import Action, Form
-from explorer.widgets.html import NOTE, bullets
+from explorer.widgets.html import NOTE, bullets, upper_first
 from explorer.widgets.page import Page
 from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
@@ -239,8 +239,3 @@ class Refused:
 
     reason: str
     ways: tuple[WayOut, ...]
-
-
-def upper_first(label: str) -> str:
-    """A label that begins with a capital, as those of buttons do."""
-    return f"{label[0].upper()}{label[1:]}"

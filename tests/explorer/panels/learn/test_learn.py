@@ -105,3 +105,23 @@ def test_the_bar_is_full_at_the_goal_and_empty_far_from_it():
     assert [markup.reached(at_most, x) for x in (8.0, 2.0, 1.0)] == [0.25, 1.0, 1.0]
     assert [markup.reached(decades, x) for x in (1e-3, 10**-1.5, 1.0, 10.0)] == [0.0, pytest.approx(0.5), 1.0, 1.0]
     assert markup.reached(at_least, float("nan")) == 0.0
+
+
+def test_a_number_is_predicted_as_a_person_types_it_and_nonsense_gets_a_sentence(learning: Dock):
+    lesson = next(one for one in COURSE.lessons if not one.header.prediction.choices)
+    learning.learn.open(lesson)
+    while "Your prediction" not in learning.learn.content:
+        learning.learn.actions["lesson-next"]()
+    learning.learn.predict("a lot")
+    assert "“a lot” is no number" in learning.learn.content
+    learning.learn.predict("1e1")
+    learning.learn.actions["lesson-back"]()
+    assert "You predicted: <b>10" in learning.learn.content
+
+
+def test_the_answers_for_the_teacher_are_computed_when_they_are_asked_for(learning: Dock):
+    asked = COURSE.lessons[0].header.prediction.because
+    assert asked not in learning.learn.content
+    learning.learn.actions["lesson-answers"]()
+    wait_for(learning, "what comes, and why")
+    assert markup.html.escape(asked) in learning.learn.content
