@@ -12,7 +12,7 @@ from explorer.lessons.lesson import Lesson
 
 CLASS = (1, 2, 5, 4, 6, 8, 10, 12)
 """The numbers of the lessons of a class of 90 minutes, in their order."""
-COLUMNS = ("lesson", "min", "prediction asked for", "what comes, and why", "other predictions", "task")
+COLUMNS = ("lesson", "minutes", "prediction asked for", "what comes, and why", "other predictions", "task")
 STYLE = Path(__file__).with_name("worksheet.css")
 
 

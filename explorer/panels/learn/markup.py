@@ -53,10 +53,20 @@ def course_list(course: Course, learning: Learning, guide: Sequence[Sequence[str
     done = sum(lesson.name in learning.passed for lesson in course.lessons)
     teacher = (
         f'<p class="rn-lesson-buttons">For the teacher: {button("answers", "Answers")}'
-        f"{button('worksheet', 'Worksheet to print')}</p>{table(teaching.COLUMNS, guide) if guide else ''}"
+        f"{button('worksheet', 'Worksheet to print')}</p>{''.join(_answers_to(row) for row in guide)}"
     )
     head = f"<p>{INTRODUCTION}</p><p><b>{done} of {len(course.lessons)}</b> lessons passed.</p>"
     return f'<div class="rn-lesson">{head}<ol class="rn-lesson-list">{rows}</ol>{broken}{teacher}</div>'
+
+
+def _answers_to(row: Sequence[str]) -> str:
+    """One lesson's row of the guide, unfolded by a click: the dock is too narrow for its columns."""
+    title, *texts = row
+    lines = (
+        f"<p><b>{html.escape(name)}</b>: {html.escape(text)}</p>"
+        for name, text in zip(teaching.COLUMNS[1:], texts, strict=True)
+    )
+    return f"<details><summary>{html.escape(title)}</summary>{''.join(lines)}</details>"
 
 
 def screen(lesson: Lesson, shown: Shown) -> str:
