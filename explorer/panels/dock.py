@@ -4,8 +4,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 
-import msgspec
-
 from explorer.lessons import course
 from explorer.model.assessment import Cure
 from explorer.model.comparison import Comparison
@@ -15,6 +13,7 @@ from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, is_another
 from explorer.panels import cures, motion, sensors
+from explorer.panels.chosen import Chosen, Controls
 from explorer.panels.compare import ComparePanel
 from explorer.panels.gains import GainsPanel
 from explorer.panels.gains.basin import BasinPanel
@@ -23,6 +22,7 @@ from explorer.panels.gains.tuning import TuningPanel
 from explorer.panels.kept import kept
 from explorer.panels.learn import LearnActions, LearnPanel
 from explorer.panels.legend import add_legend
+from explorer.panels.open_tabs import OpenTabs
 from explorer.panels.presets import PresetsPanel
 from explorer.panels.presets.bundle import BundlePanel
 from explorer.panels.presets.flights import FlightPanel
@@ -59,83 +59,36 @@ class Dock:
         self, form: Form, catalog: Catalog, name: str, session_actions: SessionActions, jobs: Jobs, history: History
     ) -> None:
         """`name` is the preset that is shown first."""
-        self.form, gui, self._presets = form, form.gui, catalog.presets
+        self.form, gui = form, form.gui
+        self._catalog, self._jobs, self._session = catalog, jobs, session_actions
         self._proofs = form.new_jobs()
-        self._chosen: Settings | InvalidInputError | ValueError
-        self._others: Settings | None = None
-        """What all panels but that of the gains held when they were last read; None if that may have changed."""
-        self._open_tabs: frozenset[str] | None = None
-        self._behind: dict[str, Picture] = {}
-        """The picture that each closed tab is to show when it is opened."""
         gui.main_panel.dock_right()
         gui.main_panel.set_width(WIDTH)
         self._undo = UndoPanel(form, history, self, session_actions.notify)
-        cure: dict[Cure, Action] = {
-            "repair": lambda: self.repair.start(),
-            "tune": lambda: self.tuning.start(),
-            "slow down": lambda: cures.slow_down(self, session_actions.notify),
-            "model": lambda: self.printed.write(Printed()),
-            "effects": lambda: cures.switch_effects_off(self),
-            "vehicle": lambda: session_actions.go_to(MOTION["vehicle"].caption),
-        }
-        self._again = session_actions.restart_preset
         add_legend(gui)
         add_welcome(gui)
-        self.verdict = VerdictPanel(gui, cure)
+        self.verdict = VerdictPanel(gui, self._cures())
         self.tabs = tabs = gui.add_tab_group()
         strip = gui.add_html("")
         with tabs.add_tab("Learn"):
-            self.learn = LearnPanel(
-                form,
-                course(),
-                self,
-                LearnActions(
-                    pin=lambda settings: self.compare.pin_next(settings),
-                    pinned=lambda: self.compare.pinned_settings,
-                    download=session_actions.send,
-                    exported=lambda: self.bundle.exported,
-                    rewind=session_actions.rewind,
-                    go_to=session_actions.go_to_place,
-                ),
-                strip,
-            )
+            self.learn = LearnPanel(form, course(), self, self._learn_actions(), strip)
         with tabs.add_tab("Motion"):
             self.motion = motion.MotionPanel(form, self._edit_path)
         with tabs.add_tab("World"):
-            self.world, self._world = kept(form, lambda: WorldPanel(form, self.relabel_axes))
+            self.world, world = kept(form, lambda: WorldPanel(form, self.relabel_axes))
             self.twin = TwinPanel(form)
-            self.vehicle, self._vehicle = kept(form, lambda: VehiclePanel(form))
+            self.vehicle, vehicle = kept(form, lambda: VehiclePanel(form))
         with tabs.add_tab("Sensors"):
-            self.sensors, self._sensors = kept(form, lambda: sensors.SensorsPanel(form))
+            self.sensors, sensor_choice = kept(form, lambda: sensors.SensorsPanel(form))
         with tabs.add_tab("Gains"):
             others = len(form.sections)
             self.gains = GainsPanel(form)
-            self._of_gains = frozenset(form.sections[others:])
-            self.guess, self._guess = kept(form, lambda: GuessPanel(form))
+            of_gains = frozenset(form.sections[others:])
+            self.guess, guess = kept(form, lambda: GuessPanel(form))
             self.tuning = TuningPanel(form, self, jobs, pin=lambda: self.compare.pin())
             self.basin = BasinPanel(form, self, jobs)
         with tabs.add_tab("Presets"):
-            uploads = Uploads(gui, form.do)
-            self.presets = PresetsPanel(form, catalog, self, uploads, session_actions)
-            self.repair = RepairPanel(
-                form,
-                self,
-                jobs,
-                pin=lambda: self.compare.pin(),
-                target=lambda preset: self.bundle.target(preset),
-                choose=lambda format_name: self.bundle.choose(format_name),
-            )
-            self.bundle = BundlePanel(form, catalog, self, jobs, session_actions.send, repair=self.repair.start)
-            take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
-            imports = ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
-            flights = FlightPanel(form, jobs)
-            self.printed = PrintedPanel(
-                form,
-                catalog,
-                self,
-                pin=lambda settings: self.compare.pin_next(settings),
-                show_side_by_side=session_actions.show_side_by_side,
-            )
+            imports = self._add_presets()
         with tabs.add_tab("Compare"):
             self.compare = ComparePanel(form, jobs, session_actions.show_side_by_side)
         self.belonging: list[Belonging] = [
@@ -144,8 +97,69 @@ class Dock:
         """The panels that drop what belongs to a preset as soon as another one is on the page."""
         self.following: list[Callable[[Picture], None]] = []
         """What else drops what is not of the picture on the page: panels that the session builds."""
-        self._settings = catalog.open(name)
-        self.write(self._settings)
+        controls = Controls(
+            motion=self.motion,
+            twin=self.twin,
+            printed=self.printed,
+            gains=self.gains,
+            of_gains=of_gains,
+            sensors=sensor_choice,
+            world=world,
+            vehicle=vehicle,
+            guess=guess,
+        )
+        opened = catalog.open(name)
+        self._chosen = Chosen(form, controls, opened)
+        self._tabs_in_sight = OpenTabs({"world": (self.vehicle.draw,), "gains": (self.gains.draw, self.guess.draw)})
+        self.write(opened)
+
+    def _cures(self) -> dict[Cure, Action]:
+        """What the buttons do that the verdict offers; their panels are built after the verdict."""
+        return {
+            "repair": lambda: self.repair.start(),
+            "tune": lambda: self.tuning.start(),
+            "slow down": lambda: cures.slow_down(self, self._session.notify),
+            "model": lambda: self.printed.write(Printed()),
+            "effects": lambda: cures.switch_effects_off(self),
+            "vehicle": lambda: self._session.go_to(MOTION["vehicle"].caption),
+        }
+
+    def _learn_actions(self) -> LearnActions:
+        """What a lesson does with the other panels, which are built after it."""
+        return LearnActions(
+            pin=lambda settings: self.compare.pin_next(settings),
+            pinned=lambda: self.compare.pinned_settings,
+            download=self._session.send,
+            exported=lambda: self.bundle.exported,
+            rewind=self._session.rewind,
+            go_to=self._session.go_to_place,
+        )
+
+    def _add_presets(self) -> ImportPanel:
+        """Add the panels of the Presets tab; the one that imports is returned."""
+        form, catalog, jobs = self.form, self._catalog, self._jobs
+        uploads = Uploads(form.gui, form.do)
+        self.presets = PresetsPanel(form, catalog, self, uploads, self._session)
+        self.repair = RepairPanel(
+            form,
+            self,
+            jobs,
+            pin=lambda: self.compare.pin(),
+            target=lambda preset: self.bundle.target(preset),
+            choose=lambda format_name: self.bundle.choose(format_name),
+        )
+        self.bundle = BundlePanel(form, catalog, self, jobs, self._session.send, repair=self.repair.start)
+        take_flight, close_flight = lambda flight: flights.offer(flight), lambda: flights.close()
+        imports = ImportPanel(form, catalog, self, jobs, uploads, judge=take_flight, close=close_flight)
+        flights = FlightPanel(form, jobs)
+        self.printed = PrintedPanel(
+            form,
+            catalog,
+            self,
+            pin=lambda settings: self.compare.pin_next(settings),
+            show_side_by_side=self._session.show_side_by_side,
+        )
+        return imports
 
     def refresh(self) -> None:
         """Take over what the visitor has moved, and write what follows from it on the page: the editor of another
@@ -153,59 +167,14 @@ class Dock:
 
         Raises InvalidInputError after a complaint below the control, or ValueError if the values do not fit together.
         """
-        try:
-            self._chosen = self._take_over()
-        except (InvalidInputError, ValueError) as error:
-            self._chosen = error
-            raise
+        self._chosen.refresh()
 
     def read(self) -> Settings:
         """What was chosen when `refresh` or `write` was called last; the page stays as it is.
 
         Raises what `refresh` raised then.
         """
-        if isinstance(self._chosen, Settings):
-            return self._chosen
-        raise self._chosen
-
-    def _take_over(self) -> Settings:
-        touched = self.form.take_touched()
-        if self._others is None or touched is None or not touched <= self._of_gains:
-            self._others = None  # until all of them are valid
-            untouched = self._sensors, self._world, self._vehicle, self._guess
-            for panel in untouched:
-                panel.touch(touched)
-            for panel in (self.motion, *untouched, self.twin):
-                panel.refresh()
-            self._others = self._without_gains()
-        self.gains.refresh(self._others)
-        return self.gains.read(self._others)
-
-    def _without_gains(self) -> Settings:
-        """What all panels but that of the gains hold."""
-        motion_choice, sensor_choice = self.motion.read(), self._sensors.value
-        preset = msgspec.structs.replace(
-            self._settings.preset,
-            path=motion_choice.path,
-            angular_velocity=motion_choice.angular_velocity,
-            initial_rotation=motion_choice.initial_rotation,
-            duration=motion_choice.duration,
-            requirement=msgspec.structs.replace(self._settings.preset.requirement, window=motion_choice.window),
-            world=self._world.value,
-            vehicle=self._vehicle.value,
-            sensors=sensor_choice.sensors,
-            seed=sensor_choice.seed,
-            guess=self._guess.value,
-        )
-        return Settings(
-            origin=self._settings.origin,
-            edition=self._settings.edition,
-            preset=preset,
-            time_scale=motion_choice.time_scale,
-            printed=self.printed.read(),
-            drafts=self.motion.drafts(),
-            twin_turn=self.twin.read(),
-        )
+        return self._chosen.read()
 
     @contextmanager
     def catching(self) -> Iterator[None]:
@@ -228,11 +197,10 @@ class Dock:
         """Show settings, and mark the controls that differ from the preset that the settings came from.
 
         What belongs to the preset that was on the page before is dropped, however the other one came."""
-        if is_another(self._settings, settings):
+        if is_another(self._chosen.opened, settings):
             for panel in self.belonging:
                 panel.forget_preset()
-        self._settings, self._others = settings, None
-        self.form.touch()
+        self._chosen.open(settings)
         p, base = settings.preset, self._base(settings)
         original = Settings(preset=base)
         self.motion.write(motion.MotionChoice.of(settings), motion.MotionChoice.of(original), settings.drafts)
@@ -261,8 +229,7 @@ class Dock:
         self._proofs.cancel()
         self.verdict.draw(picture)
         self.motion.draw(picture.settings.time_scale)
-        self._behind = dict.fromkeys(("world", "gains"), picture)
-        self._draw_open_tabs()
+        self._tabs_in_sight.draw(picture)
         self.tuning.draw(picture)
         self.basin.draw(picture)
         self.printed.draw(picture)
@@ -274,22 +241,14 @@ class Dock:
             draw(picture)
 
     def see(self, tabs: frozenset[str] | None) -> None:
-        """Draw what follows from a picture in these tabs alone from now on; None for all tabs. A tab that is opened is
-        drawn at once."""
-        self._open_tabs = tabs
-        self._draw_open_tabs()
-
-    def _draw_open_tabs(self) -> None:
-        """Draw what takes a while in the open tabs that show an earlier picture."""
-        for tab in [tab for tab in self._behind if self._open_tabs is None or tab in self._open_tabs]:
-            picture = self._behind.pop(tab)
-            for panel in (self.vehicle,) if tab == "world" else (self.gains, self.guess):
-                panel.draw(picture)
+        """Draw what takes a while in these tabs alone from now on; None for all tabs. An opened tab is drawn at
+        once."""
+        self._tabs_in_sight.see(tabs)
 
     @property
     def actions(self) -> dict[str, Action]:
         """What the buttons do that lie outside the tabs, by the names that they send."""
-        own: dict[str, Action] = {"again": self._again, "stop": self.form.stop_progress}
+        own: dict[str, Action] = {"again": self._session.restart_preset, "stop": self.form.stop_progress}
         return (
             self.verdict.actions
             | self.repair.actions
@@ -324,7 +283,7 @@ class Dock:
     @property
     def origin(self) -> str:
         """The name of the preset that the settings came from."""
-        return self._settings.origin
+        return self._chosen.opened.origin
 
     @property
     def points(self) -> tuple[Vec3, ...]:
@@ -333,18 +292,17 @@ class Dock:
 
     def move_waypoint(self, index: int, position: Vec3) -> None:
         """Move a waypoint, as a drag does."""
-        self._others = None
+        self._chosen.forget()
         self.motion.path.move(index, position)
 
     def move_anchor(self, position: Vec3) -> None:
         """Move the anchor, as a drag does."""
-        self._others = None
-        self._world.touch(None)
+        self._chosen.forget_world()
         self.world.move_anchor(position)
 
     def _base(self, settings: Settings) -> Preset:
         """The preset that the settings came from, in the axes that are in use."""
-        return in_axes_of(self._presets[settings.origin], settings.preset)
+        return in_axes_of(self._catalog.presets[settings.origin], settings.preset)
 
     def _edit_path(self, change: Callable[[Signal, Vec3], Signal]) -> None:
         preset = self.read().preset
