@@ -17,29 +17,27 @@ from functools import partial
 
 import viser
 
-from explorer.charts import GROUP_TITLES, TITLES, Charts, plot_size
-from explorer.model import compute, palette
+from explorer.charts import GROUP_TITLES, Charts, plot_size
+from explorer.model import compute
 from explorer.model.compute import Picture
 from explorer.model.glossary import COMPARE
 from explorer.model.history import History
 from explorer.model.playback import Playback
-from explorer.model.settings import Settings, effective
+from explorer.model.settings import Settings
 from explorer.panels import saved_page
 from explorer.panels.address import Address
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
-from explorer.panels.export import ExportActions, ExportPanel
-from explorer.panels.handout import HandoutPanel
-from explorer.panels.scene_file import SceneFilePanel
 from explorer.panels.session_actions import SessionActions
 from explorer.panels.timeline import TimelinePanel
 from explorer.scene import Scene
 from explorer.scene.drag_handles import DragHandles
 from explorer.session.appearance import Appearance, set_theme
 from explorer.session.display import Display
+from explorer.session.export_tab import add_export_tab
 from explorer.session.interaction import Interaction
+from explorer.session.outgoing import Outgoing
 from explorer.shared import Shared
-from explorer.storage import preset_file
 from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
@@ -70,7 +68,8 @@ class Session:
         self._built = False
         """Whether the page is complete; it stays incomplete if the tab disconnects while the page is being built."""
         self.history = History()
-        self._autosave = Autosave(shared.work_files, shared.first, self._notify_about_work)
+        self._outgoing = Outgoing(client, self.catalog)
+        self._autosave = Autosave(shared.work_files, shared.first, self._outgoing.notify_about_work)
         self._playback = Playback(shared.shipped[shared.first].duration)
         self.thread = threading.Thread(target=self._run, name=f"session {client.client_id}", daemon=True)
 
@@ -155,41 +154,19 @@ class Session:
             restart_preset=self._restart_preset,
             show_paper_figures=self._show_paper_figures,
             show_side_by_side=lambda: self.charts.show_side_by_side(),
-            download_preset=self._download_preset,
-            send=self._send,
+            download_preset=lambda: self._outgoing.download_preset(self.dock),
+            send=self._outgoing.download,
             go_to=lambda label: self._commands.go_to_control(label),
             go_to_place=lambda place: self._commands.go_to_place(place),
             rewind=lambda: self._playback.seek(0.0),
-            notify=self._notify,
+            notify=self._outgoing.notify,
         )
         self.dock = Dock(self.form, self.catalog, self.shared.first, actions, self.jobs, self.history)
         timeline = TimelinePanel(self.form, self._playback)
         camera = client.camera
         first_size = plot_size(camera.image_width, camera.image_height)  # until the browser has reported its window
         self.charts = Charts(client, first_size, wake=self._wake.set)
-        with self.dock.tabs.add_tab("Export"):
-            exports = ExportActions(
-                plan_plot=self.charts.file_writer,
-                settings=self._named_settings,
-                download=self._send,
-                go_to=actions.go_to,
-            )
-            exporting = ExportPanel(self.form, TITLES, exports)
-            self.dock.belonging.append(exporting)
-            self.dock.following.append(exporting.draw)
-            SceneFilePanel(
-                self.form,
-                client,
-                self._playback,
-                stem=lambda: self._named_settings()[0].removesuffix(".toml"),
-                download=self._send,
-            )
-            HandoutPanel(
-                self.form,
-                settings=self._named_settings,
-                lesson=lambda: self.dock.learn.lesson,
-                download=self._send,
-            )
+        exporting = add_export_tab(client, self.dock, self.charts, self._playback, self._outgoing, actions.go_to)
         self.form.command("Show all curves", self.charts.show_all_curves)
         scene = Scene(client, self._wake.set)
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
@@ -198,7 +175,7 @@ class Session:
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
-        self._address = Address(client, self.dock, self.catalog, self._notify, lesson=self.shared.lesson)
+        self._address = Address(client, self.dock, self.catalog, self._outgoing.notify, lesson=self.shared.lesson)
         self._actions |= {
             "learn": lambda: self.dock.learn.open_number(FIRST_LESSON),
             "link": self._address.copy_link,
@@ -206,7 +183,7 @@ class Session:
         }
         self.form.command("Copy a link to this page", self._address.copy_link, step=False)
         with client.atomic():
-            self._commands = commands = Commands(client, self.form, self._notify)
+            self._commands = commands = Commands(client, self.form, self._outgoing.notify)
             commands.add_plots(GROUP_TITLES)
             commands.add_presets({name: p.title for name, p in self.shared.shipped.items()}, self._open)
             commands.add_lessons(self.dock.learn.titles, self.dock.learn.open_number)
@@ -224,7 +201,8 @@ class Session:
         try:
             work = self._autosave.restore(session_key(self._client, self.shared.slots))
         except StorageError as reason:
-            work = self._notify_about_work(str(reason))
+            self._outgoing.notify_about_work(str(reason))
+            return
         if work is not None:
             requested = self.shared.requested and work.opened != self.shared.first
             saved_page.restore(work, self.dock, self.history, self._playback, self.catalog, as_a_step=requested)
@@ -296,25 +274,6 @@ class Session:
         self._open(PAPER)
         self.charts.show_paper_figures()
 
-    def _download_preset(self) -> None:
-        name, settings = self._named_settings()
-        self._send(name, preset_file.document(settings))
-
-    def _named_settings(self) -> tuple[str, Settings]:
-        """A file name for the chosen settings, and the settings."""
-        settings = self.dock.read()
-        original = self.catalog.presets[settings.origin]
-        return preset_file.file_name(settings.origin, effective(settings), original), settings
-
-    def _send(self, name: str, content: bytes) -> None:
-        self._client.send_file_download(name, content, save_immediately=True)
-
-    def _notify(self, title: str, sentence: str) -> None:
-        self._client.add_notification(title, sentence, auto_close_seconds=4)
-
-    def _notify_about_work(self, sentence: str) -> None:
-        self._client.add_notification("Your work", sentence, color=palette.NOTIFY_WARNING, auto_close_seconds=12)
-
     @contextlib.contextmanager
     def _reporting(self) -> Iterator[None]:
         """After an unforeseen error log the traceback, notify the visitor, and go on."""
@@ -323,5 +282,4 @@ class Session:
         except Exception:
             log.exception("session %s", self._client.client_id)
             self._playback.playing = False
-            text = "Something went wrong on the server; what you see may be out of date. The log has the details."
-            self._client.add_notification("⚠ Internal error", text, color=palette.NOTIFY_ERROR, auto_close_seconds=10)
+            self._outgoing.notify_of_error()
