@@ -10,6 +10,7 @@ written with Python's own format specifiers.
 """
 
 import math
+import re
 from collections.abc import Iterable
 
 NOT_DETERMINED = "not determined"
@@ -20,6 +21,11 @@ SMALLEST_FIXED, LARGEST_FIXED = 1e-3, 1e4
 MINUS = "\N{MINUS SIGN}"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+PRINTED_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+(?:e[+-]?\d+)?|e[+-]?\d+)(?![\w.]\d)")
+"""A number with a decimal point or an exponent; a whole number stays as it is."""
+UNBROKEN = "\N{NO-BREAK SPACE}"
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:[mkμ]?m|m?s|Hz|k?g|N|mT|μT|rad|m²|°|%|times)(?![\w-]))")
+"""The space between a number and its unit."""
 CLOSE_UNITS = ("", "°", "%")
 """Units that follow their number without a space."""
 
@@ -44,6 +50,18 @@ def quantity(value: float | None, unit: str = "", *, digits: int = 3, otherwise:
     if value is None or not math.isfinite(value):
         return otherwise
     return f"{significant(value, digits)}{'' if unit in CLOSE_UNITS else ' '}{unit}"
+
+
+def shortened(sentence: str, digits: int = 3) -> str:
+    """A sentence of the library, whose numbers Python's format specifiers wrote, with all numbers that have a decimal
+    point to so many significant digits: 14.5664 s becomes 14.6 s. A sentence on a bound needs four digits: three of
+    them would move the bound."""
+    return PRINTED_NUMBER.sub(lambda number: significant(float(number[0]), digits), sentence)
+
+
+def unbroken(sentence: str) -> str:
+    """The sentence with a no-break space between each number and its unit, so that no line ends between them."""
+    return BEFORE_UNIT.sub(UNBROKEN, sentence)
 
 
 def vector(values: Iterable[float], digits: int = 3) -> str:

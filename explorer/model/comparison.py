@@ -4,6 +4,7 @@
     baselines   the extended Kalman filter and the iterated smoother ("refined"), on the record of the shown run
     seeds       the same settings with other noise
     basin       the same settings started from attitude errors about many axes
+    proposed    a motion that a repair has found, until it is accepted or discarded
 A pinned run stays until it is unpinned. All other results belong to the inputs of one run (`inputs_of`,
 `basin.setup_of`), and are drawn only while the page shows that run.
 """
@@ -17,6 +18,7 @@ from rangenav.comparison import Candidate
 from rangenav.ensemble import Basin, Ensemble
 from rangenav.gains import Gains, Guess
 from rangenav.model import ModelForm
+from rangenav.preset import Preset
 from rangenav.record import Record, TruthInputs
 from rangenav.sensors import Sensors
 
@@ -52,6 +54,7 @@ class Comparison:
     baselines: tuple[Baseline, ...] = ()
     seeds: Ensemble | None = None
     basin: Basin | None = None
+    proposed: Preset | None = None
 
 
 NOTHING = Comparison()

@@ -23,6 +23,8 @@ LIGHT_GREEN, LIGHT_PURPLE = "#78CDAF", "#E4B2CE"
 # Runs: the same in plots, in the 3-D picture and in text
 TRUTH, ESTIMATE = BLUE, VERMILLION
 PINNED, TWIN = PURPLE, ORANGE
+PROPOSED = GREEN
+"""The motion that a repair proposes."""
 ESTIMATORS: dict[Literal["EKF", "refined"], Color] = {"EKF": SKY, "refined": GREEN}
 """The estimators that are compared with the cascade. All runs stay apart for readers with deuteranopia and protanopia:
 a test simulates both."""

@@ -269,11 +269,12 @@ class Dock:
     @property
     def changed(self) -> bool:
         """Whether the comparison has changed since it was drawn last."""
-        return self.compare.changed or self.basin.changed
+        return self.compare.changed or self.basin.changed or self.repair.changed
 
     def comparison(self, picture: Picture) -> Comparison:
         """What to draw in comparison with a picture."""
-        return replace(self.compare.comparison(picture), basin=self.basin.globe(picture))
+        compared = self.compare.comparison(picture)
+        return replace(compared, basin=self.basin.globe(picture), proposed=self.repair.proposed(picture))
 
     @property
     def chosen_preset(self) -> str:

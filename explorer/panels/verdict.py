@@ -17,6 +17,7 @@ from explorer.panels import figures
 from explorer.widgets.answer import AnswerButton
 from explorer.widgets.complaint import Complaint
 from explorer.widgets.form import Action
+from explorer.widgets.html import escaped
 from explorer.widgets.progress import STOP_HINT
 
 CURES: dict[Cure, tuple[str, str]] = {
@@ -64,7 +65,7 @@ class VerdictPanel:
         if job is not None:
             self._show_progress(_progress_bar(f"Working: {job.name}", job.fraction), (STOP,))
         elif outcome:
-            text = f'<div class="rn-progress rn-outcome" role="status">{html.escape(outcome)}</div>'
+            text = f'<div class="rn-progress rn-outcome" role="status">{escaped(outcome)}</div>'
             self._show_progress(text, answers)
         else:
             self._show_progress("", ())
@@ -104,7 +105,7 @@ class VerdictPanel:
             hint = html.escape(glossary.hint(answer.term)) if answer.term in glossary.TERMS else ""
             mark = f'<b style="color:{color}">{sign}</b>'
             question = f'<span title="{hint}">{mark} {assessment.QUESTIONS[answer.question]}</span>'
-            text = "<br>".join(html.escape(part) for part in (answer.summary, *answer.remarks))
+            text = "<br>".join(escaped(part) for part in (answer.summary, *answer.remarks))
             button = "" if answer.cure in offered else self._button(picture, answer.cure)
             offered.add(answer.cure)
             lines.append(f"<tr><td>{question}</td><td>{text} {button}</td></tr>")

@@ -19,6 +19,7 @@ from explorer.scene.estimate import EstimateNodes
 from explorer.scene.excitation import ExcitationEllipsoid
 from explorer.scene.labels import Labels
 from explorer.scene.limits import LimitMarks
+from explorer.scene.proposal import ProposedNodes
 from explorer.scene.tail import Tail
 from explorer.scene.twin import TwinGhost
 from explorer.scene.vehicle import Vehicle
@@ -55,6 +56,7 @@ class Scene:
         self._vehicle = Vehicle(scene, labels, "vehicle", palette.TRUTH, opacity=None, rank=1)
         self._estimate = EstimateNodes(scene, labels)
         self._comparison = ComparisonNodes(scene, labels)
+        self._proposed = ProposedNodes(scene, labels)
         self._globe = Globe(scene, labels)
         self._twin, self._excitation = TwinGhost(scene, labels, wake), ExcitationEllipsoid(scene, labels)
         self._blind = BlindDirections(scene, labels)
@@ -110,6 +112,7 @@ class Scene:
         self._twin.hide()
         self._excitation.hide()
         self._comparison.draw(picture, comparison, bounds)
+        self._proposed.draw(picture, comparison.proposed, bounds)
         self._globe.draw(picture, comparison.basin, bounds)
         self._view.frame(bounds, picture.motion.position, dragging=dragging)
         self._show_all(picture)

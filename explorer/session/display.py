@@ -121,6 +121,7 @@ class Display:
         with self._client.atomic():
             self._timeline.draw(picture)
             self._dock.compare.draw(picture, self._comparison)
+            self._dock.presets.draw_details(picture)
             self._dock.compare.draw_details(picture)
             self._dock.learn.draw_details(picture)
             self._dock.twin.draw(details.twin)

@@ -3,13 +3,20 @@
 import html
 from collections.abc import Iterable, Sequence
 
+from rangenav.number_format import unbroken
+
 NOTE = '<div style="padding:0 0.9em 0.5em;font-size:0.85em;line-height:1.4;overflow-wrap:anywhere">{}</div>'
 CELL = '<{0} style="text-align:left;padding:0.1em 0.6em 0.1em 0;vertical-align:top;overflow-wrap:normal">{1}</{0}>'
 
 
+def escaped(sentence: str) -> str:
+    """A sentence as HTML: escaped, and with each unit on the line of its number."""
+    return html.escape(unbroken(sentence))
+
+
 def bullets(sentences: Iterable[str]) -> str:
     """One line for each sentence."""
-    return "".join(f"<div>• {html.escape(sentence)}</div>" for sentence in sentences)
+    return "".join(f"<div>• {escaped(sentence)}</div>" for sentence in sentences)
 
 
 def folded(summary: str, sentences: Iterable[str]) -> str:
@@ -29,4 +36,4 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _row(kind: str, cells: Sequence[str]) -> str:
-    return f"<tr>{''.join(CELL.format(kind, html.escape(cell)) for cell in cells)}</tr>"
+    return f"<tr>{''.join(CELL.format(kind, escaped(cell)) for cell in cells)}</tr>"

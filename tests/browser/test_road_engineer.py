@@ -68,7 +68,7 @@ def test_a_planned_path_becomes_a_certified_loop_of_a_crazyflie(server: Server, 
     visitor.wait_for_text("the path ends where it begins, so it repeats: 3 loops of 8 s in the 24 s of flight")
     visitor.wait_for_text("the anchor stands at (0, 0, -1.1) m")
     tab.do("press", "make it observable")
-    visitor.wait_for_text("B: added a tone of ")
+    visitor.wait_for_text("added a tone of ")
     tab.do("press", "Accept the motion")
     visitor.wait_for_node("/pinned_trail")
     tab.do("folder", "Download with certificate")

@@ -81,3 +81,18 @@ def test_no_text_has_a_negative_zero(value: float, decimals: int) -> None:
     )
     for text in written:
         assert float(text) != 0 or not text.startswith("-")
+
+
+def test_numbers_of_a_sentence_are_rounded_and_whole_numbers_stay() -> None:
+    sentence = "added a tone of 0.0624 m at 3.14159 rad/s, μ = 4.07e+03, 16384 runs along (1.00, -0.04)"
+    assert number_format.shortened(sentence) == (
+        "added a tone of 0.0624 m at 3.14 rad/s, μ = 4070, 16384 runs along (1, -0.04)"
+    )
+    assert number_format.shortened("over the 14.5664 s", 4) == "over the 14.57 s"
+
+
+@pytest.mark.parametrize("unit", ["m", "s", "Hz", "rad/s", "m/s²", "m²/s⁷", "mm", "%", "times the weight"])
+def test_a_unit_stays_on_the_line_of_its_number(unit: str) -> None:
+    blank = number_format.UNBROKEN
+    assert number_format.unbroken(f"at 0.12 {unit}, or 3 {unit}") == f"at 0.12{blank}{unit}, or 3{blank}{unit}"
+    assert number_format.unbroken("3 motions in 5 seconds, 2 runs") == "3 motions in 5 seconds, 2 runs"

@@ -4,8 +4,8 @@ import html
 from contextlib import suppress
 
 from explorer.model.compute import Picture
-from explorer.model.settings import Settings
-from explorer.panels.presets.card import card
+from explorer.model.settings import Settings, effective
+from explorer.panels.presets.card import card, card_of_changed
 from explorer.panels.presets.gallery import Gallery
 from explorer.panels.presets.library import LibraryPanel
 from explorer.panels.session_actions import SessionActions
@@ -17,6 +17,7 @@ from explorer.widgets.form import Form
 from explorer.widgets.html import NOTE
 from explorer.widgets.page import Page
 from explorer.widgets.section import Section
+from rangenav.preset import Preset
 
 MORE_HINT = (
     "The first puts every control back to what the preset says. The second loads the paper's own scenario and shows "
@@ -47,6 +48,8 @@ class PresetsPanel:
         self._form, self._catalog, self._page = form, catalog, page
         self._section = section = Section(form)
         self._shown, self._changed = "", False
+        self._on_page: Preset | None = None
+        """What the page shows, if that is not what the preset says; it follows once the visitor's hand rests."""
         self._labels: dict[str, str] = {}
         with section:
             self._choice = Choice(section, "preset", catalog.labels(next(iter(catalog.presets))), hint=PRESET_HINT)
@@ -93,6 +96,13 @@ class PresetsPanel:
         self._changed = settings.time_scale != 1.0 or settings.preset != self._catalog.presets[settings.origin]
         if self._changed and not before:
             self._library.forget_preset()  # what was saved is not on the page any more
+        if not self._changed:
+            self._on_page = None
+        self._draw_card()
+
+    def draw_details(self, picture: Picture) -> None:
+        """Show the motion of a picture in the summary, if the preset was changed."""
+        self._on_page = effective(picture.settings) if self._changed else None
         self._draw_card()
 
     def forget_preset(self) -> None:
@@ -142,7 +152,11 @@ class PresetsPanel:
     def _draw_card(self) -> None:
         shown = self._catalog.presets[self._shown]
         certificate_or_reason = self._catalog.badge(self._shown, shown, self._form.wake)
-        content = card(shown, certificate_or_reason, changed=self._changed)
+        content = (
+            card_of_changed(self._on_page or shown, shown, certificate_or_reason)
+            if self._changed
+            else card(shown, certificate_or_reason)
+        )
         if self._catalog.complaint:
             content += NOTE.format(f"⚠ {html.escape(self._catalog.complaint)}")
         if content != self._card.content:

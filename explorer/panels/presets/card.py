@@ -11,7 +11,8 @@ from numpy import ndarray as Array
 
 from explorer.model import palette
 from explorer.storage.certifier import CertificateOrReason
-from rangenav.number_format import quantity, significant
+from explorer.widgets.html import escaped, folded, upper_first
+from rangenav.number_format import quantity, shortened, significant
 from rangenav.preset import Preset
 
 SIDE, MARGIN, POINTS = 92, 7, 240
@@ -31,7 +32,7 @@ EXPECTED_TEXTS = {
     "weak": "▲ expected weak",
     "unobservable": "✕ expected unobservable",
 }
-OF_THE_FILE = "This card is about the preset as it was opened. The verdict over the scene is about what you see now."
+CHANGED = "Changed since it was opened, and not certified in this form. The verdict over the scene judges this motion."
 DIMMED = f"color:{palette.CAPTION_TEXT}"
 LINE = f'<polyline points="{{}}" fill="none" stroke="{palette.THUMBNAIL_LINE}" stroke-width="1.5"'
 LINE += ' stroke-linejoin="round"/>'
@@ -45,17 +46,33 @@ BOX = f'<svg width="{{0}}" height="{{0}}" style="{FRAME}" role="img" aria-label=
 AXES = np.eye(3)
 
 
-def card(preset: Preset, certificate_or_reason: CertificateOrReason | None, *, changed: bool) -> str:
-    """The summary as HTML. None in place of a certificate means that it is being computed."""
-    title = html.escape(preset.title) + (" • changed, not saved" if changed else "")
-    parts = [f'<div style="font-weight:600">{title}</div>']
-    if changed:
-        parts.append(f"<div>{OF_THE_FILE}</div>")
-    parts += [_badge(preset, certificate_or_reason), f"<div>{html.escape(preset.story)}</div>" if preset.story else ""]
+def card(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> str:
+    """The summary of a preset as it was opened, as HTML. None in place of a certificate: it is being computed."""
     expected = "" if preset.source is not None else f"<b>{EXPECTED_TEXTS[preset.expect]}</b>"  # a file expects nothing
-    parts.append(f'<div style="{DIMMED}">{expected}{_figures(preset, certificate_or_reason)}</div>')
+    parts = (
+        _badge(preset, certificate_or_reason),
+        _story(preset),
+        f'<div style="{DIMMED}">{expected}{_figures(preset, certificate_or_reason)}</div>',
+    )
+    return _framed(preset, html.escape(preset.title), *parts)
+
+
+def card_of_changed(shown: Preset, opened: Preset, certificate_or_reason: CertificateOrReason | None) -> str:
+    """The summary of what is on the page, which was `opened` and changed. The badge of the file is dimmed and short:
+    its colour and its reasons belong to a motion that is not on the page any more."""
+    shape, _, text = badge(opened, certificate_or_reason)
+    as_opened = f'<div style="{DIMMED}">As opened: {shape} {text.lower()}.{_story(opened)}</div>'
+    return _framed(shown, f"{html.escape(opened.title)} • changed, not saved", f"<div>{CHANGED}</div>", as_opened)
+
+
+def _framed(preset: Preset, title: str, *parts: str) -> str:
+    """A title and parts below the drawings of a preset."""
     pictures = f'<div style="display:flex;gap:0.8em;padding:0.3em 0">{drawings(preset)}</div>'
-    return f'<div style="{STYLE}">{pictures}{"".join(parts)}</div>'
+    return f'<div style="{STYLE}">{pictures}<div style="font-weight:600">{title}</div>{"".join(parts)}</div>'
+
+
+def _story(preset: Preset) -> str:
+    return f"<div>{html.escape(preset.story)}</div>" if preset.story else ""
 
 
 def badge(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> tuple[str, str, str]:
@@ -116,14 +133,22 @@ def _up(preset: Preset) -> float:
 
 def _badge(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> str:
     shape, colour, text = badge(preset, certificate_or_reason)
-    reason = ""
+    reasons: tuple[str, ...] = ()
     if isinstance(certificate_or_reason, str):
-        reason = certificate_or_reason
+        reasons = (certificate_or_reason,)
     elif certificate_or_reason is not None and not certificate_or_reason.certified:
-        reason = "; ".join(certificate_or_reason.failures)
+        reasons = certificate_or_reason.failures
     chip = f'<span style="color:{colour};border:1px solid;border-radius:3px;padding:0 0.4em;font-weight:600">'
-    parts = f"<div>{html.escape(reason)}</div>" if reason else ""
-    return f'<div style="padding:0.15em 0 0.3em">{chip}{shape} {text}</span></div>{parts}'
+    return f'<div style="padding:0.15em 0 0.3em">{chip}{shape} {text}</span></div>{_reasons(reasons)}'
+
+
+def _reasons(reasons: tuple[str, ...]) -> str:
+    """Sentences of a certificate, with readable numbers; all but the first are folded."""
+    if not reasons:
+        return ""
+    first, *others = (f"{upper_first(shortened(reason, 4))}." for reason in reasons)
+    count = "1 more reason" if len(others) == 1 else f"{len(others)} more reasons"
+    return f"<div>{escaped(first)}</div>{folded(count, others) if others else ''}"
 
 
 def _figures(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> str:

@@ -1,7 +1,7 @@
 """Make it observable: a small change of a chosen kind that meets the requirement, shown before it is accepted.
 
-As in the Compare tab, the motion before the change is A and the changed motion is B. The panel shows drawings and
-figures of both. Once the change is accepted, both are in every plot and in 3-D.
+The proposed motion is drawn in the scene, and the panel shows drawings and figures of the motion before and of the
+proposed one. Once the change is accepted, the motion before is pinned as A.
 """
 
 from collections.abc import Callable
@@ -37,15 +37,20 @@ CHANGE_LABELS: dict[ChangeKind, str] = {
 REPAIRING, IMPROVING = "making it observable", "improving the motion"
 """Beginnings of the names of the jobs."""
 KIND_HINT = "What may be changed about the motion. The vehicle's limits are kept."
-REPAIR_HINT = "Looks for a small change that meets the required μ, rank 13 and σ; certified before it is shown."
+REPAIR_HINT = (
+    "Looks for a small change that meets the required μ, rank 13 and σ; certified before it is shown. The predicted σ "
+    "follows the range noise of the Sensors tab: set that first."
+)
 IMPROVE_HINT = "Looks for a change that lowers the predicted σ of a motion that is observable already."
-ACCEPT_HINT = "Puts B on the page and pins A beside it, in plots and in 3-D. Ctrl+Z takes it back."
+ACCEPT_HINT = (
+    "Puts the proposed motion on the page, and pins the motion before as A, in plots and in 3-D. Ctrl+Z takes it back."
+)
 ACCEPTED = (
     "on the page now, and not saved yet: “save as” keeps it. The motion before is pinned as A, purple in plots and in "
     "3-D (Compare tab: Unpin); Ctrl+Z takes the change back"
 )
 UNCHANGED = "on the page now, as it was: there was nothing to change about the motion"
-DISCARD_HINT = "Forgets the change; what is on the page stays as it is."
+DISCARD_HINT = "Forgets the proposed motion; what is on the page stays as it is."
 WAY_HINT = "Makes this change on the page, and looks again. Ctrl+Z takes it back."
 MOST_WAYS = 3
 ACCEPT = AnswerButton(event="accept", label="Accept the motion", hint=ACCEPT_HINT, main=True)
@@ -81,6 +86,7 @@ class RepairPanel:
         self._result: Repair | None = None
         self.outcome = ""
         """What the last search has found, or why it has found nothing; empty once that was accepted or discarded."""
+        self._changed = False
         self._searched_target: ExportTarget | None = None
         self._ways: tuple[WayOut, ...] = ()
         self._ways_section: Section | None = None
@@ -186,9 +192,22 @@ class RepairPanel:
         """Whether there is a changed motion to accept or to discard."""
         return self._result is not None
 
+    @property
+    def changed(self) -> bool:
+        """Whether a motion was proposed, or is proposed no more, since the scene was drawn last."""
+        return self._changed
+
+    def proposed(self, picture: Picture) -> Preset | None:
+        """The proposed motion, to be drawn with a picture of the motion before; None if there is none."""
+        self._changed = False
+        result = self._result
+        if result is None or effective(picture.settings).path != result.before.path:
+            return None
+        return result.after
+
     def show(self, result: Repair) -> None:
         """Show a change, to be accepted or discarded."""
-        self._result, self.outcome = result, repair_text.outcome(result)
+        self._result, self.outcome, self._changed = result, repair_text.outcome(result), True
         self._description.content = repair_text.found(result)
         self._description.visible = self.accept_button.visible = self._discard_button.visible = True
 
@@ -228,6 +247,7 @@ class RepairPanel:
             self._ways_section = None
 
     def _forget_result(self) -> None:
+        self._changed |= self._result is not None
         self._result, self.outcome = None, ""
         self._forget_ways()
         self._description.visible = self.accept_button.visible = self._discard_button.visible = False

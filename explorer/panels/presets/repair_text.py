@@ -1,9 +1,10 @@
 """What a repair has found, as text: the change, its certificate, and figures and drawings before and after it."""
 
 from explorer.panels.presets.card import drawings
-from explorer.widgets.html import NOTE, bullets, table
+from explorer.widgets.html import NOTE, bullets, table, upper_first
 from rangenav.certificate.figures import Figures
-from rangenav.number_format import quantity, significant
+from rangenav.number_format import quantity, shortened, significant
+from rangenav.preset import Preset
 from rangenav.repair import Repair
 
 ROUNDING = 1e-12
@@ -14,17 +15,25 @@ DRAWINGS = f'<div style="{SIDE_BY_SIDE}"><b>{{}}</b>{{}}</div>'
 
 def found(result: Repair) -> str:
     """The change as HTML: sentences, both paths, and a table."""
-    sides = (("A", drawings(result.before)), ("B", drawings(result.after)))
+    sides = (("before", drawings(result.before)), ("proposed", drawings(result.after)))
     return NOTE.format(
         bullets(repair_text(result)) + "".join(DRAWINGS.format(*side) for side in sides) + figures(result)
     )
 
 
 def outcome(result: Repair) -> str:
-    """The change in one sentence, with what it is predicted to reach."""
+    """The change, what it is predicted to reach, and with which noise."""
     wanted = quantity(result.after.requirement.position_sigma, "m")
     state = "certified" if result.certificate.certified else "not certified"
-    return f"B: {result.description}; predicted error ±{_sigma(result.figures_after)}, wanted ±{wanted}; {state}"
+    return (
+        f"Proposed, green in the scene: {shortened(result.description)}. Predicted error "
+        f"±{_sigma(result.figures_after)}, wanted ±{wanted}; {state}. Searched with {noise_text(result.after)}"
+    )
+
+
+def noise_text(preset: Preset) -> str:
+    """With which noise of the ranges an error is predicted, and where that is changed."""
+    return f"{quantity(preset.sensors.sigma.range, 'm')} of range noise, which the Sensors tab sets."
 
 
 def repair_text(result: Repair) -> tuple[str, ...]:
@@ -33,14 +42,15 @@ def repair_text(result: Repair) -> tuple[str, ...]:
     certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
     broken = certificate.vehicle.broken
     vehicle_text = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
-    return result.description, f"after {result.evaluations} motions tried: {certificate_text}; {vehicle_text}"
+    tried = f"After {result.evaluations} motions tried: {certificate_text}; {vehicle_text}"
+    return upper_first(shortened(result.description)), tried, f"Searched with {noise_text(result.after)}"
 
 
 def figures(result: Repair) -> str:
     """A table of μ and σ before and after the change."""
     before, after = result.figures_before, result.figures_after
     return table(
-        ("", "before (A)", "after (B)"),
+        ("", "before", "proposed"),
         (
             ("μ (m²/s⁷)", _mu(before), _mu(after)),
             ("predicted σ", _sigma(before), _sigma(after)),

@@ -12,7 +12,7 @@ from rangenav.certificate.schema import Check
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Group, Report, group
 from rangenav.commands.text.verdict import plus_minus
-from rangenav.number_format import quantity, significant
+from rangenav.number_format import quantity, shortened, significant
 from rangenav.preset import find
 from rangenav.verdict import Sign
 
@@ -71,7 +71,7 @@ def _check(one: Check, certificate: Certificate) -> str:
     stored = f"{asked.required:.3g} m required of the prediction, by {asked.noise}"
     ranges = asked.noise.replace("ranges at", "ranges alone, at", 1).replace(", no IMU noise", ", and a perfect IMU")
     said = one.words.replace(stored, f"{asked.required:.3g} m required; predicted from {ranges}")
-    return f"{sign} {layout.four_digits(said)}{' (proven)' if one.proven and one.name != SOURCE else ''}"
+    return f"{sign} {shortened(said, 4)}{' (proven)' if one.proven and one.name != SOURCE else ''}"
 
 
 def intended(certificate: Certificate) -> str:

@@ -4,7 +4,7 @@ from rangenav.analysis import Analysis
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
 from rangenav.commands.text.verdict import Json, headline
-from rangenav.number_format import quantity
+from rangenav.number_format import UNBROKEN, quantity, shortened
 from rangenav.observability.horizon import STARTS
 from rangenav.preset import Preset
 
@@ -29,9 +29,9 @@ def report(preset: Preset, analysis: Analysis, explanation: Json, *, name: str, 
         groups=(
             *group("how long to fly", _horizon(explanation["horizon"], preset)),
             *group("what coincides", _functions(explanation["functions"])),
-            *group("excitation", layout.three_digits(explanation["excitation"]["words"])),
+            *group("excitation", shortened(explanation["excitation"]["words"])),
             *group("evil twin", explanation["twin"]["words"]),
-            *group("as printed", layout.three_digits(explanation["printed"]["words"])),
+            *group("as printed", shortened(explanation["printed"]["words"])),
             *group("frozen in time", explanation["frozen"]["words"].replace(*ROTATING)),
             *layout.next_commands(f"analyze {typed}{same}", *twin),
         ),
@@ -63,7 +63,7 @@ def _functions(functions: Json) -> list[str]:
     if not functions["relations"]:
         return [f"nothing: the 13 functions of the window from {at} are independent"]
     relations, unseen = (
-        separator.join(one.replace(" ", layout.UNBROKEN) for one in functions[key])
+        separator.join(one.replace(" ", UNBROKEN) for one in functions[key])
         for key, separator in (("relations", ", "), ("unseen", "; "))
     )
     return [f"in the window from {at}: {relations}", *([f"unseen: {unseen}"] if unseen else [])]

@@ -14,7 +14,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rangenav.number_format import significant
+from rangenav.number_format import UNBROKEN
 from rangenav.verdict import Sign
 
 COLUMNS = 80
@@ -26,9 +26,6 @@ CONTINUED = "    "
 NEXT = "next"
 BEFORE_VALUE = re.compile(r" (?!--?[a-z])")
 """A blank in front of an option's value, and not in front of an option."""
-UNBROKEN = "\N{NO-BREAK SPACE}"
-PRINTED_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+(?:e[+-]?\d+)?|e[+-]?\d+)(?![\w.]\d)")
-"""A number with a decimal point or an exponent; a whole number stays as it is."""
 COLORS = {"✓": "green", "✗": "red", "!": "yellow", "?": "cyan"}
 
 
@@ -103,16 +100,6 @@ def folded_command(text: str, columns: int) -> list[str]:
     rest = BEFORE_VALUE.sub(UNBROKEN, text.removeprefix(" ".join(start)).strip())
     *first, last = wrapped(" ".join([*start, rest]), columns - 2, "  ")
     return [*(f"{line} \\" for line in first), last]
-
-
-def three_digits(sentence: str) -> str:
-    """A sentence of the library, whose numbers Python's format specifiers wrote, with numbers as a report has them."""
-    return PRINTED_NUMBER.sub(lambda number: significant(float(number.group())), sentence)
-
-
-def four_digits(sentence: str) -> str:
-    """The same with four digits, which a sentence on a bound has: three of them would move the bound."""
-    return PRINTED_NUMBER.sub(lambda number: significant(float(number.group()), 4), sentence)
 
 
 def show(report: Report) -> None:

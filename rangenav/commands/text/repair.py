@@ -5,7 +5,7 @@ from pathlib import Path
 from rangenav.commands.text import layout
 from rangenav.commands.text.layout import Report, group
 from rangenav.commands.text.verdict import Json, plus_minus
-from rangenav.number_format import quantity, significant
+from rangenav.number_format import quantity, shortened, significant
 from rangenav.preset import Preset
 from rangenav.vehicle import FREE
 
@@ -30,7 +30,7 @@ def report(preset: Preset, answer: Json, *, name: str, written: Path | None) -> 
     return Report(
         subject=layout.subject(name),
         sign="✓" if after["certified"] else "!",
-        answer=layout.three_digits(answer["words"]) if answer["changed"] else UNCHANGED,
+        answer=shortened(answer["words"]) if answer["changed"] else UNCHANGED,
         title=preset.title,
         groups=(
             *group("before", earlier if answer["changed"] else None),

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from numpy import ndarray as Array
 from viser.transforms import SO3
 
+from explorer.model.comparison import Comparison
 from explorer.scene import Scene, view
 from explorer.scene.bounds import (
     MAX_STRAY,
@@ -22,6 +23,7 @@ from explorer.scene.bounds import (
     scene_bounds,
 )
 from explorer.scene.view import IDLE_TIME
+from rangenav import preset
 from tests.support.pictures import astronomic, picture
 from tests.support.sent_messages import Page
 
@@ -100,6 +102,23 @@ def test_blind_directions_have_arrows_with_a_word_and_observable_paths_have_none
     assert not page.node("/blind1").visible
     scene.draw(picture("paper-slow"))
     assert not page.node("/blind0").visible
+
+
+def test_a_proposed_motion_is_a_line_with_its_name_until_it_is_gone(page: Page) -> None:
+    scene, example = Scene(page.client, lambda: None), picture("circle")
+    proposed = preset.load("tilted-circle")
+    scene.draw(example, Comparison(proposed=proposed))
+    line, label = page.node("/proposed"), page.node("/proposed/label")
+    ends = line.points[:, 0]  # type: ignore[attr-defined]
+    assert line.visible
+    assert ends[0] == pytest.approx(proposed.path(np.zeros(1))[0], abs=1e-6)
+    assert label.visible
+    heights = np.abs(ends[:, 2] - example.motion.position[0, 2])
+    at = np.argmin(np.linalg.norm(ends - np.asarray(label.position), axis=1))
+    assert heights[at] > 0.9 * heights.max()  # far from the true path, which is flat
+    scene.draw(example)
+    assert not line.visible
+    assert not label.visible
 
 
 def test_camera_frames_the_first_path_and_a_much_larger_one_but_not_while_it_is_moved(page: Page) -> None:

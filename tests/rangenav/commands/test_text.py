@@ -313,13 +313,6 @@ def test_a_command_breaks_before_an_option_and_never_between_an_option_and_its_v
     assert max(map(len, lines)) <= 61
 
 
-def test_numbers_of_a_sentence_are_rounded_to_three_digits_and_whole_numbers_stay():
-    sentence = "added a tone of 0.0624 m at 3.14159 rad/s, μ = 4.07e+03, 16384 runs along (1.00, -0.04)"
-    assert layout.three_digits(sentence) == (
-        "added a tone of 0.0624 m at 3.14 rad/s, μ = 4070, 16384 runs along (1, -0.04)"
-    )
-
-
 def test_no_color_prints_no_escape_sequence_on_a_terminal(monkeypatch: pytest.MonkeyPatch, capsys):
     report = Report(subject="x", sign="✓", answer="done", title="T", groups=layout.group("files", "✓ a"))
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)

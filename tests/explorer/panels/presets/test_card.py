@@ -6,9 +6,11 @@ from xml.etree import ElementTree
 import msgspec
 import pytest
 
-from explorer.panels.presets.card import card, drawings
+from explorer.model import palette
+from explorer.panels.presets.card import card, card_of_changed, drawings
 from explorer.storage.certifier import Certifier
 from explorer.storage.import_file import ImportFile, guess
+from explorer.widgets.html import upper_first
 from rangenav import certificate, preset
 
 pytestmark = pytest.mark.slow
@@ -30,28 +32,47 @@ def _certificate(name: str) -> certificate.Certificate:
     ],
 )
 def test_a_badge_is_a_shape_and_text_and_says_what_is_certified(name: str, badge: str):
-    assert badge in card(SHIPPED[name], _certificate(name), changed=False)
+    assert badge in card(SHIPPED[name], _certificate(name))
 
 
 def test_what_is_not_certified_says_why_and_what_is_being_certified_says_so():
     boasting = msgspec.structs.replace(SHIPPED["circle"], expect="observable")
     uncertified = certificate.certify(preset.dumps(boasting).encode(), source="x")
-    shown = card(boasting, uncertified, changed=False)
+    shown = card(boasting, uncertified)
     assert "◌ UNCERTIFIED" in shown
     assert "rank" in shown
-    assert "BEING CERTIFIED" in card(boasting, None, changed=False)
-    assert "◌ UNCERTIFIED" in card(boasting, "because <b>", changed=False)
-    assert "because &lt;b&gt;" in card(boasting, "because <b>", changed=False)
+    assert "BEING CERTIFIED" in card(boasting, None)
+    assert "◌ UNCERTIFIED" in card(boasting, "because <b>")
+    assert "Because &lt;b&gt;." in card(boasting, "because <b>")
 
 
-def test_a_changed_preset_says_so():
-    assert "changed, not saved" in card(SHIPPED["soft"], None, changed=True)
-    assert "changed, not saved" not in card(SHIPPED["soft"], None, changed=False)
+def test_the_card_of_a_changed_preset_shows_the_motion_on_the_page_and_no_reason_of_the_file():
+    opened, shown = SHIPPED["circle"], SHIPPED["helix"]
+    reason = "the rank is 11 of 13"
+    content = card_of_changed(shown, opened, reason)
+    assert "changed, not saved" in content
+    assert "As opened: ◌ uncertified" in content
+    assert reason not in content
+    assert palette.ERROR not in content
+    assert drawings(shown) in content
+    assert drawings(opened) not in content
+    assert "changed, not saved" not in card(opened, None)
+
+
+def test_reasons_are_sentences_with_readable_numbers_of_which_the_first_is_in_sight():
+    boasting = msgspec.structs.replace(SHIPPED["circle"], expect="observable", duration=14.56637)
+    uncertified = certificate.certify(preset.dumps(boasting).encode(), source="x")
+    assert len(uncertified.failures) > 1
+    shown = card(boasting, uncertified)
+    assert "14.566" not in shown
+    first, folded = shown.split("<details>")
+    assert upper_first(uncertified.failures[0][:20]) in first
+    assert upper_first(uncertified.failures[1][:20]) in folded
 
 
 def test_nothing_of_a_presets_own_text_is_markup():
     hostile = "<img src=x onerror=alert(1)>"
-    shown = card(msgspec.structs.replace(SHIPPED["hover"], title=hostile, story=hostile), None, changed=False)
+    shown = card(msgspec.structs.replace(SHIPPED["hover"], title=hostile, story=hostile), None)
     assert "<img" not in shown
     assert shown.count("&lt;img") == 2
 
