@@ -12,19 +12,24 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from explorer.model.certificate_text import certificate_sentence
 from rangenav import formats
-from rangenav.certificate import certified_export, cures
+from rangenav.certificate import certified_export, cures, encoding
 from rangenav.certificate.certified_export import CertifiedExport, RefusedExportError
 from rangenav.certificate.cures import Cure
+from rangenav.certificate.files import read_bytes
 from rangenav.formats import ExportOptions, crazyflie
 from rangenav.inputs import require
+from rangenav.number_format import shortened
 from rangenav.preset import Preset
 from rangenav.progress import Cancelled, CancelledError, Progress
 
 OTHERWISE = "“even if uncertified”, above, writes it, marked so in every name"
 NOTHING_CHOSEN = "no format is chosen: choose at least one above; “Download this preset” gives the preset alone"
 MARK = ".uncertified"
-VERIFY = "Verify each file, where it is unpacked, by its own name: rangenav verify FILE"
+VERIFY = "Verify all files where they are unpacked: rangenav verify FOLDER, or one of them: rangenav verify FILE"
+FRAMES = {"as the preset has it": "in its own axes"}
+"""The axes of a file, where a sentence has another word for them."""
 STAMP = (2020, 1, 1, 0, 0, 0)
 """The time of every file inside, always the same, so that equal inputs make equal zips."""
 CURES_FROM = 0.6
@@ -90,12 +95,22 @@ def pack(
                 if format_name == "preset" or len(format_names) == 1:
                     raise
                 notes.append(f"{format_name}: left out: {error}")
-        (folder / "README.txt").write_text("".join(f"{note}\n" for note in (VERIFY, *notes)), "utf-8")
+        (folder / "README.txt").write_text(_readme(notes), "utf-8")
         marked = any(MARK in path.name for path in folder.iterdir())
         left_out = {error.format_name for error in refusals}
         content = b"" if "preset" in left_out or left_out >= set(format_names) else _zipped(folder)
     refused = tuple(_with_cures(error, cancelled) for error in refusals)
     return Bundle(f"{stem}{MARK if marked else ''}.zip", content, tuple(notes), refused)
+
+
+def _readme(notes: Sequence[str]) -> str:
+    """The sentences below the names of their files."""
+    about = [note.partition(": ")[::2] for note in notes]
+    paragraphs = [
+        f"{file}\n{''.join(f'  - {sentence}{chr(10)}' for name, sentence in about if name == file)}"
+        for file in dict.fromkeys(name for name, _ in about)
+    ]
+    return "\n".join([f"{VERIFY}\n", *paragraphs])
 
 
 def motion_in(bundle: Bundle, format_names: Sequence[str]) -> tuple[str, bytes] | None:
@@ -130,20 +145,36 @@ def _write_format(
     )
     name = path.name if export.complaint is None else formats.marked(path).name
     proof = "uncertified" if export.certificate is None else f"certified ({export.certificate.name})"
-    about = [f"{name}: {format_name}, {export.output.frame}, {proof}", *(f"{name}: {note}" for note in export.notes)]
-    return [*about, *_write_program(export, path.parent, name)]
+    about = [f"{format_name}, {FRAMES.get(export.output.frame, export.output.frame)}, {proof}", *export.notes]
+    sentences = [f"{name}: {shortened(note.replace('any certificate', 'the certificate'), 4)}" for note in about]
+    program = _write_program(export, preset.requirement.window, path.parent, name)
+    return [*sentences, *program, *_certified(export, name)]
 
 
-def _write_program(export: CertifiedExport, folder: Path, name: str) -> list[str]:
+def _certified(export: CertifiedExport, name: str) -> list[str]:
+    """What the certificate of a motion says of its windows, and of the noise for which it says that."""
+    if export.certificate is None or export.output.steady is None:
+        return []
+    issued = encoding.loads(read_bytes(export.certificate), source=name)
+    return [f"{name}: certified: {certificate_sentence(check.words)}" for check in issued.checks if check.met]
+
+
+def _write_program(export: CertifiedExport, window: float, folder: Path, name: str) -> list[str]:
     """Write the program that flies a loop with a Crazyflie, if the file is one. Returns a sentence about it."""
     figures, steady, where = export.output.figures, export.output.steady, export.output.place
     if export.certificate is None or not export.output.loop or steady is None or where is None:
         return []
     begin, end = steady
-    program = crazyflie.script(name, begin, end - begin, figures["loop_first"], figures["loop_pieces"], where)
+    loop = crazyflie.Loop(
+        ramp=begin, period=end - begin, first=figures["loop_first"], count=figures["loop_pieces"], window=window
+    )
     place = folder / f"fly_{Path(name).name.partition('.')[0]}.py"
-    place.write_text(program, "utf-8")
-    return [f"{place.name}: uploads {name} with cflib, and flies ramp in, the loop as often as asked, and ramp out"]
+    place.write_text(crazyflie.script(name, loop, where), "utf-8")
+    return [
+        f"{place.name}: takes off, uploads {name}, flies ramp in, the loop as often as asked, and ramp out, and lands. "
+        f"It needs cflib (pip install cflib). Run it in this folder: python {place.name} URI --loops {loop.least}; URI "
+        "is that of your Crazyflie, such as radio://0/80/2M/E7E7E7E7E7. With --help it prints its options"
+    ]
 
 
 def _zipped(folder: Path) -> bytes:

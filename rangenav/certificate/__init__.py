@@ -8,7 +8,7 @@ check_file(path)    the same, with what has happened: the file changed, a requir
 
 from rangenav.certificate.certify import READERS, FileContents, Reader, certify, certify_file, read_preset
 from rangenav.certificate.encoding import dumps, loads, to_builtins
-from rangenav.certificate.files import path_for
+from rangenav.certificate.files import certified_in, path_for
 from rangenav.certificate.requirements import gate, verdict_of
 from rangenav.certificate.schema import Certificate
 from rangenav.certificate.verify import (
@@ -29,6 +29,7 @@ __all__ = [
     "Outcome",
     "Reader",
     "Verification",
+    "certified_in",
     "certify",
     "certify_file",
     "check_file",

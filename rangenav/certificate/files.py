@@ -41,6 +41,17 @@ def file_of(certificate: Path) -> Path | None:
     return file if file.is_file() else file.with_name(f"{file.name}.toml")
 
 
+def certified_in(name: str) -> tuple[str, ...]:
+    """The paths of all files and folders in a folder that have a certificate beside them, in the order of their names.
+
+    The name alone, if it is of no folder, of a folder with a certificate of its own, or if nothing in it has one.
+    """
+    folder = Path(name)
+    if not folder.is_dir() or path_for(folder).is_file():
+        return (name,)
+    return tuple(str(path) for path in sorted(folder.iterdir()) if path_for(path).is_file()) or (name,)
+
+
 def read_bytes(path: Path) -> bytes:
     """All bytes of a file or folder that is not too large to be read whole. Raises ValueError."""
     try:

@@ -25,8 +25,9 @@ def verify(
     Example: rangenav verify paper-slow flight.csv
 
     Args:
-        files: Shipped presets' names, or paths of presets, exported files, folders, or their certificates. The bytes
-            are read again and everything is recomputed.
+        files: Shipped presets' names, or paths of presets, exported files, folders, or their certificates. A folder
+            that has no certificate of its own stands for all in it that have one. The bytes are read again and
+            everything is recomputed.
         certificate: The certificate of the one file, where it is not beside the file.
         json: Print one JSON object.
     """
@@ -37,6 +38,8 @@ def verify(
 
     require(len(files) > 0, "verify: no file was named")
     require(certificate is None or len(files) == 1, "--certificate is the certificate of one file; name one file")
+    if certificate is None:
+        files = tuple(part for name in files for part in certificates.certified_in(name))
     require(certificate is None or certificate.is_file(), f"--certificate {certificate}: no such file")
     readers = exports.readers()
     checked: dict[str, certificates.Verification] = {}

@@ -6,6 +6,8 @@ point that is not on the path. A ramp of r seconds covers the first r/2 of the p
 path. Between the ramps lie the seconds r/2 to T − r/2 of the path; only there the excitation is that of the path.
 """
 
+import math
+
 import numpy as np
 from jaxtyping import Float
 from numpy import ndarray as Array
@@ -51,6 +53,8 @@ class Place:
     """Its last point, where the vehicle hovers in the end."""
     lowest: float
     highest: float
+    room: Vec3
+    """The sides of the box that holds the motion, along x, y and z."""
     anchor: Vec3
 
     @property
@@ -58,9 +62,10 @@ class Place:
         """One sentence for whoever flies it: the ranges fit no other place of the anchor."""
         low = "; that is not above a floor at z = 0: fly it from a hover high enough" if self.lowest < LOW else ""
         return (
-            f"in the file's axes (z up) the path begins at {vector(self.first)} m, ends at {vector(self.last)} m and "
-            f"lies at z from {significant(self.lowest)} to {significant(self.highest)} m{low}; the anchor must stand "
-            f"at {vector(self.anchor)} m of the same axes"
+            f"in the file's axes (z up) the flight begins at {vector(self.first)} m and ends in hover at "
+            f"{vector(self.last)} m, {significant(math.dist(self.first, self.last))} m away; it needs a room of "
+            f"{' × '.join(significant(side) for side in self.room)} m and lies at z from {significant(self.lowest)} "
+            f"to {significant(self.highest)} m{low}; the anchor must stand at {vector(self.anchor)} m of the same axes"
         )
 
 
@@ -89,8 +94,14 @@ class HoverRamps:
         points = self(np.linspace(0.0, self.end, PLACES)).round(MICROMETRE) + 0.0
         (x, y, z), (u, v, w) = points[0].tolist(), points[-1].tolist()
         heights = points[:, 2]
+        across, along, up = np.ptp(points, axis=0).tolist()
         return Place(
-            first=(x, y, z), last=(u, v, w), lowest=float(heights.min()), highest=float(heights.max()), anchor=anchor
+            first=(x, y, z),
+            last=(u, v, w),
+            lowest=float(heights.min()),
+            highest=float(heights.max()),
+            room=(across, along, up),
+            anchor=anchor,
         )
 
     def __call__(self, t: Float[Array, "n"], order: int = 0) -> Float[Array, "n 3"]:

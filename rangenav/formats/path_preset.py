@@ -71,9 +71,9 @@ def as_preset(
     def made(turning: AngularVelocity) -> Preset:
         return Preset(
             title=_printable(Path(result.source).stem)[:MAX_TITLE].strip() or "imported",
-            story=f"Imported from {result.format}."
+            story=f"Imported from a file of the format {result.format}."
             if result.derivatives == "file"
-            else f"Imported from {result.format}; its snap is the fit's, not the flight's.",
+            else f"Imported from a file of the format {result.format}. Its snap is that of the fit, not of the flight.",
             duration=length,
             path=path,
             angular_velocity=turning,
@@ -109,8 +109,8 @@ def choices(preset: Preset, result: ImportResult) -> tuple[str, ...]:
         end = f"the path is flown once, {preset.duration:.4g} s, and holds still at its end"
     loops = f", which is {window / period:.3g} loops" if period else f" of a flight of {preset.duration:.4g} s"
     return (
-        f"the anchor stands at ({where}) m, {away.min():.2g} to {away.max():.2g} m from the path: no file of a path "
-        "says where it is",
+        f"the anchor stands at ({where}) m, {away.min():.2g} to {away.max():.2g} m from the path: the file does "
+        "not say where it stands, so this place was chosen",
         f"the window judged, δ, is {window:.4g} s{loops}",
         end,
     )

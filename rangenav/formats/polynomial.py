@@ -130,14 +130,15 @@ def _write(preset: Preset, turned: Preset, layout: Layout, path: Path) -> Output
     assert isinstance(read, Polynomials)
     fit = fitness(read, layout, turned)
     write_text(path, data)
-    change = f"{fit.mu / fit.mu_path - 1:+.2%}" if fit.mu_path > 0 else "none"
+    change = f"{fit.mu / fit.mu_path - 1:+z.2%}" if fit.mu_path > 0 else "none"
     notes = [f"{len(rows)} pieces, {1e3 * fit.distance:.2g} mm from the path at most, μ changed by {change}"]
     figures: dict[str, Any] = {"pieces": len(rows), "fit_error": fit.distance, "mu": fit.mu, "mu_path": fit.mu_path}
     place = course.place(turned.world.anchor)
     notes.append(place.summary)
     if layout.loop:
         first, count = layout.middle
-        notes.append(crazyflie.looping(layout.course, first, count, preset.requirement.window))
+        loop = crazyflie.loop_of(layout.course, first, count, preset.requirement.window)
+        notes.append(crazyflie.looping(loop))
         figures |= {"loop_first": first, "loop_pieces": count}
     elif course.duration < length:
         notes.append(f"the first {course.duration:.4g} s of {length:.4g} s: {MAX_SEGMENTS} pieces hold no more")

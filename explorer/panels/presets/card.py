@@ -10,9 +10,10 @@ from jaxtyping import Float
 from numpy import ndarray as Array
 
 from explorer.model import palette
+from explorer.model.certificate_text import certificate_sentence
 from explorer.storage.certifier import CertificateOrReason
 from explorer.widgets.html import escaped, folded, upper_first
-from rangenav.number_format import quantity, shortened, significant
+from rangenav.number_format import quantity, significant
 from rangenav.preset import Preset
 
 SIDE, MARGIN, POINTS = 92, 7, 240
@@ -146,7 +147,7 @@ def _reasons(reasons: tuple[str, ...]) -> str:
     """Sentences of a certificate, with readable numbers; all but the first are folded."""
     if not reasons:
         return ""
-    first, *others = (f"{upper_first(shortened(reason, 4))}." for reason in reasons)
+    first, *others = (f"{upper_first(certificate_sentence(reason))}." for reason in reasons)
     count = "1 more reason" if len(others) == 1 else f"{len(others)} more reasons"
     return f"<div>{escaped(first)}</div>{folded(count, others) if others else ''}"
 

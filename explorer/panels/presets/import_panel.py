@@ -11,6 +11,7 @@ from functools import partial
 import msgspec
 
 from explorer.model.jobs import Jobs
+from explorer.panels.presets.repair_text import noise_text
 from explorer.storage import import_process
 from explorer.storage.catalog import Catalog
 from explorer.storage.import_file import ImportFile, Interpretation, guess, is_binary, is_preset_or_zip
@@ -29,7 +30,9 @@ from rangenav.vehicle import CATALOGUE, FREE
 
 VEHICLES = {one: "No limits" if one == FREE else one.name for one in CATALOGUE}
 VEHICLE_HINT = "The vehicle whose limits the imported path is compared with. It can be changed later, in the World tab."
-MOVED = "other values: anchor in the World tab, δ and duration in the Motion tab"
+TABS = (
+    "change the anchor in the World tab, δ and the duration in the Motion tab, and the range noise in the Sensors tab"
+)
 UPLOAD_HINT = "A path (reference, polynomial, TUM, EuRoC csv) or a recorded flight (csv, mat), of at most 20 MB."
 FORMAT_HINT = "Guessed from the file's name and first lines when it comes; choose another if that is wrong."
 CONFIRM_HINT = "Takes the answers above. Nothing is converted before you have confirmed it."
@@ -78,11 +81,11 @@ class ImportPanel:
             uploads.button("Upload a file", self._receive, section.complaint.say, hint=UPLOAD_HINT)
             self._progress = ProgressPanel(form, jobs)
             self._status = form.gui.add_html("", visible=False)
+            self._message = form.gui.add_html("", visible=False)
             self._format = Choice(section, "format", choices(), hint=FORMAT_HINT)
             form.button(
                 "Read it as this format", self._read, hint="Reads the file handed over last once more.", quiet=True
             )
-            self._message = form.gui.add_html("", visible=False)
 
     def forget_preset(self) -> None:
         """Drop what was said of a path that was opened and is not on the page any more. What was said of a recorded
@@ -143,9 +146,9 @@ class ImportPanel:
             count = "1 question" if len(result.questions) == 1 else f"{len(result.questions)} questions"
             self._show_status(f"{result.source}: {count} below")
         elif interpretation.preset is not None:
-            chosen = (*interpretation.choices, MOVED)
-            self._show_message("opened as a preset that is not saved yet", *chosen, *report(result))
-            self._show_status(f"{result.source}: opened as a preset")
+            noise = f"the ranges have {noise_text(interpretation.preset)}; set yours before you look for a repair"
+            self._show_message(*interpretation.choices, noise, TABS, *report(result))
+            self._show_status(f"{result.source}: opened as a preset that is not saved yet; these values were chosen")
         elif result.flight is not None:
             self._judge(result)
             self._show_message(*report(result), "a recorded flight: judge it below", more=every_column(result))
@@ -168,7 +171,7 @@ class ImportPanel:
             ("Questions before it is used", CONFIRM) if open_ones else ("Answers taken without a question", OTHERS)
         )
         with self._section:
-            order = self._status.order + BELOW  # above how the file was read, which may be long
+            order = self._message.order + BELOW
             self._questions_section = questions_section = Section(self._form, label, order=order)
         with questions_section:
             for k, question in enumerate(questions):

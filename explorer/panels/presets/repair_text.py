@@ -1,5 +1,6 @@
 """What a repair has found, as text: the change, its certificate, and figures and drawings before and after it."""
 
+from explorer.model.certificate_text import certificate_sentence
 from explorer.panels.presets.card import drawings
 from explorer.widgets.html import NOTE, bullets, table, upper_first
 from rangenav.certificate.figures import Figures
@@ -25,25 +26,27 @@ def outcome(result: Repair) -> str:
     """The change, what it is predicted to reach, and with which noise."""
     wanted = quantity(result.after.requirement.position_sigma, "m")
     state = "certified" if result.certificate.certified else "not certified"
+    change, predicted = shortened(result.description), _sigma(result.figures_after)
     return (
-        f"Proposed, green in the scene: {shortened(result.description)}. Predicted error "
-        f"±{_sigma(result.figures_after)}, wanted ±{wanted}; {state}. Searched with {noise_text(result.after)}"
+        f"Proposed, green in the scene: {change}. Predicted error ±{predicted}, wanted ±{wanted}; {state}. "
+        f"Searched with ranges of {noise_text(result.after)}."
     )
 
 
 def noise_text(preset: Preset) -> str:
     """With which noise of the ranges an error is predicted, and where that is changed."""
-    return f"{quantity(preset.sensors.sigma.range, 'm')} of range noise, which the Sensors tab sets."
+    return f"{quantity(preset.sensors.sigma.range, 'm')} of noise (Sensors tab)"
 
 
 def repair_text(result: Repair) -> tuple[str, ...]:
     """Sentences: the change, and the verdict of the certificate of its result."""
     certificate = result.certificate
-    certificate_text = "certified" if certificate.certified else f"not certified: {'; '.join(certificate.failures)}"
+    failures = "; ".join(map(certificate_sentence, certificate.failures))
+    certificate_text = "certified" if certificate.certified else f"not certified: {failures}"
     broken = certificate.vehicle.broken
     vehicle_text = "within the vehicle's limits" if not broken else f"too much for the vehicle: {'; '.join(broken)}"
     tried = f"After {result.evaluations} motions tried: {certificate_text}; {vehicle_text}"
-    return upper_first(shortened(result.description)), tried, f"Searched with {noise_text(result.after)}"
+    return upper_first(shortened(result.description)), tried, f"Searched with ranges of {noise_text(result.after)}"
 
 
 def figures(result: Repair) -> str:

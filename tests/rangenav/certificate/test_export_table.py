@@ -172,7 +172,7 @@ def test_an_imported_path_that_closes_is_a_loop_with_an_anchor_outside_it_and_sa
     away = np.linalg.norm(made.path(np.linspace(0, 4, 401)) - made.world.anchor, axis=-1)
     assert away.min() >= 1.0
     anchor, window, end = choices(made, imported)
-    assert "no file of a path says where it is" in anchor
+    assert "the file does not say where it stands" in anchor
     assert (window, "it repeats: 5 loops of 4 s" in end) == ("the window judged, δ, is 12 s, which is 3 loops", True)
     once = as_preset(imported, ends="hold")
     assert (once.path.period, once.duration) == (None, pytest.approx(4.0))

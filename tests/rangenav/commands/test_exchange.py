@@ -116,6 +116,8 @@ def test_everything_in_the_pages_zip_verifies_where_it_is_unpacked_and_nothing_e
     assert len(artifacts) >= 9
     code, out, err = run("verify", *proven)
     assert (code, err, out.count("✓")) == (0, "", 1 + len(proven))  # all of them, and each one
+    code, out, err = run("verify", tmp_path)
+    assert (code, err, out.count("✓")) == (0, "", 1 + len(artifacts))  # the folder stands for all that is certified
     if marked:
         assert run("verify", *marked)[0] == 1
     for path in artifacts:

@@ -5,6 +5,7 @@ import struct
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -179,6 +180,7 @@ class FakeCrazyflie:
     def __init__(self) -> None:
         self.clock, self.defined, self.started, self.trajectory = 0.0, {}, [], []
         self.relative: set[bool] = set()
+        self.heights: list[float] = []
         self.mem = self.high_level_commander = self
 
     def get_mems(self, kind: int):
@@ -196,11 +198,27 @@ class FakeCrazyflie:
         self.relative.add(relative)
         self.started.append((self.clock, name))
 
+    def takeoff(self, height: float, seconds: float) -> None:
+        self.heights.append(height)
+
+    land = takeoff
+
+    def stop(self) -> None:
+        assert self.heights[-1] == 0.0
+
     def monotonic(self) -> float:
         return self.clock
 
     def sleep(self, seconds: float) -> None:
         self.clock += seconds
+
+
+def run_program(text: str, drone: FakeCrazyflie) -> dict[str, Any]:
+    """What a program defines, with the clock of a drone."""
+    program: dict[str, Any] = {}
+    exec(compile(text, "fly.py", "exec"), program)
+    program["time"] = drone
+    return program
 
 
 def test_the_program_of_a_loop_flies_the_path_through_its_ramps_and_three_loops(tmp_path):
@@ -209,17 +227,14 @@ def test_the_program_of_a_loop_flies_the_path_through_its_ramps_and_three_loops(
     p = preset.load("eight-repaired")
     written = formats.export(p, "polynomial", tmp_path / "x.csv")
     (begin, end), figures, drone = present(written.steady), written.figures, FakeCrazyflie()
-    text = crazyflie.script(
-        str(tmp_path / "x.csv"),
-        begin,
-        end - begin,
-        figures["loop_first"],
-        figures["loop_pieces"],
-        present(written.place),
+    loop = crazyflie.Loop(
+        ramp=begin,
+        period=end - begin,
+        first=figures["loop_first"],
+        count=figures["loop_pieces"],
+        window=p.requirement.window,
     )
-    program: dict = {}
-    exec(compile(text, "fly.py", "exec"), program)
-    program["time"] = drone
+    program = run_program(crazyflie.script(str(tmp_path / "x.csv"), loop, present(written.place)), drone)
     program["upload"](drone)
     program["fly"](drone, 3, relative=False)
     assert drone.relative == {False}
@@ -247,16 +262,45 @@ def test_a_path_near_the_floor_is_flown_only_from_a_hover_above_it_and_its_ancho
     assert (place.lowest, place.highest) == pytest.approx((heights.min(), heights.max()), abs=1e-5)
     assert place.anchor == upright(p).world.anchor
     assert "the anchor must stand at (0, 0, -1.5) m" in " ".join(written.notes)
-    text = crazyflie.script("x.csv", 2.0, 8.0, figures["loop_first"], figures["loop_pieces"], place)
-    program: dict = {}
-    exec(compile(text, "fly.py", "exec"), program)
-    program["time"] = drone
+    assert place.room == pytest.approx(np.ptp(upright(p).path(np.linspace(0, 8, 4001)), axis=0), abs=1e-5)
+    loop = crazyflie.Loop(
+        ramp=2.0, period=8.0, first=figures["loop_first"], count=figures["loop_pieces"], window=p.requirement.window
+    )
+    program = run_program(crazyflie.script(str(tmp_path / "x.csv"), loop, place), drone)
     with pytest.raises(ValueError, match="hover higher up and fly it with relative=True"):
-        program["fly"](drone, 1, relative=False)
+        program["fly"](drone, 2, relative=False)
+    with pytest.raises(ValueError, match="1 loops are shorter than the certified window: fly at least 2"):
+        program["fly"](drone, 1, relative=True)
     assert drone.started == []
-    program["fly"](drone, 1, relative=True)
-    assert drone.relative == {True}
     assert program["ANCHOR"] == pytest.approx(place.anchor)
+    program["flight"](drone, 2, True, program["HOVER"])
+    assert program["HOVER"] == pytest.approx(place.first[2] - place.anchor[2])  # the anchor stands on the floor
+    assert drone.heights == [program["HOVER"], 0.0]
+    assert drone.relative == {True}
+    assert [name for _, name in drone.started] == [1, 2, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["radio://0", "--loops", "1"], "fly at least as many"),
+        (["radio://0", "--absolute"], "comes down to z = -0.3 m"),
+        (["radio://0", "--height", "0.2"], "hover higher"),
+        ([], "uri"),
+    ],
+)
+def test_the_program_of_a_loop_is_a_command_that_refuses_a_flight_into_the_floor(tmp_path, capsys, arguments, sentence):
+    pytest.importorskip("cflib.crazyflie.mem", reason="cflib is not installed")
+    loop = crazyflie.Loop(ramp=2.0, period=8.0, first=4, count=8, window=12.0)
+    place = hover_ramps.Place(
+        first=(0.0, 0.0, 0.0), last=(1.0, 0.0, 0.1), lowest=-0.3, highest=0.3, room=(2.0, 1.0, 0.6), anchor=(0, 0, -1.5)
+    )
+    drone = FakeCrazyflie()
+    program = run_program(crazyflie.script("x.csv", loop, place), drone)
+    with pytest.raises(SystemExit):
+        program["main"](arguments)
+    assert sentence in capsys.readouterr().err
+    assert drone.heights == []
 
 
 # --- ROS

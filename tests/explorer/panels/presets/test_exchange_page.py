@@ -194,7 +194,7 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     circle = page.settings
     page.press("Make it observable")
-    page.tab.wait_for_text("Searched with 0.1 m of range noise")
+    page.tab.wait_for_text("Searched with ranges of 0.1")
     assert page.settings == circle
     assert page.session.picture is not None
     proposed = page.session.dock.comparison(page.session.picture).proposed
@@ -202,9 +202,9 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
     assert proposed.path != circle.preset.path
     page.press("Discard the motion")
     assert page.session.dock.comparison(page.session.picture).proposed is None
-    assert "Searched with 0.1 m of range noise" not in page.tab.text()
+    assert "Searched with ranges of 0.1" not in page.tab.text()
     page.press("Make it observable")
-    page.tab.wait_for_text("Searched with 0.1 m of range noise")
+    page.tab.wait_for_text("Searched with ranges of 0.1")
     page.press("Accept the motion")
     after = page.settings.preset
     assert certificate.certify(preset.dumps(after).encode(), source="x").certified
@@ -221,7 +221,7 @@ def test_a_blind_motion_is_repaired_shown_accepted_and_undone(page: Editing):
 def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_is_not_replaced(page: Editing):
     page.set("preset", f"{SHIPPED['circle'].title} (circle)")
     page.press("Make it observable")
-    page.tab.wait_for_text("Searched with 0.1 m of range noise")
+    page.tab.wait_for_text("Searched with ranges of 0.1")
     page.set("range weight q (1/(m⁴ s))", 2.0)
     gains = page.settings.preset.gains
     page.press("Accept the motion")
@@ -232,14 +232,12 @@ def test_what_was_chosen_while_a_repair_was_looked_for_stays_and_another_motion_
     page.tab.wait_for(lambda: "on the page now, and not saved yet" not in page.tab.text(), "the sentence to go")
     page.set("preset", f"{SHIPPED['figure-eight'].title} (figure-eight)")
     page.press("Make it observable")
-    page.tab.wait_for_text("Searched with 0.1 m of range noise")
+    page.tab.wait_for_text("Searched with ranges of 0.1")
     page.press("add a tone along", "+ z")
-    page.tab.wait_for(
-        lambda: "Searched with 0.1 m of range noise" not in page.tab.text(), "the change to go with its motion"
-    )
+    page.tab.wait_for(lambda: "Searched with ranges of 0.1" not in page.tab.text(), "the change to go with its motion")
     page.set("preset", f"{SHIPPED['hover'].title} (hover)")
     assert page.settings.preset == SHIPPED["hover"]
-    assert "Searched with 0.1 m of range noise" not in page.tab.text()
+    assert "Searched with ranges of 0.1" not in page.tab.text()
 
 
 def test_a_repair_that_this_kind_of_change_cannot_do_says_why(page: Editing):
