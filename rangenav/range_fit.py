@@ -102,10 +102,11 @@ def counted(fits: Sequence[RangeFit], *, blind: bool) -> str:
 
 def _text(fit: RangeFit, *, blind: bool, off: float | None = None) -> str:
     """The word in a clause. off: m, shown as the distance from the ranges; without it, runs that differ read alike."""
-    distance = "" if off is None else f" {quantity(off, 'm')}"
-    far = "" if fit.off is None else f"the position is{distance} off its ranges"
+    distance = "" if off is None else f" by {quantity(off, 'm')}"
+    far = "" if fit.off is None else f"its distance from the anchor is wrong{distance}"
     if fit.word == "consistent" and far:
-        return f"the innovations are as expected, but {far}{', and cannot be told' if blind else ''}"
+        undetermined = ", and the ranges do not determine the position" if blind else ""
+        return f"the innovations are as expected, but {far}{undetermined}"
     if fit.word == "consistent" and (blind or fit.collecting):
         return BLIND if blind else COLLECTED
     if fit.word == "consistent" and fit.mode == "constant":

@@ -247,7 +247,7 @@ class Charts:
         if name.endswith(BESIDE) and kind != "csv":
             if not isinstance(self._over, SideBySide):
                 raise ValueError("two runs side by side are not shown: “Show A and B side by side” in the tab Compare")
-            return partial(plot_file.picture, self._over.panels(), kind)
+            return partial(plot_file.picture, self._over.panels(), kind, self._over.summary())
         chart = next((chart for chart in self.charts if chart.plot.name == name), None)
         if chart is not None and chart.outdated and self._picture is not None and (self._settled or name not in SLOW):
             chart.draw(self._picture, self._comparison)  # it was out of sight

@@ -7,12 +7,15 @@ rounding floor. It is "inf" where a window is blind. No viser here.
 
 import csv
 import io
+import itertools
 import math
+import textwrap
 import threading
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
+from numpy import ndarray as Array
 
 from explorer.charts import curves
 from explorer.charts.plots import Curve, Drawing, Plot
@@ -32,6 +35,9 @@ METADATA: dict[PictureFormat, dict[str, None]] = {"svg": {"Date": None}, "png": 
 FILL_OPACITY = int(palette.FILL, 16) / 255
 """Opacity of the area below a filled curve, as on the page."""
 LOGARITHMIC = "log axis"
+LINE_HEIGHT, COLUMNS, CELL, SENTENCE = 0.19, (0.012, 0.19, 0.6), 62, 165
+"""Of the words above two plots: inches of a line, the left ends of its columns by the picture's width, and the most
+characters of a cell and of a line of the sentence."""
 RC_SETTINGS: dict[Any, Any] = {
     "svg.hashsalt": "rangenav",
     "lines.scale_dashes": False,
@@ -43,6 +49,15 @@ line's width, as on the page. Long curves are drawn in chunks: one of millions o
 _MATPLOTLIB = threading.Lock()
 """One picture at a time: matplotlib's settings and fonts are shared by all threads."""
 Columns = tuple[int, ...]
+
+
+class Summary(NamedTuple):
+    """What a picture of two plots says in words: a head above each plot, rows of figures, and a sentence."""
+
+    heads: tuple[str, str]
+    rows: Sequence[tuple[str, str, str]]
+    """Name, figure of the first, figure of the second."""
+    sentence: str
 
 
 class Panel(NamedTuple):
@@ -98,36 +113,80 @@ WRITERS: dict[PlotFormat, Callable[[Plot, Drawing, Columns, float], bytes]] = {
 }
 
 
-def picture(panels: Sequence[Panel], kind: PictureFormat) -> bytes:
-    """One plot, or two side by side."""
+def picture(panels: Sequence[Panel], kind: PictureFormat, summary: Summary | None = None) -> bytes:
+    """One plot, or two side by side below a summary in words."""
     from matplotlib import rc_context  # takes half a second, so only when a picture is wanted
     from matplotlib.figure import Figure
 
     buffer, alone = io.BytesIO(), len(panels) == 1
+    lines = [] if summary is None else _lines(summary)
+    width, plot_height = SIZE if alone else SIZE_OF_TWO
+    above = LINE_HEIGHT * (len(lines) + 1) if lines else 0.0
     with _MATPLOTLIB, rc_context(RC_SETTINGS):
-        figure = Figure(figsize=SIZE if alone else SIZE_OF_TWO, layout="constrained")
+        figure = Figure(figsize=(width, plot_height + above), layout="constrained")
         for k, panel in enumerate(panels):
             axes = figure.add_subplot(1, len(panels), k + 1)
-            for i in panel.columns:
-                _draw(axes, panel.plot.curves[i], panel.drawing, i)
-            _frame(axes, panel.plot, panel.drawing.axis, panel.duration)
+            _draw_panel(axes, panel)
             if not alone:
                 axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3, frameon=False)
         if alone:
             figure.legend(loc="outside upper right", ncols=4, frameon=False)
+        if lines:
+            engine = figure.get_layout_engine()
+            assert engine is not None
+            share = above / (plot_height + above)
+            engine.set(rect=(0.0, 0.0, 1.0, 1.0 - share))  # pyright: ignore[reportCallIssue]
+            for k, line in enumerate(lines):
+                y = 1.0 - share * (k + 1) / (len(lines) + 1)
+                for x, text in zip(COLUMNS, line, strict=False):
+                    weight = "bold" if k == 0 else "normal"
+                    figure.text(x, y, text, va="center", fontweight=weight).set_in_layout(False)
         figure.savefig(buffer, format=kind, dpi=DOTS, metadata=METADATA[kind])
     return buffer.getvalue()
 
 
-def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> None:
+def _lines(summary: Summary) -> list[tuple[str, ...]]:
+    """The summary in lines of up to three texts, each of which has room in its column."""
+    lines: list[tuple[str, ...]] = []
+    for row in (("", *summary.heads), *summary.rows):
+        wrapped = [textwrap.wrap(text, CELL) for text in row]
+        lines += itertools.zip_longest(*wrapped, fillvalue="")
+    return [*lines, *((line,) for line in textwrap.wrap(summary.sentence, SENTENCE))]
+
+
+def _draw_panel(axes: "Axes", panel: Panel) -> None:
+    """One plot. Curves of which nothing can be seen share one entry of the legend, with the reason."""
+    plot, drawing = panel.plot, panel.drawing
+    missing: dict[str, list[str]] = {}
+    for i in panel.columns:
+        reason = _draw(axes, plot.curves[i], drawing, i)
+        if reason and plot.curves[i].label:
+            missing.setdefault(reason, []).append(plot.curves[i].label)
+    for reason, labels in missing.items():
+        axes.plot([], [], linestyle="none", label=f"{', '.join(labels)}: {reason}")
+    empty = plot.reason_if_empty(drawing)
+    if empty:
+        axes.text(0.5, 0.6, empty, transform=axes.transAxes, ha="center", va="center")
+    _frame(axes, plot, drawing.axis, panel.duration)
+
+
+def _draw(axes: "Axes", curve: Curve, drawing: Drawing, column: int) -> str:
+    """Draw a curve. Returns why nothing of it can be seen; empty if it can."""
     time, values, (bottom, top) = drawing.time, drawing.drawn[:, column], drawing.axis
     dashes = (0, curve.dash) if curve.dash else "solid"
-    label = curve.label or f"_{curve.name}"  # matplotlib keeps labels that begin with _ out of the legend
-    if not np.any((values >= bottom) & (values <= top)):
-        label += " (blind)" if np.any(np.isposinf(drawing.values[:, column])) else " (outside)"
+    reason = "" if np.any((values >= bottom) & (values <= top)) else _why_unseen(drawing.values[:, column])
+    label = curve.label if curve.label and not reason else f"_{curve.name}"  # those with _ are not in the legend
     axes.plot(time, values, label=label, color=curve.color, linewidth=curve.width, linestyle=dashes)
     if curve.filled:
         axes.fill_between(time, values, bottom, color=curve.color, alpha=FILL_OPACITY, linewidth=0)
+    return reason
+
+
+def _why_unseen(values: Array) -> str:
+    """Why nothing of a curve lies inside the axes."""
+    if np.any(np.isposinf(values)):
+        return "blind"
+    return "zero" if np.all((values == 0) | np.isneginf(values)) else "outside the axes"
 
 
 def _frame(axes: "Axes", plot: Plot, axis: curves.Range, duration: float) -> None:

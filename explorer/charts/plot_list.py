@@ -73,7 +73,7 @@ OBSERVABILITY = Group(
             curves=(
                 *styles.eigenvalues("", (SOLID, DASHED, DOTTED)),
                 Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
-                *styles.eigenvalues("printed ", PRINTED[:3]),
+                *styles.eigenvalues("printed ", PRINTED[:3], palette.PRINTED_EIGENVALUES),
             ),
             draw=plots.excitation,
             inputs=("analysis", "preset.requirement", "settings.printed"),

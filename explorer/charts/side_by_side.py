@@ -3,7 +3,6 @@
 Both plots have the time axis of B, so that one cursor and one mouse position serve both.
 """
 
-import html
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -17,6 +16,7 @@ from explorer.charts.plots import Drawing, Plot
 from explorer.model import differences, side_by_side
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
+from explorer.widgets.html import escaped
 
 AROUND, BIG_AROUND, MIN_HEIGHT = 370, 570, 190
 """px of the window's height that the plots leave to numbers, legends and buttons, and with big type; their least
@@ -42,6 +42,7 @@ class SideBySide:
         style = replace(of_page, height=height, large=True)
         self._drawings: dict[str, Drawing] = {}
         self._titles: tuple[str, str] = ("", "")
+        self._summary: plot_file.Summary | None = None
         with self._modal:
             client.gui.add_html(_head(plot, titles))
             self._numbers = client.gui.add_html("")
@@ -63,7 +64,8 @@ class SideBySide:
         a = comparison.pinned
         if a is not None:
             a = a.judged_on(len(picture.analysis.windows.start))
-        self._numbers.content = _numbers(a, picture)
+        self._summary = None if a is None else _summary(a, picture)
+        self._numbers.content = _numbers(self._summary)
         for chart in self.charts:
             chart.header.visible = chart.handle.visible = a is not None
         if a is None:
@@ -80,6 +82,11 @@ class SideBySide:
             raise ValueError(NO_RUN)
         shown = zip(self.charts, self._drawings.values(), self._titles, strict=True)
         return tuple(_panel(chart, drawing, title) for chart, drawing, title in shown)
+
+    def summary(self) -> plot_file.Summary:
+        """The numbers above the plots as they are shown, for a file; `panels` comes before."""
+        assert self._summary is not None, "panels comes before summary"
+        return self._summary
 
     def close(self) -> None:
         """Remove it from the page."""
@@ -117,16 +124,21 @@ def _head(plot: Plot, titles: dict[str, str]) -> str:
     return f'<div class="rn-large rn-beside">{others}<span></span>{one}{saves}{close}</div>'
 
 
-def _numbers(a: Picture | None, b: Picture) -> str:
-    """The table of figures, and what was chosen otherwise."""
-    if a is None:
-        return f'<div class="rn-numbers">{NO_RUN}</div>'
+def _summary(a: Picture, b: Picture) -> plot_file.Summary:
+    """The heads and figures of both runs, and the settings that differ."""
     heads = f"A · {side_by_side.title(a, b)}", f"B · {side_by_side.title(b, a)}"
-    lines = _line("th", ("", *heads)) + "".join(_line("td", row) for row in side_by_side.rows(a, b))
     chosen = differences.chosen(a, b)
-    said = f"Chosen otherwise (A → B): {'; '.join(chosen)}." if chosen else "Nothing is chosen otherwise."
-    return f'<div class="rn-numbers"><table>{lines}</table><p>{html.escape(said)}</p></div>'
+    sentence = f"Settings that differ (A → B): {'; '.join(chosen)}." if chosen else "A and B have the same settings."
+    return plot_file.Summary(heads, side_by_side.rows(a, b), sentence)
+
+
+def _numbers(summary: plot_file.Summary | None) -> str:
+    """The table of figures, and the settings that differ."""
+    if summary is None:
+        return f'<div class="rn-numbers">{NO_RUN}</div>'
+    lines = _line("th", ("", *summary.heads)) + "".join(_line("td", row) for row in summary.rows)
+    return f'<div class="rn-numbers"><table>{lines}</table><p>{escaped(summary.sentence)}</p></div>'
 
 
 def _line(tag: str, cells: Sequence[str]) -> str:
-    return "<tr>" + "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells) + "</tr>"
+    return "<tr>" + "".join(f"<{tag}>{escaped(cell)}</{tag}>" for cell in cells) + "</tr>"

@@ -36,9 +36,11 @@ def components(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]
     return tuple(Curve(label=label, color=color, dash=dash, width=width) for label, color, dash, width in styled)
 
 
-def eigenvalues(prefix: str, dashes: tuple[plots.Dash, ...]) -> tuple[Curve, ...]:
+def eigenvalues(
+    prefix: str, dashes: tuple[plots.Dash, ...], colors: tuple[palette.Color, ...] = palette.EXCITATION_EIGENVALUES
+) -> tuple[Curve, ...]:
     """The three eigenvalues of an excitation, least first."""
-    styled = zip((f"{prefix}λ₁", f"{prefix}λ₂", f"{prefix}λ₃"), palette.EXCITATION_EIGENVALUES, dashes, strict=True)
+    styled = zip((f"{prefix}λ₁", f"{prefix}λ₂", f"{prefix}λ₃"), colors, dashes, strict=True)
     return tuple(Curve(label=label, color=color, dash=dash) for label, color, dash in styled)
 
 

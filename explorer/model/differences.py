@@ -26,6 +26,8 @@ class Figure(NamedTuple):
     name: str
     unit: str
     of: Callable[[Picture], float | None]
+    steady: bool = False
+    """Whether it is a mean over the last quarter, which nothing is once an observer has diverged."""
 
 
 FIGURES = (
@@ -33,9 +35,9 @@ FIGURES = (
     Figure("excitation μ", "m²/s⁷", lambda p: p.analysis.resolved_mu),
     Figure("best error from one window, linear model", "m", lambda p: p.analysis.lifted_end.position),
     Figure("best error from one window, true model", "m", lambda p: p.analysis.nonlinear_end.position),
-    Figure("steady position error", "m", lambda p: p.summary.steady_position),
-    Figure("steady velocity error", "m/s", lambda p: p.summary.steady_velocity),
-    Figure("steady attitude error", "°", lambda p: p.summary.steady_attitude_deg),
+    Figure("steady position error", "m", lambda p: p.summary.steady_position, steady=True),
+    Figure("steady velocity error", "m/s", lambda p: p.summary.steady_velocity, steady=True),
+    Figure("steady attitude error", "°", lambda p: p.summary.steady_attitude_deg, steady=True),
     Figure("position settled", "s", lambda p: p.summary.settle_position_s),
     Figure("attitude settled", "s", lambda p: p.summary.settle_attitude_s),
     Figure("largest position error", "m", lambda p: p.summary.peak_position),
@@ -54,8 +56,13 @@ def figures(a: Picture, b: Picture) -> list[str]:
     for name, run in (("A", a), ("B", b)):
         if run.summary.diverged:
             sentences.append(f"{name}'s observer has diverged: {run.summary.divergence}")
-    changes = ((figure, figure.of(a), figure.of(b)) for figure in FIGURES)
+    changes = ((figure, reached(figure, a), reached(figure, b)) for figure in FIGURES)
     return sentences + [_sentence(figure, x, y) for figure, x, y in changes if notable(x, y)]
+
+
+def reached(figure: Figure, run: Picture) -> float | None:
+    """A figure of a run; None where the run does not have it: nothing of a diverged observer is steady."""
+    return None if figure.steady and run.summary.diverged else figure.of(run)
 
 
 def notable(before: float | None, after: float | None) -> bool:

@@ -38,6 +38,8 @@ LEAST, MIDDLE, GREATEST = VERMILLION, SKY, BLUE
 """Eigenvalues of a spectrum; those between the least and the greatest share a colour."""
 EXCITATION_EIGENVALUES = (VERMILLION, PURPLE, SKY)
 """Least first."""
+PRINTED_EIGENVALUES = (ORANGE, GREEN, BLUE)
+"""The same with the printed condition: no colour stands for a derived eigenvalue, too."""
 DERIVED, PRINTED = BLUE, ORANGE
 """A formula as derived, and as the paper prints it."""
 MEASURED = SKY

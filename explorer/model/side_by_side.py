@@ -16,6 +16,7 @@ from rangenav.number_format import quantity, significant
 ROWS = 5
 """At most so many rows: they are read from the back of a room."""
 EXCITATION, ALWAYS, LAST = "excitation μ", "quantities determined", "steady position error"
+VERDICT = "verdict (as derived)"
 ROUNDING = 1e-13
 """Share of the greatest eigenvalue below which the least one is rounding."""
 
@@ -44,7 +45,7 @@ def rows(a: Picture, b: Picture) -> tuple[Row, ...]:
     figures = [*(figure for figure in FIGURES if figure.name == ALWAYS), *differing, *last]
     return (
         Row("excitation condition", _condition(a), _condition(b)),
-        Row("verdict", a.analysis.verdict.word, b.analysis.verdict.word),
+        Row(VERDICT, a.analysis.verdict.word, b.analysis.verdict.word),
         *(Row(figure.name, _text(figure, a), _text(figure, b)) for figure in figures[: ROWS - 2]),
     )
 
@@ -57,11 +58,15 @@ def _condition(run: Picture) -> str:
     else:
         mu = run.analysis.resolved_mu
     needed = run.preset.requirement.mu
-    form = "printed" if printed else "derived"
-    return f"{'✓ holds' if mu >= needed else '✕ fails'}: {form} μ {significant(mu)} of {significant(needed)} m²/s⁷"
+    form, holds = "printed" if printed else "derived", mu >= needed
+    wrong = ", so it calls this motion observable" if printed and holds and run.analysis.blind else ""
+    reached = quantity(mu, "m²/s⁷")
+    return f"{'✓ holds' if holds else '✕ fails'}: {form} μ {reached} (required: {significant(needed)}){wrong}"
 
 
 def _text(figure: Figure, run: Picture) -> str:
+    if figure.steady and run.summary.diverged:
+        return f"not steady: {quantity(figure.of(run), figure.unit)} over the last quarter"
     return quantity(figure.of(run), figure.unit)
 
 

@@ -73,8 +73,9 @@ def test_no_run_whose_position_is_far_off_its_ranges_is_said_to_fit_them(name: s
     summary, blind = record.run(preset.load(name)).summary, name == "hover"
     assert summary.range_residual > 1.0
     residual = quantity(summary.range_residual, "m")
-    said = f"the innovations are as expected, but the position is {residual} off its ranges"
-    assert summary.fit.summary(blind=blind) == (f"{said}, and cannot be told" if blind else said)
+    said = f"the innovations are as expected, but its distance from the anchor is wrong by {residual}"
+    undetermined = ", and the ranges do not determine the position" if blind else ""
+    assert summary.fit.summary(blind=blind) == said + undetermined
     assert range_fit.counted([summary.fit] * 2, blind=False).startswith("2 the innovations are as expected, but ")
 
 

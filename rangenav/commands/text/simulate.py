@@ -130,7 +130,7 @@ def _fit(answer: Json, *, blind: bool) -> list[str]:
     """How the innovations look, with which gains; and what they do not tell, the error of the position."""
     residual, predicted = quantity(answer["range_residual"], "m"), plus_minus(answer["predicted"]["position"])
     lines = [answer.get("fits", answer["fit"]["words"]), answer["fit"]["gains"]]
-    stated = "runs" not in answer and " off its ranges" in lines[0]
+    stated = "runs" not in answer and "from the anchor is wrong" in lines[0]
     if answer["range_residual"] and not stated:
         lines.append(f"distance from the anchor off the ranges by {residual} (rms)")
     own = plus_minus(answer["own"]["position"])

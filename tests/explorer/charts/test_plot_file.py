@@ -147,8 +147,27 @@ def test_two_plots_side_by_side_are_one_picture_with_the_curves_of_both():
         plot, example = ALL["position"], picture(name)
         drawing = plot.draw(example)
         panels.append(plot_file.Panel(plot, drawing, _columns(plot, drawing), _duration(example)))
-    root = ElementTree.fromstring(plot_file.picture(panels, "svg"))
+    rows = [("verdict", "blind", "observable"), ("excitation condition", "fails", "holds")]
+    summary = plot_file.Summary(("A · one", "B · other"), rows, "A sentence that is long. " * 12)
+    content = plot_file.picture(panels, "svg", summary)
+    root = ElementTree.fromstring(content)
     assert len(_patches(root, ALL["position"].curves[0].color.lower())) == 2
+    words = _words(content)
+    assert {"A · one", "B · other", "excitation condition", "holds", "observable"} <= set(words)
+    assert " ".join(words).count("A sentence that is long.") == 12
+
+
+def test_curves_of_which_nothing_can_be_seen_share_an_entry_of_the_legend_that_says_why():
+    example, plot = picture("hover"), ALL["excitation"]
+    words = _words(plot_file.svg(plot, plot.draw(example), (0, 1, 2, 3), 20.0))
+    assert "λ₁, λ₂, λ₃: zero" in words
+    assert plot.empty in words
+    assert len({curve.color for curve in plot.curves[:3]} | {curve.color for curve in plot.curves[4:]}) == 6
+
+
+def _words(svg: bytes) -> list[str]:
+    """The texts of a picture, which matplotlib writes as comments before their outlines."""
+    return re.findall("<!-- (.*?) -->", svg.decode())
 
 
 def test_a_plot_that_follows_later_is_no_file_of_what_is_chosen_now():

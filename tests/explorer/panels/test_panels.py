@@ -232,7 +232,7 @@ def test_the_verdict_has_the_fit_of_the_ranges_whether_or_not_the_errors_mean_so
     lost = RangeFit(word="lost", factor=None)
     said = f"{blind.summary.fit.summary(blind=True)} (constant gains)"
     assert _row(blind, "ranges") == _row(diverged, "ranges") == said
-    assert " off its ranges, and cannot be told" in said
+    assert ", and the ranges do not determine the position" in said
     assert _row(seen, "ranges") == f"{range_fit.WHITE} (constant gains); predicted position ±1.71 m"
     lost_run = dataclasses.replace(seen, summary=dataclasses.replace(seen.summary, fit=lost))
     assert _row(lost_run, "ranges").startswith("lost (")

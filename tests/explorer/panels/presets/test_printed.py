@@ -12,9 +12,14 @@ def test_one_button_shows_the_printed_condition_beside_the_derived_one(editing: 
     editing.press("Printed against derived, on a hover")
     assert editing.settings.origin == "turning-hover"
     assert editing.settings.printed == Printed()
-    editing.tab.wait_for_text("Chosen otherwise (A → B): Printed signal φ: on → off; Excitation in body axes: on → off")
+    editing.tab.wait_for_text(
+        "Settings that differ (A → B): Printed signal φ: on → off; Excitation in body axes: on → off"
+    )
     text = editing.tab.text()
-    assert "<td>✓ holds: printed μ 16 of 1 m²/s⁷</td><td>✕ fails: derived μ 0 of 1 m²/s⁷</td>" in text
+    unit = "\N{NO-BREAK SPACE}m²/s⁷ (required: 1)"
+    assert f"<td>✓ holds: printed μ 16{unit}, so it calls this motion observable</td>" in text
+    assert f"<td>✕ fails: derived μ 0{unit}</td>" in text
+    assert "not steady: " in text  # both observers have diverged
     assert "<td>5 of 13</td><td>5 of 13</td>" in text
     pinned = editing.session.dock.compare.pinned
     assert pinned is not None
