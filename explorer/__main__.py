@@ -17,6 +17,7 @@ from rangenav.inputs import require
 
 DEFAULT_PRESET = "paper-slow"
 STOPPING_SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP")
+MAX_PLACES = 200
 ANSWER_TIMEOUT = 10.0
 """s until the server must answer its first request."""
 
@@ -34,8 +35,16 @@ class Arguments:
     slider: tuple[str, ...] = ()
     """Up to two numbers that move in the handout: gains.attitude.k1, or with limits gains.attitude.k1=0.5:20."""
     host: str = "127.0.0.1"
-    """127.0.0.1 or localhost."""
+    """127.0.0.1 for this machine alone. An address of this machine, or 0.0.0.0 for all of them, opens the page to
+    others, who need a link or a code: both are printed."""
     port: int = 8080
+    url: str = ""
+    """The address that visitors type where a proxy stands in between, as https://class.example.org: they need a link or
+    a code, too."""
+    token_file: Path | None = None
+    """A file that holds the token of the teacher's link; without it the variable RANGENAV_TOKEN, else a new one."""
+    places: int = 40
+    """How many students may be on the page at the same time."""
     browser: Annotated[bool, tyro.conf.arg(help="Open a browser, if there is one.")] = True
 
 
@@ -79,9 +88,21 @@ def serve(arguments: Arguments) -> None:
     shipped = preset.shipped()
     first = _first_preset(shipped, arguments.preset)
     _refuse_unknown_lesson(arguments.lesson)
-    from explorer.web.security import close_server, open_server  # here: a wrong preset is reported at once
+    # here: a wrong preset is reported at once
+    from explorer.web.access.entrance import Entrance
+    from explorer.web.access.invitation import codes_with, invitation
+    from explorer.web.access.visitors import Role
+    from explorer.web.addresses import Addresses
+    from explorer.web.security import close_server, open_server
 
-    server = open_server(arguments.host, arguments.port)
+    addresses = Addresses(arguments.host, arguments.url)
+    entrance = None
+    if not addresses.only_this_machine:
+        require(
+            1 <= arguments.places <= MAX_PLACES, f"--places {arguments.places}: must lie between 1 and {MAX_PLACES}"
+        )
+        entrance = Entrance(codes=codes_with(arguments.token_file), places=arguments.places, secure=addresses.secure)
+    server = open_server(arguments.host, arguments.port, url=arguments.url, entrance=entrance)
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
     from explorer.storage.work_files import WorkFiles
@@ -102,9 +123,11 @@ def serve(arguments: Arguments) -> None:
             slots=slots,
         ),
     )
-    url = f"http://{arguments.host}:{server.get_port()}/"
-    with urllib.request.urlopen(url, timeout=ANSWER_TIMEOUT):
-        print(url, flush=True)
+    page = addresses.link(server.get_port())
+    url = page if entrance is None else entrance.link(Role.TEACHER, page)
+    with urllib.request.urlopen(addresses.own_link(server.get_port()) + "healthz", timeout=ANSWER_TIMEOUT):
+        pass
+    print(url if entrance is None else invitation(entrance, page), flush=True)
     compilation.start()
     if arguments.browser:
         threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()

@@ -1,18 +1,19 @@
-"""Only a browser on this machine, at the page's own address, may talk to the page. Checked against viser 1.1.1.
+"""The server: what is asked of every request, and what a browser may send. Checked against viser 1.1.1.
 
-viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), and lets any client open a
-public tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of this. This module
-wraps `websockets.asyncio.server.serve`, which viser calls, and removes or replaces the message handlers in question.
-All of this depends on viser's internals: check it again whenever the pinned version changes.
+viser as shipped answers any Host and any Origin (DNS rebinding, cross-site websockets), knows no visitors, and lets any
+client open a public tunnel, upload files and overwrite the inner fields of a control. It has no setting for any of
+this. This module wraps `websockets.asyncio.server.serve`, which viser calls, and removes or replaces the message
+handlers in question. All of this depends on viser's internals: check it again whenever the pinned version changes.
 """
 
 import asyncio
 import contextlib
+import errno
 import io
 import logging
 import math
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import viser
@@ -23,14 +24,13 @@ from websockets.http11 import Request, Response
 
 from explorer.model import palette
 from explorer.web import array_types
+from explorer.web.access.entrance import Answer, Entrance
+from explorer.web.addresses import Addresses
+from explorer.web.limits import MAX_MESSAGE, MeteredConnection
 from explorer.web.without_webgl import add_script
 
 CHECKED_AGAINST = "1.1.1"
-NAMES = ("127.0.0.1", "localhost")
-ADDRESS = "127.0.0.1"
-MAX_MESSAGE = 2**24
-"""Bytes of one message from a browser; viser allows 50 MB. The page's own largest message is that of a text
-box: a visitor who pastes ten megabytes should see a complaint, and not lose the connection."""
+HEALTH_PATH = "/healthz"
 RECEIVE, RECEIVE_TIMEOUT = 0.05, 2.0
 """s in which the event loop takes in the messages that have arrived, and s after which it is not waited for."""
 UNUSED_MESSAGES = (
@@ -39,25 +39,31 @@ UNUSED_MESSAGES = (
     _messages.GuiFormDirtyMessage,
     _messages.GuiFormSubmitMessage,
 )
-REFUSAL_LOG_LINES = ("opening handshake failed", "connection rejected (403 Forbidden)")
-"""Lines that websockets logs, with a traceback, when a request is refused; they are suppressed."""
+REFUSAL_LOG_LINES = ("opening handshake failed", "connection rejected (")
+"""Beginnings of lines that websockets logs, with a traceback, when a request is refused; they are suppressed."""
+SENT_OUT, SENT_OUT_REASON = 4001, "you were sent out"
+"""The code and the reason with which the connection of a removed visitor is closed."""
 
 log = logging.getLogger(__name__)
 
 
-def open_server(host: str, port: int) -> viser.ViserServer:
-    """A server that answers on this machine only. Raises ValueError with one sentence; port 0 takes any free port."""
-    if host not in NAMES:
-        raise ValueError(f"--host {host}: only 127.0.0.1 and localhost are served until the page has access control")
+def open_server(host: str, port: int, *, url: str = "", entrance: Entrance | None = None) -> viser.ViserServer:
+    """A server at an address of this machine; port 0 takes any free port. `url`: the address by a proxy.
+
+    Raises ValueError with one sentence: where other machines can reach the page, `entrance` must decide who comes in.
+    """
+    addresses = Addresses(host, url)
+    if entrance is None and not addresses.only_this_machine:
+        raise ValueError(f"--host {host}: other machines could reach the page, and nothing decides who may come in")
     if not 0 <= port < 2**16:
         raise ValueError(f"--port {port}: must lie between 0 and 65535")
-    _refuse_busy(port)
+    _refuse_busy(addresses.bound, port)
     array_types.build_once()
     with (
-        _guarded_serve(),
+        _guarded_serve(addresses, entrance),
         contextlib.redirect_stdout(io.StringIO()),
     ):  # viser prints a table; the program prints one line instead
-        server = viser.ViserServer(host=ADDRESS, port=port, verbose=False)
+        server = viser.ViserServer(host=addresses.bound, port=port, verbose=False)
     if port not in (0, server.get_port()):  # another program was faster, and viser has silently taken the next port
         server.stop()
         raise ValueError(_busy(port))
@@ -65,6 +71,12 @@ def open_server(host: str, port: int) -> viser.ViserServer:
         server._websock_server.unregister_handler(message)
     _drop_unused(server.gui)
     return server
+
+
+def request_of(server: viser.ViserServer, tab: int) -> Request | None:
+    """The request with which a tab opened its websocket; None for a tab that has left."""
+    connection = server._websock_server._live_connections.get(tab)
+    return None if connection is None else connection.request
 
 
 def receive_pending(server: viser.ViserServer) -> None:
@@ -105,42 +117,15 @@ def accept_values_only(client: viser.ClientHandle) -> None:
     _drop_unused(client.gui)
 
 
-def refusal(request: Request, port: int) -> str | None:
-    """Why a request is refused, or None. Host must name this server; the Origin of a websocket must be the page."""
-    hosts, origins = request.headers.get_all("Host"), request.headers.get_all("Origin")
-    if len(hosts) != 1 or hosts[0].lower() not in {f"{name}:{port}" for name in NAMES}:
-        return "This page answers only to its own address on this machine."
-    page_origins = {f"http://{name}:{port}" for name in NAMES}
-    if len(origins) > 1 or not page_origins.issuperset(origins):
-        return "Requests from other sites are refused."
-    if request.headers.get_all("Upgrade") and not origins:
-        return "A websocket must say which page it comes from."
-    return None
-
-
-def add_headers(response: Response, port: int) -> None:
-    """Add headers that forbid other sites to embed the page, and forbid the page to connect to other servers."""
-    sockets = " ".join(f"ws://{name}:{port}" for name in NAMES)
-    response.headers["X-Frame-Options"] = "DENY"
-    response.headers["Content-Security-Policy"] = (
-        # viser's page unpacks itself from an inline script, and starts its decoder from a blob.
-        "default-src 'self' data: blob: 'unsafe-inline' 'unsafe-eval'; "
-        f"connect-src 'self' data: blob: {sockets}; "
-        "frame-ancestors 'none'; object-src 'none'; base-uri 'none'; form-action 'none'"
-    )
-    response.headers["Referrer-Policy"] = "no-referrer"
-    response.headers["X-Content-Type-Options"] = "nosniff"
-    response.headers["Cross-Origin-Resource-Policy"] = "same-origin"
-
-
 @contextlib.contextmanager
-def _guarded_serve():
+def _guarded_serve(addresses: Addresses, entrance: Entrance | None) -> Iterator[None]:
     """Within this context, viser's call of `serve` goes through the checks of this module."""
     serve = websockets.asyncio.server.serve
 
     def guarded(handler: Any, host: str, port: int, *, process_request: Callable, **options: Any) -> Any:
-        options["max_size"] = MAX_MESSAGE
-        return serve(handler, host, port, process_request=_checked(process_request), **options)
+        options |= {"max_size": MAX_MESSAGE, "create_connection": MeteredConnection}
+        inner = handler if entrance is None else _counted(handler, entrance)
+        return serve(inner, host, port, process_request=_checked(process_request, addresses, entrance), **options)
 
     websockets.asyncio.server.serve = guarded  # type: ignore[assignment]
     try:
@@ -149,20 +134,61 @@ def _guarded_serve():
         websockets.asyncio.server.serve = serve
 
 
-def _checked(process_request: Callable) -> Callable[[ServerConnection, Request], Response | None]:
+def _checked(
+    process_request: Callable, addresses: Addresses, entrance: Entrance | None
+) -> Callable[[ServerConnection, Request], Response | None]:
     """viser's HTTP answers, with refusals before them and with security headers."""
-    logging.getLogger("websockets.server").addFilter(lambda record: record.getMessage() not in REFUSAL_LOG_LINES)
+    logging.getLogger("websockets.server").addFilter(
+        lambda record: not record.getMessage().startswith(REFUSAL_LOG_LINES)
+    )
 
     def answer(connection: ServerConnection, request: Request) -> Response | None:
-        port = connection.local_address[1]
-        sentence = refusal(request, port)
-        response = connection.respond(403, sentence + "\n") if sentence else process_request(connection, request)
+        arrived_at, port = connection.local_address[:2]
+        sentence = addresses.refusal(request, arrived_at, port)
+        if sentence:
+            response = connection.respond(403, sentence + "\n")
+        elif request.path == HEALTH_PATH:
+            response = connection.respond(200, "ok\n")
+        else:
+            told = None if entrance is None else entrance.answer(request, port)
+            response = _response(connection, told) if told else process_request(connection, request)
         if response is not None:
             add_script(response)
-            add_headers(response, port)
+            addresses.add_headers(response, arrived_at, port)
         return response
 
     return answer
+
+
+def _counted(handler: Callable, entrance: Entrance) -> Callable:
+    """viser's handler of a connection, of which the entrance knows."""
+
+    async def counted(connection: ServerConnection) -> None:
+        request = connection.request
+        visitor = None if request is None else entrance.visitor(request, connection.local_address[1])
+        if visitor is None:  # sent out between the request and this moment
+            await connection.close(SENT_OUT, SENT_OUT_REASON)
+            return
+        loop = asyncio.get_running_loop()
+
+        def close() -> None:
+            asyncio.run_coroutine_threadsafe(connection.close(SENT_OUT, SENT_OUT_REASON), loop)
+
+        with entrance.stay(visitor, close):
+            await handler(connection)
+
+    return counted
+
+
+def _response(connection: ServerConnection, answer: Answer) -> Response:
+    response = connection.respond(answer.status, answer.text if answer.is_page else answer.text + "\n")
+    if answer.is_page:
+        del response.headers["Content-Type"]
+        response.headers["Content-Type"] = "text/html; charset=utf-8"
+    response.headers["Cache-Control"] = "no-store"
+    for name, value in answer.headers:
+        response.headers[name] = value
+    return response
 
 
 def _accept_finite_poses_only(client: viser.ClientHandle) -> None:
@@ -189,13 +215,19 @@ def _are_finite_numbers(value: Any, count: int) -> bool:
     )
 
 
-def _refuse_busy(port: int) -> None:
+def _refuse_busy(host: str, port: int) -> None:
     """Try the port before viser does, with SO_REUSEADDR as servers set it: otherwise a port just freed looks busy."""
-    with socket.socket() as probe:
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+    except socket.gaierror:
+        raise ValueError(f"--host {host}: no address of this machine") from None
+    with socket.socket(family, kind, protocol) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            probe.bind((ADDRESS, port))
-        except OSError:
+            probe.bind(address)
+        except OSError as error:
+            if error.errno == errno.EADDRNOTAVAIL:
+                raise ValueError(f"--host {host}: no address of this machine") from None
             raise ValueError(_busy(port)) from None
 
 
