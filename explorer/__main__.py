@@ -3,6 +3,7 @@
 import logging
 import signal
 import sys
+import tempfile
 import threading
 import urllib.request
 import webbrowser
@@ -110,32 +111,34 @@ def serve(arguments: Arguments) -> None:
 
     stopped = _stopping_signals()
     compilation, slots = Compilation(), Slots(lambda tab: connected(server, tab))
-    requested = arguments.preset != DEFAULT_PRESET
-    sessions = SessionServer(
-        server,
-        Shared(
-            shipped=shipped,
-            first=first,
-            requested=requested,
-            lesson="" if arguments.lesson is None else str(arguments.lesson),
-            compilation=compilation,
-            work_files=WorkFiles(),
-            slots=slots,
-        ),
-    )
     page = addresses.link(server.get_port())
-    url = page if entrance is None else entrance.link(Role.TEACHER, page)
-    with urllib.request.urlopen(addresses.own_link(server.get_port()) + "healthz", timeout=ANSWER_TIMEOUT):
-        pass
-    print(url if entrance is None else invitation(entrance, page), flush=True)
-    compilation.start()
-    if arguments.browser:
-        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
-    try:
-        stopped.wait()
-    finally:
-        sessions.stop()
-        close_server(server)
+    with tempfile.TemporaryDirectory(prefix="rangenav-class-", ignore_cleanup_errors=True) as class_folder:
+        sessions = SessionServer(
+            server,
+            Shared(
+                shipped=shipped,
+                first=first,
+                requested=arguments.preset != DEFAULT_PRESET,
+                lesson="" if arguments.lesson is None else str(arguments.lesson),
+                entrance=entrance,
+                address=page,
+                compilation=compilation,
+                work_files=WorkFiles(),
+                slots=slots,
+                class_folder=None if entrance is None else Path(class_folder),
+            ),
+        )
+        url = page if entrance is None else entrance.link(Role.TEACHER, page)
+        with urllib.request.urlopen(addresses.own_link(server.get_port()) + "healthz", timeout=ANSWER_TIMEOUT):
+            print(url if entrance is None else invitation(entrance, page), flush=True)
+        compilation.start()
+        if arguments.browser:
+            threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+        try:
+            stopped.wait()
+        finally:
+            sessions.stop()
+            close_server(server)
 
 
 def _stopping_signals() -> threading.Event:

@@ -7,7 +7,8 @@ import viser
 from explorer.scene.lights import light
 from explorer.session import Session
 from explorer.shared import Shared
-from explorer.web.security import receive_pending
+from explorer.web.access.visitors import Visitor
+from explorer.web.security import receive_pending, request_of
 
 STOP_TIMEOUT = 10.0
 """s for all sessions to end: one that is computing a picture ends after it."""
@@ -42,10 +43,20 @@ class SessionServer:
     def _join(self, client: viser.ClientHandle) -> None:
         if self._stopping:
             return
-        session = self._by_client[client.client_id] = Session(client, self.shared)
+        visitor = self._visitor(client)
+        if visitor is None and self.shared.entrance is not None:  # left already, or was sent out
+            return
+        session = self._by_client[client.client_id] = Session(client, self.shared, visitor)
         session.start()
         if client.client_id not in self._server.get_clients():  # the tab left before its session was created
             self._leave(client)
+
+    def _visitor(self, client: viser.ClientHandle) -> Visitor | None:
+        """Who has come in; None where everybody at this machine may."""
+        request = request_of(self._server, client.client_id)
+        if self.shared.entrance is None or request is None:
+            return None
+        return self.shared.entrance.visitor(request, self._server.get_port())
 
     def _leave(self, client: viser.ClientHandle) -> None:
         session = self._by_client.pop(client.client_id, None)

@@ -4,10 +4,13 @@ import logging
 import threading
 import time
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
 from explorer.storage.work_files import WorkFiles
+from explorer.web.access.entrance import Entrance
+from explorer.web.access.visitors import Role, Visitor
 from explorer.web.identity import Slots
 from rangenav.preset import Preset
 
@@ -61,8 +64,20 @@ class Shared:
     """Whether that preset was requested on the command line."""
     lesson: str = ""
     """The number of the lesson that was requested on the command line; empty if none was."""
+    entrance: Entrance | None = None
+    """Who may come in; None where nobody but the people at this machine can reach the page."""
+    address: str = ""
+    """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation
     work_files: WorkFiles
     slots: Slots
     library: Library = field(default_factory=Library)
+    class_folder: Path | None = None
+    """Where each student's own presets lie until the class ends."""
     certifier: Certifier = field(default_factory=Certifier)
+
+    def library_of(self, visitor: Visitor | None) -> Library:
+        """The presets that a visitor has saved: students have their own, and do not see the teacher's."""
+        if visitor is None or visitor.role is Role.TEACHER or self.class_folder is None:
+            return self.library
+        return Library(self.class_folder / str(visitor.number))

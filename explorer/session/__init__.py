@@ -12,7 +12,7 @@ import contextlib
 import logging
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import viser
@@ -26,6 +26,7 @@ from explorer.model.playback import Playback
 from explorer.model.settings import Settings
 from explorer.panels import saved_page
 from explorer.panels.address import Address
+from explorer.panels.classroom import ClassPanel
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.session_actions import SessionActions
@@ -42,6 +43,7 @@ from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
 from explorer.web import connection, places
+from explorer.web.access.visitors import Role, Visitor
 from explorer.web.door import Door
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
@@ -59,12 +61,15 @@ log = logging.getLogger(__name__)
 class Session:
     """The page of one browser tab, from its connection to its end, with a thread of its own."""
 
-    def __init__(self, client: viser.ClientHandle, shared: Shared) -> None:
+    def __init__(self, client: viser.ClientHandle, shared: Shared, visitor: Visitor | None = None) -> None:
+        """visitor: who has come in; None at this machine's own page."""
+        self._visitor = visitor
         self._client, self.shared = client, shared
-        self.catalog = Catalog(shared.shipped, shared.library, shared.certifier)
+        self.catalog = Catalog(shared.shipped, shared.library_of(visitor), shared.certifier)
         self._wake, self._stopped = threading.Event(), False
         self.form = Form(client.gui, self._wake.set)
         self.jobs = self.form.new_jobs()
+        self._end_listening: Callable[[], None] = lambda: None
         self._built = False
         """Whether the page is complete; it stays incomplete if the tab disconnects while the page is being built."""
         self.history = History()
@@ -124,6 +129,7 @@ class Session:
         with self._reporting():
             self._remember_last_changes()
         self.form.cancel_jobs()
+        self._end_listening()
         self._autosave.finish()
         if self.shared.slots.has(self._client.client_id):
             self._autosave.write(time.monotonic(), at_once=True)
@@ -167,6 +173,7 @@ class Session:
         first_size = plot_size(camera.image_width, camera.image_height)  # until the browser has reported its window
         self.charts = Charts(client, first_size, wake=self._wake.set)
         exporting = add_export_tab(client, self.dock, self.charts, self._playback, self._outgoing, actions.go_to)
+        self._add_class_tab(actions)
         self.form.command("Show all curves", self.charts.show_all_curves)
         scene = Scene(client, self._wake.set)
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
@@ -190,6 +197,16 @@ class Session:
         places.install(self._client)
         self._built = True
         self._restore()
+
+    def _add_class_tab(self, actions: SessionActions) -> None:
+        """The teacher of a page that others can reach has one more tab."""
+        self._classroom: ClassPanel | None = None
+        entrance, visitor = self.shared.entrance, self._visitor
+        if entrance is not None and visitor is not None and visitor.role is Role.TEACHER:
+            with self.dock.tabs.add_tab("Class"):
+                self._classroom = ClassPanel(self.form, entrance, self.shared.address, actions)
+            self._classroom.refresh()
+            self._end_listening = entrance.on_change(self._wake.set)
 
     def _escape(self, handles: DragHandles) -> None:
         self.charts.close_large()
@@ -225,6 +242,8 @@ class Session:
         self.form.refresh()
         self.dock.draw_progress()
         self.dock.presets.refresh()
+        if self._classroom is not None:
+            self._classroom.refresh()
         if not applied:
             self._display.draw_handles()
 

@@ -58,6 +58,7 @@ class Entrance:
         self.places = places
         self._tabs: dict[int, list[Callable[[], None]]] = {}
         """What closes each open tab of a visitor, by the visitor's number."""
+        self._listeners: list[Callable[[], None]] = []
 
     @property
     def code(self) -> str:
@@ -82,6 +83,23 @@ class Entrance:
         """How many tabs each visitor has open, by number."""
         with self._lock:
             return {number: len(tabs) for number, tabs in self._tabs.items()}
+
+    def is_student(self, number: int) -> bool:
+        """Whether a visitor who was let in is a student."""
+        with self._lock:
+            return self._visitors.is_student(number)
+
+    def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Have a listener called when somebody comes or leaves, from any thread; it may do nothing but set an event.
+        Returns what ends that."""
+        with self._lock:
+            self._listeners.append(listener)
+
+        def end() -> None:
+            with self._lock:
+                self._listeners.remove(listener)
+
+        return end
 
     def renew(self) -> None:
         """Replace the code and the link of the students; who is in stays in."""
@@ -115,6 +133,7 @@ class Entrance:
         """Count a tab of a visitor as long as it is connected. close: what ends the connection."""
         with self._lock:
             self._tabs.setdefault(visitor.number, []).append(close)
+        self._tell()
         try:
             yield
         finally:
@@ -122,6 +141,13 @@ class Entrance:
                 self._tabs[visitor.number].remove(close)
                 if not self._tabs[visitor.number]:
                     del self._tabs[visitor.number]
+            self._tell()
+
+    def _tell(self) -> None:
+        with self._lock:
+            listeners = self._listeners[:]
+        for listener in listeners:
+            listener()
 
     def answer(self, request: Request, port: int) -> Answer | None:
         """What a request gets here; None for somebody who is in, and asks for something else than the door."""
