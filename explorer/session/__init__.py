@@ -244,6 +244,7 @@ class Session:
         self.dock.presets.refresh()
         if self._classroom is not None:
             self._classroom.refresh()
+        self.dock.learn.check_again()
         if not applied:
             self._display.draw_handles()
 

@@ -63,6 +63,9 @@ class LearnPanel:
         self.learning = Learning()
         self._picture: Picture | None = None
         self._outcome: Outcome | None = None
+        self._at_rest = False
+        self._judged: State | None = None
+        """Whether nothing has changed for a moment, and what the last check was asked about."""
         self._show, self._said = Show(), ""
         self._block = form.gui.add_html("")
         self._strip = strip
@@ -145,21 +148,27 @@ class LearnPanel:
     def draw(self, picture: Picture) -> None:
         """The page shows another picture: the old outcome is that of something else."""
         self._checks.cancel()
-        self._picture, self._outcome = picture, None
+        self._picture, self._outcome, self._at_rest = picture, None, False
         if self._kind == "task":  # the figures of other screens follow when nothing moves
             self._draw()
 
     def draw_details(self, picture: Picture) -> None:
         """Nothing has changed for a moment: check what the page shows."""
-        self._picture = picture
+        self._picture, self._at_rest = picture, True
         lesson = self.lesson
         if lesson is None:
             return
         self._draw()
-        state = self._state(picture.settings)
+        self._judged = state = self._state(picture.settings)
         self._checks.start(
             "the check of the lesson", lambda _progress, _cancelled: lesson.check(state), self._take, self._refused
         )
+
+    def check_again(self) -> None:
+        """Check once more if something else was opened, answered, pinned or exported while the picture stayed."""
+        picture = self._picture
+        if picture is not None and self._at_rest and self._state(picture.settings) != self._judged:
+            self.draw_details(picture)
 
     def _take(self, outcome: Outcome) -> None:
         self._outcome = outcome
@@ -184,7 +193,7 @@ class LearnPanel:
         self._stop_show()
         self._session.pin(state.pinned)
         self._page.write(state.settings)
-        self._outcome = None
+        self._outcome = self._judged = None
         self._draw()
 
     def _turn(self, by: int) -> None:
@@ -270,8 +279,6 @@ class LearnPanel:
         asked = lesson.header.answers[k - 1]
         self.learning = progress.answered(self.learning, asked.name, asked.choices[j - 1])
         self._draw()
-        if self._picture is not None:
-            self.draw_details(self._picture)
 
     def _open_case(self, k: int) -> None:
         lesson = self.lesson
@@ -294,8 +301,6 @@ class LearnPanel:
         """Give the answers of the solution; a sentence on what remains to be done by hand."""
         for name, answer in lesson.solved.answers.items():
             self.learning = progress.answered(self.learning, name, answer)
-        if self._picture is not None:
-            self.draw_details(self._picture)
         return EXPORT if lesson.solved.exported is not None else "That is a solution."
 
     def _stop_show(self) -> None:
