@@ -12,8 +12,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import msgspec
+
 from explorer.model.certificate_text import certificate_sentence
-from rangenav import formats
+from rangenav import analysis, formats
 from rangenav.certificate import certified_export, cures, encoding
 from rangenav.certificate.certified_export import CertifiedExport, RefusedExportError
 from rangenav.certificate.cures import Cure
@@ -74,7 +76,7 @@ def pack(
     CancelledError.
     """
     require(len(format_names) > 0, NOTHING_CHOSEN)
-    options = options or ExportOptions()
+    options, preset = options or ExportOptions(), _kept_promise(preset)
     notes: list[str] = []
     refusals: list[RefusedExportError] = []
     with tempfile.TemporaryDirectory(prefix="rangenav-") as temporary:
@@ -101,6 +103,12 @@ def pack(
         content = b"" if "preset" in left_out or left_out >= set(format_names) else _zipped(folder)
     refused = tuple(_with_cures(error, cancelled) for error in refusals)
     return Bundle(f"{stem}{MARK if marked else ''}.zip", content, tuple(notes), refused)
+
+
+def _kept_promise(preset: Preset) -> Preset:
+    """A preset that has become observable on the page promises so: the promise of the blind one would be broken."""
+    observable = preset.expect != "observable" and analysis.analyse(preset).verdict.word == "observable"
+    return msgspec.structs.replace(preset, expect="observable") if observable else preset
 
 
 def _readme(notes: Sequence[str]) -> str:

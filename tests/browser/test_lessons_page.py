@@ -4,7 +4,6 @@ One tab walks the course from its first lesson to its last, by mouse and keyboar
 a row of WALKS for each control.
 """
 
-import re
 from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
@@ -12,7 +11,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from explorer.lessons import Lesson, course
-from tests.browser.page import COARSE, FIRST, OTHER, PATIENCE, Server, Visitor
+from tests.browser.page import COARSE, Server, Visitor
 
 LESSONS = course().lessons
 WIDTH, HEIGHT = 1024, 640
@@ -169,8 +168,13 @@ def test_a_lesson_is_walked_from_its_question_to_passed(student: Visitor, lesson
         press(page, "Next ›")
 
 
-def test_leaving_the_course_shows_what_was_passed_and_gives_back_the_work(student: Visitor):
+def test_a_reload_keeps_the_place_and_leaving_gives_back_the_work(student: Visitor):
+    begin(student, LESSONS[0])
+    press(student.page, "Next ›")
+    student.reload()
+    student.tab("Learn")
+    student.wait_for_text("Your prediction")
     press(student.page, "leave")
-    student.wait_for_text(f"{len(LESSONS)} of {len(LESSONS)}")
+    student.wait_for_text(f"of {len(LESSONS)} lessons passed")
     student.tab("Motion")
     assert student.number("speed (slower ⟷ faster)") == "0.8"

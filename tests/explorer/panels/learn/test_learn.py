@@ -7,6 +7,7 @@ import pytest
 from explorer.lessons import course
 from explorer.lessons.lesson import Goal
 from explorer.model.compute import compute
+from explorer.model.learning import Learning
 from explorer.panels.dock import Dock
 from explorer.panels.learn import markup
 
@@ -20,6 +21,7 @@ def learning(dock: Dock):
     yield dock
     if dock.learn.lesson is not None:
         dock.learn.actions["lesson-leave"]()
+    dock.learn.restore(Learning())
 
 
 def show(dock: Dock) -> None:
@@ -27,6 +29,7 @@ def show(dock: Dock) -> None:
     picture = compute(dock.read())
     dock.draw(picture)
     dock.learn.draw_details(picture)
+    dock.learn.check_again()
 
 
 def run(dock: Dock) -> None:
@@ -73,7 +76,6 @@ def test_show_me_leads_from_the_start_of_each_lesson_to_its_solution(learning: D
     while learning.learn.wait(time.monotonic()) is not None:
         learning.learn.play_if_due(time.monotonic() + 60.0)
         run(learning)
-    assert lesson.check(lesson.solved).passed
     shown = learning.read()
     assert shown.preset.path == lesson.solved.settings.preset.path
     assert (shown.preset.gains, shown.preset.world) == (
@@ -96,6 +98,24 @@ def test_the_check_judges_what_the_page_shows_and_a_passed_lesson_stays_passed(l
     learning.learn.actions["lesson-again"]()
     show(learning)
     wait_for(learning, "You have passed this lesson before.")
+
+
+def test_what_is_answered_pinned_or_opened_while_the_picture_stays_is_checked_again(learning: Dock):
+    asked = next(one for one in COURSE.lessons if one.header.answers)
+    learning.learn.open(asked)
+    while "Task" not in learning.learn.content:
+        learning.learn.actions["lesson-next"]()
+        learning.learn.actions["lesson-predict-1"]()
+    show(learning)
+    wait_for(learning, "Name the fault of every record.")
+    for k, answer in enumerate(asked.header.answers, start=1):
+        right = answer.choices.index(asked.solved.answers[answer.name]) + 1
+        learning.learn.actions[f"lesson-answer-{k}-{right}"]()
+    learning.learn.check_again()
+    wait_for(learning, "✓")
+    learning.learn.actions["lesson-again"]()  # nothing on the page changes
+    learning.learn.check_again()
+    wait_for(learning, "✓")
 
 
 def test_the_bar_is_full_at_the_goal_and_empty_far_from_it():
