@@ -7,7 +7,7 @@ sampled(preset)     the worst of 101 windows or fewer, some ten times as fast: f
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import TypeVar
 
 import numpy as np
@@ -18,15 +18,13 @@ from rangenav.model import STATES
 from rangenav.motion import World
 from rangenav.motion_analysis import (
     WINDOWS,
+    Ranges,
     Windows,
     farthest_from_anchor,
-    motion_analysis,
-    nonlinear_spectrum,
-    path_samples,
     sampled_windows,
 )
-from rangenav.observability import accuracy, excitation, horizon, reduced, spectrum, undetermined
-from rangenav.observability.accuracy import Accuracy
+from rangenav.observability import accuracy, excitation, horizon, reduced, undetermined
+from rangenav.observability.accuracy import Accuracy, FourAccuracies
 from rangenav.observability.blindness import Direction
 from rangenav.observability.horizon import Horizon
 from rangenav.observability.shortest_windows import ShortestWindows, shortest_windows
@@ -72,28 +70,81 @@ class Analysis:
     """Whether the rank is 13, as a longer window shows, and `rank` is lower because of rounding alone."""
     tolerance: float
     """Relative: a scaled singular value counts above this share of the largest."""
-    nonlinear_at: float
-    nonlinear: Float[Array, "9"]
-    nonlinear_floor: float
-    """Nonlinear eigenvalues below it are rounding."""
-    nonlinear_rank: int
     directions: tuple[Direction, ...]
     accuracy_at: float
     """s, the start of the window whose lifted position error at its end is largest; a blind window counts as worst."""
-    lifted_start: Accuracy
-    lifted_end: Accuracy
-    nonlinear_start: Accuracy
-    nonlinear_end: Accuracy
+    accuracies: FourAccuracies
+    """Of that window."""
     ranges: int
     """How many ranges that window holds."""
     ranges_rounded: bool
     """Whether they leave the position undetermined because of rounding alone, as far as is known."""
-    reduced_min: float
-    """The least eigenvalue of the reduced pair (Proposition 1) on the worst window."""
-    reduced_floor: float
     farthest: float
     """m: the largest distance to the anchor in the flight, on samples."""
     verdict: Verdict
+
+    @property
+    def nonlinear_at(self) -> float:
+        """s, where the window of least nonlinear rank (and then of least scaled singular value) starts."""
+        if self.proof is not None:
+            return self.proof.rank.nonlinear_at
+        return float(self.windows.start[self.windows.worst_nonlinear[0]])
+
+    @property
+    def nonlinear(self) -> Float[Array, "9"]:
+        """The eigenvalues of its Gramian, ascending, SI."""
+        if self.proof is not None:
+            return self.proof.rank.nonlinear_eigenvalues
+        return self.windows.worst_nonlinear[1].eigenvalues[0]
+
+    @property
+    def nonlinear_floor(self) -> float:
+        """Nonlinear eigenvalues below it are rounding."""
+        if self.proof is not None:
+            return self.proof.rank.nonlinear_floor
+        return float(self.windows.worst_nonlinear[1].floor[0])
+
+    @property
+    def nonlinear_rank(self) -> int:
+        """Of 9."""
+        if self.proof is not None:
+            return self.proof.rank.nonlinear
+        return int(self.windows.worst_nonlinear[1].rank[0])
+
+    @property
+    def lifted_start(self) -> Accuracy:
+        """Of the lifted problem, at the start of the window of the largest error."""
+        return self.accuracies.lifted_start
+
+    @property
+    def lifted_end(self) -> Accuracy:
+        """The same at its end."""
+        return self.accuracies.lifted_end
+
+    @property
+    def nonlinear_start(self) -> Accuracy:
+        """Of the nonlinear problem, at the start of that window."""
+        return self.accuracies.nonlinear_start
+
+    @property
+    def nonlinear_end(self) -> Accuracy:
+        """The same at its end."""
+        return self.accuracies.nonlinear_end
+
+    @property
+    def reduced_min(self) -> float:
+        """The least eigenvalue of the reduced pair (Proposition 1) on the window of least rank."""
+        return self._reduced[0]
+
+    @property
+    def reduced_floor(self) -> float:
+        """Below it that eigenvalue is rounding."""
+        return self._reduced[1]
+
+    @cached_property
+    def _reduced(self) -> tuple[float, float]:
+        windows = self.windows
+        return reduced.least_eigenvalue(windows.path, windows.world.gravity, self.gramian_at, windows.window)
 
     @property
     def resolved_mu(self) -> float:
@@ -157,14 +208,9 @@ def analysis(
     count: of the windows.
     """
     window = requirement.window
-    lifted = motion_analysis(path, world.gravity, duration, window, count)
-    samples = path_samples(path, duration, window, count)
-    windows = sampled_windows(samples, world, lifted, range_sigma, range_rate, arriving)
-    k, worst = lifted.worst, lifted.worst_spectrum
-    j = spectrum.worst_of_triangles(
-        windows.local, window, time_powers=spectrum.NONLINEAR_TIME_POWERS, rounding=samples.rounding
-    )
-    local = nonlinear_spectrum(windows.local[[j]], window, samples.rounding)
+    ranges = Ranges(sigma=range_sigma, rate=range_rate, share=arriving)
+    windows = sampled_windows(path, world, duration, window, ranges, count)
+    lifted, k, worst = windows.lifted, windows.lifted.worst, windows.lifted.worst_spectrum
     at = float(lifted.start[int(np.argmax(np.nan_to_num(windows.sigma_lifted, nan=np.inf)))])
     first, last = math.ceil(at * range_rate - 1e-9), math.floor((at + window) * range_rate + 1e-9)
     of = accuracy.of_held(
@@ -188,20 +234,11 @@ def analysis(
         rank=rank,
         rounded=lifted.rounded,
         tolerance=float(worst.tolerance[0] / worst.scaled[0, 0]),
-        nonlinear_at=float(lifted.start[j]),
-        nonlinear=local.eigenvalues[0],
-        nonlinear_floor=float(local.floor[0]),
-        nonlinear_rank=int(local.rank[0]),
         directions=lifted.directions,
         accuracy_at=at,
-        lifted_start=of.lifted_start,
-        lifted_end=of.lifted_end,
-        nonlinear_start=of.nonlinear_start,
-        nonlinear_end=of.nonlinear_end,
+        accuracies=of,
         ranges=last - first + 1,
         ranges_rounded=cause == "rounding",
-        reduced_min=lifted.reduced_min,
-        reduced_floor=lifted.reduced_floor,
         farthest=farthest,
         verdict=judge(
             rank,
@@ -233,7 +270,6 @@ def _proven(
     proof = prove(path, world, duration, requirement, range_sigma, range_rate, arriving)
     excited, rank, worst, held = proof.excitation, proof.rank, proof.accuracy, proof.accuracy.windows
     values = excitation.eigenvalues(path, np.array([excited.at]), window)[0]
-    reduced_min, reduced_floor = reduced.least_eigenvalue(path, world.gravity, rank.at, window)
     return replace(
         few,
         proof=proof,
@@ -248,20 +284,11 @@ def _proven(
         rank=rank.rank,
         rounded=rank.rounded,
         tolerance=rank.tolerance,
-        nonlinear_at=rank.nonlinear_at,
-        nonlinear=rank.nonlinear_eigenvalues,
-        nonlinear_floor=rank.nonlinear_floor,
-        nonlinear_rank=rank.nonlinear,
         directions=rank.directions,
         accuracy_at=held.at,
-        lifted_start=worst.lifted_start,
-        lifted_end=worst.lifted_end,
-        nonlinear_start=worst.nonlinear_start,
-        nonlinear_end=worst.nonlinear_end,
+        accuracies=worst.accuracies,
         ranges=held.ranges,
         ranges_rounded=proof.undetermined == "rounding",
-        reduced_min=reduced_min,
-        reduced_floor=reduced_floor,
         verdict=judge(
             rank.rank,
             held.bound,

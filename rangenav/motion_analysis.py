@@ -1,5 +1,6 @@
 """The sampled windows of a motion: excitation, Gramian and blind directions, and the accuracy that ranges allow."""
 
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy import ndarray as Array
 from rangenav.inputs import Vec3
 from rangenav.model import STATES
 from rangenav.motion import World
-from rangenav.observability import accuracy, blindness, excitation, gramian_rank, reduced, rows, spectrum
+from rangenav.observability import accuracy, blindness, excitation, gramian_rank, rows, spectrum
 from rangenav.observability.blindness import Direction
 from rangenav.observability.continuation import continued
 from rangenav.observability.gramian_rank import Remainders
@@ -49,8 +50,6 @@ class MotionAnalysis:
     least: Float[Array, "3"]
     least_at: float
     directions: tuple[Direction, ...]
-    reduced_min: float
-    reduced_floor: float
 
     @cached_property
     def spectrum(self) -> Spectrum:
@@ -58,10 +57,29 @@ class MotionAnalysis:
         return spectrum.of_remainders(self.remainders, rounding=self.rounding)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Ranges:
+    """The ranges of a flight."""
+
+    sigma: float
+    """m, their noise."""
+    rate: float
+    """Hz"""
+    share: float
+    """The share of them that random drop-outs leave."""
+
+
 @result
 class Windows:
-    """Observability over sliding windows [start, start + window]; spectra are computed when they are read first."""
+    """Observability over sliding windows [start, start + window].
 
+    Spectra, and all of the nonlinear problem, are computed when they are read first: no verdict depends on them.
+    """
+
+    path: Signal
+    world: World
+    duration: float
+    """s, of the flight."""
     start: Float[Array, "w"]
     """s"""
     window: float
@@ -69,12 +87,8 @@ class Windows:
     """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
     sigma_lifted: Float[Array, "w"]
     """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
-    sigma_nonlinear: Float[Array, "w"]
+    ranges: Ranges
     lifted: MotionAnalysis
-    local: Float[Array, "w r 9"]
-    """R of the weighted rows of the nonlinear Gramian."""
-    local_rounding: float
-    """Their absolute rounding error."""
 
     @property
     def rank(self) -> Int[Array, "w"]:
@@ -112,13 +126,33 @@ class Windows:
         return self._nonlinear_spectrum.rank
 
     @cached_property
+    def sigma_nonlinear(self) -> Float[Array, "w"]:
+        """Predicted 1-σ position (m) of the nonlinear problem at the end of each window; NaN where blind."""
+        return _end_position(self._samples, self.world, self.ranges, "nonlinear")
+
+    @cached_property
+    def worst_nonlinear(self) -> tuple[int, Spectrum]:
+        """The window of least rank of the nonlinear Gramian, and then of least scaled singular value: its index, and
+        the spectrum of that window alone."""
+        rounding = self.lifted.rounding
+        j = spectrum.worst_of_triangles(self._local, self.window, time_powers=NONLINEAR_TIME_POWERS, rounding=rounding)
+        return j, self._spectrum_of(self._local[[j]])
+
+    @cached_property
     def _nonlinear_spectrum(self) -> Spectrum:
-        return nonlinear_spectrum(self.local, self.window, self.local_rounding)
+        return self._spectrum_of(self._local)
 
+    @cached_property
+    def _local(self) -> Float[Array, "w r 9"]:
+        """R of the weighted rows of the nonlinear Gramian."""
+        return spectrum.local_triangles(self._samples, self.world.anchor)
 
-def nonlinear_spectrum(R: Float[Array, "w r 9"], window: float, rounding: float) -> Spectrum:
-    """Spectra of the nonlinear Gramian of windows whose triangles are known."""
-    return spectrum.of_triangles(R, window, time_powers=NONLINEAR_TIME_POWERS, rounding=rounding)
+    def _spectrum_of(self, R: Float[Array, "w r 9"]) -> Spectrum:
+        return spectrum.of_triangles(R, self.window, time_powers=NONLINEAR_TIME_POWERS, rounding=self.lifted.rounding)
+
+    @property
+    def _samples(self) -> PathSamples:
+        return path_samples(self.path, self.duration, self.window, len(self.start))
 
 
 @lru_cache(maxsize=CACHED_SAMPLES)
@@ -144,7 +178,6 @@ def motion_analysis(
     null_basis = spectrum.null_basis(worst, 0)
     if known.window > window:
         null_basis = spectrum.null_basis(spectrum.window_spectra(path, gravity, start[[k]], known.window), 0)
-    reduced_min, reduced_floor = reduced.least_eigenvalue(path, gravity, float(start[k]), window)
     return MotionAnalysis(
         start=start,
         remainders=of,
@@ -157,8 +190,6 @@ def motion_analysis(
         least=least,
         least_at=least_at,
         directions=() if rounded else blindness.directions(null_basis, values, axes),
-        reduced_min=reduced_min,
-        reduced_floor=reduced_floor,
     )
 
 
@@ -169,23 +200,25 @@ def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:
 
 
 def sampled_windows(
-    samples: PathSamples, world: World, lifted: MotionAnalysis, sigma: float, rate: float, share: float
+    path: Signal, world: World, duration: float, window: float, ranges: Ranges, count: int = WINDOWS
 ) -> Windows:
-    """What every sampled window has, with the accuracy that ranges of noise sigma (m) and rate (Hz) allow.
-
-    share: the share of ranges that random drop-outs leave.
-    """
-
-    def end_position(kind: accuracy.Problem) -> Array:
-        return accuracy.along(samples, world, sigma=sigma, rate=rate, kind=kind, share=share)[:, 0]
-
-    return Windows(
-        start=lifted.start,
-        window=samples.window,
-        excitation=lifted.excitation,
-        sigma_lifted=end_position("lifted"),
-        sigma_nonlinear=end_position("nonlinear"),
-        lifted=lifted,
-        local=spectrum.local_triangles(samples, world.anchor),
-        local_rounding=samples.rounding,
+    """What so many windows (s) of a flight have, with the accuracy that its ranges allow."""
+    lifted, samples = (
+        motion_analysis(path, world.gravity, duration, window, count),
+        path_samples(path, duration, window, count),
     )
+    return Windows(
+        path=path,
+        world=world,
+        duration=duration,
+        start=lifted.start,
+        window=window,
+        excitation=lifted.excitation,
+        sigma_lifted=_end_position(samples, world, ranges, "lifted"),
+        ranges=ranges,
+        lifted=lifted,
+    )
+
+
+def _end_position(samples: PathSamples, world: World, ranges: Ranges, kind: accuracy.Problem) -> Float[Array, "w"]:
+    return accuracy.along(samples, world, sigma=ranges.sigma, rate=ranges.rate, kind=kind, share=ranges.share)[:, 0]

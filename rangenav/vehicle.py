@@ -189,12 +189,11 @@ def demands(motion: Motion, *, world: World) -> Demands:
 
 def broken(motion: Motion, vehicle: Vehicle, *, world: World) -> tuple[Break, ...]:
     """The limits of a vehicle that a motion breaks, the most broken one first."""
-    demanded = demands(motion, world=world)
-    breaks = []
-    for limit in WORDS:
-        allowed = bound(vehicle, limit)
-        if allowed is None:
-            continue
+    limits = {limit: allowed for limit in WORDS if (allowed := bound(vehicle, limit)) is not None}
+    if not limits:
+        return ()
+    demanded, breaks = demands(motion, world=world), []
+    for limit, allowed in limits.items():
         quantity = getattr(demanded, limit.removesuffix("_min").removesuffix("_max"))
         least = limit.endswith("_min")
         where = quantity < allowed if least else quantity > allowed

@@ -72,8 +72,6 @@ class Picture:
     """Peak, settling time and steady value of each error, and whether the covariance diverged."""
     attitude_time_constants: Float[Array, "3"]
     """s, slowest first; under the printed switch twice as long."""
-    reduced_min: float
-    """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
     slower: float | None = None
     """How many times slower the motion keeps every limit; 0 if at no speed that was tried; None until `proven`."""
 
@@ -94,6 +92,11 @@ class Picture:
         return _printed_excitation(truth_inputs(self.preset), window, self.settings.printed, count)
 
     @cached_property
+    def reduced_min(self) -> float:
+        """Least eigenvalue of the reduced pair (Proposition 1) under the printed switches that are on."""
+        return _reduced(truth_inputs(self.preset), self.preset.requirement.window, self.analysis, self.settings.printed)
+
+    @cached_property
     def at_rest(self) -> "Picture":
         """The same picture with as many windows as its curves need to be smooth, for when no hand moves."""
         resting = self.judged_on(WINDOWS)
@@ -104,9 +107,7 @@ class Picture:
         """The same picture with so many windows, so that its figures can be compared with another picture's."""
         if len(self.analysis.windows.start) == windows:
             return self
-        analysis = sampled(self.preset, windows)
-        least = _reduced(truth_inputs(self.preset), self.preset.requirement.window, analysis, self.settings.printed)
-        return replace(self, analysis=analysis, reduced_min=least)
+        return replace(self, analysis=sampled(self.preset, windows))
 
     @cached_property
     def details(self) -> Details:
@@ -152,7 +153,6 @@ def compute(settings: Settings) -> Picture:
         attitude_time_constants=attitude.time_constants(
             p.gains.attitude, p.world, "printed" if printed.attitude_rate else "derived"
         ),
-        reduced_min=_reduced(inputs, p.requirement.window, analysis, printed),
     )
 
 

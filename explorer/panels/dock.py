@@ -110,7 +110,13 @@ class Dock:
         )
         opened = catalog.open(name)
         self._chosen = Chosen(form, controls, opened)
-        self._tabs_in_sight = OpenTabs({"world": (self.vehicle.draw,), "gains": (self.gains.draw, self.guess.draw)})
+        self._tabs_in_sight = OpenTabs(
+            {
+                "world": (self.vehicle.draw,),
+                "gains": (self.gains.draw, self.guess.draw),
+                "presets": (self.printed.draw,),
+            }
+        )
         self.write(opened)
 
     def _cures(self) -> dict[Cure, Action]:
@@ -232,7 +238,6 @@ class Dock:
         self._tabs_in_sight.draw(picture)
         self.tuning.draw(picture)
         self.basin.draw(picture)
-        self.printed.draw(picture)
         self.presets.draw(picture)
         self.repair.draw(picture)
         self.bundle.draw(picture)

@@ -1,7 +1,8 @@
 """The verdict as one line over the scene: sign, word, the number that decides, what is wanted, and one action.
 
-The line unfolds to the five answers of `explorer.model.assessment`, and these to all figures. Its buttons are the
-page's own HTML: the session hands the names that they send to `act`.
+The line unfolds to the five answers of `explorer.model.assessment`, and these to all figures. While it is folded and
+something moves, the line alone is written. Its buttons are the page's own HTML: the session hands the names that they
+send to `act`.
 """
 
 import html
@@ -32,6 +33,8 @@ CURES: dict[Cure, tuple[str, str]] = {
 UNFOLD = '<button type="button" class="rn-button rn-unfold" data-rn-flag="unfolded" aria-label="All answers"></button>'
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="{}" title="{}">{}</button>'
 DIMMED = f"color:{palette.SECONDARY_TEXT}"
+WAIT = f'<span style="{DIMMED}">Follows in a moment.</span>'
+"""In place of the answers, in a browser that does not show them."""
 
 
 STOP = AnswerButton(event="stop", label="Stop", hint=STOP_HINT)
@@ -43,6 +46,8 @@ class VerdictPanel:
     def __init__(self, gui: viser.GuiApi, cures: dict[Cure, Action]) -> None:
         """`cures` are the actions that are offered."""
         self._cures = cures
+        self._folded = False
+        self._shown: Picture | None = None
         self._block = gui.add_html("")
         self._progress = gui.add_html("", visible=False)
         self._buttons = gui.add_html("", visible=False)
@@ -72,11 +77,18 @@ class VerdictPanel:
 
     def draw(self, picture: Picture) -> None:
         """Show the verdict on a picture; ≈ marks what is that of sampled windows, and not yet of all."""
-        given = assessment.answers(picture)
-        rows = f'<div class="rn-rows">{self._rows(picture, given)}</div>'
+        self._shown, given = picture, assessment.answers(picture)
+        moving = picture.analysis.proof is None
+        rows = f'<div class="rn-rows">{WAIT if self._folded and moving else self._rows(picture, given)}</div>'
         content = f'<div class="rn-verdict">{self._line(picture, given)}{rows}</div>'
         if content != self._block.content:
             self._block.content = content
+
+    def fold(self, folded: bool) -> None:
+        """Take whether the browser shows the line alone; the answers are written as soon as it shows them."""
+        opened, self._folded = self._folded and not folded, folded
+        if opened and self._shown is not None:
+            self.draw(self._shown)
 
     def _line(self, picture: Picture, given: tuple[Answer, ...]) -> str:
         sign, color = assessment.SIGNS[assessment.level(given)]

@@ -41,6 +41,7 @@ class Appearance:
         with self._client.atomic():
             self._charts.see(window.plots)
             self._controls.see(window.tabs)
+            self._controls.verdict.fold("unfolded" not in window.flags)
         looks = replace(window, plots=None, tabs=None)
         if looks == self._window:
             return

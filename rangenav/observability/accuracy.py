@@ -6,6 +6,7 @@ covariance. The nonlinear problem, with rows/(dσ), has a Cramér–Rao bound. R
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -45,6 +46,10 @@ class Accuracy:
     """m/s²"""
 
 
+NOTHING = Accuracy(position=math.nan, velocity=math.nan, gravity=math.nan)
+"""What a window has that determines nothing."""
+
+
 def predict(
     path: Signal,
     world: World,
@@ -75,12 +80,62 @@ def ranged(path: Signal, start: float, window: float, rate: float) -> PathSample
 
 @result
 class FourAccuracies:
-    """The accuracy of one window, of either problem at either end."""
+    """The accuracy of one window, of either problem at either end; each is computed when it is read first."""
 
-    lifted_start: Accuracy
-    lifted_end: Accuracy
-    nonlinear_start: Accuracy
-    nonlinear_end: Accuracy
+    samples: PathSamples | None
+    """At the ranges; None where they are fewer than four, which determine nothing."""
+    world: World
+    sigma: float
+    """m, the noise of the ranges."""
+    share: float
+    """Of the ranges that arrive."""
+
+    @cached_property
+    def lifted_start(self) -> Accuracy:
+        """Of the lifted problem at the window's start."""
+        return NOTHING if self.samples is None else self._lifted(self._remainders)
+
+    @cached_property
+    def lifted_end(self) -> Accuracy:
+        """Of the lifted problem at the window's end."""
+        if self.samples is None:
+            return NOTHING
+        end = gramian_rank.at_other_end(self._remainders, self.samples, self.world.gravity, self._weight)
+        return self._lifted(end)
+
+    @cached_property
+    def nonlinear_start(self) -> Accuracy:
+        """Of the nonlinear problem at the window's start."""
+        return self._nonlinear("start")
+
+    @cached_property
+    def nonlinear_end(self) -> Accuracy:
+        """Of the nonlinear problem at the window's end."""
+        return self._nonlinear("end")
+
+    @cached_property
+    def _remainders(self) -> Remainders:
+        """Of the states at the start: one decomposition serves both ends."""
+        assert self.samples is not None
+        return gramian_rank.of(self.samples, self.world.gravity, self._weight, "start")
+
+    @property
+    def _weight(self) -> Float[Array, "w k"]:
+        assert self.samples is not None
+        return _lifted_weight(self.samples, self._count, self.world, _noise(self.sigma))
+
+    @property
+    def _count(self) -> Float[Array, "v k"]:
+        assert self.samples is not None
+        return np.full(self.samples.tau.shape, self.share)
+
+    def _lifted(self, of: Remainders) -> Accuracy:
+        return _accuracy(_lifted_sigmas(of) * (1.0 if self.sigma > 0 else 0.0))
+
+    def _nonlinear(self, at: Moment) -> Accuracy:
+        if self.samples is None:
+            return NOTHING
+        return _accuracy(sigmas(self.samples, self._count, self.world, sigma=self.sigma, kind="nonlinear", at=at))
 
 
 def of_held(
@@ -99,24 +154,11 @@ def of_held(
 
     sigma: their noise, m. share: of the ranges that arrive. Fewer than four ranges determine nothing.
     """
-    if last - first + 1 < LEAST_RANGES:
-        nothing = Accuracy(position=math.nan, velocity=math.nan, gravity=math.nan)
-        return FourAccuracies(lifted_start=nothing, lifted_end=nothing, nonlinear_start=nothing, nonlinear_end=nothing)
-    tau = np.arange(first, last + 1)[None] / rate - start
-    samples = rows.sample_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
-
-    count = np.full(tau.shape, share)
-
-    def nonlinear(at: Moment) -> Accuracy:
-        return _accuracy(sigmas(samples, count, world, sigma=sigma, kind="nonlinear", at=at))
-
-    at_start, at_end = _lifted_at_both_ends(samples, count, world, sigma)
-    return FourAccuracies(
-        lifted_start=_accuracy(at_start),
-        lifted_end=_accuracy(at_end),
-        nonlinear_start=nonlinear("start"),
-        nonlinear_end=nonlinear("end"),
-    )
+    samples = None
+    if last - first + 1 >= LEAST_RANGES:
+        tau = np.arange(first, last + 1)[None] / rate - start
+        samples = rows.sample_at(path, np.array([start]), window, tau=tau, weight=np.full(tau.shape, 1 / tau.size))
+    return FourAccuracies(samples=samples, world=world, sigma=sigma, share=share)
 
 
 def _accuracy(values: Float[Array, "1 3"]) -> Accuracy:
@@ -184,17 +226,6 @@ def sigmas(
         R = rows.triangles(samples, weight, lambda part: rows.nonlinear_of(part, world.anchor, at))
         result = _block_sigmas(R, samples.window ** -NONLINEAR_TIME_POWERS.astype(float), NONLINEAR_BLOCKS)
     return result if sigma > 0 else result * 0.0
-
-
-def _lifted_at_both_ends(
-    samples: PathSamples, count: Float[Array, "v k"], world: World, sigma: float
-) -> tuple[Float[Array, "w 3"], Float[Array, "w 3"]]:
-    """`sigmas` of the lifted problem at the start and at the end of each window, from one decomposition."""
-    weight = _lifted_weight(samples, count, world, _noise(sigma))
-    start = gramian_rank.of(samples, world.gravity, weight, "start")
-    end = gramian_rank.at_other_end(start, samples, world.gravity, weight)
-    exact = 1.0 if sigma > 0 else 0.0
-    return _lifted_sigmas(start) * exact, _lifted_sigmas(end) * exact
 
 
 def _noise(sigma: float) -> float:

@@ -78,10 +78,10 @@ class Remainders:
         inverse[:, :CUBIC, CUBIC:] = -scalars @ of_unknowns @ unpowered
         return inverse
 
-    @cached_property
+    @property
     def unknown_states(self) -> Float[Array, "9 9"]:
         """The block of M⁻¹ for position, velocity and gravity: it has no K, so their errors are the remainders'."""
-        return np.linalg.inv(np.kron(_powers(1.0 if self.moment == "start" else -1.0), self.turn))
+        return _unknown_states(1.0 if self.moment == "start" else -1.0, self.turn.tobytes())
 
     @cached_property
     def rank(self) -> Int[Array, "w"]:
@@ -93,27 +93,32 @@ def of(samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"], moment:
     """The remainders of windows whose samples are known, with these weights of their rows."""
     turn, fall = _turn(gravity)
     turned = _turned(samples, turn)
-    R = rows.triangles(turned, weight, lambda some: _columns(some, fall))
+    fit = _fit(turned)
+    R = rows.factors(
+        turned, weight, ((inside, _columns(some, fit.some(inside), fall)) for inside, some in rows.parts(turned))
+    )
     R = np.pad(R, ((0, 0), (0, STATES - R.shape[1]), (0, 0)))  # fewer rows than columns: rows of zeros tell nothing
-    return _with_departure(turned, R, weight, turn, fall, moment)
+    return _with_departure(turned, fit.cubic, R, weight, turn, fall, moment)
 
 
 def at_other_end(of: Remainders, samples: PathSamples, gravity: Vec3, weight: Float[Array, "v k"]) -> Remainders:
     """The remainders for the states at the other ends of the windows, whose triangle is the same."""
     turn, fall = _turn(gravity)
     moment: Moment = "start" if of.moment == "end" else "end"
-    return _with_departure(_turned(samples, turn), of.triangle, weight, turn, fall, moment)
+    turned = _turned(samples, turn)
+    return _with_departure(turned, _fit(turned).cubic, of.triangle, weight, turn, fall, moment)
 
 
 def _with_departure(
     turned: PathSamples,
+    cubic: Float[Array, "w 4 3"],
     R: Float[Array, "w 13 13"],
     weight: Float[Array, "v k"],
     turn: Array,
     fall: float,
     moment: Moment,
 ) -> Remainders:
-    departure = _departure(turned, fall, moment)
+    departure = _departure(turned, cubic, fall, moment)
     size = np.broadcast_to(turned.size[:, None], (len(R), UNKNOWNS)).copy()
     size[:, -1] += np.abs(_times_u_twice(departure)[:, CUBIC, 2])
     total = np.sqrt(np.broadcast_to(weight, (len(R), weight.shape[1])).sum(axis=1))
@@ -197,6 +202,14 @@ def _constants(s: float) -> tuple[Float[Array, "6 6"], Float[Array, "4 4"], Floa
     return shift, scalars, np.linalg.inv(np.kron(_powers(s), np.eye(3)))
 
 
+@lru_cache(maxsize=16)
+def _unknown_states(s: float, turn: bytes) -> Float[Array, "9 9"]:
+    """The block of M⁻¹ that only the turn of the axes and the moment of the states determine."""
+    inverse = np.linalg.inv(np.kron(_powers(s), np.frombuffer(turn).reshape(3, 3)))
+    inverse.flags.writeable = False
+    return inverse
+
+
 def _powers(s: float) -> Float[Array, "3 3"]:
     """1, τ/δ and ½(τ/δ)² in powers of u: τ/δ = (u + s)/2."""
     return np.array([[1.0, s / 2, s * s / 8], [0.0, 0.5, s / 4], [0.0, 0.0, 0.125]])
@@ -224,24 +237,36 @@ def _turned(samples: PathSamples, turn: Array) -> PathSamples:
     )
 
 
-def _polynomials(samples: PathSamples) -> tuple[Float[Array, "v 6 k"], Float[Array, "v k"]]:
-    """L₀ … L₅ at the samples, and u."""
+@result
+class _Fit:
+    """The polynomials at the samples of some windows, and the cubic that fits each window's path."""
+
+    polynomials: Float[Array, "v 6 k"]
+    """L₀ … L₅."""
+    cubic: Float[Array, "w 4 3"]
+    """C: by Legendre's integrals, which is the best fit; any other cubic would serve, as long as it is subtracted."""
+
+    def some(self, inside: slice) -> "_Fit":
+        """That of some windows."""
+        polynomials = self.polynomials if len(self.polynomials) == 1 else self.polynomials[inside]
+        return _Fit(polynomials=polynomials, cubic=self.cubic[inside])
+
+
+@lru_cache(maxsize=2)
+def _fit(samples: PathSamples) -> _Fit:
+    """Cached by identity: spectra and accuracies of the same windows are computed from the same samples."""
     u = 2 * samples.tau / samples.window - 1
     values = [np.ones_like(u), u]
     for k in range(1, CUBIC + 1):
         values.append(((2 * k + 1) * u * values[-1] - k * values[-2]) / (k + 1))
-    return np.stack(values, axis=1), u
+    polynomials, scale = np.stack(values, axis=1), (2 * np.arange(CUBIC) + 1.0)[:, None]
+    integrals = (polynomials[:, :CUBIC] * samples.weight[:, None]) @ samples.curved.swapaxes(1, 2)
+    return _Fit(polynomials=polynomials, cubic=scale * integrals)
 
 
-def _cubic(samples: PathSamples, polynomials: Array) -> Float[Array, "w 4 3"]:
-    """C: by Legendre's integrals, which is the best fit; any other cubic would serve, as long as it is subtracted."""
-    scale = (2 * np.arange(CUBIC) + 1.0)[:, None]
-    return scale * ((polynomials[:, :CUBIC] * samples.weight[:, None]) @ samples.curved.swapaxes(1, 2))
-
-
-def _departure(samples: PathSamples, fall: float, moment: Moment) -> Float[Array, "w 4 3"]:
+def _departure(samples: PathSamples, cubic: Array, fall: float, moment: Moment) -> Float[Array, "w 4 3"]:
     """K = C less the Legendre coefficients of p(t) + τ v(t) + ½τ² g."""
-    K = _cubic(samples, _polynomials(samples)[0])
+    K = cubic.copy()
     end, half = int(moment == "end"), samples.window / 2
     s = -1.0 if end else 1.0
     velocity = half * samples.end_velocity[end]
@@ -255,12 +280,11 @@ def _times_u_twice(coefficients: Float[Array, "w 4 3"]) -> Float[Array, "w 6 3"]
     return (TIMES_U @ TIMES_U)[:, :CUBIC] @ coefficients
 
 
-def _columns(samples: PathSamples, fall: float) -> Float[Array, "w k 13"]:
+def _columns(samples: PathSamples, fit: _Fit, fall: float) -> Float[Array, "w k 13"]:
     """[L₀ … L₃ | P, uP + k₄L₄, u²P + d₄L₄ + d₅L₅]; L₄ and L₅ are the same at the windows' starts and ends."""
-    polynomials, u = _polynomials(samples)
-    C = _cubic(samples, polynomials)
-    P = samples.curved - C.swapaxes(1, 2) @ polynomials[:, :CUBIC]
-    K = C
+    polynomials, K = fit.polynomials, fit.cubic.copy()
+    u = polynomials[:, 1]
+    P = samples.curved - K.swapaxes(1, 2) @ polynomials[:, :CUBIC]
     K[:, 2, 2] -= fall / 12 * samples.window**2
     k4, high = TIMES_U[CUBIC, CUBIC - 1] * K[:, 3], _times_u_twice(K)[:, CUBIC:]
     columns = np.empty((len(P), STATES, P.shape[-1]))

@@ -8,7 +8,7 @@ A window is observable exactly when the 13 functions {1, τ, τ², τ³, Dᵢ, �
 All rows of a window need the path at the same times. `PathSamples` holds these samples, so the path is evaluated once.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Literal
 
@@ -105,13 +105,19 @@ def triangles(
     samples: PathSamples, weight: Float[Array, "v k"], rows_of: Callable[[PathSamples], Float[Array, "_ k n"]]
 ) -> Float[Array, "w r n"]:
     """R of the QR decomposition of each window's weighted rows h, which `rows_of` computes: RᵀR = Σ weight hᵀh."""
+    return factors(samples, weight, ((inside, rows_of(some)) for inside, some in parts(samples)))
+
+
+def factors(
+    samples: PathSamples, weight: Float[Array, "v k"], rows: Iterable[tuple[slice, Float[Array, "_ k n"]]]
+) -> Float[Array, "w r n"]:
+    """The same from the rows of each group of windows, which are weighted in place."""
     root = np.broadcast_to(np.sqrt(weight), (len(samples.start), weight.shape[1]))
-    factors = []
-    for inside, some in _parts(samples):
-        matrix = rows_of(some)
+    reduced = []
+    for inside, matrix in rows:
         matrix *= root[inside, :, None]
-        factors.append(_triangle(matrix))
-    return np.concatenate(factors)
+        reduced.append(_triangle(matrix))
+    return np.concatenate(reduced)
 
 
 def _triangle(matrix: Float[Array, "w k n"]) -> Float[Array, "w r n"]:
@@ -122,8 +128,8 @@ def _triangle(matrix: Float[Array, "w k n"]) -> Float[Array, "w r n"]:
     return np.asarray(np.linalg.qr(matrix, mode="r"))
 
 
-def _parts(samples: PathSamples) -> Iterator[tuple[slice, PathSamples]]:
-    """The samples in groups of a few windows."""
+def parts(samples: PathSamples) -> Iterator[tuple[slice, PathSamples]]:
+    """The samples in groups of a few windows, and which windows these are."""
     each = max(1, CHUNK // samples.tau.shape[1])
     if each >= len(samples.start):
         yield slice(None), samples

@@ -9,7 +9,7 @@ from functools import lru_cache
 
 from rangenav.motion import World
 from rangenav.observability import accuracy, every_range_window
-from rangenav.observability.accuracy import Accuracy
+from rangenav.observability.accuracy import Accuracy, FourAccuracies
 from rangenav.observability.every_range_window import RangeWindows
 from rangenav.observability.worst_excitation import EVERY, FLIGHT, Starts
 from rangenav.results import result
@@ -28,10 +28,27 @@ class WorstAccuracy:
     reason: str | None
     """Why not at every t ≥ 0; None if it is."""
     windows: RangeWindows
-    lifted_start: Accuracy
-    lifted_end: Accuracy
-    nonlinear_start: Accuracy
-    nonlinear_end: Accuracy
+    accuracies: FourAccuracies
+
+    @property
+    def lifted_start(self) -> Accuracy:
+        """Of the lifted problem at the window's start."""
+        return self.accuracies.lifted_start
+
+    @property
+    def lifted_end(self) -> Accuracy:
+        """Of the lifted problem at the window's end."""
+        return self.accuracies.lifted_end
+
+    @property
+    def nonlinear_start(self) -> Accuracy:
+        """Of the nonlinear problem at the window's start."""
+        return self.accuracies.nonlinear_start
+
+    @property
+    def nonlinear_end(self) -> Accuracy:
+        """Of the nonlinear problem at the window's end."""
+        return self.accuracies.nonlinear_end
 
 
 @lru_cache(maxsize=CACHED)
@@ -47,15 +64,7 @@ def worst_accuracy(
         path, world, found.at, window, first=found.first, last=found.last, rate=rate, sigma=sigma, share=share
     )
     starts, reason = _claimed(path, duration - window, rate)
-    return WorstAccuracy(
-        starts=starts,
-        reason=reason,
-        windows=found,
-        lifted_start=of.lifted_start,
-        lifted_end=of.lifted_end,
-        nonlinear_start=of.nonlinear_start,
-        nonlinear_end=of.nonlinear_end,
-    )
+    return WorstAccuracy(starts=starts, reason=reason, windows=found, accuracies=of)
 
 
 def _claimed(path: Signal, last: float, rate: float) -> tuple[Starts, str | None]:

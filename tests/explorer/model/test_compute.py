@@ -37,7 +37,7 @@ def changed(path, value, base=BASE):
     return replace(base, preset=put(base.preset, path.split(".")))
 
 
-LATER = {"phi", "phi_printed", "printed_excitation"}
+LATER = {"phi", "phi_printed", "printed_excitation", "reduced_min"}
 """Parts of a picture that are computed when they are read."""
 
 

@@ -294,6 +294,20 @@ def test_the_verdict_of_sampled_windows_is_marked_until_all_windows_are_judged()
     assert "1.81 m" in proven
 
 
+def test_a_folded_verdict_is_its_line_alone_until_it_is_unfolded_or_proven():
+    gui, moving = MagicMock(), _computed("hover")
+    panel, shown = verdict.VerdictPanel(gui, {}), gui.add_html.return_value
+    panel.fold(True)
+    panel.draw(moving)
+    assert "≈ blind" in shown.content
+    assert "all figures" not in shown.content
+    panel.fold(False)
+    assert "all figures" in shown.content
+    panel.fold(True)
+    panel.draw(moving.proven())
+    assert "all figures" in shown.content
+
+
 def test_the_dock_replaces_the_verdict_of_sampled_windows_as_soon_as_the_other_is_there(dock: Dock):
     shown: list[compute.Picture] = []
     dock.verdict.draw = shown.append  # pyright: ignore[reportAttributeAccessIssue]
