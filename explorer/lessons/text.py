@@ -5,7 +5,7 @@ HTML within the Markdown is shown as the characters that were typed: a lesson br
 
 import html
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from functools import cache
 
 import latex2mathml.converter
@@ -20,35 +20,38 @@ from rangenav.inputs import require, shortened
 
 States = dict[str, State | None]
 """The states by the word before the dot; "" is what is shown. None where there is none, as without a pinned run."""
+Reader = Callable[[str, State], str]
+"""The text of a figure by its name and state: `figures.text`, which computes it, or one that has it computed later."""
 MISSING = "…"
 UNKNOWN = re.compile(r"\\[A-Za-z]+")
 """A command that the converter has left as it is."""
 
 
-def to_html(markdown: str, states: States) -> str:
-    """One screen as HTML. Raises ValueError for a figure that does not exist, or a wrong equation."""
+def to_html(markdown: str, states: States, read: Reader = figures.text) -> str:
+    """One screen as HTML; `read` gives its figures. Raises ValueError for a figure that does not exist, or a wrong
+    equation."""
     tokens = _parser().parse(markdown)
     for token in tokens:
         for child in token.children or ():
             if child.type == "text":
-                child.content = filled(child.content, states)
+                child.content = filled(child.content, states, read)
     return _parser().renderer.render(tokens, _parser().options, {})
 
 
-def filled(text: str, states: States) -> str:
-    """A plain text with its figures filled in. Raises ValueError for a figure that does not exist."""
+def filled(text: str, states: States, read: Reader = figures.text) -> str:
+    """A plain text with its figures, which `read` gives. Raises ValueError for a figure that does not exist."""
     pieces, end = [], 0
     for match in FIGURE.finditer(text):
-        pieces += [text[end : match.start()], _figure(match[1] or "", match[2], states)]
+        pieces += [text[end : match.start()], _figure(match[1] or "", match[2], states, read)]
         end = match.end()
     return "".join([*pieces, text[end:]])
 
 
-def came(prediction: Prediction, states: States) -> str:
+def came(prediction: Prediction, states: States, read: Reader = figures.text) -> str:
     """What came, in the words of the prediction: the right choice, or the number."""
     if prediction.choices:
         return prediction.choices[prediction.right - 1]
-    return filled(f"{{{prediction.figure}}}", states)
+    return filled(f"{{{prediction.figure}}}", states, read)
 
 
 def refuse(markdown: str, states: Collection[str]) -> None:
@@ -60,10 +63,10 @@ def refuse(markdown: str, states: Collection[str]) -> None:
                 require((match[1] or "") in states, f"{match[0]}: the lesson has no state {match[1]}")
 
 
-def _figure(whose: str, name: str, states: States) -> str:
+def _figure(whose: str, name: str, states: States, read: Reader) -> str:
     require(name in figures.FIGURES, f"{{{name}}}: no such figure; there are {', '.join(figures.FIGURES)}")
     state = states.get(whose)
-    return MISSING if state is None else figures.text(name, state)
+    return MISSING if state is None else read(name, state)
 
 
 @cache

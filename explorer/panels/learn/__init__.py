@@ -22,6 +22,7 @@ from explorer.model.compute import Picture
 from explorer.model.learning import PREDICTION, Learning
 from explorer.model.settings import Settings
 from explorer.panels.learn import markup
+from explorer.panels.learn.screen_figures import ScreenFigures
 from explorer.panels.learn.show import Show
 from explorer.widgets import typed_number
 from explorer.widgets.form import Action, Form
@@ -59,6 +60,7 @@ class LearnPanel:
         """`strip` lies over the scene: it shows how far a task is done while its controls are on another tab."""
         self._form, self._course, self._page, self._session = form, course, page, actions
         self._checks, self._teacher = form.new_jobs(), form.new_jobs()
+        self._figures = ScreenFigures(form.new_jobs())
         self._guide: list[tuple[str, ...]] = []
         self.learning = Learning()
         self._picture: Picture | None = None
@@ -150,7 +152,7 @@ class LearnPanel:
         self._checks.cancel()
         self._picture, self._outcome, self._at_rest = picture, None, False
         if self._kind == "task":  # the figures of other screens follow when nothing moves
-            self._draw()
+            self._write()
 
     def draw_details(self, picture: Picture) -> None:
         """Nothing has changed for a moment: check what the page shows."""
@@ -308,7 +310,13 @@ class LearnPanel:
         self._said = ""
 
     def _draw(self) -> None:
-        """Show the list, or the open screen."""
+        """Show the list, or the open screen; what is not known of its figures follows."""
+        self._write()
+        self._figures.compute(self._write, self._say)
+
+    def _write(self) -> None:
+        """Show what is known."""
+        self._figures.begin()
         lesson = self.lesson
         if lesson is None:
             content = markup.course_list(self._course, self.learning, self._guide)
@@ -316,6 +324,7 @@ class LearnPanel:
             shown = markup.Shown(
                 learning=self.learning,
                 states=self._states(lesson),
+                read=self._figures.read,
                 outcome=self._outcome,
                 said=self._said,
             )

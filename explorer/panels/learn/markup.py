@@ -34,6 +34,8 @@ class Shown:
 
     learning: Learning
     states: text.States
+    read: text.Reader
+    """The text of each figure."""
     outcome: Outcome | None = None
     """The check of what is on the page; None until it has been computed."""
     said: str = ""
@@ -104,13 +106,13 @@ def _row(lesson: Lesson, learning: Learning) -> str:
 
 
 def _text(lesson: Lesson, page: Screen, shown: Shown) -> str:
-    return text.to_html(page.markdown, shown.states)
+    return text.to_html(page.markdown, shown.states, shown.read)
 
 
 def _prediction(lesson: Lesson, page: Screen, shown: Shown) -> str:
     """The question, and its choices; a number is typed into a box below. A committed prediction stays."""
     asked, given = lesson.header.prediction, answers_of(shown.learning, lesson.name).get(PREDICTION)
-    body = f"<p>{html.escape(text.filled(asked.question, shown.states))}</p>"
+    body = f"<p>{html.escape(text.filled(asked.question, shown.states, shown.read))}</p>"
     if given is not None:
         return f"{body}<p>You predicted: <b>{html.escape(given)}</b>. What came is shown after the task.</p>"
     choices = "".join(f"<li>{button(f'predict-{k}', choice)}</li>" for k, choice in enumerate(asked.choices, start=1))
@@ -150,8 +152,8 @@ def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
 def _outcome(lesson: Lesson, page: Screen, shown: Shown) -> str:
     """What came, beside what was predicted."""
     asked, given = lesson.header.prediction, answers_of(shown.learning, lesson.name).get(PREDICTION, "nothing")
-    because = text.filled(asked.because, shown.states)
-    rows = (("You predicted", given), ("It came", text.came(asked, shown.states)), ("Because", because))
+    because = text.filled(asked.because, shown.states, shown.read)
+    rows = (("You predicted", given), ("It came", text.came(asked, shown.states, shown.read)), ("Because", because))
     return f"{table((), rows)}{_text(lesson, page, shown)}"
 
 

@@ -1,15 +1,16 @@
 """The Learn tab: a lesson puts its state on the page, is passed by what the page shows, and gives back the work."""
 
+import threading
 import time
 
 import pytest
 
-from explorer.lessons import course
+from explorer.lessons import course, figures
 from explorer.lessons.lesson import Goal
 from explorer.model.compute import compute
 from explorer.model.learning import Learning
 from explorer.panels.dock import Dock
-from explorer.panels.learn import markup
+from explorer.panels.learn import markup, screen_figures
 
 COURSE = course()
 PATIENCE = 20.0
@@ -145,3 +146,27 @@ def test_the_answers_for_the_teacher_are_computed_when_they_are_asked_for(learni
     learning.learn.actions["lesson-answers"]()
     wait_for(learning, "what comes, and why")
     assert markup.html.escape(asked) in learning.learn.content
+
+
+def test_the_figures_of_a_screen_are_computed_aside_and_its_text_says_so(learning: Dock, monkeypatch):
+    lesson, allowed, compute_now = COURSE.lessons[0], threading.Event(), figures.text
+
+    def slow(name, state):
+        allowed.wait(PATIENCE)
+        return compute_now(name, state)
+
+    monkeypatch.setattr(figures, "text", slow)
+    learning.learn.open(lesson)
+    while "It came" not in learning.learn.content:
+        learning.learn.actions["lesson-next"]()
+        learning.learn.actions["lesson-predict-1"]()
+    assert screen_figures.COMPUTING in learning.learn.content
+    allowed.set()
+    deadline = time.monotonic() + PATIENCE
+    while screen_figures.COMPUTING in learning.learn.content:
+        assert time.monotonic() < deadline
+        learning.form.deliver()
+        time.sleep(0.01)
+    learning.learn.actions["lesson-back"]()
+    learning.learn.actions["lesson-next"]()
+    assert screen_figures.COMPUTING not in learning.learn.content
