@@ -20,6 +20,8 @@ OPAQUE = len("#rrggbb")
 
 BIG, LARGE = 1.6, 1.4
 """Factors of the width of curves with big type, and in a plot that fills the window."""
+COMPUTING = "computing …"
+"""In a plot that has not been drawn yet: the first picture may take seconds, while the observers are compiled."""
 FONT, BIG_FONT = "12px system-ui, sans-serif", "19px system-ui, sans-serif"
 
 
@@ -149,12 +151,14 @@ class Chart:
 
 
 def add_chart(client: ClientHandle, plot: Plot, style: ChartStyle, switched_off: set[int]) -> Chart:
-    """An empty plot under its header; the first draw fills it."""
+    """A plot without curves under its header, which says that they are being computed; the first draw fills it."""
     axis = (0.1, 1.0)
-    empty = tuple(np.linspace(0.5, 1.0, 2) for _ in range(1 + len(plot.curves)))
-    header = client.gui.add_html(markup.header(plot, height=style.height, big=style.big, large=style.large, hidden=()))
+    time, unknown = np.array([0.0, 1.0]), np.full(2, np.nan)
+    header = client.gui.add_html(
+        markup.header(plot, height=style.height, big=style.big, large=style.large, empty=COMPUTING, hidden=())
+    )
     handle = client.gui.add_uplot(
-        empty,
+        (time, *(unknown for _ in plot.curves)),
         series(plot.curves, (), style),
         scales=scales(plot, axis, 1.0),
         axes=axes(plot, axis, style),

@@ -34,7 +34,7 @@ LABEL_PERIOD = 0.3
 
 
 class Scene:
-    """All 3-D nodes of one visitor."""
+    """All 3-D nodes of one visitor. Before the first picture nothing but the ground is shown."""
 
     def __init__(self, client: ClientHandle, wake: Callable[[], None]) -> None:
         """`wake` is called from viser's threads when the visitor has dragged the twin or the camera needs attention."""
@@ -105,6 +105,7 @@ class Scene:
         self._drawn, self._details = (picture, comparison), None
         self._world.fit(picture.preset.world, bounds)
         self._vehicle.fit(bounds, shape_of(picture.preset.vehicle))
+        self._vehicle.show(True)
         self._estimate.fit(picture, bounds)
         self._limits.draw(picture.motion, picture.breaks, bounds)
         self._tail.draw(picture, bounds)

@@ -30,7 +30,6 @@ class ComparisonNodes:
 
     def __init__(self, scene: SceneApi, labels: Labels) -> None:
         self._ghost = Vehicle(scene, labels, "pinned", palette.PINNED, opacity=0.35, rank=5, text="A")
-        self._ghost.show(False)
         self._path = _line(scene, "/pinned_path", palette.rgb(palette.PINNED), PATH_THICKNESS)
         self._trail = _line(scene, "/pinned_trail", palette.rgb(palette.PINNED), TRAIL_THICKNESS)
         self._estimators: dict[Name, LineSegmentsHandle] = {

@@ -32,6 +32,7 @@ class EstimateNodes:
             material="toon3",
             cast_shadow=False,
             receive_shadow=False,
+            visible=False,
         )
 
         def origin() -> np.ndarray:

@@ -14,7 +14,7 @@ from explorer.scene.labels import Labels
 
 
 class Vehicle:
-    """Nodes under /NAME that move together."""
+    """Nodes under /NAME that move together; hidden until `show`."""
 
     def __init__(
         self,
@@ -29,7 +29,7 @@ class Vehicle:
     ) -> None:
         """rank: of its label among all labels. text: of the label; by default the name."""
         rgb = palette.rgb(color)
-        self._root = scene.add_frame(f"/{name}", axes_length=1.0, axes_radius=0.02, origin_color=rgb)
+        self._root = scene.add_frame(f"/{name}", axes_length=1.0, axes_radius=0.02, origin_color=rgb, visible=False)
         self._shape: airframe.Shape = "quadrotor"
         self._fitted = Drawn()
         frame, rotors = airframe.body(self._shape), airframe.see_through(self._shape)

@@ -40,7 +40,7 @@ class WorldNodes:
         scene.set_up_direction(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         color = palette.rgb(palette.ANCHOR)
-        self._anchor = scene.add_frame("/anchor", show_axes=False)
+        self._anchor = scene.add_frame("/anchor", show_axes=False, visible=False)
         self._beacon = scene.add_icosphere(
             "/anchor/beacon", 1.0, color, subdivisions=2, flat_shading=True, scale=INVISIBLE_SIZE
         )
@@ -84,7 +84,7 @@ class WorldNodes:
         self._fit_grid(bounds)
         unit, up = bounds.unit, bounds.up
         self._anchor_position = np.asarray(world.anchor)
-        self._anchor.position = self._anchor_position
+        self._anchor.position, self._anchor.visible = self._anchor_position, True
         self._beacon.scale, self._rings.scale = BEACON_SHARE * unit, RINGS_SHARE * unit
         self._rings.wxyz = _upright(bounds)
         self._label_height = LABEL_SHARE * unit * up

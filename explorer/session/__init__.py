@@ -227,6 +227,7 @@ class Session:
     def _wait_for_compilation(self) -> None:
         compilation = self.shared.compilation
         while not (compilation.done or self._stopped):
+            self._appearance.follow(self._door.window)
             self.dock.verdict.progress(compilation.fraction, compilation.stage)
             time.sleep(PROGRESS_PERIOD)
         self.dock.verdict.progress(1.0, "ready")

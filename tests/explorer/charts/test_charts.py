@@ -43,6 +43,15 @@ def slow() -> Picture:
     return picture("paper-slow")
 
 
+def test_a_plot_says_that_it_is_computed_and_has_no_curve_before_the_first_picture(page: Page) -> None:
+    for chart in Charts(page.client, PlotSize()).charts:
+        assert all(np.isnan(curve).all() for curve in chart.handle.data[1:])
+        assert "computing …" in chart.header.content
+    shown = Charts(page.client, PlotSize())
+    shown.draw(picture("paper-slow"))
+    assert not any("computing …" in chart.header.content for chart in shown.charts if not chart.outdated)
+
+
 @given(st.integers(2, 3000), st.integers(0, 2**32))
 def test_decimation_keeps_both_extremes_of_every_curve(count: int, seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -30,6 +30,14 @@ from tests.support.sent_messages import Page
 pytestmark = pytest.mark.slow
 
 
+def test_before_the_first_picture_no_vehicle_estimate_or_anchor_is_shown(page: Page) -> None:
+    scene, names = Scene(page.client, lambda: None), ("/vehicle", "/estimate", "/ellipsoid", "/anchor")
+    assert not any(page.node(name).visible for name in names)
+    scene.draw(picture("paper-slow"))
+    assert page.node("/vehicle").visible
+    assert page.node("/anchor").visible
+
+
 @pytest.mark.parametrize("time", [0.0, 3.2149, 1e9])
 def test_vehicle_and_range_sphere_are_those_of_the_nearest_sample(page: Page, time: float) -> None:
     scene, example = Scene(page.client, lambda: None), picture("circle")
