@@ -26,7 +26,7 @@ def folded(summary: str, sentences: Iterable[str]) -> str:
 
 def upper_first(label: str) -> str:
     """A label that begins with a capital, as those of buttons do."""
-    return f"{label[0].upper()}{label[1:]}"
+    return f"{label[:1].upper()}{label[1:]}"
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
