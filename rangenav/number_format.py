@@ -24,8 +24,8 @@ SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 PRINTED_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+(?:e[+-]?\d+)?|e[+-]?\d+)(?![\w.]\d)")
 """A number with a decimal point or an exponent; a whole number stays as it is."""
 UNBROKEN = "\N{NO-BREAK SPACE}"
-BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:[mkμ]?m|m?s|Hz|k?g|N|mT|μT|rad|m²|°|%|times)(?![\w-]))")
-"""The space between a number and its unit."""
+BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:[mkμ]?m|m?s|Hz|k?g|N|mT|μT|rad|m²|°|%|times)(?![\w-])|\d{3}(?!\d))")
+"""The space between a number and its unit, and that between groups of three digits."""
 CLOSE_UNITS = ("", "°", "%")
 """Units that follow their number without a space."""
 
@@ -60,7 +60,7 @@ def shortened(sentence: str, digits: int = 3) -> str:
 
 
 def unbroken(sentence: str) -> str:
-    """The sentence with a no-break space between each number and its unit, so that no line ends between them."""
+    """The sentence with no-break spaces between numbers and their units, and inside of 16 384: no line ends there."""
     return BEFORE_UNIT.sub(UNBROKEN, sentence)
 
 

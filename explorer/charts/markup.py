@@ -18,13 +18,12 @@ from explorer.model import palette
 AXIS_SIZES, BIG_AXIS_SIZES = (50, 24), (78, 34)
 """px: width of the vertical and height of the horizontal axis of a plot; and with big type. They are fixed, so that the
 ends of the time axis are known to the cursor."""
-PADDING, BIG_PADDING = (8, 24, 0, 0), (13, 24, 0, 0)
+PADDING, BIG_PADDING = (8, 24, 0, 0), (13, 38, 0, 0)
 """px inside a plot: top, right, bottom, left; and with big type, whose highest label is half of its height higher."""
 MARGIN = 10
 """px that viser leaves around a plot (its spacing "xs"); its border is 1 px wide."""
 BORDER, BIG_FACTOR = 1, 1.5
 """px; and the factor of viser's spacing with big type (page.css)."""
-RIGHT = MARGIN + BORDER + PADDING[1]
 FRACTION = "--tcur"
 HOVERED, HOVERED_TIME = "--rn-at", "--rn-at-time"
 """The mouse's share of the time axis and the time there; unset while the mouse is on no plot."""
@@ -58,7 +57,7 @@ STYLE = f"""<style>
 .rn-empty {{ position: absolute; inset: 0; display: flex; align-items: center; justify-content: center;
   text-align: center; padding: 0 10px; font-size: calc(12px * var(--rn-scale, 1)); }}
 .rn-empty span {{ background: var(--mantine-color-body); padding: 0 .4em; border-radius: 3px; }}
-.rn-other {{ color: {palette.PRINTED_FORMULA}; opacity: 1; right: 0; }}
+.rn-other {{ color: {palette.PRINTED_FORMULA}; opacity: 1; }}
 .rn-definition {{ margin: 4px 0; padding: 5px 8px; border-left: 3px solid {palette.DEFINITION_EDGE};
   background: {palette.DEFINITION_FILL}; }}
 .rn-equation {{ font-family: "STIX Two Math", "Cambria Math", serif; line-height: 1.6;
@@ -72,8 +71,7 @@ STYLE = f"""<style>
 .rn-at::after {{ content: var({HOVERED_TIME}); }}
 .rn-window {{ position: absolute; top: 0; bottom: 0; background: {palette.WINDOW}; opacity: .13; }}
 .rn-brush {{ position: absolute; top: 0; bottom: 0; background: {palette.BRUSH}; opacity: .25; }}
-.rn-seconds {{ position: absolute; right: {MARGIN + 1 - RIGHT}px;
-  font-size: calc(12px * var(--rn-scale, 1)); opacity: .65; }}
+.rn-seconds {{ position: absolute; font-size: calc(12px * var(--rn-scale, 1)); opacity: .65; }}
 </style>"""
 
 
@@ -123,14 +121,15 @@ def header(
     fold = '<span class="rn-fold" title="Equation and meaning">▸ ƒ</span>'
     expand = "" if large else EXPAND.format(plot.name, plot.title)
     beneath = f"bottom:-{axis_height - 4}px"
-    other = f'<span class="rn-seconds rn-other" style="{beneath}">{plot.x_name} (s)</span>'
+    at_end = f"{beneath};right:-{right}px"
+    other = f'<span class="rn-seconds rn-other" style="{at_end}">{plot.x_name} (s)</span>'
     title = f'<b>{plot.title}</b><span class="rn-unit">{plot.unit}</span>{fold}'
     note = f'<div class="rn-note">{plot.definition.note}</div>' if plot.definition.note else ""
     equation = f'<div class="rn-equation">{plot.definition.equation}</div>'
     moving = (
         f'<div class="rn-window" style="left:{_left(WINDOW_FROM, "0")};{span}"></div>'
         f'<div class="rn-cursor" style="left:{_left(FRACTION, "0")}"></div>'
-        f'<span class="rn-seconds" style="{beneath}">s</span>'
+        f'<span class="rn-seconds" style="{at_end}">s</span>'
     )
     reason = f'<div class="rn-empty"><span>{escape(empty)}</span></div>' if empty else ""
     return (

@@ -11,7 +11,7 @@ from explorer.panels.motion import MotionPanel
 from explorer.panels.presets.printed import PrintedPanel
 from explorer.panels.sensors import SensorChoice
 from explorer.panels.world.twin import TwinPanel
-from explorer.widgets.complaint import InvalidInputError
+from explorer.widgets.complaint import InvalidInputError, Refusals
 from explorer.widgets.form import Form, FormSection
 from rangenav.gains import Guess
 from rangenav.motion import World
@@ -85,8 +85,11 @@ class Chosen:
             kept = controls.sensors, controls.world, controls.vehicle, controls.guess
             for panel in kept:
                 panel.touch(touched)
+            refusals = Refusals()
             for panel in (controls.motion, *kept, controls.twin):
-                panel.refresh()
+                with refusals.collecting():
+                    panel.refresh()
+            refusals.raise_first()
             self._without_gains = self._read_without_gains()
         controls.gains.refresh(self._without_gains)
         return controls.gains.read(self._without_gains)

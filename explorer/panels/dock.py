@@ -8,7 +8,7 @@ from explorer.lessons import course
 from explorer.model.assessment import Cure
 from explorer.model.comparison import Comparison
 from explorer.model.compute import Picture
-from explorer.model.glossary import MOTION
+from explorer.model.glossary import MOTION, in_labels
 from explorer.model.history import History
 from explorer.model.jobs import Jobs
 from explorer.model.settings import Printed, Settings, is_another
@@ -41,6 +41,7 @@ from explorer.storage.catalog import Catalog
 from explorer.web.uploads import Uploads
 from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.form import Action, Form
+from explorer.widgets.html import upper_first
 from explorer.widgets.page import Belonging
 from rangenav.inputs import Vec3
 from rangenav.preset import Preset
@@ -190,12 +191,12 @@ class Dock:
         try:
             yield
         except InvalidInputError as refusal:
-            self._say_not_shown(refusal.__cause__)
+            self._say_not_shown(str(refusal.__cause__), *refusal.others)
             raise
         except ValueError as error:
             in_sensors = str(error).startswith(SENSORS_SENTENCES)
             (self.sensors if in_sensors else self.motion).complain(str(error))
-            self._say_not_shown(error)
+            self._say_not_shown(str(error))
             raise InvalidInputError from error
         self.verdict.complaint.clear()
 
@@ -318,5 +319,7 @@ class Dock:
         """Reverse y and z of all axes: z up instead of down, or down instead of up."""
         self.write(relabelled(self.read()))
 
-    def _say_not_shown(self, reason: BaseException | None) -> None:
-        self.verdict.complaint.say(f"Not shown: {reason}. What you see belongs to the last values that could be used.")
+    def _say_not_shown(self, *reasons: str) -> None:
+        """Name every control that holds no valid input."""
+        wrong = ". ".join(upper_first(in_labels(reason)) for reason in dict.fromkeys(reasons))
+        self.verdict.complaint.say(f"Not shown: {wrong}. The picture belongs to the last values that could be used.")

@@ -6,22 +6,31 @@ animation the session's loop moves the playhead before each.
 
 import io
 import math
+import textwrap
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 import viser
 from jaxtyping import UInt8
 from numpy import ndarray as Array
 
+from explorer.model.compute import Picture
 from explorer.model.playback import Playback
+from explorer.model.settings import PRINTED_LABELS
 from explorer.widgets.controls import Number
 from explorer.widgets.form import Action, Form
 from explorer.widgets.progress import ProgressPanel
 from explorer.widgets.section import Section
 from rangenav.inputs import require
+from rangenav.model import STATES
 from rangenav.progress import Cancelled, CancelledError, Progress
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 PICTURE, ANIMATION = "picture of the scene", "animation of the scene"
 """Names of the jobs."""
@@ -33,10 +42,14 @@ WIDTH, ANIMATION_WIDTH = 1920, 640
 COLOURS, FREQUENT, PALETTE_FRAMES = 256, 160, 4
 """Of an animation, the most that a GIF has; how many of them are frequent ones; and from how many pictures they are
 taken."""
+FONT_SHARE, LEAST_FONT, CHARACTER = 0.016, 11, 0.58
+"""Size of the words below a picture by its width, the least (px), and the width of a character by its size."""
 PATIENCE = 20.0
 """s for the browser to draw one picture; without a graphics card it may take seconds."""
 TOO_SLOW = f"the browser has not drawn the scene within {PATIENCE:g} s: is its tab in the background?"
-PICTURE_HINT = "The scene as you see it, without the page around it, on a transparent background."
+PICTURE_HINT = (
+    "The scene as you see it, without the page around it, on a transparent background; a line below it says what it is."
+)
 ANIMATION_HINT = f"A GIF from the moment shown, {RATE} pictures a second, as fast as the flight. The page shows each."
 SECONDS_HINT = f"How much of the flight the animation shows, {MIN_SECONDS:g} to {MAX_SECONDS:g} s."
 Frame = UInt8[Array, "h w c"]
@@ -53,9 +66,13 @@ class SceneFilePanel:
         *,
         stem: Callable[[], str],
         download: Callable[[str, bytes], None],
+        instruct: Callable[[bool], None],
     ) -> None:
-        """`stem` is the beginning of the file's name, and `download` downloads a file."""
+        """`stem` is the beginning of the file's name, and `download` downloads a file. `instruct` switches what labels
+        tell a visitor to do."""
         self._form, self._client, self._playback = form, client, playback
+        self._instruct = instruct
+        self._picture_shown: Picture | None = None
         self._stem, self._download, self._jobs = stem, download, form.new_jobs()
         self._section = section = Section(form, "The scene as a file")
         with section:
@@ -68,12 +85,18 @@ class SceneFilePanel:
         form.command("Scene as PNG", self._picture)
         form.command("Animation of the scene (GIF)", self._animation)
 
+    def draw(self, picture: Picture) -> None:
+        """Note the picture that the scene shows."""
+        self._picture_shown = picture
+
     def _picture(self) -> None:
         self._require_idle()
         name, size = f"{self._stem()}-scene.png", self._size(WIDTH)
+        words = "" if self._picture_shown is None else caption(self._picture_shown, self._playback.time)
 
         def work(progress: Progress, cancelled: Cancelled) -> bytes:
-            return png(self._rendered(size, "png"))
+            with self._without_instructions():
+                return png(self._rendered(size, "png"), words)
 
         self._progress.start(PICTURE, work, partial(self._download, name), self._section.complaint.say)
 
@@ -88,12 +111,13 @@ class SceneFilePanel:
         def work(progress: Progress, cancelled: Cancelled) -> bytes:
             frames = []
             try:
-                for k, time in enumerate(times):
-                    if cancelled():
-                        raise CancelledError
-                    self._show(time)
-                    frames.append(self._rendered(size, "jpeg"))
-                    progress((k + 1) / (len(times) + 1))
+                with self._without_instructions():
+                    for k, time in enumerate(times):
+                        if cancelled():
+                            raise CancelledError
+                        self._show(time)
+                        frames.append(self._rendered(size, "jpeg"))
+                        progress((k + 1) / (len(times) + 1))
             finally:
                 self._form.do(partial(self._playback.seek, began), step=False)
             return gif(frames)
@@ -117,6 +141,15 @@ class SceneFilePanel:
         camera = self._client.camera
         width = min(camera.image_width, most)
         return max(round(camera.image_height * width / max(camera.image_width, 1)), 1), max(width, 1)
+
+    @contextmanager
+    def _without_instructions(self) -> Iterator[None]:
+        """Within it, labels say what the picture shows alone."""
+        self._wait_for(partial(self._instruct, False))
+        try:
+            yield
+        finally:
+            self._form.do(partial(self._instruct, True), step=False)
 
     def _show(self, time: float) -> None:
         """Have the session's loop show a moment (s), and wait until the scene has moved there."""
@@ -152,13 +185,45 @@ def moments(begin: float, seconds: float, duration: float) -> list[float]:
     return [begin + k / RATE for k in range(count)]
 
 
-def png(frame: Frame) -> bytes:
-    """One picture as a file."""
+def caption(picture: Picture, time: float) -> str:
+    """What a picture of the scene shows: the preset, the moment (s), whose formulas, and what can be seen."""
+    settings = picture.settings
+    printed = [PRINTED_LABELS[name] for name in PRINTED_LABELS if getattr(settings.printed, name)]
+    formulas = f"as printed in the paper: {', '.join(printed)}" if printed else "as derived"
+    verdict = picture.analysis.verdict.word if picture.analysis.verdict.judged else "not judged"
+    title = picture.preset.title or settings.origin
+    determined = f"{picture.analysis.rank} of {STATES} quantities determined"
+    return f"{title}, t = {time:.2f} s, {formulas}. Verdict (as derived): {verdict}, {determined}."
+
+
+def png(frame: Frame, words: str = "") -> bytes:
+    """One picture as a file, with words on a white strip below it."""
     from PIL import Image
 
-    buffer = io.BytesIO()
-    Image.fromarray(frame).save(buffer, "PNG")
+    picture, buffer = Image.fromarray(frame), io.BytesIO()
+    if words:
+        strip = _strip(words, picture.width, picture.mode)
+        whole = Image.new(picture.mode, (picture.width, picture.height + strip.height))
+        whole.paste(picture, (0, 0))
+        whole.paste(strip, (0, picture.height))
+        picture = whole
+    picture.save(buffer, "PNG")
     return buffer.getvalue()
+
+
+def _strip(words: str, width: int, mode: str) -> "Image.Image":
+    """Words in lines of a width (px), black on white."""
+    from matplotlib import get_data_path
+    from PIL import Image, ImageDraw, ImageFont
+
+    size = max(round(width * FONT_SHARE), LEAST_FONT)
+    font = ImageFont.truetype(f"{get_data_path()}/fonts/ttf/DejaVuSans.ttf", size)
+    lines = textwrap.wrap(words, max(int(width / (CHARACTER * size)), 1))
+    strip = Image.new(mode, (width, round(1.4 * size * (len(lines) + 0.5))), "white")
+    draw = ImageDraw.Draw(strip)
+    for k, line in enumerate(lines):
+        draw.text((size // 2, round(1.4 * size * (k + 0.25))), line, fill="black", font=font)
+    return strip
 
 
 def gif(frames: list[Frame]) -> bytes:

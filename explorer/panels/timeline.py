@@ -2,6 +2,7 @@
 key."""
 
 import html
+import math
 import time
 from dataclasses import dataclass
 from typing import Literal
@@ -9,10 +10,15 @@ from typing import Literal
 from explorer.model import palette
 from explorer.model.compute import Picture
 from explorer.model.playback import STEP, Playback
+from explorer.web.elements import element_id
+from explorer.widgets import typed_number
+from explorer.widgets.complaint import InvalidInputError
 from explorer.widgets.controls import when_moved
+from explorer.widgets.dials import BOX_LABEL, placed
 from explorer.widgets.form import Action, Form
 from explorer.widgets.section import Section
 from rangenav import window_text
+from rangenav.inputs import require_within
 from rangenav.model import STATES
 from rangenav.record import SETTLED_POSITION
 
@@ -43,6 +49,8 @@ STRIP = (
 )
 """The variables are those that move the cursor and the window of the plots."""
 MARK = '<span class="rn-mark" style="left:{:.2f}%;color:{}" title="{}">{}</span>'
+TIME, TICK = "t (s)", 0.01
+"""Label of the slider, and s between two of its positions."""
 REDRAW = 0.1
 """s between two updates of the slider while playing; the scene is updated at every frame."""
 KEEP_CAMERA_STILL = (
@@ -74,10 +82,13 @@ class TimelinePanel:
             self._section = Section(form)
             with self._section:
                 hint = "The moment shown in the scene and by the cursors of the plots. Moving it pauses."
-                self._slider = form.gui.add_slider("t (s)", 0.0, playback.duration, 0.01, 0.0, hint=hint)
+                self._slider = form.gui.add_slider(TIME, 0.0, _end(playback.duration), TICK, 0.0, hint=hint)
+                self._box = form.gui.add_text(f"{TIME}: {BOX_LABEL}", "0")
+                form.gui.add_html(placed(self._slider, self._box))
             self._buttons = form.gui.add_html("")
             form.gui.add_html(KEEP_CAMERA_STILL)
         when_moved(self._slider, lambda: form.do(self._seek, step=False))
+        when_moved(self._box, lambda: form.do(self._seek_typed, step=False))
         for name, (label, key) in KEYS.items():
             form.command(label, self.actions[name], key=key)
 
@@ -90,8 +101,9 @@ class TimelinePanel:
     def write(self, now: float) -> None:
         """Show the time of the playback."""
         playback = self._playback
-        if self._slider.max != playback.duration:
-            self._slider.max = playback.duration
+        end = _end(playback.duration)
+        if self._slider.max != end:
+            self._slider.max = end
         self._move_slider(round(playback.time, 2), now, playing=playback.playing)
         state = "playing" if playback.playing else "paused"
         faces = {name: face for name, (face, _) in BUTTONS.items()} | ({"play": "❚❚ pause"} if playback.playing else {})
@@ -106,12 +118,37 @@ class TimelinePanel:
         if moment == self._shown_time or self._form.waiting or (playing and now - self._moved_at < REDRAW):
             return
         self._slider.value = self._shown_time = moment
+        self._write_box(moment)
         self._moved_at = now
+
+    def _write_box(self, moment: float) -> None:
+        """Show a moment; a text that was refused goes with its complaint."""
+        self._box.value = typed_number.text(moment)
+        if self._section.complaint.is_about(element_id(self._box)):
+            self._section.complaint.clear()
 
     def _seek(self) -> None:
         with self._section.catching():
             self._shown_time = self._slider.value
             self._playback.seek(self._shown_time)
+        self._write_box(round(self._playback.time, 2))
+
+    def _seek_typed(self) -> None:
+        """Go to the moment in the box. What is none stays there, with a sentence."""
+        try:
+            moment = typed_number.parse(self._box.value)
+            require_within("t", moment, 0.0, self._playback.duration, "s")
+        except ValueError as error:
+            self._section.complaint.say(str(error), boxes=(element_id(self._box),))
+            raise InvalidInputError from error
+        self._section.complaint.clear()
+        self._playback.seek(moment)
+        self._shown_time = self._slider.value = round(self._playback.time, 2)
+
+
+def _end(duration: float) -> float:
+    """The end of the slider (s): the duration in ticks, rounded up, so that its number can be read."""
+    return round(math.ceil(round(duration / TICK, 6)) * TICK, 2)
 
 
 @dataclass(frozen=True)

@@ -95,7 +95,7 @@ class VerdictPanel:
         deciding = assessment.decisive(given)
         head = f'<b style="color:{color}">{sign} {figures.about(picture)}{picture.analysis.verdict.word}</b>'
         cure = self._button(picture, deciding.cure)
-        summary = html.escape(deciding.summary)
+        summary = escaped(deciding.summary)
         text = f'<span class="rn-deciding" title="{summary}">{summary}{figures.chips(picture)}</span>'
         return f'<div class="rn-line" role="status">{head}{text}{cure}{UNFOLD}</div>'
 

@@ -65,6 +65,11 @@ class Scene:
         """Where the visitor has dragged the evil twin since the last call (m, inertial frame); None if nowhere."""
         return self._twin.take_drag()
 
+    def instruct(self, on: bool) -> None:
+        """Whether labels say what a visitor may do; a picture in a file says what it shows alone."""
+        self._twin.instruct(on)
+        self._arrange()
+
     def appear(self, *, hidden: frozenset[str], big: bool, dark: bool, height: float) -> None:
         """Switch layers off and on (names of `explorer.model.layers`), with big labels and thick lines, or the usual
         ones, on a dark page or a light one. height: of the picture, CSS px."""

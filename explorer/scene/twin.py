@@ -28,6 +28,7 @@ class TwinGhost:
         """`wake` is called from viser's loop when the visitor has dragged the twin."""
         self._wake, self._lock = wake, threading.Lock()
         self._twin: Twin | None = None
+        self._instructs = True
         self._dragged: Vec3 | None = None
         self._bounds: SceneBounds | None = None
         color = palette.rgb(palette.TWIN)
@@ -61,7 +62,7 @@ class TwinGhost:
         if len(dashes):
             self._path.points = dashes.astype(np.float32)
         self._vehicle.fit(bounds, shape_of(picture.preset.vehicle))
-        self._vehicle.label.write("evil twin, drag it" if self._twin.draggable else "evil twin")
+        self._write_label()
 
     def move(self, picture: Picture, time: float) -> None:
         """Put the twin where it is at the sample nearest to a time (s), in the attitude of the true vehicle."""
@@ -76,6 +77,15 @@ class TwinGhost:
         if inside:
             self._vehicle.place(position, picture.motion.rotation[k])
             self._ranges.points = _range_lines(picture.preset.world.anchor, picture.motion.position[k], position)
+
+    def instruct(self, on: bool) -> None:
+        """Whether the label says what a visitor may do, which a picture in a file does not."""
+        self._instructs = on
+        self._write_label()
+
+    def _write_label(self) -> None:
+        draggable = self._twin is not None and self._twin.draggable and self._instructs
+        self._vehicle.label.write("evil twin, drag it" if draggable else "evil twin")
 
     def take_drag(self) -> Vec3 | None:
         """Where the visitor has dragged the twin since the last call (m, inertial frame); None if nowhere."""

@@ -172,10 +172,10 @@ class Session:
         camera = client.camera
         first_size = plot_size(camera.image_width, camera.image_height)  # until the browser has reported its window
         self.charts = Charts(client, first_size, wake=self._wake.set)
-        exporting = add_export_tab(client, self.dock, self.charts, self._playback, self._outgoing, actions.go_to)
+        scene = Scene(client, self._wake.set)
+        exporting = add_export_tab(client, self.dock, self.charts, scene, self._playback, self._outgoing, actions.go_to)
         self._add_class_tab(actions)
         self.form.command("Show all curves", self.charts.show_all_curves)
-        scene = Scene(client, self._wake.set)
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)

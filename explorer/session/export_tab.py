@@ -11,6 +11,7 @@ from explorer.panels.dock import Dock
 from explorer.panels.export import ExportActions, ExportPanel
 from explorer.panels.handout import HandoutPanel
 from explorer.panels.scene_file import SceneFilePanel
+from explorer.scene import Scene
 from explorer.session.outgoing import Outgoing
 
 
@@ -18,6 +19,7 @@ def add_export_tab(
     client: viser.ClientHandle,
     dock: Dock,
     charts: Charts,
+    scene: Scene,
     playback: Playback,
     outgoing: Outgoing,
     go_to: Callable[[str], None],
@@ -31,12 +33,14 @@ def add_export_tab(
         exporting = ExportPanel(dock.form, TITLES, exports)
         dock.belonging.append(exporting)
         dock.following.append(exporting.draw)
-        SceneFilePanel(
+        scene_file = SceneFilePanel(
             dock.form,
             client,
             playback,
             stem=lambda: named_settings()[0].removesuffix(".toml"),
             download=outgoing.download,
+            instruct=scene.instruct,
         )
+        dock.following.append(scene_file.draw)
         HandoutPanel(dock.form, settings=named_settings, lesson=lambda: dock.learn.lesson, download=outgoing.download)
     return exporting

@@ -2,7 +2,8 @@
 
 import html
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import viser
 
@@ -21,6 +22,7 @@ class Complaint:
     """One sentence below the controls that caused it."""
 
     def __init__(self, gui: viser.GuiApi, *, order: float | None = None) -> None:
+        self._boxes: tuple[str, ...] = ()
         self._line = gui.add_html("", visible=False, order=order)
 
     @property
@@ -34,6 +36,7 @@ class Complaint:
         With a `text`, show an excerpt of it that points at the column which the sentence names. `boxes` are the ids of
         the text boxes that get a red edge meanwhile.
         """
+        self._boxes = tuple(boxes)
         sentence, more = in_labels(sentence), [in_labels(line) for line in more]
         lines = "".join(f'<div style="font-weight:400;padding-left:1em">• {html.escape(line)}</div>' for line in more)
         alert = f"⚠ {html.escape(sentence)}{pointer(text, sentence)}{lines}"
@@ -42,6 +45,10 @@ class Complaint:
         if shown != self._line.content:
             self._line.content = shown
         self._line.visible = True
+
+    def is_about(self, box: str) -> bool:
+        """Whether the sentence that is shown is about the text box of an id."""
+        return self._line.visible and box in self._boxes
 
     def clear(self) -> None:
         """Hide the sentence."""
@@ -59,6 +66,39 @@ class InvalidInputError(Exception):
         """`complaint` is the one below the control, if one is the cause; the reason may name a column of the `text`."""
         super().__init__()
         self.complaint, self.text = complaint, text
+        self.others: tuple[str, ...] = ()
+        """Why other controls hold no valid input either."""
+
+
+class Refusals:
+    """The errors of steps that are all taken although some fail, so that the reason of each is shown."""
+
+    def __init__(self) -> None:
+        self._errors: list[InvalidInputError | ValueError] = []
+
+    @contextmanager
+    def collecting(self) -> Iterator[None]:
+        """Keep the InvalidInputError or ValueError of a step."""
+        try:
+            yield
+        except (InvalidInputError, ValueError) as error:
+            self._errors.append(error)
+
+    def raise_first(self) -> None:
+        """Raise the first error that was kept, with the reasons of the others; do nothing if none was."""
+        if not self._errors:
+            return
+        first, *others = self._errors
+        if isinstance(first, InvalidInputError):
+            first.others += tuple(reason for error in others for reason in _reasons(error))
+        raise first
+
+
+def _reasons(error: InvalidInputError | ValueError) -> tuple[str, ...]:
+    """Why controls hold no valid input."""
+    if isinstance(error, InvalidInputError):
+        return (str(error.__cause__), *error.others)
+    return (str(error),)
 
 
 def pointer(text: str, sentence: str) -> str:

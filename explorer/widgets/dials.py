@@ -41,6 +41,11 @@ PLACED = (
 """Places the box at the right end of the row of its slider. The label of the box is kept for readers of the screen."""
 
 
+def placed(slider: viser.GuiSliderHandle[float], box: viser.GuiTextHandle) -> str:
+    """The style that puts a box at the right end of the row of its slider, in place of viser's own."""
+    return PLACED.format(slider=element_id(slider), box=element_id(box), width=BOX_WIDTH)
+
+
 class DialControl(Control[float]):
     """A slider with a box. The slider has positions, the box has the number; the one moved last counts."""
 
@@ -59,7 +64,7 @@ class DialControl(Control[float]):
         low, high = positions
         self._slider = section.gui.add_slider(label, low, high, step, low, hint=hint, marks=marks)
         self._box = section.gui.add_text(f"{label}: {BOX_LABEL}", "")
-        section.gui.add_html(PLACED.format(slider=element_id(self._slider), box=element_id(self._box), width=BOX_WIDTH))
+        section.gui.add_html(placed(self._slider, self._box))
         self._exact, self._source = first, "exact"
         self._seen_position, self._seen_text = low, ""
         self._shown: tuple[float, str] = self._seen_position, self._seen_text
@@ -138,7 +143,8 @@ class DialControl(Control[float]):
         """Let the slider follow what was typed, and the box what the slider says; and mark what differs."""
         self._look()
         value = self._value()
-        if value is not None and self._source == "box":
+        refused = self._section.complaint.is_about(element_id(self._box))
+        if value is not None and self._source == "box" and not refused:
             self._move_slider(self._number_of(value), widen=False)
             self._seen_position = self._slider.value
         elif value is not None and self._source == "slider":

@@ -4,7 +4,7 @@ import math
 import re
 import unicodedata
 
-from rangenav.number_format import significant
+from rangenav.number_format import UNBROKEN, significant
 
 NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d+)?")
 GROUPED = re.compile(r"(?<=\d) (?=\d{3}(?!\d))")
@@ -20,7 +20,7 @@ def parse(text: str) -> float:
     if len(text) > MAX_LENGTH or NUMBER.fullmatch(plain) is None:
         quoted = f"“{text[:MAX_LENGTH]}” is no number" if text.strip() else "the box is empty"
         point = f", or {plain.replace(',', '.')} with a point" if NUMBER.fullmatch(plain.replace(",", ".", 1)) else ""
-        raise ValueError(f"{quoted}; a number is typed as 5000, 5e3 or 5 000{point}")
+        raise ValueError(f"{quoted}; a number is typed as 5000, 5e3 or 5{UNBROKEN}000{point}")
     value = float(plain)
     if not math.isfinite(value):
         raise ValueError(f"“{text}” is larger than any number that can be used")

@@ -46,7 +46,7 @@ class Noise(Input, frozen=True, kw_only=True):
         for name in SENSORS:
             value = getattr(self, name)
             least = MIN_DENSITY if self.imu_unit == "density" and name in ("gyro", "accel") else MIN_SIGMA
-            rule = f"noise {name} must lie between {least:g} and {MAX_SIGMA:g} or be 0, got {value:g}"
+            rule = f"noise {name} must be 0, or lie between {least:g} and {MAX_SIGMA:g}, got {value:g}"
             require(value == 0 or least <= value <= MAX_SIGMA, rule)
 
 

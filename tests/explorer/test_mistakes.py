@@ -32,7 +32,7 @@ def standing(sessions: tuple[int, SessionServer]) -> Iterator[Wire]:
         ("amplitude x (m)", 1e300, "amplitude must"),
         ("amplitude x (m): number", "1e300", "amplitude must"),
         ("amplitude x (m): number", "a lot", "amplitude x (m): “a lot” is no number"),
-        ("frequency ω (rad/s)", -3.0, "frequency must lie between 1e-06 and 10000 rad/s, got -3"),
+        ("frequency ω (rad/s)", -3.0, "frequency must lie between 1e-6 and 10000 rad/s, got -3"),
         ("frequency ω (rad/s)", 900.0, "faster than the IMU can sample"),
         ("phase φ₀ (rad)", math.inf, "phase φ₀ (rad) must be a finite number"),
         (SPEED, 1e9, f"{SPEED} must be a number"),
@@ -45,9 +45,9 @@ def standing(sessions: tuple[int, SessionServer]) -> Iterator[Wire]:
         ("ranges per second (Hz)", 0.0, "ranges per second must lie between"),
         ("IMU rate (Hz)", 1e12, "IMU rate must lie between"),
         ("magnetometer rate (Hz)", 900.0, "magnetometer rate must lie between 1 Hz and IMU rate"),
-        ("range noise σ (m): number", "1e9", "range noise σ must lie between"),
+        ("range noise σ (m): number", "1e9", "range noise σ must be 0, or lie between 1e-9 and 1000"),
         ("gyro noise σ (rad/s)", math.nan, "gyro noise σ (rad/s) must be a finite number"),
-        ("gyro noise σ (rad/s): number", "-1", "gyro noise σ must lie between"),
+        ("gyro noise σ (rad/s): number", "-1", "gyro noise σ must be 0, or lie between"),
         ("sensor set", "gold", "sensor set must be one of: paper, "),
         ("gyro bias (rad/s)", [math.inf, 0.0, 0.0], "gyro bias (rad/s), x: “inf” is no number"),
         ("accelerometer bias (m/s²)", [1e30, 0.0, 0.0], "accelerometer bias must not be longer than 100 m/s²"),
@@ -87,3 +87,21 @@ def test_nonsense_gets_a_sentence_and_the_last_picture_stays(standing: Wire, lab
     standing.set(label, good)
     standing.wait_for(lambda: NOT_SHOWN not in standing.text(), "the complaint to go")
     standing.wait_for(lambda: drawn(standing) == before, "the picture of the value from before")
+
+
+def test_two_wrong_boxes_are_both_named_over_the_scene_and_no_slider_jumps(standing: Wire):
+    before = standing.value("range noise σ (m)")
+    standing.set("range noise σ (m): number", "1e99")
+    standing.set("flight duration (s)", "abc")
+    wrong = ("Range noise σ must be 0, or lie between", "Flight duration (s): “abc” is no number")
+
+    def named() -> bool:
+        shown = [str(p.get("content")) for p in standing.elements.values() if p.get("visible")]
+        return any(NOT_SHOWN in text and all(sentence in text for sentence in wrong) for text in shown)
+
+    standing.wait_for(named, "both sentences in one place")
+    assert standing.value("range noise σ (m)") == before
+    standing.set("flight duration (s)", "20")
+    standing.set("range noise σ (m): number", "0.2")
+    standing.wait_for(lambda: NOT_SHOWN not in standing.text(), "the complaint to go")
+    standing.wait_for(lambda: standing.value("range noise σ (m)") != before, "the slider to follow")

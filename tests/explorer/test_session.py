@@ -227,6 +227,20 @@ def test_scrubbing_pauses_and_stays_inside_the_run(visitor: Wire):
     visitor.wait_for(lambda: "time must be" not in visitor.text(), "the complaint to go")
 
 
+@pytest.mark.parametrize("nonsense", ["abc", "-1", "1e99", ""])
+def test_a_moment_that_is_none_gets_a_sentence_and_stays_as_it_was_typed(visitor: Wire, nonsense: str):
+    sent = visitor.value("t (s): number")
+    visitor.set("t (s): number", "7.5")
+    visitor.wait_for(lambda: visitor.value("t (s)") == 7.5, "the moment")
+    visitor.set("t (s): number", nonsense)
+    visitor.wait_for_text("⚠")
+    assert visitor.value("t (s): number") == sent  # nothing was put in place of what was typed
+    assert visitor.value("t (s)") == 7.5
+    visitor.set("t (s)", 3.0)
+    visitor.wait_for(lambda: visitor.value("t (s): number") == "3", "the box to follow the slider")
+    visitor.wait_for(lambda: "⚠" not in visitor.text(), "the complaint to go")
+
+
 def test_the_clock_plays_loops_and_stops():
     clock = Playback(10.0)
     assert clock.wait(0.0) is None

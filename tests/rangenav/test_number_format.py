@@ -95,4 +95,5 @@ def test_numbers_of_a_sentence_are_rounded_and_whole_numbers_stay() -> None:
 def test_a_unit_stays_on_the_line_of_its_number(unit: str) -> None:
     blank = number_format.UNBROKEN
     assert number_format.unbroken(f"at 0.12 {unit}, or 3 {unit}") == f"at 0.12{blank}{unit}, or 3{blank}{unit}"
+    assert number_format.unbroken(f"16 384 {unit}") == f"16{blank}384{blank}{unit}"
     assert number_format.unbroken("3 motions in 5 seconds, 2 runs") == "3 motions in 5 seconds, 2 runs"

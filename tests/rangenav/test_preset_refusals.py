@@ -107,7 +107,7 @@ REFUSALS = [
     ),
     pytest.param(
         edited("accel = 0.1", "accel = 100").replace("range = 0.1", 'range = 0.1\nimu_unit = "density"'),
-        "noise accel must lie between 1e-09 and 1000 or be 0, got 1414.21 per sample at 200 Hz",
+        "noise accel must be 0, or lie between 1e-09 and 1000, got 1414.21 per sample at 200 Hz",
         "$.sensors",
         id="density at this rate",
     ),

@@ -31,8 +31,8 @@ PARTS = {"path": "path", "angular_velocity": "angular velocity", "wiggle": "seco
 INDEX = re.compile(r"\[(\d+)\]")
 KEY = re.compile(r"\b[a-z][a-z0-9]*(?:_[a-z0-9]+|\.[a-z][a-z0-9_]*)+(?![a-z0-9_(])")
 """A key in a sentence: a word with an underscore or a dot inside."""
-EXPONENT = re.compile(r"(\d)e\+0*(\d)")
-"""1e+08 is written as 1e8, as a person types it."""
+EXPONENT = re.compile(r"(\d)e(?:\+|(-))0*(\d)")
+"""1e+08 is written as 1e8 and 1e-09 as 1e-9, as a person types them."""
 SUBJECT = re.compile(r"(?:^|(?<=: ))(noise )?([a-z][a-z0-9]*)(?= must )")
 """A key of one word is recognised at the beginning of a rule only: “q must lie between …”."""
 
@@ -71,7 +71,7 @@ def field_label(where: str) -> str:
 
 def in_labels(sentence: str) -> str:
     """A sentence of the library with the labels of the page in place of the keys of a preset's file."""
-    sentence = EXPONENT.sub(r"\1e\2", sentence)
+    sentence = EXPONENT.sub(r"\1e\2\3", sentence)
     text = KEY.sub(lambda match: _known(match[0]), sentence)
     return SUBJECT.sub(lambda match: (BY_FIELD if match[1] else LAST).get(match[0], match[0]), text)
 

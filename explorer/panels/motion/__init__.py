@@ -11,6 +11,7 @@ from explorer.panels.motion.families import ANGULAR_VELOCITY_LABELS, description
 from explorer.panels.motion.families.editor import SignalSlot
 from explorer.panels.motion.path import PathPanel, PathTransforms
 from explorer.panels.motion.signal import SignalEditor
+from explorer.widgets.complaint import Refusals
 from explorer.widgets.controls import Number
 from explorer.widgets.dials import Dial, InverseDial
 from explorer.widgets.form import Form
@@ -71,14 +72,20 @@ class MotionPanel:
         with self.path.section:
             self._transforms = PathTransforms(form, edit)
         self.angular_velocity = _AngularVelocity(form)
+        self._duration = MIN_DURATION
+        """s: of the flight, the last one that was valid."""
 
     def refresh(self) -> None:
         """Show what follows from the motion chosen. Raises InvalidInputError after showing the reason."""
-        self.timing.refresh()
-        _, duration, _ = self.timing.read()
-        self._transforms.set_duration(duration)
-        self.path.refresh(duration)
-        self.angular_velocity.refresh(duration)
+        refusals = Refusals()
+        with refusals.collecting():
+            self.timing.refresh()
+            _, self._duration, _ = self.timing.read()
+            self._transforms.set_duration(self._duration)
+        for part in (self.path, self.angular_velocity):
+            with refusals.collecting():
+                part.refresh(self._duration)
+        refusals.raise_first()
 
     def read(self) -> MotionChoice:
         """The motion chosen. Raises InvalidInputError."""

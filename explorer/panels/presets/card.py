@@ -73,7 +73,7 @@ def _framed(preset: Preset, title: str, *parts: str) -> str:
 
 
 def _story(preset: Preset) -> str:
-    return f"<div>{html.escape(preset.story)}</div>" if preset.story else ""
+    return f"<div>{escaped(preset.story)}</div>" if preset.story else ""
 
 
 def badge(preset: Preset, certificate_or_reason: CertificateOrReason | None) -> tuple[str, str, str]:

@@ -63,7 +63,7 @@ def test_a_fields_term_names_a_key_that_presets_have():
         ("Not shown: q must be 1. More.", "Not shown: range weight q must be 1. More."),
         ("p0.position must lie between 1 and 2, got 3", "initial variance P₀(p) must lie between 1 and 2, got 3"),
         ("accel_bias must not be longer than 100 m/s²", "accelerometer bias must not be longer than 100 m/s²"),
-        ("noise range must lie between 1 and 2 or be 0", "range noise σ must lie between 1 and 2 or be 0"),
+        ("noise range must be 0, or lie between 1e-09 and 2", "range noise σ must be 0, or lie between 1e-9 and 2"),
         ("own.toml: cannot be read, e.g. by 0.5 s", "own.toml: cannot be read, e.g. by 0.5 s"),
     ],
 )

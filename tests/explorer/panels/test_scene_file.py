@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from explorer.model.compute import compute
+from explorer.model.settings import Printed, Settings
 from explorer.panels import scene_file
+from rangenav import preset
+from tests.support.pictures import picture
 
 
 @pytest.mark.parametrize(
@@ -32,6 +36,22 @@ def test_a_file_repeats_the_pictures_at_the_pace_of_the_flight():
         assert animation.info["duration"] == 1000 / scene_file.RATE
         shown = np.asarray(animation.convert("RGB"), dtype=int)
         assert np.abs(shown - frames[k]).max() < 40
+
+
+def test_a_picture_says_below_itself_what_it_shows():
+    frame = np.zeros((60, 400, 4), dtype=np.uint8)
+    printed = compute(Settings(preset=preset.load("circle"), printed=Printed(excitation=True)))
+    words = scene_file.caption(printed, 1.5)
+    assert "t = 1.50 s, as printed in the paper: printed signal φ" in words
+    assert "Verdict (as derived): blind, 11 of 13 quantities determined" in words
+    assert "as derived. Verdict" in scene_file.caption(picture("circle"), 1.5)
+    read = np.asarray(Image.open(io.BytesIO(scene_file.png(frame, words))))
+    assert read.shape[1] == 400
+    np.testing.assert_array_equal(read[:60], frame)
+    strip = read[60:]
+    assert (strip[..., 3] == 255).all()
+    assert strip[..., :3].min() < 50  # ink
+    assert (strip[:, -3:, :3] == 255).all()  # no word is cut
 
 
 def test_a_picture_keeps_its_transparent_background():

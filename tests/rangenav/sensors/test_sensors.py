@@ -315,21 +315,21 @@ def test_check_accepts_a_record_without_a_magnetometer_or_ranges_but_not_one_of_
 @pytest.mark.parametrize(
     ("build", "sentence"),
     [
-        (lambda: Noise(gyro=-0.01), "noise gyro must lie between 1e-09 and 1000 or be 0, got -0.01"),
-        (lambda: Noise(range=1e4), "noise range must lie between 1e-09 and 1000 or be 0, got 10000"),
-        (lambda: Noise(range=1e-200), "noise range must lie between 1e-09 and 1000 or be 0, got 1e-200"),
+        (lambda: Noise(gyro=-0.01), "noise gyro must be 0, or lie between 1e-09 and 1000, got -0.01"),
+        (lambda: Noise(range=1e4), "noise range must be 0, or lie between 1e-09 and 1000, got 10000"),
+        (lambda: Noise(range=1e-200), "noise range must be 0, or lie between 1e-09 and 1000, got 1e-200"),
         (lambda: Noise(mag=np.nan), "mag must be a finite number, got nan"),
         (
             lambda: Noise(gyro=1e-12, imu_unit="density"),
-            "noise gyro must lie between 1e-11 and 1000 or be 0, got 1e-12",
+            "noise gyro must be 0, or lie between 1e-11 and 1000, got 1e-12",
         ),
         (
             lambda: Noise(range=1e-10, imu_unit="density"),
-            "noise range must lie between 1e-09 and 1000 or be 0, got 1e-10",
+            "noise range must be 0, or lie between 1e-09 and 1000, got 1e-10",
         ),
         (
             lambda: Sensors(imu_rate=900.0, noise=Noise(accel=50.0, imu_unit="density")),
-            "noise accel must lie between 1e-09 and 1000 or be 0, got 1500 per sample at 900 Hz",
+            "noise accel must be 0, or lie between 1e-09 and 1000, got 1500 per sample at 900 Hz",
         ),
         (lambda: Sensors(imu_rate=0.5), "imu_rate must lie between 1 and 10000 Hz, got 0.5"),
         (lambda: Sensors(imu_rate=1e9), "imu_rate must lie between 1 and 10000 Hz, got 1e+09"),
