@@ -21,7 +21,7 @@ def take(folder: Path) -> list[Path]:
     written = []
     with served() as server, chromium() as browser:
         for width, height in SIZES:
-            visitor = Visitor(browser, server.url, width=width, height=height)
+            visitor = Visitor(browser, server.url, width=width, height=height, drawn=True)
             visitor.dismiss_notifications()
             visitor.type_number("t (s)", MOMENT)
             visitor.page.mouse.move(width / 2, height / 3)
@@ -29,7 +29,7 @@ def take(folder: Path) -> list[Path]:
             written.append(folder / f"page-{width}x{height}.png")
             visitor.page.screenshot(path=written[-1])
             visitor.close()
-        visitor = Visitor(browser, f"{server.url}?present")
+        visitor = Visitor(browser, f"{server.url}?present", drawn=True)
         visitor.dismiss_notifications()
         visitor.tab("Presets")
         visitor.folder("As printed in the paper")

@@ -5,10 +5,11 @@ import io
 from pathlib import Path
 
 import numpy as np
+import pytest
 from PIL import Image
-from playwright.sync_api import Locator
+from playwright.sync_api import Browser, Locator
 
-from tests.browser.page import PATIENCE, Visitor, until
+from tests.browser.page import COARSE, PATIENCE, Server, Visitor, until
 
 MOST_ACTIONS = 15
 WEIGHT = "range weight q (1/(m⁴ s))"
@@ -37,6 +38,15 @@ class Researcher:
         self.visitor.type_number(label, text)
 
 
+@pytest.fixture(scope="module")
+def visitor(server: Server, browser: Browser):
+    """One page for these tests, whose scene is saved in the end."""
+    tab = Visitor(browser, server.url, density=COARSE, drawn=True)
+    tab.dismiss_notifications()
+    yield tab
+    tab.close()
+
+
 def saved_by(visitor: Visitor, label: str) -> bytes:
     """The file that a button downloads."""
     with visitor.page.expect_download(timeout=PATIENCE * 1000) as coming:
@@ -49,8 +59,7 @@ def selected_tabs(visitor: Visitor) -> list[str]:
     return [text.strip() for text in tabs.all_inner_texts()]
 
 
-def test_from_the_error_dynamics_of_a_preset_to_a_plot_of_two_gains_in_fifteen_actions(narrow_page: Visitor):
-    visitor = narrow_page
+def test_from_the_error_dynamics_of_a_preset_to_a_plot_of_two_gains_in_fifteen_actions(visitor: Visitor):
     researcher = Researcher(visitor)
     researcher.tab("Presets")
     researcher.choose("preset", "(lissajous)")
@@ -76,8 +85,7 @@ def test_from_the_error_dynamics_of_a_preset_to_a_plot_of_two_gains_in_fifteen_a
     assert visitor.complaints == []
 
 
-def test_a_reload_keeps_the_tabs_and_the_pinned_run_and_the_open_preset_can_be_chosen_anew(narrow_page: Visitor):
-    visitor = narrow_page
+def test_a_reload_keeps_the_tabs_and_the_pinned_run_and_the_open_preset_can_be_chosen_anew(visitor: Visitor):
     visitor.reload()
     visitor.wait_for_node("/pinned_trail")
     until(lambda: selected_tabs(visitor) == ["Convergence", "Export"], "the tabs from before")
@@ -91,8 +99,7 @@ def test_a_reload_keeps_the_tabs_and_the_pinned_run_and_the_open_preset_can_be_c
     visitor.wait_for_text("Pin a run, change anything")  # A was gone with its preset
 
 
-def test_the_scene_is_saved_as_a_picture_and_as_an_animation(narrow_page: Visitor):
-    visitor = narrow_page
+def test_the_scene_is_saved_as_a_picture_and_as_an_animation(visitor: Visitor):
     visitor.tab("Export")
     picture = np.asarray(Image.open(io.BytesIO(saved_by(visitor, "Scene as PNG"))))
     assert picture.shape[2] == 4

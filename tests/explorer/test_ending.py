@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from explorer.server import SessionServer
 from tests.support.server_process import ServerProcess
+from tests.support.waiting_visitor import arrived
 from tests.support.wire import Storage
 
 pytestmark = pytest.mark.slow
@@ -26,20 +28,22 @@ def test_what_was_changed_a_moment_before_a_signal_is_saved(tmp_path: Path, numb
     tab.close()
 
 
-def test_the_work_of_a_newer_version_outlives_a_visit_and_the_page_says_where_it_is(tmp_path: Path):
-    storage, server = Storage(), ServerProcess(tmp_path)
-    tab = server.connect(storage)
-    tab.set("noise seed", 3.0)
-    tab.wait_for(lambda: list(server.work.glob("*.json")), "saved work")
-    server.end(signal.SIGTERM)
-    tab.close()
-    (file,) = server.work.glob("*.json")
+def test_the_work_of_a_newer_version_outlives_a_visit_and_the_page_says_where_it_is(
+    sessions: tuple[int, SessionServer],
+):
+    folder = sessions[1].shared.work_files.folder
+    others = set(folder.glob("*.json"))
+    before = arrived(sessions)
+    before.set("noise seed", 3.0)
+    before.tab.close()
+    before.session.thread.join()
+    (file,) = set(folder.glob("*.json")) - others
     newer = file.read_bytes().replace(b'"version":1', b'"version":2', 1).replace(b'"settings":', b'"chosen":', 1)
     file.write_bytes(newer)
-    server = ServerProcess(tmp_path)
-    tab = server.connect(storage)
-    assert any("newer version of the program" in text and f"{file.name}.newer" in text for text in tab.notifications)
-    server.end(signal.SIGTERM)
-    tab.close()
+    after = arrived(sessions, before.tab.storage)
+    words = ("newer version of the program", f"{file.name}.newer")
+    after.tab.wait_for(lambda: any(all(word in text for word in words) for text in after.tab.notifications), "a notice")
+    after.tab.close()
+    after.session.thread.join()
     assert file.read_bytes() == newer
     assert file.with_name(f"{file.name}.newer").read_bytes() == newer
