@@ -182,10 +182,16 @@ class Session:
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
-        self._address = Address(client, self.dock, self.catalog, self._outgoing.notify, lesson=self.shared.lesson)
-        self._actions |= {
+        self._address = Address(
+            client,
+            self.dock,
+            self.catalog,
+            self._outgoing.notify,
+            lesson=self.shared.lesson,
+            record=lambda settings: self.history.record(settings, time.monotonic(), separate=True),
+        )
+        self._actions |= self._address.actions | {
             "learn": lambda: self.dock.learn.open_number(FIRST_LESSON),
-            "link": self._address.copy_link,
             "go-tune": lambda: actions.go_to(COMPARE["tries"].caption),
         }
         self.form.command("Copy a link to this page", self._address.copy_link, step=False)
@@ -246,6 +252,7 @@ class Session:
         if self._classroom is not None:
             self._classroom.refresh()
         self.dock.learn.check_again()
+        self._appearance.follow(self._door.window)  # a lesson may have been opened, or its prediction committed
         if not applied:
             self._display.draw_handles()
 

@@ -23,6 +23,10 @@ AROUND_SCENE = 140
 """px of the window's height that the verdict and the timeline take from the scene (page.css)."""
 
 
+ANSWERING = frozenset({"blind", "twin", "sphere", "excitation", "uncertainty"})
+"""Layers of the scene that answer a lesson's question: they are shown once its prediction is committed."""
+
+
 class Appearance:
     """The look of one visitor's page."""
 
@@ -32,6 +36,7 @@ class Appearance:
         self._client, self._controls, self._charts = client, controls, charts
         self._scene, self._display = scene, display
         self._window: Window | None = None
+        self._veiled: frozenset[str] = frozenset()
         self._dark, self._controls_width = False, dock.WIDTH
 
     def follow(self, window: Window | None) -> None:
@@ -43,9 +48,10 @@ class Appearance:
             self._controls.see(window.tabs)
             self._controls.verdict.fold("unfolded" not in window.flags)
         looks = replace(window, plots=None, tabs=None)
-        if looks == self._window:
+        veiled = ANSWERING if self._controls.learn.waits_for_prediction else frozenset()
+        if (looks, veiled) == (self._window, self._veiled):
             return
-        self._window = looks
+        self._window, self._veiled = looks, veiled
         big = "big" in window.flags
         if self._dark != ("dark" in window.flags):
             self._dark = not self._dark
@@ -55,7 +61,7 @@ class Appearance:
             self._controls_width = width
             self._client.gui.main_panel.set_width(width)
         height = max(window.height - AROUND_SCENE * (1.4 if big else 1.0), 100.0)
-        self._scene.appear(hidden=layers.hidden(window.switched), big=big, dark=self._dark, height=height)
+        self._scene.appear(hidden=layers.hidden(window.switched) | veiled, big=big, dark=self._dark, height=height)
         if self._charts.resize(plot_size(window.width, window.height, big=big, dark=self._dark)):
             self._display.redraw()
 

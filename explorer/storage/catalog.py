@@ -97,6 +97,18 @@ class Catalog:
         self.presets[name] = _parsed(content, f"{name.removeprefix(MINE)}.toml")
         return self._opened(name, content)
 
+    def has_changed(self, settings: Settings) -> bool:
+        """Whether settings differ from the preset that they come from, or come from one that is in no file yet."""
+        if settings.origin.startswith(NEW) or settings.origin not in self.presets:
+            return True
+        opened = Settings(
+            origin=settings.origin,
+            edition=settings.edition,
+            preset=self.presets[settings.origin],
+            drafts=settings.drafts,
+        )
+        return settings != opened
+
     def is_own(self, name: str) -> bool:
         """Whether a preset is a file of the visitor's own."""
         return name.startswith(MINE)

@@ -4,7 +4,7 @@ viser 1.1.1 reports none of it. A script in the page (page.js) writes it into a 
 there, and brings the style sheet (page.css) along. The text is a query string:
 
     width=1366&height=768&flags=dark+unfolded&switched=sphere&plots=snap&tabs=motion&query=preset%3Dhover
-    &event=1712345678901:repair&link=eNp…    (the link is the text after #s= in the address, which viser removes there)
+    &event=1712345678901:repair&link=eNp…&arrival=1    (the link is the text after #s= in the address)
 
 A browser may write anything: what does not have this form is ignored.
 """
@@ -26,8 +26,9 @@ from explorer.web.connection import run_script
 LABEL = "page"
 MAX_LENGTH, MAX_EVENTS = 16_000, 64
 """Characters of a report, and events stored while the session is busy; beyond that the oldest are dropped."""
-SIZE, EVENT, NAME, LINK = (
+SIZE, ARRIVAL, EVENT, NAME, LINK = (
     re.compile(r"[1-9]\d{1,4}"),
+    re.compile(r"\d{1,6}", re.ASCII),
     re.compile(r"(\d{1,16}):([a-z][\w-]{0,60})"),
     re.compile(r"[a-z-]{1,30}"),
     re.compile(r"[\w-]{1,15000}", re.ASCII),
@@ -58,6 +59,10 @@ class Window:
     """What follows the question mark in the address."""
     link: str = ""
     """The text of a link, from the fragment of the address."""
+    arrival: int = 0
+    """Which link this is since the page was loaded: the same one may be opened twice."""
+    answered: bool = False
+    """Whether what the address asks for was opened, or refused, before this connection began."""
 
 
 class Door:
@@ -107,6 +112,8 @@ class Door:
                 tabs=_names(said["tabs"][0]) if "tabs" in said else None,
                 query=said.get("query", [""])[0],
                 link=link if LINK.fullmatch(link := said.get("link", [""])[0]) else "",
+                arrival=int(number) if ARRIVAL.fullmatch(number := said.get("arrival", [""])[0]) else 0,
+                answered="answered" in said,
             )
             for event in said.get("event", []):
                 match = EVENT.fullmatch(event)
@@ -119,6 +126,11 @@ class Door:
 def copy_link(client: viser.ClientHandle, fragment: str) -> None:
     """Copy the page's address with a fragment."""
     run_script(client, f"window.rnPage.copyLink({json.dumps(fragment)})")
+
+
+def mark_answered(client: viser.ClientHandle) -> None:
+    """Have the browser remember that what its address asks for was opened or refused."""
+    run_script(client, "window.rnPage.markAnswered()")
 
 
 def script(*, welcome: bool) -> str:

@@ -1,13 +1,15 @@
 // Runs in the visitor's browser (viser 1.1.1). It keeps what only the browser knows, and reports it to the session.
 //
 //   width=1366&height=768&flags=dark+unfolded&switched=sphere&plots=snap&tabs=motion&query=preset%3Dhover
-//   &event=1712345678901:repair
+//   &answered=1&event=1712345678901:repair
 //
 // flags    choices that are kept in localStorage: they are classes of the page's root element, so that the style sheet
 //          follows without a round trip
 // switched layers of the scene that were switched, off or on
 // plots    plots in sight, or "none": those of closed tabs and of a folded panel have no box on the page
 // tabs     open tabs, by their labels
+// link     the text of a link, with the number of its arrival: the same one may be opened twice
+// answered what the address asks for was opened or refused
 // event    buttons pressed in the last second, each with a number of its own: viser drops all but the last input of 50 ms
 //
 // A button of the page's own HTML names what it does:
@@ -26,6 +28,20 @@
   const shared = address => (address.match(/#(?:.*&)?s=([\w-]+)/) || ['', ''])[1];
   const came = performance.getEntriesByType('navigation')[0];
   let link = came && came.type !== 'reload' ? shared(location.href) || shared(came.name) : '';
+  let arrivals = link ? 1 : 0;
+  // What the address asks for is answered once: neither a reload nor a new connection asks again, but a new visit does.
+  const ANSWERED = 'rangenav-answered';
+  let answered = false;
+  try {
+    if (came && came.type === 'navigate') sessionStorage.removeItem(ANSWERED);
+    answered = sessionStorage.getItem(ANSWERED) !== null;
+  } catch (refused) { console.info(String(refused)); }
+  const markAnswered = () => {
+    answered = true;
+    link = '';
+    try { sessionStorage.setItem(ANSWERED, '1'); } catch (refused) { console.info(String(refused)); }
+    report();
+  };
   const asked = new URLSearchParams(query), present = asked.has('present');
   // whoever asks for something is not held up by the card
   let welcomed = SKIP_WELCOME || asked.has('preset') || asked.has('lesson') || link !== '';
@@ -67,7 +83,7 @@
     const text = new URLSearchParams([
       ['width', innerWidth], ['height', innerHeight], ['flags', flags().join(' ')], ['switched', kept.switched.join(' ')],
       ['plots', plots], ['tabs', tabs],
-      ['query', query], ...(link ? [['link', link]] : []), ...events.map(event => ['event', event]),
+      ['query', query], ...(link ? [['link', link], ['arrival', arrivals]] : []), ...(answered ? [['answered', '1']] : []), ...events.map(event => ['event', event]),
     ]).toString();
     if (text === last && !again) return;
     last = text;
@@ -104,7 +120,14 @@
     if (button.dataset.rnLayer) act('layer', button.dataset.rnLayer);
     if (button.dataset.rnTab) act('tab', button.dataset.rnTab);
   });
-  addEventListener('hashchange', () => { const next = shared(location.href); if (next) { link = next; report(); } });
+  addEventListener('hashchange', () => {
+    const next = shared(location.href);
+    if (!next) return;
+    link = next;
+    arrivals += 1;
+    history.replaceState(history.state, '', location.pathname + location.search);  // so that the same link can be opened again
+    report();
+  });
   const copyLink = fragment => {
     const address = location.origin + location.pathname + '?' + fragment;  // viser makes its socket's address of all before the ?
     const aside = () => {
@@ -144,6 +167,6 @@
   new MutationObserver(() => {
     marking = marking || setTimeout(() => { marking = 0; mark(); }, 200);
   }).observe(document.body, {childList: true, subtree: true});
-  window.rnPage = {report, act, copyLink};
+  window.rnPage = {report, act, copyLink, markAnswered};
   show(); fit(); report();
 })();

@@ -10,15 +10,16 @@ from explorer.lessons import course
 from explorer.model import share
 from explorer.model.settings import Settings
 from rangenav import preset
-from tests.browser.page import Server, Visitor
+from tests.browser.page import COARSE, Server, Visitor
 
 LESSON = course().lessons[0]
+ANOTHER = Settings(origin="soft", preset=preset.load("soft"), time_scale=1.75)
 OTHER = Settings(origin="soft", preset=preset.load("soft"), time_scale=1.5)
 
 
 @pytest.fixture(scope="module")
 def visitor(server: Server, browser: Browser):
-    tab = Visitor(browser, f"{server.url}?lesson={LESSON.number}", says="blind")
+    tab = Visitor(browser, f"{server.url}?lesson={LESSON.number}", density=COARSE, says="determined")
     tab.dismiss_notifications()
     yield tab
     assert tab.complaints == []
@@ -30,13 +31,27 @@ def test_a_link_with_a_lesson_opens_it_at_its_question(visitor: Visitor):
     visitor.wait_for_text("Can the drone know where it is?")
 
 
-def test_a_link_opens_its_settings_on_an_open_page_and_a_broken_one_says_so(visitor: Visitor):
-    visitor.page.evaluate("fragment => { location.hash = fragment }", f"#s={share.link_text(OTHER)}")
-    visitor.wait_for_text("A link was opened")
-    visitor.tab("Motion")
-    visitor.wait_for_text("1.5")
-    visitor.page.evaluate("location.hash = '#s=abc'")
+def test_a_link_on_an_open_page_asks_if_work_would_be_lost_and_a_reload_asks_no_more(visitor: Visitor):
+    question = visitor.page.locator(".rn-question")
+    follow(visitor, share.link_text(OTHER))
+    visitor.wait_for_text("A link was opened")  # at once: there was nothing to lose
+    follow(visitor, "abc")
     visitor.wait_for_text("The link is damaged")
+    follow(visitor, share.link_text(ANOTHER))
+    question.get_by_role("button", name="Stay here").click()
+    question.wait_for(state="hidden")
+    follow(visitor, share.link_text(ANOTHER))
+    question.get_by_role("button", name="Open it").click()
+    visitor.tab("Motion")
+    visitor.wait_for_text("1.75 times as slow")
+    visitor.reload()  # the address still names a lesson, which has been left
+    visitor.wait_for_text("1.75 times as slow")
+    assert not question.is_visible()
+
+
+def follow(visitor: Visitor, link: str) -> None:
+    """As if a link was opened in the tab that shows the page."""
+    visitor.page.evaluate("fragment => { location.hash = fragment }", f"#s={link}")
 
 
 def test_a_new_tab_opens_a_link_and_copies_its_own(server: Server, browser: Browser):

@@ -84,7 +84,7 @@ class LearnPanel:
         named: dict[str, Action] = {
             "next": lambda: self._turn(1),
             "back": lambda: self._turn(-1),
-            "leave": self._leave,
+            "leave": self.leave,
             "following": self._following,
             "hint": self._hint,
             "show": self._demonstrate,
@@ -105,6 +105,11 @@ class LearnPanel:
     def lesson(self) -> Lesson | None:
         """The open lesson; None while the list is shown, or if the lesson is no longer there."""
         return next((one for one in self._course.lessons if one.name == self.learning.lesson), None)
+
+    @property
+    def waits_for_prediction(self) -> bool:
+        """Whether a lesson is open whose prediction is not committed yet: nothing may answer it."""
+        return self.lesson is not None and PREDICTION not in progress.answers_of(self.learning, self.learning.lesson)
 
     @property
     def content(self) -> str:
@@ -129,8 +134,12 @@ class LearnPanel:
             self.open(lesson)
 
     def restore(self, learning: Learning) -> None:
-        """Take over where the visitor was before a reload."""
+        """Take over where the visitor was before a reload, but not beyond a prediction that is not committed."""
         self.learning = learning
+        lesson = self.lesson
+        if lesson is not None and self.waits_for_prediction:
+            first = [screen.kind for screen in screens.screens(lesson)].index("prediction")
+            self.learning = msgspec.structs.replace(learning, screen=min(learning.screen, first))
         self._draw()
 
     def wait(self, now: float) -> float | None:
@@ -200,13 +209,13 @@ class LearnPanel:
 
     def _turn(self, by: int) -> None:
         lesson = self.lesson
-        if lesson is None or (by > 0 and self._waits_for_prediction(lesson)):
+        if lesson is None or (by > 0 and self._asks_now):
             return
         _, k, count = screens.shown(lesson, self.learning.screen)
         self.learning = msgspec.structs.replace(self.learning, screen=min(max(k + by, 0), count - 1))
         self._draw()
 
-    def _leave(self) -> None:
+    def leave(self) -> None:
         """Back to the list, and to what was on the page before."""
         self._stop_show()
         before = self.learning.before
@@ -222,7 +231,7 @@ class LearnPanel:
         if k < len(names):
             self.open(self._course.lessons[k])
         else:
-            self._leave()
+            self.leave()
 
     def _again(self) -> None:
         if self.lesson is not None:
@@ -294,7 +303,7 @@ class LearnPanel:
 
     def _demonstrate(self) -> None:
         lesson = self.lesson
-        if lesson is not None:
+        if lesson is not None and not self.waits_for_prediction:
             self._show.begin(demonstration.steps(self._page.read(), lesson.solved.settings), time.monotonic())
             self._said = self._end_of_show(lesson) if self._show.ended else ""
             self._draw()
@@ -349,12 +358,13 @@ class LearnPanel:
             return None
         return screens.shown(lesson, self.learning.screen)[0].kind
 
-    def _waits_for_prediction(self, lesson: Lesson) -> bool:
-        answers = progress.answers_of(self.learning, lesson.name)
-        return self._kind == "prediction" and PREDICTION not in answers
+    @property
+    def _asks_now(self) -> bool:
+        """Whether the open screen asks for the prediction."""
+        return self._kind == "prediction" and self.waits_for_prediction
 
     def _asks_number(self, lesson: Lesson) -> bool:
-        return self._waits_for_prediction(lesson) and not lesson.header.prediction.choices
+        return self._asks_now and not lesson.header.prediction.choices
 
     def _states(self, lesson: Lesson) -> dict[str, State | None]:
         """The states that the text may name; before the first picture what is shown is the lesson's first state."""

@@ -70,9 +70,28 @@ def test_the_prediction_comes_before_what_follows_it_and_is_committed_once(learn
     assert f"You predicted: <b>{lesson.header.prediction.choices[0]}</b>" in learning.learn.content
 
 
+def predict(dock: Dock) -> None:
+    """Go on to the prediction of the open lesson, and commit one."""
+    while "Your prediction" not in dock.learn.content:
+        dock.learn.actions["lesson-next"]()
+    dock.learn.actions["lesson-predict-1"]()
+    dock.learn.predict("1")
+
+
+def test_saved_work_does_not_lead_beyond_a_prediction_that_is_missing(learning: Dock):
+    learning.learn.restore(Learning(lesson=COURSE.lessons[0].name, screen=6))
+    assert "Your prediction" in learning.learn.content
+    assert learning.learn.waits_for_prediction
+
+
 @pytest.mark.parametrize("lesson", COURSE.lessons, ids=lambda lesson: lesson.name)
-def test_show_me_leads_from_the_start_of_each_lesson_to_its_solution(learning: Dock, lesson):
+def test_show_me_waits_for_the_prediction_and_then_leads_to_the_solution_of_each_lesson(learning: Dock, lesson):
     learning.learn.open(lesson)
+    learning.learn.actions["lesson-show"]()  # a browser may send what its page does not offer
+    assert learning.learn.wait(time.monotonic()) is None
+    assert learning.read() == lesson.start.settings
+    assert learning.learn.learning.answers == ()
+    predict(learning)
     learning.learn.actions["lesson-show"]()
     while learning.learn.wait(time.monotonic()) is not None:
         learning.learn.play_if_due(time.monotonic() + 60.0)
@@ -104,9 +123,9 @@ def test_the_check_judges_what_the_page_shows_and_a_passed_lesson_stays_passed(l
 def test_what_is_answered_pinned_or_opened_while_the_picture_stays_is_checked_again(learning: Dock):
     asked = next(one for one in COURSE.lessons if one.header.answers)
     learning.learn.open(asked)
+    predict(learning)
     while "Task" not in learning.learn.content:
         learning.learn.actions["lesson-next"]()
-        learning.learn.actions["lesson-predict-1"]()
     show(learning)
     wait_for(learning, "Name the fault of every record.")
     for k, answer in enumerate(asked.header.answers, start=1):
