@@ -80,7 +80,7 @@ def _document(base: Picture, data: dict[str, Any], lesson: Lesson | None, name: 
     title = lesson.header.title if lesson is not None else base.preset.title or name
     parts = {
         "TITLE": html.escape(title),
-        "STORY": html.escape(base.preset.story),
+        "STORY": html.escape(base.preset.story) if lesson is None else "",  # it may answer the lesson's question
         "LESSON": _lesson(lesson) if lesson is not None else "",
         "PRESET_NAME": html.escape(f"{name}.toml", quote=True),
         "PRESET": _data_url(preset_bytes, "application/toml"),

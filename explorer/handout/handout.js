@@ -1,12 +1,20 @@
 // A handout in the browser: one moment and one variant are shown; sliders and the play bar choose them.
 (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
+  // A browser prints a drawing of WebGL only if its pixels are kept.
+  const context = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, options) {
+    return context.call(this, kind, kind.startsWith('webgl') ? {...options, preserveDrawingBuffer: true} : options);
+  };
   const by = id => document.getElementById(id);
   const base = data.base;
-  let shown = base, moment = 0, playing = false, last = 0;
+  let shown = base, moment = 0, playing = false, last = 0, printing = false;
   const of = key => shown[key] || base[key];
-  const ink = () => getComputedStyle(document.body).color;
-  const line = () => getComputedStyle(document.documentElement).getPropertyValue('--line').trim() || '#ccc';
+  // On paper everything is dark on light, whatever the screen shows.
+  const ink = () => printing ? '#000' : getComputedStyle(document.body).color;
+  const line = () => printing ? '#ccc' : getComputedStyle(document.documentElement).getPropertyValue('--line').trim() || '#ccc';
+  // The plots and the verdict answer the prediction of a lesson.
+  const waits = () => !!document.querySelector('.choice') && !document.documentElement.classList.contains('predicted');
   const RUNS = {truth: '#0072B2', estimate: '#D55E00', anchor: '#6B7785'};
 
   // A rotation vector turns the axes of the body.
@@ -60,7 +68,7 @@
   };
   const sceneLayout = () => {
     const range = limits(of('truth')), up = upright();
-    const axis = (title, j) => ({title: {text: title}, range: range[j], color: ink(), gridcolor: line(), showbackground: false});
+    const axis = (title, j) => ({title: {text: title}, range: range[j], nticks: 5, color: ink(), gridcolor: line(), showbackground: false});
     const eye = {x: 1.5, y: 1.5, z: up.z < 0 ? -0.9 : 0.9};
     return {
       margin: {l: 0, r: 0, t: 0, b: 0}, paper_bgcolor: 'transparent', font: {color: ink()}, uirevision: 'kept',
@@ -104,7 +112,7 @@
     const time = of('time')[moment];
     Plotly.react('scene', scene(moment), sceneLayout(), OPTIONS);
     data.plots.forEach((plot, k) => {
-      if (plot.along) Plotly.relayout(boxes[k], {'shapes[0].x0': time, 'shapes[0].x1': time});
+      if (plot.along && !waits()) Plotly.relayout(boxes[k], {'shapes[0].x0': time, 'shapes[0].x1': time});
     });
     by('time').value = moment;
     by('now').textContent = time.toFixed(2) + ' s';
@@ -112,7 +120,7 @@
     by('offset').textContent = error === null ? 'There is no estimate here.' : 'The estimate is ' + Number(error.toPrecision(3)) + ' m off.';
   };
   const drawAll = () => {
-    data.plots.forEach((plot, k) => Plotly.react(boxes[k], traces(plot, k), plotLayout(plot, k), OPTIONS));
+    if (!waits()) data.plots.forEach((plot, k) => Plotly.react(boxes[k], traces(plot, k), plotLayout(plot, k), OPTIONS));
     const verdict = shown.verdict, sign = document.createElement('b');
     sign.textContent = verdict.sign + ' ' + verdict.word;
     sign.style.color = verdict.color;
@@ -168,7 +176,16 @@
     choice.setAttribute('aria-pressed', 'true');
     by('predicted').textContent = number ? number.value.trim() : choice.textContent;
     document.documentElement.classList.add('predicted');
+    drawAll();
   }));
+  const paper = on => {
+    printing = on;
+    by('answers').open = on;
+    drawAll();
+    if (!waits()) boxes.forEach(box => Plotly.relayout(box, on ? {width: 320, height: 200} : {width: null, height: null, autosize: true}));
+  };
+  addEventListener('beforeprint', () => paper(true));
+  addEventListener('afterprint', () => paper(false));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', drawAll);
   drawAll();
 })();

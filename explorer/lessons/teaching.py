@@ -12,6 +12,8 @@ from explorer.lessons.lesson import Lesson
 
 CLASS = (1, 2, 5, 4, 6, 8, 10, 12)
 """The numbers of the lessons of a class of 90 minutes, in their order."""
+PAGES = ((1, 2, 3, 4, 5), (6, 8, 10, 12))
+"""The numbers of the lessons on each page of the worksheet: those of the class, and lesson 3 for whoever is quick."""
 COLUMNS = ("lesson", "minutes", "prediction asked for", "what comes, and why", "other predictions", "task")
 STYLE = Path(__file__).with_name("worksheet.css")
 
@@ -28,13 +30,20 @@ def markdown(lessons: Sequence[Lesson]) -> str:
 
 
 def worksheet(lessons: Sequence[Lesson]) -> bytes:
-    """Two pages to print: each question with its choices to tick, and lines for what came and why."""
-    blocks = "".join(_exercise(lesson) for lesson in lessons)
-    head = '<h1>What can one range tell?</h1><p>Name: <span class="line"></span> Date: <span class="line"></span></p>'
+    """Two pages of A4 to print: each question with its choices to tick, and lines for what came and why."""
+    by_number = {lesson.number: lesson for lesson in reversed(lessons)}  # ours, where a teacher has used a number too
+    pages = "".join(
+        f'<section class="page">{"".join(_exercise(by_number[k]) for k in page if k in by_number)}</section>'
+        for page in PAGES
+    )
+    head = (
+        '<header><h1>What can one range tell?</h1><p>Name <span class="line"></span></p>'
+        '<p>Date <span class="line short"></span></p></header>'
+    )
     style = STYLE.read_text(encoding="utf-8")
     return (
         f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Worksheet</title><style>{style}</style>'
-        f"</head><body>{head}{blocks}</body></html>"
+        f"</head><body>{head}{pages}</body></html>"
     ).encode()
 
 
@@ -54,12 +63,13 @@ def _row(lesson: Lesson) -> tuple[str, ...]:
 def _exercise(lesson: Lesson) -> str:
     asked, goal, states = lesson.header.prediction, lesson.header.goal, lesson.states(lesson.start)
     ticks = "".join(f"<span>☐ {html.escape(choice)}</span>" for choice in asked.choices)
-    predicted = ticks or f'I predict <span class="line"></span> {html.escape(asked.unit)}'
-    unit = f" ({goal.unit})" if goal.unit else ""
+    predicted = ticks or f'I predict <span class="line short"></span> {html.escape(asked.unit)}'
+    reached = f"{goal.label}, wanted {goal.wanted}"
     return (
         f'<div class="lesson"><h2>{lesson.number} · {html.escape(lesson.header.title)}</h2>'
         f"<p>{html.escape(text.filled(asked.question, states))}</p>"
         f'<p class="choices">{predicted}</p>'
-        f'<p>It came: <span class="line"></span> Why: <span class="line" style="min-width:95mm"></span></p>'
-        f'<p>{html.escape(goal.label)}{html.escape(unit)}: I reached <span class="line"></span></p></div>'
+        f'<p class="write">It came <span class="line"></span></p>'
+        f'<p class="write">Because <span class="line"></span></p>'
+        f'<p class="write">{html.escape(reached)}; I reached <span class="line"></span></p></div>'
     )

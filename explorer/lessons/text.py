@@ -25,6 +25,8 @@ Reader = Callable[[str, State], str]
 MISSING = "…"
 UNKNOWN = re.compile(r"\\[A-Za-z]+")
 """A command that the converter has left as it is."""
+DOTS = re.compile(r"<mo>(&#x000A8;|&#x002D9;)</mo></mover>")
+"""One dot or two above a letter. At the size that a browser gives them, two look like one."""
 
 
 def to_html(markdown: str, states: States, read: Reader = figures.text) -> str:
@@ -94,4 +96,5 @@ def _mathml(latex: str, display: str) -> str:
         raise ValueError(f"the equation {shortened(latex.strip())}: {type(error).__name__}") from None
     unknown = UNKNOWN.search(made)
     require(unknown is None, f"the equation {shortened(latex.strip())}: {unknown and unknown[0]} is not known")
+    made = DOTS.sub(r'<mo mathsize="150%">\1</mo></mover>', made)
     return made.replace("<math ", f'<math alttext="{html.escape(latex.strip(), quote=True)}" ', 1)

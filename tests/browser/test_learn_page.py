@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from explorer.handout import handout
-from explorer.lessons import course
+from explorer.lessons import course, teaching
 from explorer.model import share
 from explorer.model.settings import Settings
 from rangenav import preset
@@ -65,6 +65,14 @@ def test_a_new_tab_opens_a_link_and_copies_its_own(server: Server, browser: Brow
     tab.close()
 
 
+def test_the_worksheet_is_two_pages_of_paper(browser: Browser):
+    page = browser.new_page()
+    page.set_content(teaching.worksheet(course().lessons).decode())
+    assert re.findall(rb"/Count (\d+)", page.pdf(format="A4")) == [b"2"]
+    assert page.evaluate("[...document.querySelectorAll('.choices')].every(p => p.scrollWidth <= p.clientWidth)")
+    page.close()
+
+
 def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: Browser, tmp_path):
     path = tmp_path / "lesson.html"
     path.write_bytes(handout(LESSON.start.settings, ["gains.attitude.k1"], lesson=LESSON))
@@ -73,10 +81,11 @@ def test_a_handout_plays_scrubs_and_slides_from_disk_without_a_network(browser: 
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
     page.goto(path.as_uri())
-    page.wait_for_function("document.querySelectorAll('#plots .main-svg').length > 0")
+    page.wait_for_function("document.querySelectorAll('#scene .main-svg').length > 0")
     assert page.evaluate("document.documentElement.scrollWidth") <= 400
     assert not page.get_by_text("No program can tell").is_visible()
     page.locator(".choice").first.click()
+    page.wait_for_function("document.querySelectorAll('#plots .main-svg').length > 0")  # after the prediction
     assert page.locator("#predicted").inner_text() == LESSON.header.prediction.choices[0]
     page.locator("#time").fill("120")
     now = page.locator("#now").inner_text()

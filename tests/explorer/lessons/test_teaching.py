@@ -19,8 +19,10 @@ def test_the_guide_has_each_lesson_with_its_right_answer_and_the_wrong_ones():
 
 def test_the_worksheet_asks_and_does_not_answer():
     sheet = teaching.worksheet(LESSONS).decode()
-    for lesson in LESSONS:
+    assert set(CLASS) <= {number for page in teaching.PAGES for number in page}
+    for lesson in (one for one in LESSONS if any(one.number in page for page in teaching.PAGES)):
         asked = lesson.header.prediction
+        assert html.escape(asked.question.partition("{")[0]) in sheet
         assert all(f"☐ {html.escape(choice)}" in sheet for choice in asked.choices)
         assert html.escape(asked.because) not in sheet
 
