@@ -43,9 +43,9 @@ def flight_jumps(path: Signal, duration: float) -> FlightJumps:
     largest, count = np.zeros(len(piecewise.JUMP_ORDERS)), 0
     for polynomial, _, sizes in _inside(path, duration):
         if len(sizes):
-            rounding = [piecewise.JUMP_ROUNDING * piecewise.hull(polynomial, order) for order in piecewise.JUMP_ORDERS]
-            most = sizes.max(axis=0)
-            largest = np.maximum(largest, np.where(most > rounding, most, 0.0))
+            for order, size in enumerate(sizes.max(axis=0).tolist()):
+                if not piecewise.is_rounding(polynomial, order, size):
+                    largest[order] = max(largest[order], size)
             count += len(sizes)
     position, velocity, acceleration, jerk, snap = (float(f"{size:.3g}") for size in largest)
     return FlightJumps(knots=count, sizes=(position, velocity, acceleration, jerk, snap))

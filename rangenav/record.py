@@ -21,6 +21,7 @@ from rangenav.preset import Preset
 from rangenav.range_fit import RangeFit
 from rangenav.results import result
 from rangenav.sensors import Measurements, Sensors, measure
+from rangenav.sensors.measuring import Noise, draw, measure_with, range_count
 from rangenav.signals import AngularVelocity, Signal
 
 SETTLED_POSITION = 0.3
@@ -160,8 +161,15 @@ def simulated(inputs: TruthInputs) -> Truth:
 
 @lru_cache(maxsize=CACHED)
 def measured(inputs: TruthInputs, sensors: Sensors, seed: int) -> Measurements:
-    """The same as `drawn`; the last few records are cached."""
-    return drawn(inputs, sensors, seed)
+    """The same as `drawn`; the last few records are cached, and the noise of the last seeds, which no path changes."""
+    flown = simulated(inputs).motion
+    noise = _noise(seed, len(flown.time), range_count(flown.time, sensors))
+    return measure_with(noise, flown, path=inputs.path, world=inputs.world, sensors=sensors)
+
+
+@lru_cache(maxsize=2)
+def _noise(seed: int, samples: int, ranges: int) -> Noise:
+    return draw(np.random.default_rng(seed), samples, ranges)
 
 
 def drawn(inputs: TruthInputs, sensors: Sensors, seed: int) -> Measurements:

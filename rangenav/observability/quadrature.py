@@ -109,6 +109,7 @@ def _fullest(path: Signal, window: float, until: float, spare: int) -> tuple[int
     return panels, _panel_nodes(path, edges, window, panels, ROWS, spare)
 
 
+@lru_cache(maxsize=16)
 def _edges(path: Signal, first: float, last: float) -> Array:
     """Both ends, all knots between them, and enough other times that no panel has more than 36 rad of any tone."""
     most = knots.most(path, last - first)
@@ -121,7 +122,9 @@ def _edges(path: Signal, first: float, last: float) -> Array:
         longest = PANEL_TURN / bandwidth
         even = np.arange(math.floor(first / longest) + 1, math.ceil(last / longest)) * longest
         edges = np.union1d(edges, even[(even > first) & (even < last)])
-    return np.concatenate([[first], edges, [last]])
+    edges = np.concatenate([[first], edges, [last]])
+    edges.flags.writeable = False
+    return edges
 
 
 def _panel_nodes(path: Signal, edges: Array, window: float, panels: int, raised: int, spare: int) -> int:

@@ -40,23 +40,57 @@ class Measurements:
     """m; never clipped, so it may be negative close to the anchor."""
 
 
-def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng: np.random.Generator) -> Measurements:
-    """The record of a motion.
+@result
+class Noise:
+    """What chance adds to one record, before it is scaled by the noise of each sensor."""
+
+    gyro: Float[Array, "n 3"]
+    accel: Float[Array, "n 3"]
+    mag: Float[Array, "n 3"]
+    range: Float[Array, "m"]
+    struck: Float[Array, "m"]
+    """Even between 0 and 1; a range is an outlier where this is below the probability of one."""
+    excess: Float[Array, "m"]
+    """Exponential: the size of an outlier, if it is one."""
+    lost: Float[Array, "m"]
+    """Even between 0 and 1; a range is lost where this is below the probability of a drop-out."""
+
+
+def draw(rng: np.random.Generator, samples: int, ranges: int) -> Noise:
+    """The noise of a record of so many IMU samples and ranges.
 
     Each sensor and each effect draws from its own random stream, so that a change of one leaves the others the same to
     the last bit.
     """
-    streams = rng.spawn(7)  # the order never changes: a seed means the same noise in every version
-    gyro_rng, accel_rng, mag_rng = streams[:3]
+    gyro, accel, mag, noise, struck, excess, lost = rng.spawn(7)  # always in this order: a seed means the same noise
+    return Noise(
+        gyro=gyro.standard_normal((samples, 3)),
+        accel=accel.standard_normal((samples, 3)),
+        mag=mag.standard_normal((samples, 3)),
+        range=noise.standard_normal(ranges),
+        struck=struck.random(ranges),
+        excess=excess.standard_exponential(ranges),
+        lost=lost.random(ranges),
+    )
+
+
+def measure(motion: Motion, *, path: Signal, world: World, sensors: Sensors, rng: np.random.Generator) -> Measurements:
+    """The record of a motion."""
+    noise = draw(rng, len(motion.time), range_count(motion.time, sensors))
+    return measure_with(noise, motion, path=path, world=world, sensors=sensors)
+
+
+def measure_with(noise: Noise, motion: Motion, *, path: Signal, world: World, sensors: Sensors) -> Measurements:
+    """The record of a motion whose noise has been drawn for as many samples and ranges as it has."""
     time, sigma, unmodelled = motion.time, sensors.sigma, sensors.unmodelled
     mag = to_body(motion.rotation, np.broadcast_to(np.asarray(world.magnetic), motion.position.shape))
-    mag = mag + sigma.mag * mag_rng.standard_normal(mag.shape)
+    mag = mag + sigma.mag * noise.mag
     mag[~_sampled(time, rate=sensors.mag_rate, clock=sensors.imu_rate)] = np.nan
-    gyro = motion.angular_velocity + sigma.gyro * gyro_rng.standard_normal((*time.shape, 3))
-    accel = motion.apparent_acceleration + sigma.accel * accel_rng.standard_normal((*time.shape, 3))
+    gyro = motion.angular_velocity + sigma.gyro * noise.gyro
+    accel = motion.apparent_acceleration + sigma.accel * noise.accel
     range_time = _range_times(time, rate=sensors.range_rate, clock=sensors.imu_rate)
     distance = antenna.distance(motion, range_time, path=path, world=world, lever_arm=unmodelled.lever_arm)
-    arrived, measured = _ranges(range_time, distance, sigma.range, unmodelled, streams[3:])
+    arrived, measured = _ranges(range_time, distance, sigma.range, unmodelled, noise)
     return Measurements(
         time=time,
         gyro=gyro + np.asarray(unmodelled.gyro_bias),
@@ -104,23 +138,25 @@ def _refuse_first(bad: Bool[Array, "n"], rule: str, *, offset: int = 0) -> None:
         raise ValueError(f"{rule}: broken at sample {int(np.argmax(bad)) + offset}")
 
 
-def _ranges(
-    time: Array, distance: Array, sigma: float, unmodelled: Effects, streams: list[np.random.Generator]
-) -> tuple[Array, Array]:
+def _ranges(time: Array, distance: Array, sigma: float, unmodelled: Effects, noise: Noise) -> tuple[Array, Array]:
     """Which ranges arrive, and the value of every range, whether it arrives or not."""
-    noise, struck, excess, lost = streams
-    measured = distance + sigma * noise.standard_normal(time.shape) + unmodelled.range_bias
-    hit = struck.random(time.shape) < unmodelled.outlier_probability
-    measured = measured + hit * unmodelled.outlier_size * excess.standard_exponential(time.shape)
+    measured = distance + sigma * noise.range + unmodelled.range_bias
+    hit = noise.struck < unmodelled.outlier_probability
+    measured = measured + hit * unmodelled.outlier_size * noise.excess
     since = time - unmodelled.burst_start
     silent = (since >= 0) & (since < unmodelled.burst_length)
-    return (lost.random(time.shape) >= unmodelled.dropout_probability) & ~silent, measured
+    return (noise.lost >= unmodelled.dropout_probability) & ~silent, measured
 
 
 def _sampled(time: Array, *, rate: float, clock: float) -> Array:
     """True at those samples of the clock at which a slower sensor has a new reading."""
     count = np.floor(np.arange(len(time)) * (rate / clock) + 1e-9)
     return np.diff(count, prepend=-1) > 0
+
+
+def range_count(time: Float[Array, "n"], sensors: Sensors) -> int:
+    """How many ranges fall into a record with these IMU stamps (s), whether they arrive or not."""
+    return len(_range_times(time, rate=sensors.range_rate, clock=sensors.imu_rate))
 
 
 def _range_times(time: Array, *, rate: float, clock: float) -> Array:

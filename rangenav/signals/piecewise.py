@@ -141,6 +141,15 @@ def bound(curve: Pieces, order: int) -> float:
     return hull(curve, order) if order < len(curve.tables) else 0.0
 
 
+def is_rounding(curve: Pieces, order: int, jump: float) -> bool:
+    """Whether a jump of the derivative is no larger than the rounding of a fit: that of the hull of all pieces.
+
+    The values at the beginnings of the pieces are corners of the hull, so few jumps need the other corners.
+    """
+    corners = np.linalg.norm(curve.tables[order][0], axis=-1) if order < len(curve.tables) else np.zeros(1)
+    return jump <= JUMP_ROUNDING * float(corners.max()) or jump <= JUMP_ROUNDING * hull(curve, order)
+
+
 def hull(curve: Pieces, order: int) -> float:
     """The largest norm of any Bernstein coefficient of the derivative."""
     return float(_hull_of_each(curve, order).max())

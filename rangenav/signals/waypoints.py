@@ -21,12 +21,14 @@ from scipy.interpolate import BSpline, make_interp_spline
 from scipy.linalg import solve_banded
 
 from rangenav.inputs import Input, Vec3, require, require_within
+from rangenav.results import result
 from rangenav.signals import piecewise
 from rangenav.signals.base import vector
 from rangenav.signals.multisine import MAX_OFFSET
 from rangenav.signals.piecewise import Pieces
 from rangenav.signals.piecewise_family import PiecewiseFamily
 
+UNEVEN = "no smooth curve can be found through these waypoints: their times are too uneven"
 MAX_POINTS = 2000
 MAX_TIME = 1e4
 """s; more than ten minutes of flight, slowed ten times."""
@@ -194,27 +196,44 @@ def fitted(
 
     At rest these are the lower ones, up to (degree − 1)/2. At free ends they are the others, below the degree.
     """
+    time, value = np.asarray(time, dtype=float), np.asarray(value, dtype=float)
+    shape = _fit(time.tobytes(), (value - value[0]).tobytes(), degree, ends)
+    coefficients = shape.coefficients.copy()
+    coefficients[0] += value[0]  # left out of the fit: a far-off place costs no digits, and standing still is exact
+    curve = piecewise.pieces(time, coefficients, repeats=ends == "closed")
+    spread = float(np.ptp(value, axis=0).max())
+    miss = max(shape.miss, float(np.abs(piecewise.jumps(curve, range(1))).max()))
+    if not miss <= MISS * spread + 1e-12 * float(np.abs(value).max()):
+        raise ValueError(UNEVEN)
+    return curve
+
+
+@result
+class _Fit:
+    """A spline through points relative to the first one."""
+
+    coefficients: Float[Array, "d m 3"]
+    miss: float
+    """How far it passes from its points."""
+
+
+@lru_cache(maxsize=4)
+def _fit(times: bytes, values: bytes, degree: int, ends: Literal["rest", "free", "closed"]) -> _Fit:
+    """The same curve elsewhere is not fitted again: an analysis moves each curve to begin at 0."""
+    time, value = np.frombuffer(times), np.frombuffer(values).reshape(-1, 3)
     scale = (time[-1] - time[0]) / (len(time) - 1)
     s = (time - time[0]) / scale  # unit gaps: the same condition number whatever the seconds
     half = (degree + 1) // 2
     zero = [(order, np.zeros(3)) for order in (range(half, degree) if ends == "free" else range(1, half))]
     try:
         if ends == "closed":
-            spline = _closed(s, value - value[0], degree)
+            spline = _closed(s, value, degree)
         else:
-            spline = make_interp_spline(s, value - value[0], k=degree, bc_type=(zero, zero))
+            spline = make_interp_spline(s, value, k=degree, bc_type=(zero, zero))
     except (ValueError, np.linalg.LinAlgError):
-        raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven") from None
+        raise ValueError(UNEVEN) from None
     coefficients = np.stack([spline(s[:-1], nu=j) / (math.factorial(j) * scale**j) for j in range(degree + 1)])
-    coefficients[0] += value[0]  # left out of the fit: a far-off place costs no digits, and standing still is exact
-    curve = piecewise.pieces(time, coefficients, repeats=ends == "closed")
-    spread = float(np.ptp(value, axis=0).max())
-    miss = max(
-        float(np.abs(spline(s) - (value - value[0])).max()), float(np.abs(piecewise.jumps(curve, range(1))).max())
-    )
-    if not miss <= MISS * spread + 1e-12 * float(np.abs(value).max()):
-        raise ValueError("no smooth curve can be found through these waypoints: their times are too uneven")
-    return curve
+    return _Fit(coefficients=coefficients, miss=float(np.abs(spline(s) - value).max()))
 
 
 def _closed(s: Float[Array, "n"], value: Float[Array, "n 3"], degree: int) -> BSpline:
