@@ -56,8 +56,6 @@ class Analysis:
     """s, where that window starts."""
     excitation: Float[Array, "3"]
     """All three eigenvalues there."""
-    mu_floor: float
-    """Excitation eigenvalues below it are rounding."""
     bound_for_all_t: float | None
     """A lower bound of the excitation over every window at every t ≥ 0; None if the path has no period, if no bound
     above 0 is known, or if only sampled windows were computed."""
@@ -82,6 +80,11 @@ class Analysis:
     farthest: float
     """m: the largest distance to the anchor in the flight, on samples."""
     verdict: Verdict
+
+    @property
+    def mu_floor(self) -> float:
+        """Excitation eigenvalues below it are rounding (m²/s⁷)."""
+        return excitation.floor(self.windows.excitation) if self.proof is None else self.proof.excitation.floor
 
     @property
     def nonlinear_at(self) -> float:
@@ -149,7 +152,8 @@ class Analysis:
     @property
     def resolved_mu(self) -> float:
         """μ (m²/s⁷), and 0 where it is rounding."""
-        return self.mu if self.mu >= self.mu_floor else 0.0
+        highest = excitation.highest_floor(self.windows.path, self.windows.window)
+        return self.mu if self.mu >= highest or self.mu >= self.mu_floor else 0.0
 
     @property
     def below_rounding(self) -> bool:
@@ -226,7 +230,6 @@ def analysis(
         mu=float(lifted.least[0]),
         mu_at=lifted.least_at,
         excitation=lifted.least,
-        mu_floor=excitation.floor(lifted.excitation),
         bound_for_all_t=None,
         gramian_at=float(lifted.start[k]),
         gramian=worst.eigenvalues[0],
@@ -276,7 +279,6 @@ def _proven(
         mu=float(values[0]),
         mu_at=excited.at,
         excitation=values,
-        mu_floor=excited.floor,
         bound_for_all_t=(excited.lower or None) if excited.starts == EVERY else None,
         gramian_at=rank.at,
         gramian=rank.eigenvalues,

@@ -33,12 +33,14 @@ CACHED, CACHED_SAMPLES = 8, 2
 class MotionAnalysis:
     """The part of an analysis that depends on neither anchor nor sensors."""
 
+    path: Signal
+    window: float
+    """s"""
     start: Float[Array, "w"]
     remainders: Remainders
     """Of the lifted rows in each window: all that its spectra follow from."""
     rounding: float
     """The absolute rounding error of the lifted rows."""
-    excitation: Float[Array, "w 3"]
     worst: int
     """Index of the window of least rank, and then of least scaled singular value."""
     worst_spectrum: Spectrum
@@ -50,6 +52,11 @@ class MotionAnalysis:
     least: Float[Array, "3"]
     least_at: float
     directions: tuple[Direction, ...]
+
+    @cached_property
+    def excitation(self) -> Float[Array, "w 3"]:
+        """Eigenvalues of ∫p⁗p⁗ᵀ in every window, ascending (m²/s⁷); only plots need them."""
+        return excitation.eigenvalues(self.path, self.start, self.window)
 
     @cached_property
     def spectrum(self) -> Spectrum:
@@ -83,12 +90,15 @@ class Windows:
     start: Float[Array, "w"]
     """s"""
     window: float
-    excitation: Float[Array, "w 3"]
-    """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
     sigma_lifted: Float[Array, "w"]
     """Predicted 1-σ position (m) at the end of each window; NaN where blind."""
     ranges: Ranges
     lifted: MotionAnalysis
+
+    @property
+    def excitation(self) -> Float[Array, "w 3"]:
+        """Eigenvalues of ∫p⁗p⁗ᵀ, ascending (m²/s⁷)."""
+        return self.lifted.excitation
 
     @property
     def rank(self) -> Int[Array, "w"]:
@@ -179,10 +189,11 @@ def motion_analysis(
     if known.window > window:
         null_basis = spectrum.null_basis(spectrum.window_spectra(path, gravity, start[[k]], known.window), 0)
     return MotionAnalysis(
+        path=path,
+        window=window,
         start=start,
         remainders=of,
         rounding=samples.rounding,
-        excitation=excitation.eigenvalues(path, start, window),
         worst=k,
         worst_spectrum=worst,
         rank=computed if rounded else known.rank,
@@ -213,7 +224,6 @@ def sampled_windows(
         duration=duration,
         start=lifted.start,
         window=window,
-        excitation=lifted.excitation,
         sigma_lifted=_end_position(samples, world, ranges, "lifted"),
         ranges=ranges,
         lifted=lifted,

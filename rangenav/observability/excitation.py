@@ -81,6 +81,12 @@ def floor(values: Float[Array, "w 3"]) -> float:
     return UNEXCITED * float(values.max())
 
 
+def highest_floor(path: Signal, window: float) -> float:
+    """A value (m²/s⁷) that the floor of no windows (s) exceeds: ∫|p⁗|² ≤ δ sup|p⁗|². Infinite without a bound."""
+    snap = path.bound(4)
+    return 2 * UNEXCITED * window * snap * snap
+
+
 def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "3"], float]:
     """The eigenvalues (ascending, the first is μ) of the least excited window, and when it starts (s).
 

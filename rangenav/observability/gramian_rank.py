@@ -34,6 +34,7 @@ UNSEEN = 1e-13
 TIMES_U = np.diag([(k + 1) / (2 * k + 1) for k in range(CUBIC + 1)], -1)
 TIMES_U += np.diag([k / (2 * k + 1) for k in range(1, CUBIC + 2)], 1)
 """u Lₖ = ((k + 1) Lₖ₊₁ + k Lₖ₋₁)/(2k + 1), on coefficients of L₀ … L₅."""
+TIMES_U_TWICE = (TIMES_U @ TIMES_U)[:, :CUBIC]
 
 
 @result
@@ -277,7 +278,7 @@ def _departure(samples: PathSamples, cubic: Array, fall: float, moment: Moment) 
 
 
 def _times_u_twice(coefficients: Float[Array, "w 4 3"]) -> Float[Array, "w 6 3"]:
-    return (TIMES_U @ TIMES_U)[:, :CUBIC] @ coefficients
+    return TIMES_U_TWICE @ coefficients
 
 
 def _columns(samples: PathSamples, fit: _Fit, fall: float) -> Float[Array, "w k 13"]:
