@@ -152,8 +152,8 @@ class Analysis:
     @property
     def resolved_mu(self) -> float:
         """μ (m²/s⁷), and 0 where it is rounding."""
-        highest = excitation.highest_floor(self.windows.path, self.windows.window)
-        return self.mu if self.mu >= highest or self.mu >= self.mu_floor else 0.0
+        clear = self.mu >= excitation.CLEAR * excitation.most(self.windows.path, self.windows.window)
+        return self.mu if clear or self.mu >= self.mu_floor else 0.0
 
     @property
     def below_rounding(self) -> bool:

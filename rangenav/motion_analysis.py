@@ -181,7 +181,6 @@ def motion_analysis(
     k = spectrum.worst_of_remainders(of)
     worst = spectrum.of_remainders(of.some(np.array([k])), rounding=samples.rounding)
     least, least_at = excitation.worst(path, np.linspace(0, duration - window, FINER * (count - 1) + 1), window)
-    values, axes = excitation.directions(path, float(start[k]), window)
     computed = int(worst.rank[0])
     known = continued(path, gravity, float(start[k]), window, duration, computed)
     rounded = known.rank == STATES > computed
@@ -200,8 +199,17 @@ def motion_analysis(
         rounded=rounded,
         least=least,
         least_at=least_at,
-        directions=() if rounded else blindness.directions(null_basis, values, axes),
+        directions=() if rounded else _directions(path, float(start[k]), window, null_basis, float(least[0])),
     )
+
+
+def _directions(
+    path: Signal, start: float, window: float, null_basis: Float[Array, "13 k"], mu: float
+) -> tuple[Direction, ...]:
+    """The blind directions of a window; none where nothing is unseen and every window is clearly excited."""
+    if null_basis.shape[1] == 0 and mu > excitation.CLEAR * excitation.most(path, window):
+        return ()
+    return blindness.directions(null_basis, *excitation.directions(path, start, window))
 
 
 def farthest_from_anchor(path: Signal, world: World, duration: float) -> float:

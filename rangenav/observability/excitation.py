@@ -27,6 +27,8 @@ MAX_KNOTS = 2000
 """Most knots at which additional windows start or end. With more knots a window has hundreds, and no one matters."""
 UNEXCITED = 1e-12
 """An excitation below this share of window · sup|p⁗|² counts as zero; a finer grid would not change it."""
+CLEAR = 1e-6
+"""An excitation above this share of it is far from zero, whatever rounds it."""
 BOUND_SHARE, BOUND_ROUNDS = 0.05, 4
 """The grid is refined until the possible drop of λ_min between its points is at most this share of μ: only where λ_min
 is low, so two rounds and 700 windows give the bound for which an even grid needs 4000."""
@@ -81,10 +83,10 @@ def floor(values: Float[Array, "w 3"]) -> float:
     return UNEXCITED * float(values.max())
 
 
-def highest_floor(path: Signal, window: float) -> float:
-    """A value (m²/s⁷) that the floor of no windows (s) exceeds: ∫|p⁗|² ≤ δ sup|p⁗|². Infinite without a bound."""
+def most(path: Signal, window: float) -> float:
+    """What no eigenvalue (m²/s⁷) of any window (s) exceeds: ∫|p⁗|² ≤ δ sup|p⁗|². Infinite where no bound is known."""
     snap = path.bound(4)
-    return 2 * UNEXCITED * window * snap * snap
+    return window * snap * snap
 
 
 def worst(path: Signal, start: Float[Array, "w"], window: float) -> tuple[Float[Array, "3"], float]:
