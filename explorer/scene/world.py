@@ -36,7 +36,8 @@ class WorldNodes:
     """The grid, and the nodes under /anchor and /compass that show the true world."""
 
     def __init__(self, scene: SceneApi, labels: Labels) -> None:
-        self._scene, self._up, self._fitted = scene, np.array(USUAL_UP), Drawn()
+        self._scene, self._up = scene, np.array(USUAL_UP)
+        self._fitted, self._sized, self._gridded = Drawn(), Drawn(), Drawn()
         scene.set_up_direction(USUAL_UP)
         self._grid = scene.add_grid("/grid", plane="xy", fade_strength=1.5)
         color = palette.rgb(palette.ANCHOR)
@@ -76,12 +77,20 @@ class WorldNodes:
         self._gravity.enabled = self._magnetic.enabled = vectors
         self._sphere.visible = sphere
         self._fitted.forget()
+        self._sized.forget()
 
     def fit(self, world: World, bounds: SceneBounds) -> None:
         """Take the sizes of a scene and the vectors of a world; values that have not changed are not sent again."""
         if not self._fitted.changed(world, bounds):
             return
         self._fit_grid(bounds)
+        if self._sized.changed(world, bounds.unit, *bounds.up.tolist()):  # a path that moves a little keeps all of it
+            self._fit_sizes(world, bounds)
+        height = float((self._anchor_position - bounds.ground) @ bounds.up)
+        self._mast.points = np.array([[[0.0, 0.0, 0.0], -height * bounds.up]])
+        self._mast.visible = height > MIN_MAST * bounds.radius
+
+    def _fit_sizes(self, world: World, bounds: SceneBounds) -> None:
         unit, up = bounds.unit, bounds.up
         self._anchor_position = np.asarray(world.anchor)
         self._anchor.position, self._anchor.visible = self._anchor_position, True
@@ -89,9 +98,6 @@ class WorldNodes:
         self._rings.wxyz = _upright(bounds)
         self._label_height = LABEL_SHARE * unit * up
         self._label.handle.position = self._label_height
-        height = float((self._anchor_position - bounds.ground) @ up)
-        self._mast.points = np.array([[[0.0, 0.0, 0.0], -height * up]])
-        self._mast.visible = height > MIN_MAST * bounds.radius
         self._gravity.fit(length=1.7 * unit, radius=0.035 * unit)
         self._magnetic.fit(length=1.5 * unit, radius=0.035 * unit)
         self._gravity.point(np.asarray(world.gravity))
@@ -106,11 +112,12 @@ class WorldNodes:
         if not np.allclose(self._up, bounds.up):
             self._up = bounds.up
             self._scene.set_up_direction(bounds.up)
-        cell = bounds.cell
+        self._grid.position, cell = bounds.ground, bounds.cell
+        if not self._gridded.changed(bounds.radius, cell, *bounds.up.tolist()):
+            return
         self._grid.width = self._grid.height = round(GRID_RADII * bounds.radius / cell) * cell
         self._grid.cell_size, self._grid.section_size = cell, CELLS_PER_SECTION * cell
         self._grid.fade_distance = FADE_RADII * bounds.radius
-        self._grid.position = bounds.ground
         self._grid.wxyz = _upright(bounds)
 
     def _above_anchor(self) -> Float[Array, "3"]:
