@@ -1,11 +1,13 @@
 """What the sessions of one server share: presets, saved work, the library, and the compilation of the kernels."""
 
 import logging
+import shutil
 import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from explorer.model.classroom import Classroom
 from explorer.storage.certifier import Certifier
 from explorer.storage.library import Library
 from explorer.storage.work_files import WorkFiles
@@ -66,6 +68,8 @@ class Shared:
     """The number of the lesson that was requested on the command line; empty if none was."""
     entrance: Entrance | None = None
     """Who may come in; None where nobody but the people at this machine can reach the page."""
+    classroom: Classroom = field(default_factory=Classroom)
+    """What the teacher shows, and where the students are."""
     address: str = ""
     """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation
@@ -81,3 +85,8 @@ class Shared:
         if visitor is None or visitor.role is Role.TEACHER or self.class_folder is None:
             return self.library
         return Library(self.class_folder / str(visitor.number))
+
+    def forget_students(self) -> None:
+        """Delete the presets that students have saved: the class is over."""
+        for folder in () if self.class_folder is None else tuple(self.class_folder.iterdir()):
+            shutil.rmtree(folder, ignore_errors=True)

@@ -7,6 +7,7 @@ import numpy as np
 from viser import ClientHandle
 
 from explorer.model import palette
+from explorer.model.classroom import Camera
 from explorer.model.comparison import NOTHING, Comparison
 from explorer.model.compute import Picture
 from explorer.model.details import Details
@@ -89,6 +90,11 @@ class Scene:
             if self._details is not None:
                 self._twin.draw(picture, self._details.twin, self._bounds)
             self._show_all(picture)
+
+    def look_from(self, camera: Camera) -> None:
+        """Look at the scene as another visitor does; `draw` comes before."""
+        if self._bounds is not None:
+            self._view.look_from(np.array(camera.position), np.array(camera.look_at), self._bounds)
 
     @property
     def bounds(self) -> SceneBounds | None:

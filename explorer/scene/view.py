@@ -89,6 +89,11 @@ class View:
         self._framed = bounds
         self._look(bounds)
 
+    def look_from(self, position: Float[Array, "3"], target: Float[Array, "3"], bounds: SceneBounds) -> None:
+        """Look from a place at a point (m), as somebody else does; the path is not framed anew for that."""
+        self._framed = bounds
+        self._send(CameraPose(position, target), MAX_RETRIES)
+
     def follow_up(self) -> bool:
         """React to the camera that the browser has reported. Returns whether it has reported one.
 

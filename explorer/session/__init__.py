@@ -12,7 +12,7 @@ import contextlib
 import logging
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 
 import viser
@@ -26,7 +26,6 @@ from explorer.model.playback import Playback
 from explorer.model.settings import Settings
 from explorer.panels import saved_page
 from explorer.panels.address import Address
-from explorer.panels.classroom import ClassPanel
 from explorer.panels.commands import Commands
 from explorer.panels.dock import Dock
 from explorer.panels.session_actions import SessionActions
@@ -36,6 +35,7 @@ from explorer.scene.drag_handles import DragHandles
 from explorer.session.appearance import Appearance, set_theme
 from explorer.session.display import Display
 from explorer.session.export_tab import add_export_tab
+from explorer.session.in_class import Alone, Part, Visit, part_in_class
 from explorer.session.interaction import Interaction
 from explorer.session.outgoing import Outgoing
 from explorer.shared import Shared
@@ -43,7 +43,7 @@ from explorer.storage.autosave import Autosave
 from explorer.storage.catalog import Catalog
 from explorer.storage.work_files import StorageError
 from explorer.web import connection, places
-from explorer.web.access.visitors import Role, Visitor
+from explorer.web.access.visitors import Visitor
 from explorer.web.door import Door
 from explorer.web.identity import session_key
 from explorer.web.security import accept_values_only
@@ -69,7 +69,7 @@ class Session:
         self._wake, self._stopped = threading.Event(), False
         self.form = Form(client.gui, self._wake.set)
         self.jobs = self.form.new_jobs()
-        self._end_listening: Callable[[], None] = lambda: None
+        self._in_class: Part = Alone()
         self._built = False
         """Whether the page is complete; it stays incomplete if the tab disconnects while the page is being built."""
         self.history = History()
@@ -113,6 +113,7 @@ class Session:
                     self._wake.clear()
                     self._react()
                 self.dock.learn.play_if_due(time.monotonic())
+                self._in_class.tick(None if self.picture is None else self.picture.settings)
                 self._display.animate()
                 self._display.draw_details_if_due(time.monotonic(), self._wake)
                 self._autosave.write_aside(time.monotonic())
@@ -129,7 +130,7 @@ class Session:
         with self._reporting():
             self._remember_last_changes()
         self.form.cancel_jobs()
-        self._end_listening()
+        self._in_class.end()
         self._autosave.finish()
         if self.shared.slots.has(self._client.client_id):
             self._autosave.write(time.monotonic(), at_once=True)
@@ -140,7 +141,7 @@ class Session:
 
         Where the values do not fit together, the visitor has read why, and the last ones that did stay saved.
         """
-        if self._built:
+        if self._built and not self._in_class.following:
             with contextlib.suppress(InvalidInputError, ValueError):
                 self.form.touch()  # also a change that viser has not reported yet
                 self._take_actions()
@@ -174,14 +175,26 @@ class Session:
         self.charts = Charts(client, first_size, wake=self._wake.set)
         scene = Scene(client, self._wake.set)
         exporting = add_export_tab(client, self.dock, self.charts, scene, self._playback, self._outgoing, actions.go_to)
-        self._add_class_tab(actions)
         self.form.command("Show all curves", self.charts.show_all_curves)
         handles = DragHandles(client.scene, scene.labels, self._wake.set)
         self.form.command("Close the large plot, let go of the handle", partial(self._escape, handles), key="escape")
         self._interaction = Interaction(self.dock, self.charts, scene, handles, self._playback)
         self._display = Display(client, self.dock, self.charts, scene, handles, timeline, self._playback)
+        visit = Visit(
+            client=client,
+            visitor=self._visitor,
+            dock=self.dock,
+            scene=scene,
+            playback=self._playback,
+            history=self.history,
+            catalog=self.catalog,
+            actions=actions,
+            wake=self._wake.set,
+        )
+        self._in_class = part_in_class(visit, self.shared)
         self._appearance = Appearance(client, self.dock, self.charts, scene, self._display)
         self._actions = self.dock.actions | timeline.actions | self.charts.actions | exporting.actions
+        self._actions |= self._in_class.actions
         self._address = Address(
             client,
             self.dock,
@@ -203,16 +216,6 @@ class Session:
         places.install(self._client)
         self._built = True
         self._restore()
-
-    def _add_class_tab(self, actions: SessionActions) -> None:
-        """The teacher of a page that others can reach has one more tab."""
-        self._classroom: ClassPanel | None = None
-        entrance, visitor = self.shared.entrance, self._visitor
-        if entrance is not None and visitor is not None and visitor.role is Role.TEACHER:
-            with self.dock.tabs.add_tab("Class"):
-                self._classroom = ClassPanel(self.form, entrance, self.shared.address, actions)
-            self._classroom.refresh()
-            self._end_listening = entrance.on_change(self._wake.set)
 
     def _escape(self, handles: DragHandles) -> None:
         self.charts.close_large()
@@ -242,6 +245,7 @@ class Session:
         """Apply the changes of the visitor, and update the marks of the form."""
         self._appearance.follow(self._door.window)
         self._address.follow(self._door.window)
+        self._in_class.before()
         for name in self._door.take_events():
             if name in self._actions:
                 self.form.do(self._actions[name], away=True)
@@ -249,28 +253,30 @@ class Session:
         self.form.refresh()
         self.dock.draw_progress()
         self.dock.presets.refresh()
-        if self._classroom is not None:
-            self._classroom.refresh()
         self.dock.learn.check_again()
         self._appearance.follow(self._door.window)  # a lesson may have been opened, or its prediction committed
         if not applied:
             self._display.draw_handles()
+        self._in_class.after(None if self.picture is None else self.picture.settings)
 
     def _apply_changes(self) -> bool:
         """Compute and draw the chosen settings. Returns False after a complaint if no picture is possible."""
         began = time.monotonic()
         with contextlib.suppress(InvalidInputError), self.dock.catching():
             pressed, drag = self._take_actions()
+            self._in_class.hold(self.dock)
             settings = self.dock.read()
             self.dock.compare.refresh()
             shown = self.picture
             picture = shown if shown is not None and settings == shown.settings else compute.compute(settings)
-            self._remember(settings)  # before drawing: the tab may be gone by then
+            if not self._in_class.following:
+                self._remember(settings)  # before drawing: the tab may be gone by then
             if picture is not shown:
                 self._display.show(picture)
                 self.form.forget_answer()
-                opened = self.history.now is not None and self.history.now.origin != settings.origin
-                self.history.record(settings, began, shown=time.monotonic(), separate=pressed or opened, drag=drag)
+                if not self._in_class.following:
+                    opened = self.history.now is not None and self.history.now.origin != settings.origin
+                    self.history.record(settings, began, shown=time.monotonic(), separate=pressed or opened, drag=drag)
             elif self.dock.changed:
                 self._display.draw(picture)
             return True

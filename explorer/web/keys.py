@@ -21,3 +21,8 @@ def install(client: viser.ClientHandle, hints: Mapping[str, str]) -> None:
 def go_to(client: viser.ClientHandle, steps: Sequence[Step], target: str) -> None:
     """Open tabs and folders one after the other, and show a control (by its label) or a plot (by its name)."""
     run_script(client, f"window.rnKeys.go({json.dumps(list(steps))}, {json.dumps(target)})")
+
+
+def go_to_tab(client: viser.ClientHandle, tab: str) -> None:
+    """Bring a tab to the front."""
+    go_to(client, [("tab", tab)], tab)

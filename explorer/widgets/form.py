@@ -176,6 +176,11 @@ class Form:
         if self._last in controls:
             self._last = None
 
+    @property
+    def last_moved(self) -> str:
+        """The label of the control that was moved last; empty if none was."""
+        return "" if self._last is None else self._last.name
+
     def reset_last(self) -> None:
         """Reset the control that was moved last."""
         if self._last is not None:

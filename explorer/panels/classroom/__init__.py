@@ -1,20 +1,29 @@
-"""The Class tab, which only the teacher has: how students come in, who is in, and how the class ends."""
+"""The Class tab, which only the teacher has: how students come in, what all see, who is where, and the end."""
 
 import html
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import partial
 
-from explorer.panels.session_actions import SessionActions
+from explorer.model.classroom import Classroom
+from explorer.panels.classroom.board import BoardPanel
+from explorer.storage.bundle import Send
 from explorer.web.access.entrance import Entrance
 from explorer.web.access.invitation import qr_svg
 from explorer.web.access.names import name_of
 from explorer.web.access.visitors import Role
-from explorer.widgets.form import Form
-from explorer.widgets.html import NOTE, table
+from explorer.widgets.form import Action, Form
+from explorer.widgets.html import NOTE
+from explorer.widgets.page import Page
 from explorer.widgets.section import Section
 
 CODE_HINT = "Replaces the code and the students' link. Who is on the page stays; who comes later needs the new ones."
-END_HINT = "Sends every student out and replaces the code and the link. What students saved in their browsers stays."
-OUT_HINT = "Disconnects this student's tabs. Give a new code, too, or the student can come back with the old one."
+END_HINT = "Sends every student out, forgets names, predictions and students' presets, and makes a new code and link."
+OUT_HINT = "Disconnects this student's tabs. Make a new code, too, or the student can come back with the old one."
+PRESENT_HINT = "Every student's page follows yours: settings, time, camera, the control moved last. Their work waits."
+FREEZE_HINT = "Nobody can leave your presentation until you release it."
+SEND_HINT = "Opens on every student's page what yours shows, as a step that undo takes back."
+PRESENT, PRESENTED, FREEZE, RELEASE = "Present my page", "End the presentation", "Eyes on me", "Release"
 INVITATION = (
     '<div style="padding:0 .9em .5em;text-align:center">'
     '<div style="font:700 2.4em/1.3 ui-monospace,monospace;letter-spacing:.08em">{code}</div>'
@@ -24,69 +33,122 @@ INVITATION = (
     "</div>"
 )
 GUESSED = "The code was guessed at {count} times too often, and was replaced each time. The link is safe from guessing."
-NOBODY = "No student is on the page yet."
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassActions:
+    """What only the session can do."""
+
+    present: Callable[[bool], None]
+    """Begins or ends the presentation of this page."""
+    notify: Callable[[str, str], None]
+    send: Send
+    """Downloads a file: its name and its content."""
+    forget: Action
+    """Deletes the presets that students have saved."""
 
 
 class ClassPanel:
-    """The invitation, the list of students, and what the teacher can do."""
+    """The invitation, the presentation, the board, and the end of the class."""
 
-    def __init__(self, form: Form, entrance: Entrance, page: str, session_actions: SessionActions) -> None:
-        """page: the page's address, as students type it."""
-        self._form, self._entrance, self._page = form, entrance, page
-        self._notify = session_actions.notify
-        self._shown: object = None
+    def __init__(
+        self,
+        form: Form,
+        page: Page,
+        entrance: Entrance,
+        classroom: Classroom,
+        actions: ClassActions,
+        *,
+        address: str,
+        lessons: Mapping[int, str],
+    ) -> None:
+        """address: the page's, as students type it. lessons: titles by numbers."""
+        self._form, self._page, self._entrance, self._classroom = form, page, entrance, classroom
+        self._actions, self._address = actions, address
+        self._invited: object = None
+        self._students: tuple[int, ...] | None = None
+        with Section(form, "All see"):
+            self._present = form.button(PRESENT, self._toggle_presentation, hint=PRESENT_HINT)
+            self._freeze = form.button(FREEZE, self._toggle_freeze, hint=FREEZE_HINT, quiet=True)
+            form.button("Send what I see to all", self._send_state, hint=SEND_HINT, quiet=True)
+        self._board = BoardPanel(form, classroom, lessons, lambda number: classroom.send(lesson=number), actions.send)
         with Section(form, "Students come in"):
             self._invitation = form.gui.add_html("")
             form.button("New code and link", self._renew, hint=CODE_HINT, quiet=True)
-        self._section = Section(form, "On the page")
-        with self._section:
-            self._list = form.gui.add_html("")
+        self._removal = Section(form, "Send out", expanded=False)
+        with self._removal:
             self._out = Section(form)
         with Section(form):
             form.button("End the class", self._end, hint=END_HINT, quiet=True)
 
     def refresh(self) -> None:
-        """Show who is in now, and the code that is valid now."""
+        """Show what is true now: the code, who is in, whether all follow."""
         entrance = self._entrance
-        students = {number: tabs for number, tabs in entrance.inside.items() if entrance.is_student(number)}
-        shown = entrance.code, entrance.code_was_guessed_at, tuple(sorted(students.items()))
-        if shown == self._shown:
-            return
-        self._shown = shown
+        inside = {number: tabs for number, tabs in entrance.inside.items() if entrance.is_student(number)}
         self._show_invitation()
-        self._show_students(students)
+        self._show_state()
+        self._board.draw(inside, entrance.places)
+        self._show_removal(tuple(sorted(inside)))
+
+    def _show_state(self) -> None:
+        state = self._classroom.state
+        for button, label in (
+            (self._present, PRESENTED if state.shown is not None else PRESENT),
+            (self._freeze, RELEASE if state.frozen else FREEZE),
+        ):
+            if button.label != label:
+                button.label = label
 
     def _show_invitation(self) -> None:
         entrance = self._entrance
-        link = entrance.link(Role.STUDENT, self._page)
+        link, guessed = entrance.link(Role.STUDENT, self._address), entrance.code_was_guessed_at
+        if (link, entrance.code, guessed) == self._invited:
+            return
+        self._invited = link, entrance.code, guessed
         text = INVITATION.format(
-            code=entrance.code, page=html.escape(self._page), qr=qr_svg(link), link=html.escape(link)
+            code=entrance.code, page=html.escape(self._address), qr=qr_svg(link), link=html.escape(link)
         )
-        guessed = entrance.code_was_guessed_at
         self._invitation.content = text + (NOTE.format(GUESSED.format(count=guessed)) if guessed else "")
 
-    def _show_students(self, students: dict[int, int]) -> None:
-        self._section.caption(f"On the page: {len(students)} of {self._entrance.places} places")
-        rows = [(name_of(number), f"{tabs} tabs" if tabs > 1 else "") for number, tabs in sorted(students.items())]
-        self._list.content = NOTE.format(table((), rows) if rows else NOBODY)
+    def _show_removal(self, students: tuple[int, ...]) -> None:
+        if students == self._students:
+            return
+        self._students = students
         self._out.remove()
-        with self._section:
+        with self._removal:
             self._out = Section(self._form)
         with self._out:
-            for number in sorted(students):
-                label = f"Send {name_of(number)} out"
-                self._form.button(label, partial(self._send_out, number), hint=OUT_HINT, quiet=True)
+            for number in students:
+                send_out: Action = partial(self._send_out, number)
+                self._form.button(f"Send {self._name(number)} out", send_out, hint=OUT_HINT, quiet=True)
+
+    def _name(self, number: int) -> str:
+        member = self._classroom.members.get(number)
+        return name_of(number) if member is None else member.name
+
+    def _toggle_presentation(self) -> None:
+        self._actions.present(self._classroom.state.shown is None)
+
+    def _toggle_freeze(self) -> None:
+        state = self._classroom.state
+        if state.shown is None:
+            self._actions.present(True)
+        self._classroom.freeze(not state.frozen)
+
+    def _send_state(self) -> None:
+        self._classroom.send(settings=self._page.read())
+        self._actions.notify("Sent to all", "Every student's page opens what yours shows, as a step of its own.")
 
     def _renew(self) -> None:
         self._entrance.renew()
-        self.refresh()
 
     def _send_out(self, number: int) -> None:
         self._entrance.remove(number)
-        self._notify("Sent out", f"{name_of(number)} is no longer on the page.")
-        self.refresh()
+        self._actions.notify("Sent out", f"{self._name(number)} is no longer on the page.")
 
     def _end(self) -> None:
+        self._actions.present(False)
         self._entrance.end_class()
-        self._notify("The class is over", "All students are out; a new code and a new link are ready.")
-        self.refresh()
+        self._classroom.clear()
+        self._actions.forget()
+        self._actions.notify("The class is over", "All students are out; a new code and a new link are ready.")

@@ -225,6 +225,14 @@ class LearnPanel:
             self._page.write(before)
         self._draw()
 
+    def close(self) -> None:
+        """Back to the list; what is on the page stays, and is the visitor's own work from now on."""
+        if self.lesson is not None:
+            self._stop_show()
+            self.learning = progress.left(self.learning)
+            self._session.pin(None)
+            self._draw()
+
     def _following(self) -> None:
         names = [lesson.name for lesson in self._course.lessons]
         k = names.index(self.learning.lesson) + 1 if self.learning.lesson in names else len(names)

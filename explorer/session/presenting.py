@@ -1,0 +1,69 @@
+"""The teacher's page, shown to the class: its state, time, camera and the control that was moved last.
+
+While the run plays nothing is sent from frame to frame: each page has a clock of its own, which was set once.
+"""
+
+import time
+
+import numpy as np
+import viser
+
+from explorer.model.classroom import Camera, Classroom, Shown
+from explorer.model.playback import Playback
+from explorer.model.settings import Settings
+from explorer.panels.dock import Dock
+from rangenav.inputs import Vec3
+
+JUMP = 0.25
+"""s by which a playing clock must be elsewhere than it was said to be, to be told anew."""
+
+
+class Presenter:
+    """What of one teacher's page the class sees."""
+
+    def __init__(self, client: viser.ClientHandle, dock: Dock, playback: Playback, classroom: Classroom) -> None:
+        self._client, self._dock, self._playback, self._classroom = client, dock, playback, classroom
+        self.presenting = False
+        self._told: Shown | None = None
+
+    def present(self, on: bool) -> None:
+        """Begin, or end."""
+        self.presenting, self._told = on, None
+        if not on:
+            self._classroom.show(None)
+
+    def follow(self, settings: Settings | None) -> None:
+        """Tell the class what has changed; `settings` are those of the picture on the page."""
+        if not self.presenting or settings is None:
+            return
+        shown = self._shown(settings)
+        if self._told is None or not same(self._told, shown):
+            self._told = shown
+            self._classroom.show(shown)
+
+    def _shown(self, settings: Settings) -> Shown:
+        playback, camera = self._playback, self._client.camera
+        return Shown(
+            settings=settings,
+            time=playback.time,
+            at=time.monotonic(),
+            playing=playback.playing,
+            speed=playback.speed,
+            loop=playback.loop,
+            camera=Camera(position=_vector(camera.position), look_at=_vector(camera.look_at)),
+            control=self._dock.form.last_moved,
+        )
+
+
+def same(told: Shown, shown: Shown) -> bool:
+    """Whether a page that was told one thing shows the other by now."""
+    expected = told.time + (shown.at - told.at) * told.speed * told.playing
+    duration = shown.settings.preset.duration
+    late = abs(expected % duration - shown.time % duration) if told.playing else abs(expected - shown.time)
+    kept = ("settings", "playing", "speed", "loop", "camera", "control")
+    return all(getattr(told, name) == getattr(shown, name) for name in kept) and late < (JUMP if told.playing else 1e-9)
+
+
+def _vector(value: np.ndarray) -> Vec3:
+    x, y, z = (float(entry) for entry in value)
+    return x, y, z
