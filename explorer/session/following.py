@@ -138,14 +138,15 @@ class Follower:
         self._wants = True
 
     def _back(self) -> None:
-        self._wants = False
-        if not self._classroom.state.frozen:
-            self._end(back=True)
+        self._stop_following(back=True)
 
     def _copy(self) -> None:
-        self._wants = False
+        self._stop_following(back=False)
+
+    def _stop_following(self, *, back: bool) -> None:
         if not self._classroom.state.frozen:
-            self._end(back=False)
+            self._wants = False
+            self._end(back=back)
 
     def _end(self, *, back: bool) -> None:
         """Follow no longer, and show the own work again, or keep what was shown as a step after it."""

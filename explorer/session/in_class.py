@@ -159,6 +159,7 @@ class StudentsPart:
             go_to=actions.go_to,
             open_tab=partial(keys.go_to_tab, visit.client),
         )
+        self._entrance, self._number = shared.entrance, number
         self._end = shared.classroom.listen(visit.wake)
 
     @property
@@ -177,7 +178,8 @@ class StudentsPart:
 
     def after(self, settings: Settings | None) -> None:
         self._follower.look()
-        self._follower.report()
+        if self._entrance is not None and self._entrance.has(self._number):  # a class that is over is forgotten
+            self._follower.report()
 
     def tick(self, settings: Settings | None) -> None: ...
 

@@ -27,10 +27,12 @@ class Presenter:
         self._told: Shown | None = None
 
     def present(self, on: bool) -> None:
-        """Begin, or end."""
+        """Begin with what the controls say, or end. Raises InvalidInputError if they hold no valid input."""
+        settings = self._dock.read() if on else None
         self.presenting, self._told = on, None
-        if not on:
+        if settings is None:
             self._classroom.show(None)
+        self.follow(settings)
 
     def follow(self, settings: Settings | None) -> None:
         """Tell the class what has changed; `settings` are those of the picture on the page."""

@@ -65,7 +65,9 @@ class Storage:
 class Wire:
     """One connection, and all that the server has sent about controls and nodes of the scene."""
 
-    def __init__(self, port: int, *, origin: str | None = None, storage: Storage | None = None) -> None:
+    def __init__(
+        self, port: int, *, origin: str | None = None, storage: Storage | None = None, cookie: str = ""
+    ) -> None:
         self.elements: dict[str, dict[str, Any]] = {}
         """Properties of every control that exists, by its id; with its value as "value"."""
         self.counts: dict[str, int] = {}
@@ -93,6 +95,7 @@ class Wire:
             origin=Origin(origin or f"http://127.0.0.1:{port}"),
             subprotocols=[Subprotocol(f"viser-v{viser.__version__}")],
             max_size=None,
+            additional_headers={"Cookie": cookie} if cookie else {},
         )
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()

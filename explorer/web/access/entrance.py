@@ -84,6 +84,11 @@ class Entrance:
         with self._lock:
             return {number: len(tabs) for number, tabs in self._tabs.items()}
 
+    def has(self, number: int) -> bool:
+        """Whether a visitor was let in and not sent out."""
+        with self._lock:
+            return self._visitors.has(number)
+
     def is_student(self, number: int) -> bool:
         """Whether a visitor who was let in is a student."""
         with self._lock:

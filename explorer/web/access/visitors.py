@@ -56,6 +56,10 @@ class Visitors:
         visitor = self._by_digest.get(digest(secret))
         return visitor if visitor is not None and now < visitor.until else None
 
+    def has(self, number: int) -> bool:
+        """Whether a visitor was let in and not sent out."""
+        return any(visitor.number == number for visitor in self._by_digest.values())
+
     def is_student(self, number: int) -> bool:
         """Whether a visitor who was let in is a student, also after the cookie was taken back."""
         return number in self._students
