@@ -236,14 +236,14 @@ class Session:
     def _wait_for_compilation(self) -> None:
         compilation = self.shared.compilation
         while not (compilation.done or self._stopped):
-            self._appearance.follow(self._door.window)
+            self._appearance.follow(self._door.window, guest=self._in_class.following)
             self.dock.verdict.progress(compilation.fraction, compilation.stage)
             time.sleep(PROGRESS_PERIOD)
         self.dock.verdict.progress(1.0, "ready")
 
     def _react(self) -> None:
         """Apply the changes of the visitor, and update the marks of the form."""
-        self._appearance.follow(self._door.window)
+        self._appearance.follow(self._door.window, guest=self._in_class.following)
         self._address.follow(self._door.window)
         self._in_class.before()
         for name in self._door.take_events():
@@ -254,7 +254,9 @@ class Session:
         self.dock.draw_progress()
         self.dock.presets.refresh()
         self.dock.learn.check_again()
-        self._appearance.follow(self._door.window)  # a lesson may have been opened, or its prediction committed
+        self._appearance.follow(
+            self._door.window, guest=self._in_class.following
+        )  # a lesson may have been opened, or its prediction committed
         if not applied:
             self._display.draw_handles()
         self._in_class.after(None if self.picture is None else self.picture.settings)

@@ -39,8 +39,9 @@ class Appearance:
         self._veiled: frozenset[str] = frozenset()
         self._dark, self._controls_width = False, dock.WIDTH
 
-    def follow(self, window: Window | None) -> None:
-        """Take what the browser has reported last."""
+    def follow(self, window: Window | None, *, guest: bool = False) -> None:
+        """Take what the browser has reported last. guest: whether the page shows somebody else's work, which keeps
+        nothing back from a lesson."""
         if window is None:
             return
         with self._client.atomic():
@@ -48,7 +49,7 @@ class Appearance:
             self._controls.see(window.tabs)
             self._controls.verdict.fold("unfolded" not in window.flags)
         looks = replace(window, plots=None, tabs=None)
-        veiled = ANSWERING if self._controls.learn.waits_for_prediction else frozenset()
+        veiled = ANSWERING if self._controls.learn.waits_for_prediction and not guest else frozenset()
         if (looks, veiled) == (self._window, self._veiled):
             return
         self._window, self._veiled = looks, veiled
