@@ -72,7 +72,7 @@ OBSERVABILITY = Group(
             x_name="window start",
             curves=(
                 *styles.eigenvalues("", (SOLID, DASHED, DOTTED)),
-                Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
+                Curve(label="μ wanted", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
                 *styles.eigenvalues("printed ", PRINTED[:3], palette.PRINTED_EIGENVALUES),
             ),
             draw=plots.excitation,
@@ -273,7 +273,7 @@ TWIN = Group(
                 Curve(label="φ printed", color=palette.PRINTED, dash=DASHED),
                 Curve(label="body axes", color=palette.GREEN, dash=DOTTED),
                 Curve(label="both", color=palette.VERMILLION, dash=LONG, width=2.0),
-                Curve(label="μ", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
+                Curve(label="μ wanted", color=palette.REQUIRED, dash=DASH_DOT, width=2.0),
             ),
             draw=details.certificates,
             definition=definitions.CERTIFICATES,

@@ -12,7 +12,7 @@
   const of = key => shown[key] || base[key];
   // On paper everything is dark on light, whatever the screen shows.
   const ink = () => printing ? '#000' : getComputedStyle(document.body).color;
-  const line = () => printing ? '#ccc' : getComputedStyle(document.documentElement).getPropertyValue('--line').trim() || '#ccc';
+  const line = () => printing ? '#ccc' : getComputedStyle(document.querySelector('footer')).borderTopColor;
   // The plots and the verdict answer the prediction of a lesson.
   const waits = () => !!document.querySelector('.choice') && !document.documentElement.classList.contains('predicted');
   const RUNS = {truth: '#0072B2', estimate: '#D55E00', anchor: '#6B7785'};

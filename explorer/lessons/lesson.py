@@ -1,5 +1,6 @@
 """A lesson: a question, a prediction to commit, something to do, and a check by machine."""
 
+import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,9 +10,10 @@ from typing import Literal, NamedTuple
 from explorer.lessons import state as states
 from explorer.lessons.state import Outcome, State
 from rangenav.inputs import Input, require
-from rangenav.number_format import quantity
+from rangenav.number_format import NEVER, quantity
 
 MAX_TITLE = 60
+MISSING = "–"
 MAX_CASES = 9
 SEPARATOR = " / "
 """Between the tab, the folders and the label of a control."""
@@ -72,6 +74,12 @@ class Goal(Input, frozen=True, kw_only=True):
     def wanted(self) -> str:
         """The goal as text: at least 100 m²/s⁷."""
         return f"{'at least' if self.at_least else 'at most'} {quantity(self.value, self.unit)}"
+
+    def reading(self, metric: float) -> str:
+        """A metric as text: a time that was not reached is “never”, and where there is no number yet a dash."""
+        if math.isinf(metric) and self.unit == "s":
+            return NEVER
+        return quantity(metric, self.unit) if math.isfinite(metric) else MISSING
 
 
 class Header(Input, frozen=True, kw_only=True):

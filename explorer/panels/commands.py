@@ -67,8 +67,9 @@ class Commands:
             keys.go_to(self._client, place, name)
 
     def go_to_place(self, wanted: Place) -> None:
-        """Bring the control that a lesson names into sight: one of its label in its folders, or its tab at least, where
-        the label is that of a row of buttons or of a control that is not shown now."""
+        """Bring the control that a lesson names into sight: one of its label in its folders, or else a button or a row
+        of buttons of that name in its tab; the tab at least, if it is not shown now."""
         places = (place_of(control.handle) for control in self._controls() if control.name == wanted.label)
         fitting = (steps for steps in places if steps is not None and wanted.holds(steps, wanted.label))
-        keys.go_to(self._client, next(fitting, [("tab", wanted.tab)]), wanted.label)
+        around: list[Step] = [("tab", wanted.tab), *(("folder", name) for name in wanted.folders)]
+        keys.go_to(self._client, next(fitting, around), wanted.label)

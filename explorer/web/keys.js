@@ -97,7 +97,10 @@
   const found = (wanted, heading) => {
     const labels = [...inside(heading).querySelectorAll('label[for]')].filter(one => one.getBoundingClientRect().height > 0);
     const label = labels.find(one => name(one) === wanted);
-    return label ? row(label) : document.querySelector(`[data-plot="${wanted}"]`);
+    const dock = document.querySelector('[data-dock-region="right"]') || document;
+    const button = () => [...inside(heading).querySelectorAll('button'), ...dock.querySelectorAll('button')].find(
+      one => one.textContent.trim() === wanted && !one.dataset.rnEvent && one.getBoundingClientRect().height > 0);
+    return label ? row(label) : document.querySelector(`[data-plot="${wanted}"]`) || button();
   };
   const go = async (steps, wanted) => {
     for (const step of steps) await show(step);
@@ -106,9 +109,10 @@
     for (let tries = 0; tries < 30 && !found(wanted, around); tries++) await pause(100);
     const place = found(wanted, around) || found(wanted);
     if (!place) return;
-    place.scrollIntoView({block: 'center'});
+    // a folder that is being opened still grows
+    [0, 350, 800].forEach(later => setTimeout(() => place.scrollIntoView({block: 'center'}), later));
     place.animate([{background: '#56B4E966'}, {background: '#56B4E966', offset: 0.6}, {background: '#56B4E900'}], 1800);
-    const control = !place.dataset.plot && place.querySelector('[role=slider], input, textarea, button');
+    const control = place.matches('button') ? place : !place.dataset.plot && place.querySelector('[role=slider], input, textarea, button');
     if (control) control.focus({preventScroll: true});
   };
   window.rnKeys = {hints: HINTS, go};

@@ -14,11 +14,11 @@ def test_a_waypoint_dragged_with_the_mouse_moves_the_path_and_undo_brings_it_bac
     until(lambda: "/handles/waypoint3" in wide.node_names(), "handles")
     until_still(wide.camera_position)
     table, place = wide.typed(TABLE), wide.node_position("/handles/waypoint3")
-    verdict = wide.chart_data("μ")
+    verdict = wide.chart_data("μ wanted")
     wide.drag_node("/handles/waypoint3", (60, -40))
     until(lambda: wide.typed(TABLE) != table, "the point in the table")
     until(lambda: math.dist(wide.node_position("/handles/waypoint3"), place) > 0.05, "the handle elsewhere")
-    until(lambda: wide.chart_data("μ") != verdict, "another excitation")
+    until(lambda: wide.chart_data("μ wanted") != verdict, "another excitation")
     until_still(lambda: wide.typed(TABLE))  # the drag has ended for the session, too
     wide.page.evaluate(BLUR)  # out of any box, whose own undo would come first
     wide.page.keyboard.press("Control+z")

@@ -21,7 +21,11 @@ def check(state: State) -> Outcome:
         return Outcome(math.inf, False, "B excites nothing at all: it must be observable.")
     excitation, error = measures.mu(a) / measures.mu(b), measures.sigma(a) / measures.sigma(b)
     if not excitation > EXCITATION:
-        return Outcome(excitation, False, f"A has {short(excitation)} times the excitation of B: slow B down more.")
+        return Outcome(
+            excitation,
+            False,
+            f"A has {short(excitation)} times the excitation of B, and {short(error)} times its error: slow B down.",
+        )
     if not error > ERROR:
         return Outcome(excitation, False, f"A's error is {short(error)} times that of B: B is too slow now.")
     return Outcome(

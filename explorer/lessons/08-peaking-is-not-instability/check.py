@@ -20,7 +20,8 @@ def check(state: State) -> Outcome:
         return Outcome(math.nan, False, other)
     steady, peak = measures.worst_of_seeds(p)
     if steady >= STEADY:
-        return Outcome(steady, False, f"The worst of five runs keeps an error of {short(steady, 'm')}.")
+        keeps = f"The worst of five runs keeps an error of {short(steady, 'm')}"
+        return Outcome(steady, False, f"{keeps}, after a peak of {short(peak, 'm')}.")
     return Outcome(
         steady, True, f"The worst of five runs keeps {short(steady, 'm')}, after a peak of {short(peak, 'm')}."
     )

@@ -29,7 +29,10 @@ from explorer.widgets.form import Action, Form
 from explorer.widgets.page import Page
 from rangenav.number_format import quantity
 
-EXPORT = "Now export it: on the tab Presets, below “Download with certificate”, the button “Export as a zip”."
+EXPORT = (
+    "Now export it yourself: on the tab Presets open “Download with certificate”, switch “polynomials” on, and press "
+    "“Export as a zip”."
+)
 COMMIT_HINT = "A committed prediction stays."
 NUMBER_HINT = "A number, such as 0.5. It is committed by the button below, and stays."
 

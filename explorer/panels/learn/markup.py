@@ -15,7 +15,6 @@ from explorer.lessons.screens import Screen
 from explorer.lessons.state import Outcome
 from explorer.model.learning import PREDICTION, Learning, answers_of
 from explorer.widgets.html import table
-from rangenav.number_format import quantity
 
 BUTTON = '<button type="button" class="rn-button {}" data-rn-event="{}" {}>{}</button>'
 INTRODUCTION = (
@@ -132,7 +131,7 @@ def _task(lesson: Lesson, page: Screen, shown: Shown) -> str:
     more = shown.learning.hints < len(lesson.header.hints)
     help_row = [button("hint", HINT_NAMES[shown.learning.hints])] if more else []
     help_row += [button("show", "show me"), button("again", "start again")]
-    cases = "".join(button(f"case-{k}", name) for k, name in enumerate(lesson.header.cases, start=1))
+    cases = "".join(button(f"case-{k}", f"open {name}") for k, name in enumerate(lesson.header.cases, start=1))
     questions = "".join(
         _question(k, asked, lesson, shown.learning) for k, asked in enumerate(lesson.header.answers, start=1)
     )
@@ -168,10 +167,11 @@ def _question(k: int, asked: Answer, lesson: Lesson, learning: Learning) -> str:
 def strip(lesson: Lesson, outcome: Outcome | None) -> str:
     """One line over the scene: the task's metric and its goal, for whoever moves a control on another tab."""
     goal = lesson.header.goal
-    now = "…" if outcome is None else quantity(outcome.metric, goal.unit)
+    now = "…" if outcome is None else goal.reading(outcome.metric)
     sign = "✓ " if outcome is not None and outcome.passed else ""
     text = f"{sign}Lesson {lesson.number} · {html.escape(goal.label)}: <b>{now}</b>, wanted {goal.wanted}"
-    return f'<div class="rn-task" role="status" title="{html.escape(outcome.hint) if outcome else ""}">{text}</div>'
+    hint = "" if outcome is None or outcome.passed else f"<br>{html.escape(outcome.hint)}"
+    return f'<div class="rn-task" role="status">{text}{hint}</div>'
 
 
 def _meter(goal: Goal, outcome: Outcome | None, *, passed: bool) -> str:
@@ -180,7 +180,7 @@ def _meter(goal: Goal, outcome: Outcome | None, *, passed: bool) -> str:
         return '<p role="status">The check is being computed …</p>'
     share = 1.0 if outcome.passed else min(reached(goal, outcome.metric), NOT_YET)
     sign = "✓" if outcome.passed else "…"
-    now = quantity(outcome.metric, goal.unit)
+    now = goal.reading(outcome.metric)
     earlier = "" if outcome.passed or not passed else " You have passed this lesson before."
     return (
         f'<p class="rn-lesson-goal">{html.escape(goal.label)}: <b>{now}</b>, wanted {goal.wanted}</p>'
