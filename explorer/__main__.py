@@ -1,6 +1,5 @@
 """`rangenav-explorer`, or `python -m explorer`: serves the page on this machine and prints its address."""
 
-import logging
 import signal
 import sys
 import tempfile
@@ -9,10 +8,11 @@ import urllib.request
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
+from explorer.web.logs import configure
 from rangenav import preset
 from rangenav.inputs import require
 
@@ -46,14 +46,20 @@ class Arguments:
     """A file that holds the token of the teacher's link; without it the variable RANGENAV_TOKEN, else a new one."""
     places: int = 40
     """How many students may be on the page at the same time."""
+    check: bool = False
+    """Try every part of this installation, say what does not work and what to do, and start no page."""
+    log: Literal["text", "json"] = "text"
+    """How warnings and errors are written: as text, or each as one line of JSON."""
     browser: Annotated[bool, tyro.conf.arg(help="Open a browser, if there is one.")] = True
 
 
 def main() -> None:
     """Entry point of the command."""
     arguments = tyro.cli(Arguments, prog="rangenav-explorer")
-    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    configure(arguments.log)
     try:
+        if arguments.check:
+            sys.exit(check())
         if arguments.handout is not None:
             write_handout(arguments, arguments.handout)
         else:
@@ -63,6 +69,17 @@ def main() -> None:
         sys.exit(2)
     except KeyboardInterrupt:
         pass
+
+
+def check() -> int:
+    """Print what works, line by line. Returns 1 if something does not."""
+    from explorer.server.installation import checks
+
+    failed = 0
+    for one in checks():
+        print(one, flush=True)
+        failed += not one.works
+    return int(failed > 0)
 
 
 def write_handout(arguments: Arguments, path: Path) -> None:
@@ -94,6 +111,7 @@ def serve(arguments: Arguments) -> None:
     from explorer.web.access.invitation import codes_with, invitation
     from explorer.web.access.visitors import Role
     from explorer.web.addresses import Addresses
+    from explorer.web.metrics import Metrics
     from explorer.web.security import close_server, open_server
 
     addresses = Addresses(arguments.host, arguments.url)
@@ -103,7 +121,8 @@ def serve(arguments: Arguments) -> None:
             1 <= arguments.places <= MAX_PLACES, f"--places {arguments.places}: must lie between 1 and {MAX_PLACES}"
         )
         entrance = Entrance(codes=codes_with(arguments.token_file), places=arguments.places, secure=addresses.secure)
-    server = open_server(arguments.host, arguments.port, url=arguments.url, entrance=entrance)
+    metrics = Metrics()
+    server = open_server(arguments.host, arguments.port, url=arguments.url, entrance=entrance, metrics=metrics)
     from explorer.server import SessionServer
     from explorer.shared import Compilation, Shared
     from explorer.storage.work_files import WorkFiles
@@ -121,6 +140,7 @@ def serve(arguments: Arguments) -> None:
                 requested=arguments.preset != DEFAULT_PRESET,
                 lesson="" if arguments.lesson is None else str(arguments.lesson),
                 entrance=entrance,
+                metrics=metrics,
                 address=page,
                 compilation=compilation,
                 work_files=WorkFiles(),

@@ -14,6 +14,7 @@ from explorer.storage.work_files import WorkFiles
 from explorer.web.access.entrance import Entrance
 from explorer.web.access.visitors import Role, Visitor
 from explorer.web.identity import Slots
+from explorer.web.metrics import Metrics
 from rangenav.preset import Preset
 
 ESTIMATORS_DELAY = 3.0
@@ -70,6 +71,7 @@ class Shared:
     """Who may come in; None where nobody but the people at this machine can reach the page."""
     classroom: Classroom = field(default_factory=Classroom)
     """What the teacher shows, and where the students are."""
+    metrics: Metrics = field(default_factory=Metrics)
     address: str = ""
     """The page's address as visitors type it, with a slash at its end."""
     compilation: Compilation

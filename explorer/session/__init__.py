@@ -83,6 +83,11 @@ class Session:
         """The picture on the page; None before the first one."""
         return self._display.picture if self._built else None
 
+    @property
+    def works(self) -> bool:
+        """Whether a search or an export runs for this visitor."""
+        return self.form.works
+
     def start(self) -> None:
         """Build the page and serve it from this session's own thread."""
         accept_values_only(self._client)
@@ -275,6 +280,7 @@ class Session:
                 self._remember(settings)  # before drawing: the tab may be gone by then
             if picture is not shown:
                 self._display.show(picture)
+                self.shared.metrics.picture(time.monotonic() - began)
                 self.form.forget_answer()
                 if not self._in_class.following:
                     opened = self.history.now is not None and self.history.now.origin != settings.origin
@@ -318,4 +324,5 @@ class Session:
         except Exception:
             log.exception("session %s", self._client.client_id)
             self._playback.playing = False
+            self.shared.metrics.error()
             self._outgoing.notify_of_error()

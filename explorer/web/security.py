@@ -24,13 +24,15 @@ from websockets.http11 import Request, Response
 
 from explorer.model import palette
 from explorer.web import array_types
-from explorer.web.access.entrance import Answer, Entrance
+from explorer.web.access.entrance import METRICS_PATH, Answer, Entrance
 from explorer.web.addresses import Addresses
 from explorer.web.limits import MAX_MESSAGE, MeteredConnection
+from explorer.web.metrics import CONTENT_TYPE, Metrics
 from explorer.web.without_webgl import add_script
 
 CHECKED_AGAINST = "1.1.1"
-HEALTH_PATH = "/healthz"
+HEALTH_PATH, REFUSED = "/healthz", 400
+"""Where a monitor asks whether the page answers, and the least status of a refusal."""
 RECEIVE, RECEIVE_TIMEOUT = 0.05, 2.0
 """s in which the event loop takes in the messages that have arrived, and s after which it is not waited for."""
 UNUSED_MESSAGES = (
@@ -47,7 +49,9 @@ SENT_OUT, SENT_OUT_REASON = 4001, "you were sent out"
 log = logging.getLogger(__name__)
 
 
-def open_server(host: str, port: int, *, url: str = "", entrance: Entrance | None = None) -> viser.ViserServer:
+def open_server(
+    host: str, port: int, *, url: str = "", entrance: Entrance | None = None, metrics: Metrics | None = None
+) -> viser.ViserServer:
     """A server at an address of this machine; port 0 takes any free port. `url`: the address by a proxy.
 
     Raises ValueError with one sentence: where other machines can reach the page, `entrance` must decide who comes in.
@@ -60,7 +64,7 @@ def open_server(host: str, port: int, *, url: str = "", entrance: Entrance | Non
     _refuse_busy(addresses.bound, port)
     array_types.build_once()
     with (
-        _guarded_serve(addresses, entrance),
+        _guarded_serve(addresses, entrance, metrics or Metrics()),
         contextlib.redirect_stdout(io.StringIO()),
     ):  # viser prints a table; the program prints one line instead
         server = viser.ViserServer(host=addresses.bound, port=port, verbose=False)
@@ -118,14 +122,15 @@ def accept_values_only(client: viser.ClientHandle) -> None:
 
 
 @contextlib.contextmanager
-def _guarded_serve(addresses: Addresses, entrance: Entrance | None) -> Iterator[None]:
+def _guarded_serve(addresses: Addresses, entrance: Entrance | None, metrics: Metrics) -> Iterator[None]:
     """Within this context, viser's call of `serve` goes through the checks of this module."""
     serve = websockets.asyncio.server.serve
 
     def guarded(handler: Any, host: str, port: int, *, process_request: Callable, **options: Any) -> Any:
         options |= {"max_size": MAX_MESSAGE, "create_connection": MeteredConnection}
         inner = handler if entrance is None else _counted(handler, entrance)
-        return serve(inner, host, port, process_request=_checked(process_request, addresses, entrance), **options)
+        checked = _checked(process_request, addresses, entrance, metrics)
+        return serve(inner, host, port, process_request=checked, **options)
 
     websockets.asyncio.server.serve = guarded  # type: ignore[assignment]
     try:
@@ -135,7 +140,7 @@ def _guarded_serve(addresses: Addresses, entrance: Entrance | None) -> Iterator[
 
 
 def _checked(
-    process_request: Callable, addresses: Addresses, entrance: Entrance | None
+    process_request: Callable, addresses: Addresses, entrance: Entrance | None, metrics: Metrics
 ) -> Callable[[ServerConnection, Request], Response | None]:
     """viser's HTTP answers, with refusals before them and with security headers."""
     logging.getLogger("websockets.server").addFilter(
@@ -151,8 +156,12 @@ def _checked(
             response = connection.respond(200, "ok\n")
         else:
             told = None if entrance is None else entrance.answer(request, port)
+            if told is None and request.path == METRICS_PATH:
+                told = Answer(200, metrics.text(), content_type=CONTENT_TYPE)
             response = _response(connection, told) if told else process_request(connection, request)
         if response is not None:
+            if response.status_code >= REFUSED:
+                metrics.refused(response.status_code)
             add_script(response)
             addresses.add_headers(response, arrived_at, port)
         return response
@@ -181,10 +190,9 @@ def _counted(handler: Callable, entrance: Entrance) -> Callable:
 
 
 def _response(connection: ServerConnection, answer: Answer) -> Response:
-    response = connection.respond(answer.status, answer.text if answer.is_page else answer.text + "\n")
-    if answer.is_page:
-        del response.headers["Content-Type"]
-        response.headers["Content-Type"] = "text/html; charset=utf-8"
+    response = connection.respond(answer.status, f"{answer.text.rstrip()}\n")
+    del response.headers["Content-Type"]
+    response.headers["Content-Type"] = answer.content_type
     response.headers["Cache-Control"] = "no-store"
     for name, value in answer.headers:
         response.headers[name] = value

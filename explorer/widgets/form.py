@@ -100,6 +100,11 @@ class Form:
             with suppress(InvalidInputError):
                 jobs.deliver()
 
+    @property
+    def works(self) -> bool:
+        """Whether a job with a progress bar runs."""
+        return any(panel.running is not None for panel in self.progress)
+
     def cancel_jobs(self) -> None:
         """Cancel all jobs, because the visitor has left."""
         for jobs in self._jobs:

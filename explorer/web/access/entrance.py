@@ -2,6 +2,7 @@
 
 GET /enter                                   200 the page at the door: type a code, or follow a link with a secret
 GET /enter  Rangenav-Enter: code ABC-DEF     200 and a cookie; 403 wrong; 429 too many attempts; 503 full
+GET /metrics                                 200 for the teacher's cookie or token, else 401
 GET /…      Cookie: …                        what the page answers; without a valid cookie 401, a reader sees the door
 """
 
@@ -22,6 +23,8 @@ from explorer.web.access.codes import Codes
 from explorer.web.access.visitors import LIFETIME, Role, Visitor, Visitors
 
 DOOR_PATH, DOOR_COOKIE, HEADER, MAX_SECRET = "/enter", "rangenav-door", "Rangenav-Enter", 200
+HTML = "text/html; charset=utf-8"
+METRICS_PATH = "/metrics"
 MAX_TABS = 6
 """Tabs of one visitor at the same time."""
 DOOR = Path(__file__).with_name("door.html")
@@ -32,6 +35,7 @@ DOOR_POLICY = (
 WRONG = "This code is not right, or it has been replaced: look again, or ask your teacher."
 WRONG_LINK = "This link is not right, or it has been replaced: ask for a new one."
 FULL = "The class is full: all {places} places are taken. Try again when somebody has left."
+FOR_TEACHER = "This is for the teacher, or for a program with the teacher's token: Authorization: Bearer …"
 NOT_IN = "Come in with your code or your link first."
 
 
@@ -42,8 +46,12 @@ class Answer:
     status: int
     text: str
     headers: tuple[tuple[str, str], ...] = ()
-    is_page: bool = False
-    """Whether the text is HTML."""
+    content_type: str = "text/plain; charset=utf-8"
+
+    @property
+    def is_page(self) -> bool:
+        """Whether the text is HTML."""
+        return self.content_type == HTML
 
 
 class Entrance:
@@ -162,6 +170,8 @@ class Entrance:
             return self._at_the_door(request, port)
         with self._lock:
             visitor, reader = self.visitor(request, port), path == "/" and not upgrade
+            if path == METRICS_PATH and not upgrade:
+                return None if self._may_measure(request, visitor) else Answer(401, FOR_TEACHER)
             if visitor is None:
                 return self._door(401, request, port) if reader else Answer(401, NOT_IN)
             if upgrade and len(self._tabs.get(visitor.number, ())) >= MAX_TABS:
@@ -169,6 +179,12 @@ class Entrance:
             if self._is_full(visitor):
                 return self._door(503, request, port) if reader else Answer(503, self._full_sentence)
         return None
+
+    def _may_measure(self, request: Request, visitor: Visitor | None) -> bool:
+        """The teacher, and a program that has the teacher's token."""
+        kind, _, token = request.headers.get("Authorization", "").partition(" ")
+        by_token = kind == "Bearer" and self._codes.is_token(token[:MAX_SECRET])
+        return by_token or (visitor is not None and visitor.role is Role.TEACHER)
 
     def _at_the_door(self, request: Request, port: int) -> Answer:
         said = request.headers.get_all(HEADER)
@@ -219,7 +235,7 @@ class Entrance:
         if not _cookie(request, name):
             flags = f"Path={DOOR_PATH}; HttpOnly; SameSite=Strict" + "; Secure" * self._secure
             headers.append(("Set-Cookie", f"{name}={secrets.token_urlsafe(12)}; {flags}"))
-        return Answer(status, text, tuple(headers), is_page=True)
+        return Answer(status, text, tuple(headers), content_type=HTML)
 
     def _cookie_name(self, port: int) -> str:
         """The name tells pages on other ports of this machine apart: browsers send cookies to all ports."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 import viser
+from prometheus_client.parser import text_string_to_metric_families
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin, Subprotocol
@@ -119,6 +120,23 @@ def test_health_is_told_to_anybody_and_nothing_else_is(server: viser.ViserServer
     status, headers, body = _get(server, "/healthz")
     assert (status, body) == (200, b"ok\n")
     assert "Set-Cookie" not in headers
+
+
+def test_numbers_for_a_monitor_are_for_the_teacher_and_a_program_with_the_token(
+    server: viser.ViserServer, codes: Codes
+) -> None:
+    student = _come_in(server, codes)
+    for headers in ({}, {"Cookie": student}, {"Authorization": f"Bearer {codes.key}"}, {"Authorization": codes.token}):
+        assert _get(server, "/metrics", **headers)[0] == 401
+    status, headers, body = _get(server, "/metrics", Authorization=f"Bearer {codes.token}")
+    families = {one.name: one for one in text_string_to_metric_families(body.decode())}
+    assert status == 200
+    assert headers["Content-Type"].startswith("text/plain")
+    assert {"rangenav_visitors", "rangenav_picture_seconds", "rangenav_errors", "rangenav_refused"} <= set(families)
+    refused = {
+        sample.labels["status"]: sample.value for sample in families["rangenav_refused"].samples if sample.labels
+    }
+    assert refused["401"] >= 4
 
 
 def test_a_page_for_others_without_an_entrance_is_not_served() -> None:

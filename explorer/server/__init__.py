@@ -22,6 +22,9 @@ class SessionServer:
         self._by_client: dict[int, Session] = {}
         self._stopping = False
         light(server.scene)
+        shared.metrics.watch(
+            visitors=lambda: len(self._by_client), jobs=lambda: sum(session.works for session in self.sessions)
+        )
         server.on_client_disconnect(self._leave)
         server.on_client_connect(self._join)
 
