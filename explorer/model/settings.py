@@ -112,4 +112,6 @@ def effective(settings: Settings) -> Preset:
         path = signals.slowed(path, settings.time_scale)
     if settings.printed.initial_values:
         path = signals.with_start(path, **_printed_start(settings.preset))
+    if path is settings.preset.path:  # the preset is not checked again
+        return settings.preset
     return msgspec.structs.replace(settings.preset, path=path)

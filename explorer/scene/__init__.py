@@ -31,7 +31,7 @@ from rangenav.inputs import Vec3
 PATH_THICKNESS, BIG_PATH_THICKNESS = 3.0, 7.0
 """px"""
 LABEL_PERIOD = 0.3
-"""s between two arrangements of the labels while time moves."""
+"""s between two arrangements of the labels while time or a handle moves."""
 
 
 class Scene:
@@ -127,7 +127,11 @@ class Scene:
         self._proposed.draw(picture, comparison.proposed, bounds)
         self._globe.draw(picture, comparison.basin, bounds)
         self._view.frame(bounds, picture.motion.position, dragging=dragging)
-        self._show_all(picture)
+        if dragging:  # twenty pictures a second: the labels follow as they do while time moves
+            self._moved.forget()
+            self.move(picture, self._time)
+        else:
+            self._show_all(picture)
 
     def draw_details(self, picture: Picture, details: Details) -> None:
         """Show the evil twin and the excitation, which take longer to compute; called when nothing has changed for a

@@ -100,6 +100,7 @@ def panels(path: Signal, window: float, until: float, *, spare: int) -> tuple[fl
     return turn, max(knots.degree(path), 2) + ROWS + 1 + (_mixed(turn) + spare if turn > 0 else 0)
 
 
+@lru_cache(maxsize=16)
 def _fullest(path: Signal, window: float, until: float, spare: int) -> tuple[int, int]:
     """The most panels that a window has, and the nodes of each: those of a window that starts just before a knot."""
     edges = _edges(path, 0.0, until)
